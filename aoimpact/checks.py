@@ -1,0 +1,255 @@
+"""Validators of single arguments: they convert, or say which argument is wrong and how.
+
+Every function takes the argument's name first and returns the value in the one form that the
+rest of the package works with (`float`, `int`, contiguous native float64 arrays).
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import numbers
+import operator
+import reprlib
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import InputError, InputTypeError
+
+__all__ = [
+    "boolean",
+    "choice",
+    "finite_array",
+    "integer",
+    "nearest",
+    "nonnegative",
+    "node_ids",
+    "positive",
+    "real",
+    "unit_vector",
+]
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+
+def _unit(unit: str) -> str:
+    return f" {unit}" if unit else ""
+
+
+def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> float:
+    """Return `value` as a float: a real number, finite unless `infinite` is true.
+
+    Raises
+    ------
+    InputTypeError
+        If `value` is not a real number (a bool, a complex, a string, an array).
+    InputError
+        If it is NaN, or infinite where that has no meaning.
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
+        raise InputTypeError(f"{name} must be a real number, got {_short(value)}")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf if value > 0 else -math.inf
+    if math.isnan(number):
+        raise InputError(f"{name} must be a number, got nan")
+    if math.isinf(number) and not infinite:
+        raise InputError(f"{name} must be finite, got {number}{_unit(unit)}")
+    return number
+
+
+def positive(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> float:
+    """Return `value` as a float > 0; see `real`."""
+    number = real(name, value, unit=unit, infinite=infinite)
+    if number <= 0.0:
+        raise InputError(f"{name} must be positive, got {number:g}{_unit(unit)}")
+    return number
+
+
+def nonnegative(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> float:
+    """Return `value` as a float >= 0; see `real`."""
+    number = real(name, value, unit=unit, infinite=infinite)
+    if number < 0.0:
+        raise InputError(f"{name} must not be negative, got {number:g}{_unit(unit)}")
+    return number
+
+
+def integer(name: str, value: Any, *, low: int | None = None, high: int | None = None) -> int:
+    """Return `value` as an int in [`low`, `high`]; floats and bools are refused.
+
+    Raises
+    ------
+    InputTypeError
+        If `value` is not an integer (2.0 is not: a count that was computed may be 1.9999).
+    InputError
+        If it lies outside the bounds.
+    """
+    if isinstance(value, (bool, np.bool_)):
+        raise InputTypeError(f"{name} must be an integer, got the bool {value}")
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise InputTypeError(
+            f"{name} must be an integer, got {_short(value)} of type {type(value).__name__}"
+        ) from None
+    if low is not None and high is not None and not low <= number <= high:
+        raise InputError(f"{name} must be from {low} to {high}, got {number}")
+    if low is not None and number < low:
+        raise InputError(f"{name} must be at least {low}, got {number}")
+    if high is not None and number > high:
+        raise InputError(f"{name} must be at most {high}, got {number}")
+    return number
+
+
+def boolean(name: str, value: Any) -> bool:
+    """Return `value` as a bool; anything but a bool is refused."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputTypeError(f"{name} must be True or False, got {_short(value)}")
+    return bool(value)
+
+
+def nearest(value: str, options: Iterable[str]) -> str:
+    """Return " (did you mean 'x'?)" for the option most like `value`, or an empty string."""
+    found = difflib.get_close_matches(value, list(options), n=1, cutoff=0.5)
+    return f" (did you mean {found[0]!r}?)" if found else ""
+
+
+def choice(name: str, value: Any, options: Sequence[str]) -> str:
+    """Return `value` if it is one of `options`; the error names the nearest one."""
+    listed = ", ".join(repr(option) for option in options)
+    if not isinstance(value, str):
+        raise InputTypeError(f"{name} must be one of {listed}, got {_short(value)}")
+    if value not in options:
+        raise InputError(f"{name} must be one of {listed}, got {value!r}{nearest(value, options)}")
+    return value
+
+
+def finite_array(
+    name: str,
+    value: Any,
+    *,
+    shape: Sequence[int | None] | None = None,
+    ndim: int | None = None,
+    unit: str = "",
+) -> FloatArray:
+    """Return `value` as a C-contiguous native float64 array without NaN or infinity.
+
+    Integer, float32, big-endian, strided and read-only arrays are converted; what is in the
+    right form already is returned as it is, not copied.
+
+    Parameters
+    ----------
+    shape : sequence of int or None, optional
+        The shape wanted; None stands for any length along that axis.
+    ndim : int, optional
+        The number of axes wanted.
+
+    Raises
+    ------
+    InputTypeError
+        If `value` is complex, boolean, text, masked or not an array of numbers at all.
+    InputError
+        If the shape is wrong or an entry is not finite (the first such entry is named).
+    """
+    array = _real_array(name, value)
+    if ndim is not None and array.ndim != ndim:
+        raise InputError(f"{name} must have {ndim} axes, got shape {array.shape}")
+    if shape is not None and not _shape_matches(array.shape, shape):
+        raise InputError(f"{name} must have shape {_shape_text(shape)}, got {array.shape}")
+    if array.size and not np.isfinite(array).all():
+        bad = np.argwhere(~np.isfinite(array))
+        first = tuple(int(i) for i in bad[0])
+        where = f"{name}[{', '.join(map(str, first))}]" if first else name
+        raise InputError(
+            f"{name} must be finite{' (' + unit + ')' if unit else ''}: "
+            f"{where} is {array[first]}; {len(bad)} of {array.size} entries are not finite"
+        )
+    return array
+
+
+def unit_vector(name: str, value: Any) -> FloatArray:
+    """Return `value` (3,) scaled to length one.
+
+    Raises
+    ------
+    InputError
+        If it has another shape, is not finite, or is zero.
+    """
+    vector = finite_array(name, value, shape=(3,))
+    scale = float(np.abs(vector).max())
+    if scale == 0.0:
+        raise InputError(f"{name} must not be the zero vector")
+    # Scaled first: the square of 1e-200 would vanish.
+    scaled = vector / scale
+    unit: FloatArray = scaled / np.linalg.norm(scaled)
+    return unit
+
+
+def node_ids(name: str, value: Any, n_nodes: int) -> IntArray:
+    """Return `value` as sorted unique node numbers in [0, `n_nodes`); bools are refused.
+
+    Raises
+    ------
+    InputTypeError
+        If the entries are not integers.
+    InputError
+        If there are none, or one is out of range (negative numbers do not count backwards).
+    """
+    try:
+        array = np.atleast_1d(np.asarray(value))
+    except ValueError as error:
+        raise InputTypeError(f"{name} must be a list of node numbers: {error}") from None
+    if array.size == 0:
+        raise InputError(f"{name} selects no nodes")
+    if array.dtype.kind not in "iu":
+        raise InputTypeError(f"{name} must be integer node numbers, got {_short(value)}")
+    if array.ndim != 1:
+        raise InputError(f"{name} must be a flat list of node numbers, got shape {array.shape}")
+    low, high = int(array.min()), int(array.max())
+    if low < 0 or high >= n_nodes:
+        wrong = low if low < 0 else high
+        raise InputError(f"{name} has node {wrong}, but nodes run from 0 to {n_nodes - 1}")
+    return np.unique(array).astype(np.int64)
+
+
+def _real_array(name: str, value: Any) -> FloatArray:
+    if np.ma.isMaskedArray(value) and np.ma.is_masked(value):
+        raise InputTypeError(f"{name} has masked entries; fill or remove them first")
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise InputTypeError(f"{name} must be an array of numbers: {error}") from None
+    if array.dtype.kind in "O" and array.ndim > 0:
+        try:
+            array = array.astype(np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputTypeError(f"{name} must be an array of real numbers: {error}") from None
+    if array.dtype.kind not in "iuf":
+        raise InputTypeError(
+            f"{name} must be an array of real numbers, got "
+            f"{_short(value) if array.ndim == 0 else f'dtype {array.dtype}'}"
+        )
+    with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
+        return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+
+
+def _shape_matches(actual: tuple[int, ...], wanted: Sequence[int | None]) -> bool:
+    return len(actual) == len(wanted) and all(
+        w is None or a == w for a, w in zip(actual, wanted, strict=True)
+    )
+
+
+def _shape_text(shape: Sequence[int | None]) -> str:
+    sizes = ["any" if size is None else str(size) for size in shape]
+    return f"({', '.join(sizes)}{',' if len(sizes) == 1 else ''})"
+
+
+def _short(value: Any) -> str:
+    return reprlib.repr(value)
