@@ -14,6 +14,7 @@ __all__ = [
     "InputTypeError",
     "MeshError",
     "SingularError",
+    "core_error",
 ]
 
 
@@ -45,4 +46,31 @@ class AOImpactWarning(UserWarning):
     """Something looks wrong, but may be meant."""
 
 
-# --- The codes of the C core: one table, code -> exception (function `core_error`). ---
+
+
+# The codes of the C core (enum aoi_status): one table, code -> exception class and what it means.
+_CORE: dict[int, tuple[type[AOImpactError], str]] = {
+    1: (InputError, "an argument is out of its range"),
+    2: (ConvergenceError, "infinity or NaN came up; the step may be too large or the values too extreme"),
+    3: (SingularError, "a mass, stiffness or pivot that must be positive is not"),
+    4: (ConvergenceError, "an iteration did not converge"),
+    5: (InputError, "the contact functional does not move the body (it is zero on all free dofs)"),
+    6: (ConvergenceError, "the linear solver failed"),
+}
+
+
+def core_error(code: int, what: str, time: float) -> AOImpactError:
+    """Return the exception for a status of the C core (``aoi_status``).
+
+    Parameters
+    ----------
+    code : int
+        The status, not 0.
+    what : str
+        What the core was doing.
+    time : float
+        Simulated time of the failing step, s; negative where time has no meaning.
+    """
+    kind, text = _CORE.get(code, (AOImpactError, f"unknown status {code} of the core"))
+    when = f" at t = {time:.6g} s" if time >= 0.0 else ""
+    return kind(f"{what}{when}: {text}")

@@ -1,0 +1,210 @@
+"""The lowest eigenpairs of K φ = ω² M φ, none missed, on the whole space or on bᵀφ = 0."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+
+from .errors import ConvergenceError
+from .solvers import Factorization, factorize
+
+__all__ = ["DENSE_DOFS", "lowest", "lowest_sparse", "null_space", "shifted"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# Up to here LAPACK on the whole pencil is quicker than setting up an iteration.
+DENSE_DOFS = 500
+
+# ‖Kφ‖ / ‖|K||φ|‖ of a mode that is rigid: rounding gives some 1e-15, the slenderest of meshes that
+# double precision can still carry 1e-9.
+_RIGID = 1e-12
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """K + s²M and its factors; `s2` in (rad/s)²."""
+
+    factors: Factorization
+    s2: float
+
+
+def shifted(K: Any, M: Any, *, rigid: FloatArray | None = None) -> Shifted:
+    """Factorise K + s²M with s² beside the lowest elastic eigenvalue.
+
+    A free K has no factors; K + s²M always has. s² far below the first elastic eigenvalue costs
+    digits, far above it iterations, so it is put right once the eigenvalue is known roughly.
+
+    Parameters
+    ----------
+    K, M : scipy.sparse matrices, shape (n, n)
+    rigid : ndarray, shape (n, r), optional
+        M-orthonormal basis of the null space of K; without it s² stays at its first guess.
+    """
+    s2 = 1e-4 * float(K.diagonal().sum() / M.diagonal().sum())
+    for _ in range(4):
+        current = Shifted(factorize(K + s2 * M, what="K + s²M"), s2)
+        if rigid is None:
+            return current
+        first = _first_elastic(K, M, current, rigid)
+        if 1e-3 * s2 <= first <= 1e5 * s2:
+            return current
+        s2 = first
+    return current
+
+
+def _first_elastic(K: Any, M: Any, current: Shifted, rigid: FloatArray) -> float:
+    """An upper bound of the first elastic ω² that is right in its order of magnitude."""
+    x = np.random.default_rng(1).standard_normal(K.shape[0])
+    for _ in range(4):
+        x = current.factors.solve(M @ x)
+        x -= rigid @ (rigid.T @ (M @ x))
+        x /= np.sqrt(x @ (M @ x))
+    return float(x @ (K @ x))
+
+
+def null_space(K: Any, M: Any) -> FloatArray:
+    """Return the M-orthonormal modes of zero stiffness, shape (n, r), from the matrices alone.
+
+    A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖: its elastic forces are rounding.
+    """
+    n = K.shape[0]
+    wanted = min(n, 8)
+    while True:
+        _, modes = lowest(K, M, wanted)
+        forces = np.linalg.norm(K @ modes, axis=0)
+        scale = np.linalg.norm(abs(K) @ np.abs(modes), axis=0)
+        rigid = forces <= _RIGID * scale
+        if not rigid.all() or wanted == n:
+            return np.ascontiguousarray(modes[:, rigid])
+        wanted = min(n, 2 * wanted)
+
+
+def lowest(
+    K: Any, M: Any, n: int, *, known: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the `n` lowest eigenpairs, none missed.
+
+    Parameters
+    ----------
+    K, M : scipy.sparse matrices, shape (dofs, dofs)
+        Symmetric; M positive definite, K positive semidefinite.
+    n : int
+        How many, 1 … dofs.
+    known : ndarray, shape (dofs, r), optional
+        M-orthonormal basis of the null space of K; its modes come first, with ω² exactly 0.
+
+    Returns
+    -------
+    omega2 : ndarray, shape (n,)
+        ω², (rad/s)², ascending, not below 0.
+    modes : ndarray, shape (dofs, n)
+        M-orthonormal.
+    """
+    dofs = K.shape[0]
+    rigid = np.zeros((dofs, 0)) if known is None else known
+    count = rigid.shape[1]
+    if n <= count:
+        return np.zeros(n), rigid[:, :n].copy()
+    if dofs <= DENSE_DOFS or n > dofs // 5:
+        omega2, modes = la.eigh(K.toarray(), M.toarray(), subset_by_index=[0, n - 1])
+        omega2[:count] = 0.0
+        modes[:, :count] = rigid
+        return np.maximum(omega2, 0.0), modes
+    base = shifted(K, M, rigid=known)
+    omega2, modes = lowest_sparse(M, base.factors.solve, base.s2, n - count, away_from=rigid)
+    return (
+        np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)]),
+        np.column_stack([rigid, modes]),
+    )
+
+
+def lowest_sparse(
+    M: Any,
+    solve: Callable[[FloatArray], FloatArray],
+    s2: float,
+    n: int,
+    *,
+    away_from: FloatArray,
+    start: FloatArray | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the `n` lowest eigenpairs of a space from its inverse operator, by ARPACK.
+
+    A Krylov space holds one vector of a multiple eigenvalue, so members of it can be missed. What
+    was found is therefore deflated and the lowest of the rest asked for, until that lies above.
+
+    Parameters
+    ----------
+    M : scipy.sparse matrix, shape (dofs, dofs)
+    solve : callable
+        f ↦ (K + s²M)⁻¹ f on the space in question, self-adjoint.
+    s2 : float
+        The shift s² of `solve`, (rad/s)².
+    n : int
+        How many eigenpairs.
+    away_from : ndarray, shape (dofs, r)
+        M-orthonormal eigenvectors to keep out of the result.
+    start : ndarray, shape (dofs,), optional
+        First vector of the Krylov space.
+
+    Returns
+    -------
+    omega2, modes : ndarrays, shapes (n,), (dofs, n)
+    """
+    first = np.random.default_rng(2).standard_normal(M.shape[0]) if start is None else start
+    omega2, modes = _arnoldi(M, solve, s2, n, away_from, first)
+    while True:
+        deflated = np.column_stack([away_from, modes])
+        fresh = np.random.default_rng(3).standard_normal(M.shape[0])
+        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, fresh)
+        if next_omega2[0] >= omega2[n - 1] * (1.0 - 1e-9):
+            return omega2[:n], modes[:, :n]
+        omega2 = np.append(omega2, next_omega2)
+        modes = np.column_stack([modes, next_mode])
+        order = np.argsort(omega2, kind="stable")
+        omega2, modes = omega2[order], modes[:, order]
+
+
+def _arnoldi(
+    M: Any,
+    solve: Callable[[FloatArray], FloatArray],
+    s2: float,
+    n: int,
+    deflated: FloatArray,
+    start: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    dofs = M.shape[0]
+    m_deflated = M @ deflated
+
+    def project(x: FloatArray) -> FloatArray:
+        projected: FloatArray = x - deflated @ (m_deflated.T @ x)
+        return projected
+
+    def inverse(f: FloatArray) -> FloatArray:
+        return project(solve(np.ascontiguousarray(f).ravel()))
+
+    operator = spla.LinearOperator((dofs, dofs), matvec=inverse, dtype=np.float64)
+    try:
+        values, vectors = spla.eigsh(
+            operator,  # used for its shape only: OPinv stands for the inverse
+            k=n,
+            M=M,
+            sigma=-s2,
+            OPinv=operator,
+            which="LM",
+            v0=inverse(M @ start),
+            ncv=min(dofs, max(2 * n + 1, 20)),
+        )
+    except spla.ArpackError as error:
+        raise ConvergenceError(
+            f"ARPACK did not find {n} eigenpairs of {dofs} dofs ({error}); ask for fewer, or for all"
+        ) from None
+    order = np.argsort(values)
+    vectors = project(vectors[:, order])
+    vectors /= np.sqrt(np.einsum("ij,ij->j", vectors, M @ vectors))
+    return values[order], vectors

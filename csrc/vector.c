@@ -1,0 +1,24 @@
+/* The two vector operations that everything dense is made of. */
+#include "aoimpact.h"
+
+double aoi_vector_dot(size_t n, const double *x, const double *y)
+{
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    size_t i = 0;
+    for (; i + 4 <= n; i += 4) {
+        for (size_t lane = 0; lane < 4; lane++) {
+            sum[lane] += x[i + lane] * y[i + lane];
+        }
+    }
+    for (; i < n; i++) {
+        sum[0] += x[i] * y[i];
+    }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+void aoi_vector_add(size_t n, double factor, const double *x, double *y)
+{
+    for (size_t i = 0; i < n; i++) {
+        y[i] += factor * x[i];
+    }
+}
