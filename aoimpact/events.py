@@ -1,0 +1,165 @@
+"""What happened in a recorded contact: its intervals, its peak, its impulse.
+
+A solver with fixed steps knows the force and the indentation at its steps only; what lies between
+them is found here by interpolation of an order at least that of the solver (Newmark's second). A
+solver that locates its events itself hands them over as an :class:`Events` instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+_BISECTIONS = 60  # halves [0, 1] down to rounding
+
+
+@dataclass(frozen=True)
+class Events:
+    """The events of one contact over a record.
+
+    Attributes
+    ----------
+    peak_force, peak_time : float
+        The largest force [N] and when it acts [s]; 0.0 and the first time without any contact.
+    contacts : tuple of (float, float)
+        Start and end [s] of each contact, in order. A contact that the record cuts off ends where
+        the record does.
+    impulse : float
+        Integral of the force over the record [N s].
+    """
+
+    peak_force: float
+    peak_time: float
+    contacts: tuple[tuple[float, float], ...]
+    impulse: float
+
+
+def find_events(
+    t: FloatArray, force: FloatArray, indentation: FloatArray, rate: FloatArray
+) -> Events:
+    """Return the events of a record sampled at `t`.
+
+    Parameters
+    ----------
+    t : (n,) array
+        Times, increasing [s].
+    force, indentation, rate : (n,) arrays
+        Contact force [N], indentation [m] and its time derivative [m/s].
+    """
+    peak_force, peak_time = find_peak(t, force)
+    contacts = find_contacts(t, force, indentation, rate)
+    return Events(peak_force, peak_time, contacts, find_impulse(t, force))
+
+
+def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
+    """Return the largest force and its time, to second order in the step.
+
+    Each local maximum is the top of the parabola through its sample and the two beside it (the
+    time is then right to O(dt²), the force to O(dt³)); where one of the three carries no force the
+    sample itself is taken, since the force may jump or bend at the ends of a contact.
+    """
+    best = int(np.argmax(force))
+    if force[best] <= 0.0:
+        return 0.0, float(t[0])
+    before, here, after = force[:-2], force[1:-1], force[2:]
+    smooth = (here >= before) & (here >= after) & (before > 0.0) & (after > 0.0)
+    top, shift = _parabola_tops(t, force, np.flatnonzero(smooth) + 1)
+    # A parabola's top is never below its sample: if the largest sample has one, it is among these.
+    winner = int(np.argmax(top)) if top.size else 0
+    if top.size and top[winner] >= force[best]:
+        return float(top[winner]), float(shift[winner])
+    return float(force[best]), float(t[best])
+
+
+def _parabola_tops(
+    t: FloatArray, force: FloatArray, middle: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray]:
+    """Return heights and times of the tops of the parabolas around the samples `middle`."""
+    left, right = t[middle] - t[middle - 1], t[middle + 1] - t[middle]
+    rise = (force[middle] - force[middle - 1]) / left
+    fall = (force[middle + 1] - force[middle]) / right
+    curvature = (fall - rise) / (left + right)
+    slope = rise + curvature * left
+    flat = curvature == 0.0
+    offset = np.where(flat, 0.0, -slope / (2.0 * np.where(flat, 1.0, curvature)))
+    return force[middle] + 0.5 * slope * offset, t[middle] + offset
+
+
+def find_contacts(
+    t: FloatArray, force: FloatArray, indentation: FloatArray, rate: FloatArray
+) -> tuple[tuple[float, float], ...]:
+    """Return start and end of every interval in which the force acts.
+
+    A contact starts and ends at a zero of the indentation, found between two samples by Hermite's
+    cubic through values and rates (straight line where the cubic is not monotone). Where a
+    law lets go while there is still indentation, the end is where the falling force, extrapolated,
+    reaches zero. Contacts or gaps shorter than a step cannot be seen.
+    """
+    closed = force > 0.0
+    change = np.diff(closed.astype(np.int8))
+    starts = [_crossing(t, indentation, rate, int(i)) for i in np.flatnonzero(change == 1)]
+    ends = [_release(t, force, indentation, rate, int(i)) for i in np.flatnonzero(change == -1)]
+    if closed[0]:
+        starts.insert(0, float(t[0]))
+    if closed[-1]:
+        ends.append(float(t[-1]))
+    return tuple(zip(starts, ends, strict=True))
+
+
+def find_impulse(t: FloatArray, force: FloatArray) -> float:
+    """Return the integral of the force by the trapezium rule.
+
+    This is the momentum that Newmark's average-acceleration rule itself transfers, exactly: on a
+    free body it changes the momentum by dt (F_n + F_{n+1}) / 2 in each step.
+    """
+    return float(np.trapezoid(force, t))
+
+
+def _crossing(t: FloatArray, indentation: FloatArray, rate: FloatArray, i: int) -> float:
+    """Return the time in [t_i, t_{i+1}] at which the indentation is zero."""
+    step = float(t[i + 1] - t[i])
+    before, after = float(indentation[i]), float(indentation[i + 1])
+    if before == 0.0 or before * after > 0.0:
+        # Touching from the start; or indented already, with a law that takes hold only now.
+        return float(t[i])
+    slopes = step * float(rate[i]), step * float(rate[i + 1])
+    return float(t[i]) + step * _hermite_root(before, after, *slopes)
+
+
+def _release(
+    t: FloatArray, force: FloatArray, indentation: FloatArray, rate: FloatArray, i: int
+) -> float:
+    """Return the time in [t_i, t_{i+1}] at which the force, positive at t_i, ends."""
+    if indentation[i + 1] <= 0.0:
+        return _crossing(t, indentation, rate, i)
+    step = float(t[i + 1] - t[i])
+    if i == 0 or force[i - 1] <= force[i]:
+        return float(t[i + 1])
+    slope = float(force[i - 1] - force[i]) / float(t[i] - t[i - 1])
+    return float(t[i]) + min(float(force[i]) / slope, step)
+
+
+def _hermite_root(before: float, after: float, slope_before: float, slope_after: float) -> float:
+    """Return s in [0, 1] where the cubic with these end values and slopes is zero.
+
+    `before` and `after` have opposite signs, or `after` is zero.
+    """
+    rise = after - before
+    # Fritsch and Carlson (1980): such slopes make the cubic monotone, hence its root unique.
+    if not (0.0 <= slope_before / rise <= 3.0 and 0.0 <= slope_after / rise <= 3.0):
+        return -before / rise
+    cubic = slope_before + slope_after - 2.0 * rise
+    square = 3.0 * rise - 2.0 * slope_before - slope_after
+    low, high = 0.0, 1.0
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        value = before + middle * (slope_before + middle * (square + middle * cubic))
+        if (value > 0.0) == (before > 0.0):
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)

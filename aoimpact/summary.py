@@ -1,0 +1,84 @@
+"""The few lines that a result prints of itself, as text and as a table of a notebook."""
+
+from __future__ import annotations
+
+import html
+from typing import TYPE_CHECKING
+
+from .units import quantity
+
+if TYPE_CHECKING:
+    from .result import Result
+
+
+def summary_rows(result: Result) -> list[tuple[str, str]]:
+    """Return (name, value with unit) for everything that a user asks first."""
+    rows = [
+        ("projectile", _body(result, "projectile")),
+        ("target", _body(result, "target")),
+        ("law", str(result.law)),
+        ("velocity", f"{result.velocity:.6g} m/s" + _gap(result)),
+    ]
+    if not result.contacts:
+        rows.append(("contact", f"none in {quantity(float(result.t[-1]), 's')}"))
+    else:
+        rows += [
+            ("peak force", _force(result)),
+            ("contact", _contact(result)),
+            ("impulse", quantity(result.impulse, "N s")),
+        ]
+    rows += [
+        ("rebound velocity", f"{result.rebound_velocity:.5g} m/s"),
+        ("restitution", f"{result.restitution:.5g}"),
+        ("error of the peak", _error(result)),
+        ("solver", f"{result.solver}, {len(result.t) - 1} steps"),
+    ]
+    return rows
+
+
+def summary_text(result: Result) -> str:
+    """Return the summary as lines of text."""
+    lines = [f"  {name:<18} {value}" for name, value in summary_rows(result)]
+    return "\n".join(["Impact", *lines])
+
+
+def summary_html(result: Result) -> str:
+    """Return the summary as an HTML table."""
+    cells = "".join(
+        f'<tr><th style="text-align:left">{html.escape(name)}</th>'
+        f'<td style="text-align:left">{html.escape(value)}</td></tr>'
+        for name, value in summary_rows(result)
+    )
+    return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"
+
+
+def _body(result: Result, which: str) -> str:
+    body = result.projectile if which == "projectile" else result.target
+    mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
+    return f"{body.label}, {mass}{', held' if body.held else ''}"
+
+
+def _gap(result: Result) -> str:
+    return f", gap {quantity(result.gap, 'm')}" if result.gap else ""
+
+
+def _force(result: Result) -> str:
+    return f"{quantity(result.peak_force, 'N', 5)} at {quantity(result.peak_time, 's')}"
+
+
+def _contact(result: Result) -> str:
+    start = result.contacts[0][0]
+    text = f"{quantity(result.contact_duration, 's')} from {quantity(start, 's')}"
+    if len(result.contacts) > 1:
+        text += f", the first of {len(result.contacts)}"
+    if result.in_contact_at_end:
+        text += " (the record ends in contact)"
+    return text
+
+
+def _error(result: Result) -> str:
+    parts = [
+        f"{name} {'not known' if value is None else f'{100.0 * value:.2g} %'}"
+        for name, value in (("reduction", result.error.reduction), ("time", result.error.time))
+    ]
+    return ", ".join(parts)

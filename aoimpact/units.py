@@ -1,0 +1,56 @@
+"""SI prefixes: numbers and axes as an engineer reads them.
+
+A prefix is taken so that the number lies in 1 ... 1000; thousands keep the unit without prefix up
+to 10 000, because "1001.5 N" is read more easily than "1.0015 kN".
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A unit with its prefix: a value in SI units times `factor` is a number of `unit`."""
+
+    factor: float
+    unit: str
+
+
+def scale_for(largest: float, unit: str) -> Scale:
+    """Return the scale that shows numbers up to `largest` (SI, any sign) well.
+
+    Zero, infinite and undefined values keep the bare unit.
+    """
+    size = abs(largest)
+    if not math.isfinite(size) or size == 0.0 or not unit:
+        return Scale(1.0, unit)
+    exponent = 3 * math.floor(math.log10(size) / 3.0 + 1e-9)
+    if 1.0 <= size < 9999.5:
+        exponent = 0
+    exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
+    return Scale(10.0**-exponent, _PREFIXES[exponent] + unit)
+
+
+def scale_of(label: str, unit: str) -> Scale | None:
+    """Return the scale that an axis label such as "force [kN]" states, or None."""
+    _, _, bracket = label.rpartition("[")
+    if not label.endswith(unit + "]"):
+        return None
+    prefix = bracket[: -len(unit) - 1]
+    for exponent, name in _PREFIXES.items():
+        if name == prefix:
+            return Scale(10.0**-exponent, name + unit)
+    return None
+
+
+def quantity(value: float, unit: str, digits: int = 4) -> str:
+    """Return e.g. "814.4 N" for 814.369 and "70.74 µs" for 7.0743e-5 s; below 1 kg in grams."""
+    if unit == "kg" and 0.0 < abs(value) < 1.0:
+        value, unit = 1e3 * value, "g"
+    rounded = float(f"{value:.{digits}g}")
+    scale = scale_for(rounded, unit)
+    return f"{rounded * scale.factor:.{digits}g} {scale.unit}".rstrip()

@@ -1,0 +1,80 @@
+"""Figures: right curves, right units, on the axes given."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from records import HalfSine
+
+import aoimpact as ao
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+
+
+@pytest.fixture(autouse=True)
+def _close_figures() -> Iterator[None]:
+    yield
+    plt.close("all")
+
+
+METHODS = ["plot_force", "plot_indentation", "plot_energy", "plot_displacement", "plot_interaction"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_draws_on_the_axes_given_and_returns_them(method: str) -> None:
+    result = HalfSine().result()
+    _, ax = plt.subplots()
+    draw: Callable[..., Axes] = getattr(result, method)
+    assert draw(ax) is ax
+    assert draw() is not ax
+    for label in (ax.get_xlabel(), ax.get_ylabel()):
+        assert re.search(r"\[\S+\]$", label), "an axis without unit"
+
+
+def test_force_is_drawn_in_its_units() -> None:
+    hit = HalfSine()  # 54.8 N over 31.4 ms
+    result = hit.result()
+    ax = result.plot_force(label="spring", color="red")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("time [ms]", "contact force [N]")
+    (line,) = ax.get_lines()
+    np.testing.assert_allclose(np.asarray(line.get_xdata(), dtype=float), 1e3 * result.t)
+    np.testing.assert_allclose(np.asarray(line.get_ydata(), dtype=float), result.force)
+    assert (line.get_label(), line.get_color()) == ("spring", "red")
+
+
+def test_second_curve_keeps_the_unit_of_the_first() -> None:
+    soft, hard = HalfSine(velocity=0.5).result(), HalfSine(velocity=5000.0).result()
+    ax = soft.plot_force()
+    hard.plot_force(ax)
+    assert ax.get_ylabel() == "contact force [N]"
+    assert np.max(ax.get_lines()[1].get_ydata()) == pytest.approx(hard.peak_force, rel=1e-5)
+
+
+def test_energies_of_one_body_or_all() -> None:
+    result = HalfSine().result()
+    whole = _curves(result.plot_energy())
+    assert set(whole) == {"kinetic", "elastic (nonlocal)", "contact (local)", "total"}
+    target = _curves(result.plot_energy(body="target"))
+    assert target["kinetic"][-1] == pytest.approx(1e3 * result.energy.target.kinetic[-1])
+    assert "total" not in target
+    with pytest.raises(ao.InputError, match="projectile"):
+        result.plot_energy(body="sphere")  # type: ignore[arg-type]
+
+
+def test_interaction_of_rigid_bodies_is_the_law_itself() -> None:
+    hit = HalfSine()
+    curves = _curves(hit.result().plot_interaction())
+    modified, law = curves["modified law"], curves["contact law"]
+    assert modified.max() == pytest.approx(hit.peak, rel=1e-5)
+    assert law.max() == pytest.approx(hit.k * hit.velocity / hit.omega, rel=1e-5)
+
+
+def _curves(ax: Axes) -> dict[str, np.ndarray[Any, Any]]:
+    return {str(line.get_label()): np.asarray(line.get_ydata()) for line in ax.get_lines()}

@@ -1,0 +1,210 @@
+"""Results against a contact known in closed form: two rigid bodies and a linear spring."""
+
+from __future__ import annotations
+
+import copy
+import csv
+import dataclasses
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from records import HalfSine
+
+import aoimpact as ao
+from aoimpact.result import Result, result_from_record
+
+
+def arrays_of(thing: object) -> list[np.ndarray]:
+    """Every array in a dataclass and in the dataclasses it holds."""
+    found = []
+    for value in vars(thing).values():
+        if isinstance(value, np.ndarray):
+            found.append(value)
+        elif dataclasses.is_dataclass(value) and hasattr(value, "__dict__"):
+            found += arrays_of(value)
+    return found
+
+
+def test_numbers_of_a_half_sine() -> None:
+    hit = HalfSine(gap=1e-3)
+    result = hit.result()
+    assert result.peak_force == pytest.approx(hit.peak, rel=1e-6)
+    assert result.peak_time == pytest.approx(hit.start + 0.5 * hit.duration, rel=1e-6)
+    assert result.contact_duration == pytest.approx(hit.duration, rel=1e-7)
+    assert result.contacts == [pytest.approx((hit.start, hit.start + hit.duration), rel=1e-7)]
+    assert result.impulse == pytest.approx(hit.impulse, rel=1e-5)
+    assert not result.in_contact_at_end
+
+
+def test_rebound_is_that_of_two_elastic_bodies() -> None:
+    hit = HalfSine()
+    result = hit.result()
+    ratio = (hit.projectile - hit.target) / (hit.projectile + hit.target)
+    assert result.rebound_velocity == pytest.approx(ratio * hit.velocity, rel=1e-12)
+    assert result.restitution == pytest.approx(1.0, rel=1e-12)
+
+
+def test_impulse_is_the_change_of_momentum() -> None:
+    hit = HalfSine(gap=2e-3)
+    result = hit.result(samples=20001)
+    lost = hit.projectile * (hit.velocity - result.rebound_velocity)
+    assert result.impulse == pytest.approx(lost, rel=1e-7)
+
+
+def test_wall_gives_the_velocity_back() -> None:
+    result = HalfSine(target=np.inf).result()
+    assert result.restitution == pytest.approx(1.0, rel=1e-12)
+    assert result.rebound_velocity == pytest.approx(-0.5, rel=1e-12)
+    assert np.isfinite(result.energy.total).all()
+
+
+def test_held_target_counts_the_projectile_alone() -> None:
+    """The same motion, but the target is held: its own velocity is vibration, not recoil."""
+    result = HalfSine(held=True).result()
+    assert result.restitution == pytest.approx(-result.rebound_velocity / 0.5, rel=1e-15)
+
+
+def test_restitution_of_a_second_contact_counts_the_last() -> None:
+    """Two bounces off a wall that keep half the speed each: e over the record is a quarter."""
+    hit = HalfSine(target=np.inf)
+    t = hit.times(3001, 3.0)
+    record = hit.record(t)
+    record[0] = np.where((t > t[-1] * 0.2) & (t < t[-1] * 0.4), 1.0, 0.0)
+    record[0] += np.where((t > t[-1] * 0.7) & (t < t[-1] * 0.8), 1.0, 0.0)
+    record[6] = np.where(t < t[-1] * 0.6, -0.25, -0.125)
+    result = _from(hit, t, record)
+    assert len(result.contacts) == 2
+    assert result.restitution == pytest.approx(0.25, rel=1e-15)
+
+
+def _from(hit: HalfSine, t: np.ndarray, record: np.ndarray) -> Result:
+    whole = hit.result()
+    info = ao.result.BodyInfo("rigid", hit.target, False, np.zeros(1), np.zeros(1))
+    return result_from_record(
+        t=t,
+        record=record,
+        projectile=info,
+        target=info,
+        law=hit.law,
+        velocity=hit.velocity,
+        gap=hit.gap,
+        solver=whole.solver,
+        error=whole.error,
+        energies=True,
+    )
+
+
+def test_contact_cut_off_gives_the_values_at_the_end() -> None:
+    hit = HalfSine()
+    result = hit.result(end=0.75)
+    assert result.in_contact_at_end
+    assert result.contacts == [(0.0, result.t[-1])]
+    assert result.contact_duration == pytest.approx(0.75 * hit.duration)
+    assert result.rebound_velocity == result.projectile.centre_velocity[-1]
+    # Three quarters of a half sine carry (1 + cos 45°)/2 of its impulse.
+    assert result.impulse == pytest.approx(0.5 * (1 + np.sqrt(0.5)) * hit.impulse, rel=1e-6)
+
+
+def test_without_contact_there_are_zeros_and_no_nan() -> None:
+    hit = HalfSine(gap=1.0)
+    result = hit.result(end=-1.0)
+    assert result.contacts == []
+    numbers = (result.peak_force, result.peak_time, result.contact_duration, result.impulse)
+    assert numbers == (0.0, 0.0, 0.0, 0.0)
+    assert result.rebound_velocity == hit.velocity
+    assert result.restitution == -1.0
+    assert not result.in_contact_at_end
+    assert all(np.isfinite(array).all() for array in arrays_of(result))
+    assert "none" in repr(result)
+    result.plot_force()
+    result.plot_interaction()
+
+
+def test_energy_of_a_linear_spring_goes_through_it_and_back() -> None:
+    hit = HalfSine()
+    energy = hit.result().energy
+    first = 0.5 * hit.projectile * hit.velocity**2
+    np.testing.assert_allclose(energy.total, first, rtol=1e-12)
+    assert energy.contact.max() == pytest.approx(0.5 * hit.mass * hit.velocity**2, rel=1e-6)
+    np.testing.assert_array_equal(energy.kinetic, energy.projectile.kinetic + energy.target.kinetic)
+    np.testing.assert_array_equal(energy.dissipated, 0.0)
+
+
+def test_energies_not_recorded_are_asked_for_in_vain() -> None:
+    result = HalfSine().result(energies=False)
+    with pytest.raises(ao.InputError, match="energies=True"):
+        _ = result.energy
+    with pytest.raises(ValueError, match="energies=True"):
+        result.plot_energy()
+    assert result.projectile.energy is None
+    assert result.peak_force > 0.0
+
+
+def test_approach_of_rigid_bodies_is_the_indentation() -> None:
+    result = HalfSine(gap=1e-3).result()
+    np.testing.assert_allclose(result.approach, result.indentation, atol=1e-15)
+
+
+def test_results_are_frozen() -> None:
+    result = HalfSine().result()
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        result.velocity = 2.0  # type: ignore[misc]
+    arrays = arrays_of(result)
+    assert len(arrays) >= 20
+    assert not any(array.flags.writeable for array in arrays)
+
+
+@pytest.mark.parametrize("again", [lambda r: pickle.loads(pickle.dumps(r)), copy.deepcopy])
+def test_results_travel(again) -> None:  # type: ignore[no-untyped-def]
+    result = HalfSine().result()
+    other = again(result)
+    assert repr(other) == repr(result)
+    for here, there in zip(arrays_of(result), arrays_of(other), strict=True):
+        np.testing.assert_array_equal(here, there)
+        assert not there.flags.writeable
+
+
+@pytest.mark.parametrize("energies", [True, False])
+def test_csv_reads_back_bit_for_bit(tmp_path: Path, energies: bool) -> None:
+    result = HalfSine().result(samples=101, energies=energies)
+    path = tmp_path / "hit.csv"
+    result.to_csv(path)
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *lines = csv.reader(file)
+    assert header[:3] == ["t [s]", "force [N]", "indentation [m]"]
+    table = dict(zip(header, np.array(lines, dtype=float).T, strict=True))
+    np.testing.assert_array_equal(table["t [s]"], result.t)
+    np.testing.assert_array_equal(table["force [N]"], result.force)
+    name = "target centre velocity [m/s]"
+    np.testing.assert_array_equal(table[name], result.target.centre_velocity)
+    assert ("total energy [J]" in table) is energies
+    assert all(np.isfinite(column).all() for column in table.values())
+
+
+def test_summary_says_what_one_asks_first() -> None:
+    hit = HalfSine(gap=1e-3)
+    text = repr(hit.result())
+    for part in ("rigid, 2 kg", "Linear", "0.5 m/s, gap 1 mm", "restitution        1\n", "0.1 %"):
+        assert part in text
+    assert "not known" in text  # the error of the reduction
+
+
+def test_notebook_shows_a_table_with_everything_escaped() -> None:
+    result = dataclasses.replace(HalfSine().result(), solver="<script>")
+    table = result._repr_html_()
+    assert table.startswith("<table>")
+    assert "<script>" not in table
+    assert table.count("<tr>") == table.count("</tr>") >= 8
+
+
+def test_summary_owns_to_a_record_that_ends_in_contact() -> None:
+    assert "ends in contact" in repr(HalfSine().result(end=0.5))
+
+
+def test_record_of_another_size_is_refused() -> None:
+    hit = HalfSine()
+    t = hit.times(11, 1.0)
+    with pytest.raises(ao.InputError, match="shape"):
+        _from(hit, t, hit.record(t)[:, 1:])

@@ -1,0 +1,36 @@
+"""SI prefixes as an engineer reads them."""
+
+from __future__ import annotations
+
+import pytest
+
+from aoimpact.units import quantity, scale_for, scale_of
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (814.369, "N", "814.4 N"),
+        (7.0743e-5, "s", "70.74 µs"),
+        (1001.54, "N", "1002 N"),
+        (12346.0, "N", "12.35 kN"),
+        (9.9999e-4, "s", "1 ms"),
+        (-2.5e-3, "J", "-2.5 mJ"),
+        (0.0, "s", "0 s"),
+        (275.7e6, "N/m", "275.7 MN/m"),
+        (1e-20, "m", "1e-05 fm"),
+        (0.0327, "kg", "32.7 g"),
+        (2.0, "kg", "2 kg"),
+        (float("inf"), "kg", "inf kg"),
+    ],
+)
+def test_quantities_carry_fitting_prefixes(value: float, unit: str, text: str) -> None:
+    assert quantity(value, unit) == text
+
+
+def test_scale_is_read_back_from_a_label() -> None:
+    for largest in (1e-14, 3e-6, 0.5, 70.0, 5e4, 3e7):
+        scale = scale_for(largest, "m")
+        assert scale_of(f"depth [{scale.unit}]", "m") == scale
+    assert scale_of("speed [m/s]", "m") is None
+    assert scale_of("", "N") is None
