@@ -10,8 +10,6 @@ _Factors = tuple[_I, _I, _F, _F, _I]
 _Star = tuple[str, float, float, _F, _F, _F, _F, _F]
 _Full = tuple[str, _Sparse, _Sparse, _F, _Factors, _F, _F, _F]
 
-ROW_COUNT: int
-
 def law_force(
     name: str,
     parameters: _F,
@@ -50,3 +48,4 @@ def impact(
     energies: bool,
     /,
 ) -> None: ...
+def record_rows() -> int: ...

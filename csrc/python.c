@@ -7,6 +7,7 @@
 
 #include "aoimpact.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ------------------------------------------------------------------------------------ buffers */
@@ -447,7 +448,7 @@ static int take_star(held *buffers, PyObject *tuple, player *one, const aoi_newm
     if (buffers->failed) {
         return AOI_OK;
     }
-    one->work = PyMem_RawMalloc(aoi_body_star_size(n) * sizeof(double));
+    one->work = malloc(aoi_body_star_size(n) * sizeof(double));
     if (!one->work) {
         buffers->failed = 1;
         PyErr_NoMemory();
@@ -479,7 +480,7 @@ static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newm
         return status;
     }
     one->step_cost = 2.0 * (3.0 * one->full.K.start[n] + 2.0 * one->factors.start[n]);
-    one->work = PyMem_RawMalloc((aoi_body_full_size(n) + n) * sizeof(double));
+    one->work = malloc((aoi_body_full_size(n) + n) * sizeof(double));
     if (!one->work) {
         buffers->failed = 1;
         PyErr_NoMemory();
@@ -528,7 +529,7 @@ static void give_back(player *one, int copy)
         memcpy(one->u, one->body.state, one->coordinates * sizeof(double));
         memcpy(one->v, one->body.state + one->coordinates, one->coordinates * sizeof(double));
     }
-    PyMem_RawFree(one->work);
+    free(one->work);
 }
 
 static PyObject *impact(PyObject *self, PyObject *args)
@@ -584,6 +585,13 @@ static PyObject *impact(PyObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+static PyObject *record_rows(PyObject *self, PyObject *none)
+{
+    (void)self;
+    (void)none;
+    return PyLong_FromLong(AOI_ROW_COUNT);
+}
+
 /* ------------------------------------------------------------------------------------- module */
 
 static PyMethodDef methods[] = {
@@ -600,16 +608,11 @@ static PyMethodDef methods[] = {
     {"star_from_modal", star_from_modal, METH_VARARGS, NULL},
     {"factors_solve", factors_solve, METH_VARARGS, NULL},
     {"impact", impact, METH_VARARGS, NULL},
+    {"record_rows", record_rows, METH_NOARGS, NULL},
     {NULL, NULL, 0, NULL},
 };
 
-static int module_execute(PyObject *module)
-{
-    return PyModule_AddIntConstant(module, "ROW_COUNT", AOI_ROW_COUNT);
-}
-
 static PyModuleDef_Slot slots[] = {
-    {Py_mod_exec, module_execute},
 #if !defined(Py_LIMITED_API) && PY_VERSION_HEX >= 0x030D0000
     {Py_mod_multiple_interpreters, Py_MOD_PER_INTERPRETER_GIL_SUPPORTED},
     {Py_mod_gil, Py_MOD_GIL_NOT_USED},

@@ -1,0 +1,23 @@
+"""Low-velocity impact on structures by anti-oscillator models."""
+
+from importlib.metadata import version as _version
+
+from .contact import ContactPoint
+from .errors import (
+    AOImpactError,
+    AOImpactWarning,
+    ConvergenceError,
+    InputError,
+    InputTypeError,
+    MeshError,
+    SingularError,
+)
+from .laws import ContactLaw, Hertz, Linear, PowerLaw
+from .material import Material
+from .newmark import Newmark
+from .reduction import ModalModel, antioscillators, modal
+from .result import Result
+from .scene import simulate
+from .star import AOModel, rigid
+
+__version__ = _version("aoimpact")

@@ -1,0 +1,235 @@
+"""An impact of two bodies: `simulate`."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+import scipy.optimize
+
+from .checks import boolean, nonnegative, positive, real
+from .errors import AOImpactWarning, ConvergenceError, InputError, InputTypeError
+from .events import find_events
+from .laws import ContactLaw
+from .newmark import Newmark, Record, newmark_run
+from .players import Player, player
+from .result import BodyInfo, ErrorEstimate, Result, result_from_record
+
+__all__ = ["simulate"]
+
+# The steps of a first attempt within a contact, when the caller leaves dt to us.
+_FIRST_STEPS = 100
+
+# Above this relative change between two steps, second order is not in sight yet.
+_NOT_ASYMPTOTIC = 0.2
+
+
+def simulate(
+    *,
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    velocity: float,
+    duration: float,
+    solver: Newmark | None = None,
+    gap: float = 0.0,
+    energies: bool = True,
+) -> Result:
+    """Simulate the impact of a moving projectile on a target at rest.
+
+    Both bodies are undeformed at t = 0, the projectile moving with `velocity` towards the target.
+
+    Parameters
+    ----------
+    projectile, target : AOModel, ModalModel or ContactPoint
+        A ContactPoint (``body.contact(...)``) stands for the full finite-element model.
+    law : ContactLaw
+        Force of the indentation δ = x_projectile - x_target - gap.
+    velocity : float
+        Of the projectile along the direction of travel, m/s, not zero.
+    duration : float
+        Length of the record, s.
+    solver : Newmark, optional
+        ``Newmark(dt=...)`` for a given step; by default a step that makes the estimated error of
+        the peak force less than 1e-3.
+    gap : float, optional
+        Distance to go before the bodies touch, m, not negative.
+    energies : bool, optional
+        Whether to record energies as well.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    ConvergenceError
+        If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the record ends in contact, or the step is too large for any digit to be right.
+    """
+    speed = real("velocity", velocity, unit="m/s")
+    if speed == 0.0:
+        raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
+    length = positive("duration", duration, unit="s")
+    distance = nonnegative("gap", gap, unit="m")
+    boolean("energies", energies)
+    if not isinstance(law, ContactLaw):
+        raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
+    rule = Newmark() if solver is None else solver
+    if not isinstance(rule, Newmark):
+        raise InputTypeError(f"solver must be Newmark(...), got {solver!r}")
+    bodies = player("projectile", projectile, speed), player("target", target, 0.0)
+    if all(math.isinf(_static_mass(body)) for body in bodies):
+        raise InputError("projectile and target are both of infinite mass: nothing can give way")
+    run = _Run(bodies, law, rule, length, distance, energies)
+    record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
+    return _finish(run, record, error, speed)
+
+
+class _Run:
+    """One impact, to be run with different steps."""
+
+    def __init__(
+        self,
+        bodies: tuple[Player, Player],
+        law: ContactLaw,
+        rule: Newmark,
+        duration: float,
+        gap: float,
+        energies: bool,
+    ) -> None:
+        self.bodies, self.law, self.rule = bodies, law, rule
+        self.duration, self.gap, self.energies = duration, gap, energies
+
+    def once(self, dt: float, *, energies: bool) -> Record:
+        return newmark_run(
+            *self.bodies,
+            self.law,
+            rule=self.rule,
+            dt=dt,
+            duration=self.duration,
+            gap=self.gap,
+            energies=energies,
+        )
+
+    def with_step(self, dt: float) -> tuple[Record, float | None]:
+        """Run with a given step, and with twice that step for the error estimate."""
+        record = self.once(dt, energies=self.energies)
+        if not self.rule.estimate:
+            return record, None
+        return record, step_error(_peak(record), _peak(self.once(2.0 * dt, energies=False)))
+
+    def with_tolerance(self) -> tuple[Record, float]:
+        """Halve the step until two successive ones agree."""
+        dt = self.first_step()
+        coarse = self.once(dt, energies=False)
+        for _ in range(16):
+            dt *= 0.5
+            fine = self.once(dt, energies=self.energies)
+            error = step_error(_peak(fine), _peak(coarse))
+            if error <= self.rule.rtol:
+                return fine, error
+            coarse = fine
+        raise ConvergenceError(
+            f"Newmark: the estimated error of the peak force is still {error:.2g} with dt={dt:.3g} s,"
+            f" above rtol={self.rule.rtol:g}; give dt, or a larger rtol"
+        )
+
+    def first_step(self) -> float:
+        """A hundredth of the contact time that rigid bodies would have."""
+        inverse = sum(1.0 / _static_mass(body) for body in self.bodies)
+        velocity = abs(self.bodies[0].velocity)
+        time = rigid_contact_time(self.law, 1.0 / inverse, velocity)
+        return min(time / _FIRST_STEPS, self.duration / 20.0)
+
+
+def _static_mass(body: Player) -> float:
+    return body.static_mass
+
+
+def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
+    """Estimate how long a contact of a rigid `mass`, kg, at `velocity`, m/s, lasts, s.
+
+    Three times the largest indentation over the velocity: 2.94 for Hertz, π for a linear law.
+    """
+    energy = 0.5 * mass * velocity**2
+
+    def excess(log_indentation: float) -> float:
+        return math.log(max(law.potential(math.exp(log_indentation)), 1e-300) / energy)
+
+    low, high = -70.0, 10.0
+    if not excess(low) < 0.0 < excess(high):
+        raise InputError(
+            f"law={law!r} with velocity={velocity:g} m/s: no contact time can be estimated; give dt"
+        )
+    return 3.0 * math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-6)) / velocity
+
+
+def step_error(fine: float, coarse: float) -> float:
+    """Richardson's estimate of the relative error of a second-order result from steps dt and 2dt.
+
+    Where the two differ by more than a fifth the order is not in sight, and no digit is claimed.
+    """
+    if fine == coarse:
+        return 0.0
+    difference = abs(fine - coarse) / max(fine, coarse)
+    return difference / 3.0 if difference <= _NOT_ASYMPTOTIC else 1.0
+
+
+def _peak(record: Record) -> float:
+    events = find_events(record.t, record.rows[0], record.rows[1], record.rows[4] - record.rows[10])
+    return events.peak_force
+
+
+def _finish(run: _Run, record: Record, error: float | None, speed: float) -> Result:
+    rows = record.rows
+    for index, body in enumerate(run.bodies):
+        share, mass = body.unseen
+        if index == 0 and (share or mass):
+            first = 3 + 6 * index
+            rows[first + 2] += share * speed * record.t
+            rows[first + 3] += share * speed
+            rows[first + 4] += 0.5 * mass * speed**2
+    infos = [
+        BodyInfo(body.label, body.mass, body.held, *final)
+        for body, final in zip(run.bodies, record.final, strict=True)
+    ]
+    result = result_from_record(
+        t=record.t,
+        record=rows,
+        projectile=infos[0],
+        target=infos[1],
+        law=run.law,
+        velocity=speed,
+        gap=run.gap,
+        solver=f"Newmark(dt={record.dt:.6g}, beta={run.rule.beta:g}, gamma={run.rule.gamma:g})",
+        error=ErrorEstimate(reduction=None, time=error),
+        energies=run.energies,
+    )
+    _warn(result, record.dt)
+    return result
+
+
+def _warn(result: Result, dt: float) -> None:
+    if result.in_contact_at_end:
+        warnings.warn(
+            f"the record of {result.t[-1]:.4g} s ends in contact: rebound, impulse and the last "
+            "contact's end are those so far; take a longer duration",
+            AOImpactWarning,
+            stacklevel=4,
+        )
+    if result.error.time == 1.0:
+        warnings.warn(
+            f"dt={dt:g} s is far too large: with 2dt the peak force changes by more than a fifth; "
+            "take a smaller dt",
+            AOImpactWarning,
+            stacklevel=4,
+        )

@@ -1,0 +1,274 @@
+"""The anti-oscillator model: a star of springs and masses (Fig. 2 of the paper)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from .checks import finite_array, integer, nonnegative, positive
+from .errors import InputError
+
+__all__ = ["AOModel", "Origin", "rigid"]
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Origin:
+    """What a star keeps of the finite-element body that it was made from.
+
+    Attributes
+    ----------
+    label : str
+        The kind of model: "AO" or "modal".
+    tip : ContactPoint
+    static_mode : ndarray, shape (n_dofs,)
+        φ_st, eqs. (2), (3).
+    shapes : ndarray, shape (n_dofs, n)
+        Ψ_i = c_i φ_i, eq. (8).
+    centre : ndarray, shape (n_dofs,)
+        h with hᵀX the displacement of the centre of mass along the direction of travel.
+    mass : float
+        Of the whole body, kg; more than the static mass where part of it never feels the contact.
+    """
+
+    label: str
+    tip: Any
+    static_mode: FloatArray
+    shapes: FloatArray
+    centre: FloatArray
+    mass: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AOModel:
+    """Contact mass m0 on a ground spring k0, and oscillators (m, k) hung on the contact mass.
+
+    Parameters
+    ----------
+    m0 : float
+        Contact (residual) mass, kg, eq. (10). Zero is allowed if there are oscillators; infinite,
+        without oscillators, is a fixed wall.
+    k0 : float, optional
+        Ground spring, N/m, eq. (11); 0 for a free body.
+    m, k : array_like, shape (n,), optional
+        Masses, kg, eq. (9), and stiffnesses, N/m, eq. (12), of the anti-oscillators, all positive.
+    origin : Origin, optional
+        The body that the numbers came from; set by `antioscillators` and `modal`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range or not finite, or `m` and `k` differ in length.
+    """
+
+    m0: float
+    k0: float = 0.0
+    m: FloatArray = field(default_factory=lambda: np.zeros(0))
+    k: FloatArray = field(default_factory=lambda: np.zeros(0))
+    origin: Origin | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        set_field = object.__setattr__
+        set_field(self, "m0", nonnegative("m0", self.m0, unit="kg", infinite=True))
+        set_field(self, "k0", nonnegative("k0", self.k0, unit="N/m"))
+        for name, unit in (("m", "kg"), ("k", "N/m")):
+            values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
+            if (values <= 0.0).any():
+                worst = int(np.argmin(values))
+                raise InputError(f"{name} must be positive: {name}[{worst}] is {values[worst]:g}")
+            values.flags.writeable = False
+            set_field(self, name, values)
+        if len(self.m) != len(self.k):
+            raise InputError(
+                f"m and k must have the same length, got {len(self.m)} masses "
+                f"and {len(self.k)} stiffnesses"
+            )
+        if len(self.m) == 0 and self.m0 == 0.0:
+            raise InputError("m0 must be positive where there are no oscillators, got 0 kg")
+        if math.isinf(self.m0) and (len(self.m) or self.k0):
+            raise InputError("m0 is infinite: a fixed wall has neither oscillators nor k0")
+
+    @property
+    def n(self) -> int:
+        """Number of anti-oscillators."""
+        return len(self.m)
+
+    @property
+    def held(self) -> bool:
+        """Whether the body is held in place: by its ground spring, or as a wall."""
+        return self.k0 > 0.0 or math.isinf(self.m0)
+
+    @property
+    def static_mass(self) -> float:
+        """m_st = m0 + Σ m_i, kg, eq. (10)."""
+        return self.m0 + math.fsum(self.m)
+
+    @property
+    def mass(self) -> float:
+        """Mass of the body, kg; of a star given by numbers, its static mass."""
+        return self.static_mass if self.origin is None else self.origin.mass
+
+    @property
+    def mass_fractions(self) -> FloatArray:
+        """m_i / m_st, shape (n,)."""
+        return self.m / self.static_mass
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Frequencies of the anti-oscillators √(k_i/m_i)/2π, Hz, shape (n,), in their order.
+
+        They are antiresonances of the body at its contact coordinate (section 2).
+        """
+        return np.sqrt(self.k / self.m) / (2.0 * np.pi)
+
+    @property
+    def natural_frequencies(self) -> FloatArray:
+        """Frequencies of the star's own natural modes, Hz, ascending, shape (n+1,) or less.
+
+        From the secular equation; zero for the rigid motion of a free star. A massless contact
+        coordinate (m0 = 0) has no mode of its own, and oscillators of equal frequency share one.
+        """
+        return np.sqrt(self.to_modal()[0]) / (2.0 * np.pi)
+
+    @property
+    def label(self) -> str:
+        """What the model is, in a word: "rigid", "wall", "AO(3)", "modal(40)"."""
+        if math.isinf(self.m0):
+            return "wall"
+        if self.n == 0 and self.k0 == 0.0:
+            return "rigid"
+        if self.origin is not None and self.origin.label == "modal":
+            return f"modal({self.n + 1})"
+        return f"AO({self.n})"
+
+    @property
+    def centre_weights(self) -> FloatArray:
+        """Weights w of the star's coordinates in the centre of mass's displacement, shape (n+1,).
+
+        The contact coordinate first. Of a star given by numbers they are the masses over their sum.
+        """
+        if math.isinf(self.m0):
+            return np.ones(1)
+        if self.origin is None:
+            return np.concatenate([[self.m0], self.m]) / self.static_mass
+        of_oscillators = self.origin.centre @ self.origin.shapes
+        of_contact = self.origin.centre @ self.origin.static_mode - of_oscillators.sum()
+        return np.concatenate([[of_contact], of_oscillators])
+
+    def receptance(self, omega: npt.ArrayLike) -> Any:
+        """Return displacement over force at the contact coordinate.
+
+        1/(k0 - ω² m0 - Σ m_i ω² ω_i²/(ω_i² - ω²)): infinite at a resonance, 0 at an antiresonance.
+
+        Parameters
+        ----------
+        omega : array_like
+            Angular frequency, rad/s, any shape.
+
+        Returns
+        -------
+        float or ndarray
+            m/N, of the shape of `omega`; real, since there is no damping.
+        """
+        frequency = finite_array("omega", omega, unit="rad/s")
+        result = np.empty(frequency.shape)
+        _core.star_receptance(self.m0, self.k0, self.m, self.k, frequency, result)
+        return result if result.ndim else float(result)
+
+    def truncated(self, n: int) -> AOModel:
+        """Return the model of the first `n` oscillators; the others' mass joins m0, eq. (10)."""
+        kept = integer("n", n, low=0, high=self.n)
+        origin = self.origin
+        if origin is not None:
+            shapes = origin.shapes[:, :kept]
+            origin = Origin(
+                "AO", origin.tip, origin.static_mode, shapes, origin.centre, origin.mass
+            )
+        return AOModel(
+            m0=self.m0 + math.fsum(self.m[kept:]),
+            k0=self.k0,
+            m=self.m[:kept],
+            k=self.k[:kept],
+            origin=origin,
+        )
+
+    def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
+        """Return the full displacement of given star coordinates, eq. (8).
+
+        X = λ₀ φ_st + Σ (λ_i - λ₀) Ψ_i.
+
+        Parameters
+        ----------
+        coordinates : array_like, shape (n+1,) or (n+1, times)
+            λ, contact coordinate first, m.
+
+        Returns
+        -------
+        ndarray, shape (n_dofs,) or (n_dofs, times)
+            On the free dofs, in the order of the rows of K.
+
+        Raises
+        ------
+        InputError
+            If the model was given by numbers, or the shape is wrong.
+        """
+        if self.origin is None:
+            raise InputError("expand: this model was given by numbers and has no body to expand to")
+        values = finite_array("coordinates", coordinates, unit="m")
+        if values.ndim not in (1, 2) or values.shape[0] != self.n + 1:
+            raise InputError(
+                f"coordinates must have shape ({self.n + 1},) or ({self.n + 1}, times), "
+                f"got {values.shape}"
+            )
+        full: FloatArray = np.multiply.outer(self.origin.static_mode, values[0])
+        return full + self.origin.shapes @ (values[1:] - values[0])
+
+    def to_modal(self) -> tuple[FloatArray, FloatArray]:
+        """Return the star's natural modes by the secular equation.
+
+        Returns
+        -------
+        omega2, participation : ndarrays, shape (modes,)
+            ω², (rad/s)², ascending; r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the
+            receptance is Σ r_j²/(ω_j² - ω²).
+
+        Raises
+        ------
+        InputError
+            For a wall, which has no modes.
+        """
+        if math.isinf(self.m0):
+            raise InputError("a wall of infinite mass has no natural modes")
+        m, k = _merge_equal_frequencies(self.m, self.k)
+        omega2, participation, work = np.empty(len(m) + 1), np.empty(len(m) + 1), np.empty(len(m))
+        count = _core.star_to_modal(self.m0, self.k0, m, k, omega2, participation, work)
+        return omega2[:count], participation[:count]
+
+
+def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sort by frequency; oscillators of one frequency move as one: their masses add up."""
+    order = np.argsort(k / m, kind="stable")
+    m, k = m[order], k[order]
+    omega2 = k / m
+    first = np.concatenate([[True], np.diff(omega2) > 4e-16 * omega2[1:]]) if len(m) else []
+    starts = np.flatnonzero(first)
+    if len(starts) == len(m):
+        return np.ascontiguousarray(m), np.ascontiguousarray(k)
+    return np.add.reduceat(m, starts), np.add.reduceat(k, starts)
+
+
+def rigid(*, mass: float) -> AOModel:
+    """Return a rigid mass: an anti-oscillator model without oscillators.
+
+    Parameters
+    ----------
+    mass : float
+        kg, positive; ``math.inf`` is a fixed wall.
+    """
+    return AOModel(m0=positive("mass", mass, unit="kg", infinite=True))
