@@ -14,10 +14,35 @@ from .errors import (
 )
 from .laws import ContactLaw, Hertz, Linear, PowerLaw
 from .material import Material
+from .modes import ModalModel, modal
 from .newmark import Newmark
-from .reduction import ModalModel, antioscillators, modal
+from .reduction import antioscillators
 from .result import Result
 from .scene import simulate
 from .star import AOModel, rigid
 
 __version__ = _version("aoimpact")
+
+__all__ = [
+    "AOImpactError",
+    "AOImpactWarning",
+    "AOModel",
+    "ContactLaw",
+    "ContactPoint",
+    "ConvergenceError",
+    "Hertz",
+    "InputError",
+    "InputTypeError",
+    "Linear",
+    "Material",
+    "MeshError",
+    "ModalModel",
+    "Newmark",
+    "PowerLaw",
+    "Result",
+    "SingularError",
+    "antioscillators",
+    "modal",
+    "rigid",
+    "simulate",
+]

@@ -33,8 +33,8 @@ class Newmark:
         is below `rtol`.
     beta, gamma : float, optional
         β > 0 and γ ≥ 1/2. The default, β = 1/4 and γ = 1/2 (average acceleration), is of second
-        order, keeps the energy of a linear system, and is stable for any step; so is every rule with
-        2β ≥ γ.
+        order, keeps the energy of a linear system and is stable for any step, as is every rule
+        with 2β ≥ γ.
     rtol : float, optional
         Relative error of the peak force to aim at when `dt` is not given.
     estimate : bool, optional
@@ -61,7 +61,7 @@ class Newmark:
         boolean("estimate", self.estimate)
         if self.gamma < 0.5:
             raise InputError(
-                f"gamma must be at least 1/2 (below it the rule feeds energy in), got {self.gamma:g}"
+                f"gamma must be at least 1/2 (below it energy is fed in), got {self.gamma:g}"
             )
         if self.rtol >= 1.0:
             raise InputError(f"rtol must be below 1, got {self.rtol:g}")
@@ -77,7 +77,7 @@ class Stepped(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """What a run of the core wrote: times, rows of ``enum aoi_row``, final states (u, v) by body."""
+    """What the core wrote: times, rows of ``enum aoi_row``, each body's final (u, v)."""
 
     t: FloatArray
     rows: FloatArray
@@ -96,7 +96,7 @@ def newmark_run(
     gap: float,
     energies: bool,
 ) -> Record:
-    """Run the core once with step `dt`, over the first whole number of steps that covers `duration`.
+    """Run the core once: the least whole number of steps of `dt` that covers `duration`.
 
     Raises
     ------
@@ -122,4 +122,4 @@ def newmark_run(
             f"Newmark step: the solution grew without bound (dt={dt:g} s, beta={rule.beta:g}, "
             f"gamma={rule.gamma:g}); take 2 beta >= gamma, or a smaller dt"
         )
-    return Record(dt * np.arange(steps + 1), rows, final, dt)
+    return Record(dt * np.arange(steps + 1, dtype=np.float64), rows, final, dt)

@@ -15,10 +15,11 @@ import numpy.typing as npt
 
 from .contact import ContactPoint
 from .errors import InputTypeError
+from .modes import ModalModel
 from .newmark import Newmark
-from .reduction import ModalModel, moves_rigidly, static_mode
 from .solvers import factorize
 from .star import AOModel
+from .statics import moves_rigidly, static_mode
 
 __all__ = ["FullPlayer", "Player", "StarPlayer", "player"]
 

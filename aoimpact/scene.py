@@ -6,7 +6,6 @@ import math
 import warnings
 from typing import Any
 
-import numpy as np
 import scipy.optimize
 
 from .checks import boolean, nonnegative, positive, real
@@ -87,11 +86,11 @@ def simulate(
     if not isinstance(rule, Newmark):
         raise InputTypeError(f"solver must be Newmark(...), got {solver!r}")
     bodies = player("projectile", projectile, speed), player("target", target, 0.0)
-    if all(math.isinf(_static_mass(body)) for body in bodies):
+    if all(math.isinf(body.static_mass) for body in bodies):
         raise InputError("projectile and target are both of infinite mass: nothing can give way")
-    run = _Run(bodies, law, rule, length, distance, energies)
+    run = _Run(bodies, law, speed, rule, length, distance, energies)
     record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
-    return _finish(run, record, error, speed)
+    return _finish(run, record, error)
 
 
 class _Run:
@@ -101,12 +100,13 @@ class _Run:
         self,
         bodies: tuple[Player, Player],
         law: ContactLaw,
+        velocity: float,
         rule: Newmark,
         duration: float,
         gap: float,
         energies: bool,
     ) -> None:
-        self.bodies, self.law, self.rule = bodies, law, rule
+        self.bodies, self.law, self.velocity, self.rule = bodies, law, velocity, rule
         self.duration, self.gap, self.energies = duration, gap, energies
 
     def once(self, dt: float, *, energies: bool) -> Record:
@@ -139,20 +139,15 @@ class _Run:
                 return fine, error
             coarse = fine
         raise ConvergenceError(
-            f"Newmark: the estimated error of the peak force is still {error:.2g} with dt={dt:.3g} s,"
-            f" above rtol={self.rule.rtol:g}; give dt, or a larger rtol"
+            f"Newmark: with dt={dt:.3g} s the estimated error of the peak force is still "
+            f"{error:.2g}, above rtol={self.rule.rtol:g}; give dt, or a larger rtol"
         )
 
     def first_step(self) -> float:
         """A hundredth of the contact time that rigid bodies would have."""
-        inverse = sum(1.0 / _static_mass(body) for body in self.bodies)
-        velocity = abs(self.bodies[0].velocity)
-        time = rigid_contact_time(self.law, 1.0 / inverse, velocity)
+        inverse = sum(1.0 / body.static_mass for body in self.bodies)
+        time = rigid_contact_time(self.law, 1.0 / inverse, abs(self.velocity))
         return min(time / _FIRST_STEPS, self.duration / 20.0)
-
-
-def _static_mass(body: Player) -> float:
-    return body.static_mass
 
 
 def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
@@ -189,15 +184,13 @@ def _peak(record: Record) -> float:
     return events.peak_force
 
 
-def _finish(run: _Run, record: Record, error: float | None, speed: float) -> Result:
-    rows = record.rows
-    for index, body in enumerate(run.bodies):
-        share, mass = body.unseen
-        if index == 0 and (share or mass):
-            first = 3 + 6 * index
-            rows[first + 2] += share * speed * record.t
-            rows[first + 3] += share * speed
-            rows[first + 4] += 0.5 * mass * speed**2
+def _finish(run: _Run, record: Record, error: float | None) -> Result:
+    rows, speed = record.rows, run.velocity
+    # What a star leaves out moves on with the initial velocity, untouched (a target's is zero).
+    share, mass = run.bodies[0].unseen
+    rows[5] += share * speed * record.t
+    rows[6] += share * speed
+    rows[7] += 0.5 * mass * speed**2
     infos = [
         BodyInfo(body.label, body.mass, body.held, *final)
         for body, final in zip(run.bodies, record.final, strict=True)

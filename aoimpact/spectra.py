@@ -14,12 +14,15 @@ import scipy.sparse.linalg as spla
 from .errors import ConvergenceError
 from .solvers import Factorization, factorize
 
-__all__ = ["DENSE_DOFS", "lowest", "lowest_sparse", "null_space", "shifted"]
+__all__ = ["DENSE_DOFS", "EQUAL", "lowest", "lowest_sparse", "null_space", "shifted"]
 
 FloatArray = npt.NDArray[np.float64]
 
 # Up to here LAPACK on the whole pencil is quicker than setting up an iteration.
 DENSE_DOFS = 500
+
+# Eigenvalues closer than this, relative, are one multiple eigenvalue.
+EQUAL = 1e-9
 
 # ‖Kφ‖ / ‖|K||φ|‖ of a mode that is rigid: rounding gives some 1e-15, the slenderest of meshes that
 # double precision can still carry 1e-9.
@@ -162,7 +165,7 @@ def lowest_sparse(
         deflated = np.column_stack([away_from, modes])
         fresh = np.random.default_rng(3).standard_normal(M.shape[0])
         next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, fresh)
-        if next_omega2[0] >= omega2[n - 1] * (1.0 - 1e-9):
+        if next_omega2[0] >= omega2[n - 1] * (1.0 - EQUAL):
             return omega2[:n], modes[:, :n]
         omega2 = np.append(omega2, next_omega2)
         modes = np.column_stack([modes, next_mode])
@@ -202,7 +205,7 @@ def _arnoldi(
         )
     except spla.ArpackError as error:
         raise ConvergenceError(
-            f"ARPACK did not find {n} eigenpairs of {dofs} dofs ({error}); ask for fewer, or for all"
+            f"ARPACK did not find {n} eigenpairs of {dofs} dofs ({error}); ask for fewer or all"
         ) from None
     order = np.argsort(values)
     vectors = project(vectors[:, order])

@@ -227,7 +227,8 @@ class AOModel:
                 f"got {values.shape}"
             )
         full: FloatArray = np.multiply.outer(self.origin.static_mode, values[0])
-        return full + self.origin.shapes @ (values[1:] - values[0])
+        full += self.origin.shapes @ (values[1:] - values[0])
+        return full
 
     def to_modal(self) -> tuple[FloatArray, FloatArray]:
         """Return the star's natural modes by the secular equation.
@@ -256,8 +257,7 @@ def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, 
     order = np.argsort(k / m, kind="stable")
     m, k = m[order], k[order]
     omega2 = k / m
-    first = np.concatenate([[True], np.diff(omega2) > 4e-16 * omega2[1:]]) if len(m) else []
-    starts = np.flatnonzero(first)
+    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > 4e-16 * omega2)
     if len(starts) == len(m):
         return np.ascontiguousarray(m), np.ascontiguousarray(k)
     return np.add.reduceat(m, starts), np.add.reduceat(k, starts)

@@ -1,0 +1,119 @@
+"""The classical modal truncation of a body, and the star that it is in other coordinates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from .checks import integer
+from .contact import ContactPoint
+from .errors import InputError, InputTypeError
+from .spectra import EQUAL, lowest
+from .star import AOModel
+from .statics import StaticMode, origin_of
+
+__all__ = ["ModalModel", "modal"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# Modes and oscillators with less than this share of the whole do not feel the contact.
+_SILENT = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class ModalModel:
+    """The first natural modes of a body: the classical truncated model.
+
+    Attributes
+    ----------
+    tip : ContactPoint
+    omega2 : ndarray, shape (n,)
+        ω², (rad/s)², ascending; zero for rigid modes.
+    modes : ndarray, shape (n_dofs, n)
+        M-orthonormal.
+    """
+
+    tip: ContactPoint
+    omega2: FloatArray
+    modes: FloatArray
+
+    def __repr__(self) -> str:
+        return f"ModalModel(n={self.n}, tip={self.tip!r})"
+
+    @property
+    def n(self) -> int:
+        """Number of modes, rigid ones included."""
+        return len(self.omega2)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Natural frequencies, Hz, ascending, shape (n,)."""
+        return np.sqrt(self.omega2) / (2.0 * np.pi)
+
+    @property
+    def participation(self) -> FloatArray:
+        """r_j = bᵀφ_j, 1/√kg, shape (n,)."""
+        result: FloatArray = self.modes.T @ self.tip.b
+        return result
+
+    def truncated(self, n: int) -> ModalModel:
+        """Return the model of the first `n` modes."""
+        kept = integer("n", n, low=1, high=self.n)
+        return ModalModel(self.tip, self.omega2[:kept], self.modes[:, :kept])
+
+    @cached_property
+    def star(self) -> AOModel:
+        """The same model as a star: its antiresonances by the secular equation.
+
+        Modes of one frequency act as one; those that b does not excite are left out. It is
+        exact: both have the same receptance Σ r_j²/(ω_j² - ω²).
+        """
+        weight = self.participation**2
+        excited = weight > _SILENT * weight.sum()
+        if not excited.any():
+            raise InputError(f"none of the {self.n} modes moves the contact: take more modes")
+        omega2, weight = self.omega2[excited], weight[excited]
+        shapes = self.modes[:, excited] * self.participation[excited]
+        starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
+        weight = np.add.reduceat(weight, starts)
+        return self._star(omega2[starts], weight, np.add.reduceat(shapes, starts, axis=1))
+
+    def _star(self, omega2: FloatArray, weight: FloatArray, r_phi: FloatArray) -> AOModel:
+        """Star of distinct modes; column j of `r_phi` is r_j φ_j."""
+        m, k = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
+        m0, k0 = _core.star_from_modal(omega2, weight, m, k)
+        kept = m > _SILENT * (m0 + m.sum())
+        m, k = m[kept], k[kept]
+        # In modal coordinates φ_st is r_j k0/ω_j² (or the rigid mode), Ψ_i is -r_j k_i/(ω_j² - μ_i).
+        static = r_phi @ (k0 / omega2) if k0 > 0.0 else r_phi[:, 0] / weight[0]
+        shapes = r_phi @ -(k / np.subtract.outer(omega2, k / m))
+        mass = m0 + math.fsum(m)
+        phi = StaticMode(static, k0, self.tip.body.M @ static, mass, np.empty((len(static), 0)))
+        origin = origin_of(self.tip, phi, shapes, "modal")
+        return AOModel(m0=m0, k0=k0, m=m, k=k, origin=origin)
+
+
+def modal(tip: ContactPoint, n: int) -> ModalModel:
+    """Return the classical modal truncation of a body: its `n` lowest natural modes.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    n : int
+        Number of modes, rigid ones included, 1 … n_dofs.
+
+    Raises
+    ------
+    InputError
+        If `n` is out of range.
+    """
+    if not isinstance(tip, ContactPoint):
+        raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
+    wanted = integer("n", n, low=1, high=tip.body.n_dofs)
+    omega2, modes = lowest(tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes)
+    return ModalModel(tip, omega2, modes)

@@ -1,0 +1,107 @@
+"""The static mode of a body at its contact: eqs. (1)-(3) and (11) of the paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg as la
+
+from . import _core
+from .contact import ContactPoint
+from .errors import InputTypeError, SingularError
+from .solvers import factorize
+from .spectra import shifted
+from .star import Origin
+
+__all__ = ["StaticMode", "moves_rigidly", "origin_of", "static_mode"]
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class StaticMode:
+    """The static mode of a body at a contact functional, eqs. (1)-(3), (11).
+
+    Attributes
+    ----------
+    phi : ndarray, shape (n_dofs,)
+        φ_st with bᵀφ_st = 1.
+    k0 : float
+        φ_stᵀ K φ_st, N/m; exactly 0 where b moves the body rigidly.
+    m_phi : ndarray, shape (n_dofs,)
+        M φ_st.
+    mass : float
+        m_st = φ_stᵀ M φ_st, kg.
+    silent : ndarray, shape (n_dofs, r)
+        The M-orthonormal rigid motions that never feel the contact.
+    """
+
+    phi: FloatArray
+    k0: float
+    m_phi: FloatArray
+    mass: float
+    silent: FloatArray
+
+
+def static_mode(tip: ContactPoint) -> StaticMode:
+    """Return the static mode; for a body that b can move rigidly, that rigid motion.
+
+    Raises
+    ------
+    SingularError
+        If K is singular though the body has no rigid motion: a mechanism.
+    """
+    if not isinstance(tip, ContactPoint):
+        raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
+    rigid, b = tip.body.rigid_modes, tip.b
+    reach = rigid.T @ b
+    if moves_rigidly(tip):
+        phi = np.empty_like(b)
+        mass = _core.static_free(np.ascontiguousarray(rigid.T), b, phi)
+        across = la.qr(reach[:, None])[0][:, 1:]
+        return StaticMode(phi, 0.0, tip.body.M @ phi, mass, rigid @ across)
+    phi = np.ascontiguousarray(_static_displacement(tip, rigid))
+    k0 = _core.static_held(b, phi)
+    m_phi = tip.body.M @ phi
+    return StaticMode(phi, k0, m_phi, float(phi @ m_phi), rigid)
+
+
+def moves_rigidly(tip: ContactPoint) -> bool:
+    """Whether a force at the contact moves the body as a whole: seen from there it is free."""
+    rigid = tip.body.rigid_modes
+    reach = float(np.linalg.norm(rigid.T @ tip.b))
+    return reach > 1e-10 * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
+
+
+def _static_displacement(tip: ContactPoint, rigid: FloatArray) -> FloatArray:
+    """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them."""
+    K, M, b = tip.body.K, tip.body.M, tip.b
+    if rigid.shape[1] == 0:
+        try:
+            return factorize(K, what="the stiffness matrix").solve(b)
+        except SingularError as error:
+            raise SingularError(
+                f"{error}, though the body has no rigid motion left: part of it is a mechanism "
+                "(a piece not connected, an element without stiffness); see body.frequencies(10)"
+            ) from None
+    base = shifted(K, M, rigid=rigid)
+    x = np.zeros_like(b)
+    for _ in range(100):  # the shift makes each pass gain a factor ω₁²/s²
+        change = base.factors.solve(b - K @ x)
+        change -= rigid @ (rigid.T @ (M @ change))
+        x += change
+        if np.linalg.norm(change) <= 1e-15 * np.linalg.norm(x):
+            break
+    return x
+
+
+def origin_of(tip: ContactPoint, static: StaticMode, shapes: FloatArray, label: str) -> Origin:
+    """Return what a star made from a body keeps of it."""
+    body = tip.body
+    if tip.direction is None or body.mass is None:
+        # Without nodes the mean over the static mode stands for the centre of mass.
+        return Origin(label, tip, static.phi, shapes, static.m_phi / static.mass, static.mass)
+    centre = body.com_functional(tip.direction)
+    return Origin(label, tip, static.phi, shapes, centre, body.mass)
