@@ -25,8 +25,8 @@ __all__ = [
     "finite_array",
     "integer",
     "nearest",
-    "nonnegative",
     "node_ids",
+    "nonnegative",
     "positive",
     "real",
     "unit_vector",
@@ -57,7 +57,7 @@ def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> fl
     try:
         number = float(value)
     except OverflowError:
-        number = math.inf if value > 0 else -math.inf
+        raise InputError(f"{name} must be finite, got {_short(value)}") from None
     if math.isnan(number):
         raise InputError(f"{name} must be a number, got nan")
     if math.isinf(number) and not infinite:

@@ -6,6 +6,9 @@ works for whoever has never heard of `AOImpactError`.
 
 from __future__ import annotations
 
+import sys
+import warnings
+
 __all__ = [
     "AOImpactError",
     "AOImpactWarning",
@@ -13,8 +16,10 @@ __all__ = [
     "InputError",
     "InputTypeError",
     "MeshError",
+    "MissingFileError",
     "SingularError",
     "core_error",
+    "warn",
 ]
 
 
@@ -34,6 +39,10 @@ class MeshError(InputError):
     """A mesh cannot be read or cannot be computed with."""
 
 
+class MissingFileError(MeshError, FileNotFoundError):
+    """A mesh file is not there."""
+
+
 class SingularError(AOImpactError, RuntimeError):
     """A matrix that has to be inverted is singular: a mechanism, or a body that is not held."""
 
@@ -46,12 +55,24 @@ class AOImpactWarning(UserWarning):
     """Something looks wrong, but may be meant."""
 
 
+def warn(message: str) -> None:
+    """Issue an `AOImpactWarning` that points at the line outside this package that led to it."""
+    package = __name__.partition(".")[0]
+    level = 2
+    frame = sys._getframe(1)
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame = frame.f_back
+        level += 1
+    warnings.warn(message, AOImpactWarning, stacklevel=level)
 
 
 # The codes of the C core (enum aoi_status): one table, code -> exception class and what it means.
 _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     1: (InputError, "an argument is out of its range"),
-    2: (ConvergenceError, "infinity or NaN came up; the step may be too large or the values too extreme"),
+    2: (
+        ConvergenceError,
+        "infinity or NaN came up; the step may be too large or the values too extreme",
+    ),
     3: (SingularError, "a mass, stiffness or pivot that must be positive is not"),
     4: (ConvergenceError, "an iteration did not converge"),
     5: (InputError, "the contact functional does not move the body (it is zero on all free dofs)"),
