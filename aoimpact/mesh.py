@@ -1,0 +1,298 @@
+"""Meshes of solid elements: from any file that meshio reads, put in order and checked."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from .checks import choice, finite_array, node_ids, positive
+from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
+from .errors import InputTypeError, MeshError, warn
+from .meshfile import load, named_nodes
+
+__all__ = ["Mesh", "read_mesh"]
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+# det J below this fraction of the cube of the element's size: no volume to speak of.
+_FLAT = 1e-12
+
+# Nodes closer than this fraction of the mesh's size are at the same place.
+_COINCIDENT = 1e-9
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh:
+    """A mesh of solid elements of one kind.
+
+    Parameters
+    ----------
+    nodes : array_like, shape (n_nodes, 3)
+        Coordinates, m.
+    cells : array_like of int, shape (n_cells, nodes per cell)
+        Node numbers in meshio's (VTK's) order.
+    kind : str
+        meshio's name of the element: tetra, tetra10, hexahedron, hexahedron20, hexahedron27, wedge.
+    node_sets : mapping of str to array of int, optional
+        Named sets of nodes, e.g. for supports.
+
+    Raises
+    ------
+    MeshError
+        If elements are inverted or flat, or nodes belong to no element: these are counted, and the
+        first one is named.
+    InputError, InputTypeError
+        If the arrays have the wrong shape or type, or node numbers are out of range.
+    """
+
+    nodes: FloatArray
+    cells: IntArray
+    kind: str
+    node_sets: Mapping[str, IntArray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        element = reference_element(choice("kind", self.kind, KINDS))
+        nodes = np.array(finite_array("nodes", self.nodes, shape=(None, 3), unit="m"))
+        cells = _checked_cells(self.cells, element, len(nodes))
+        used = np.zeros(len(nodes), dtype=bool)
+        used[cells] = True
+        unused = np.flatnonzero(~used)
+        if len(unused):
+            raise MeshError(
+                f"nodes: {len(unused)} of {len(nodes)} belong to no element, the first is "
+                f"{unused[0]}; leave them out, or let read_mesh do so"
+            )
+        _check_elements(nodes, cells, element)
+        sets = {
+            str(name): node_ids(f"node_sets[{name!r}]", members, len(nodes))
+            for name, members in self.node_sets.items()
+        }
+        for array in (nodes, cells, *sets.values()):
+            array.flags.writeable = False
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "cells", cells)
+        object.__setattr__(self, "node_sets", sets)
+
+    @property
+    def n_nodes(self) -> int:
+        return len(self.nodes)
+
+    @property
+    def n_cells(self) -> int:
+        return len(self.cells)
+
+    @property
+    def size(self) -> float:
+        """The longest side of the box that holds the mesh, m."""
+        return float(np.ptp(self.nodes, axis=0).max())
+
+    def __repr__(self) -> str:
+        sets = f", sets: {', '.join(self.node_sets)}" if self.node_sets else ""
+        return f"Mesh({self.n_nodes} nodes, {self.n_cells} {self.kind}{sets})"
+
+
+def read_mesh(source: str | os.PathLike[str] | Any, *, scale: float = 1.0) -> Mesh:
+    """Return a mesh of solid elements from any file that meshio reads.
+
+    Cells of lower dimension are not part of the body; their groups become named node sets. What
+    meshio readers leave in disorder is put right: midside nodes that come in another order than
+    meshio's own, elements numbered left-handed throughout, and nodes of no element.
+
+    Parameters
+    ----------
+    source : path, meshio.Mesh or Mesh
+    scale : float, optional
+        Factor on the coordinates, to metres: 1e-3 for a file in millimetres.
+
+    Raises
+    ------
+    MeshError
+        If the file cannot be read (`MissingFileError` if it is not there), has no volume cells or
+        several kinds of them, or elements that are inverted or flat.
+
+    Warns
+    -----
+    AOImpactWarning
+        If nodes were dropped or elements renumbered, or if the mesh falls into pieces.
+    """
+    factor = positive("scale", scale)
+    if isinstance(source, Mesh):
+        if factor == 1.0:
+            return source
+        return Mesh(source.nodes * factor, source.cells, source.kind, source.node_sets)
+    raw = load(source) if isinstance(source, (str, os.PathLike)) else source
+    if not all(hasattr(raw, name) for name in ("points", "cells", "point_sets", "cell_sets")):
+        raise InputTypeError(
+            f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
+        )
+    kind, cells = _volume_cells(raw)
+    nodes = _coordinates(raw.points) * factor
+    element = reference_element(kind)
+    cells = _checked_cells(cells, element, len(nodes))
+    nodes, cells, sets = _drop_unused(nodes, cells, named_nodes(raw))
+    cells = _order_midside_nodes(nodes, cells, element)
+    cells = _make_right_handed(nodes, cells, element)
+    mesh = Mesh(nodes, cells, kind, sets)
+    _warn_of_pieces(mesh)
+    return mesh
+
+
+def _coordinates(points: Any) -> FloatArray:
+    array = np.asarray(points)
+    if array.ndim == 2 and array.shape[1] == 2:
+        raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
+    return finite_array("coordinates of the mesh", points, shape=(None, 3), unit="m")
+
+
+def _volume_cells(raw: Any) -> tuple[str, IntArray]:
+    """Return the one kind of volume cell and its cells, in the order of the file."""
+    counts: Counter[str] = Counter()
+    for block in raw.cells:
+        counts[block.type] += len(block.data)
+    counts = +counts
+    supported = f"supported are {', '.join(KINDS)}"
+    listed = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "no cells at all"
+    volume = {block.type for block in raw.cells if len(block.data) and block.dim == 3}
+    if not volume:
+        raise MeshError(f"the mesh has no volume cells: it has {listed}; {supported}")
+    unknown = sorted(volume.difference(KINDS))
+    if unknown:
+        what = ", ".join(f"{counts[kind]} {kind}" for kind in unknown)
+        raise MeshError(f"the mesh has volume cells of an unsupported kind: {what}; {supported}")
+    if len(volume) > 1:
+        raise MeshError(
+            f"the mesh mixes kinds of volume cells: {listed}; mesh the body with one kind"
+        )
+    (kind,) = volume
+    return kind, np.concatenate([block.data for block in raw.cells if block.type == kind])
+
+
+def _checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
+    array = np.array(cells)
+    if array.dtype.kind not in "iu":
+        raise InputTypeError(f"cells must be integer node numbers, got dtype {array.dtype}")
+    if array.ndim != 2 or array.shape[1] != element.n_nodes or not len(array):
+        raise MeshError(
+            f"cells of kind {element.kind} must have shape (any, {element.n_nodes}), "
+            f"got {array.shape}"
+        )
+    outside = (array < 0) | (array >= n_nodes)
+    if outside.any():
+        first = int(np.flatnonzero(outside.any(axis=1))[0])
+        raise MeshError(
+            f"{int(outside.any(axis=1).sum())} elements refer to nodes that are not there, the "
+            f"first is element {first}: {array[first].tolist()}; nodes run from 0 to {n_nodes - 1}"
+        )
+    return np.ascontiguousarray(array, dtype=np.int64)
+
+
+def _drop_unused(
+    nodes: FloatArray, cells: IntArray, sets: dict[str, IntArray]
+) -> tuple[FloatArray, IntArray, dict[str, IntArray]]:
+    used = np.zeros(len(nodes), dtype=bool)
+    used[cells] = True
+    if used.all():
+        return nodes, cells, sets
+    first = int(np.flatnonzero(~used)[0])
+    warn(
+        f"{int((~used).sum())} of {len(nodes)} nodes belong to no volume element and were dropped; "
+        f"nodes after {first} have new numbers (named sets keep their members)",
+    )
+    number = np.cumsum(used) - 1
+    kept = {name: number[members[used[members]]] for name, members in sets.items()}
+    return nodes[used], number[cells], {name: ids for name, ids in kept.items() if len(ids)}
+
+
+def _order_midside_nodes(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> IntArray:
+    """Put midside nodes in meshio's order by where they lie, if they are in another throughout."""
+    n = element.n_corners
+    if element.n_nodes == n:
+        return cells
+    sample = cells[np.linspace(0, len(cells) - 1, min(len(cells), 2000)).astype(int)]
+    between = reference_element({4: "tetra", 8: "hexahedron"}[n]).shape(element.nodes[n:])
+    corners = nodes[sample[:, :n]]
+    expected = between @ corners
+    size = np.ptp(corners, axis=1).max(axis=1)
+    gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
+    size = np.where(size > 0.0, size, 1.0)
+    misfit = np.einsum("eabi,e->ab", gaps**2, size**-2.0)
+    _, order = linear_sum_assignment(misfit)
+    if np.array_equal(order, np.arange(len(order))):
+        return cells
+    warn(
+        f"the midside nodes of the {len(cells)} {element.kind} elements come in another order than "
+        f"meshio's; they were put in order by their places ({(order + n).tolist()})",
+    )
+    return np.ascontiguousarray(np.concatenate([cells[:, :n], cells[:, n:][:, order]], axis=1))
+
+
+def _make_right_handed(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> IntArray:
+    """Renumber the elements if every one of them is the mirror image of a good one."""
+    _, highest = _jacobian_range(nodes, cells, element)
+    if (highest >= 0.0).any():
+        return cells
+    warn(
+        f"all {len(cells)} elements are numbered left-handed; they were renumbered",
+    )
+    return np.ascontiguousarray(cells[:, element.mirror])
+
+
+def _check_elements(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> None:
+    lowest, highest = _jacobian_range(nodes, cells, element)
+    flat = np.maximum(np.abs(lowest), np.abs(highest)) <= _FLAT
+    inverted = (lowest <= _FLAT) & ~flat
+    for bad, what in ((flat, "flat (no volume)"), (inverted, "inverted (Jacobian not positive)")):
+        if bad.any():
+            first = int(np.flatnonzero(bad)[0])
+            centre = ", ".join(f"{x:.4g}" for x in nodes[cells[first]].mean(axis=0))
+            raise MeshError(
+                f"{int(bad.sum())} of {len(cells)} elements are {what}; the first is element "
+                f"{first} near ({centre}) m with nodes {cells[first].tolist()}; "
+                "repair or improve the mesh there"
+            )
+
+
+def _jacobian_range(
+    nodes: FloatArray, cells: IntArray, element: ReferenceElement
+) -> tuple[FloatArray, FloatArray]:
+    """Smallest and largest det J of each element at its points of quadrature, over its size³."""
+    gradient = element.gradient(element.stiffness_rule.points)
+    lowest, highest = np.empty(len(cells)), np.empty(len(cells))
+    for start in range(0, len(cells), 4096):
+        part = slice(start, start + 4096)
+        corners = nodes[cells[part]]
+        det, _ = cofactors(jacobians(corners, gradient))
+        size = np.ptp(corners, axis=1).max(axis=1)
+        det /= np.where(size > 0.0, size, 1.0)[:, None] ** 3
+        lowest[part], highest[part] = det.min(axis=1), det.max(axis=1)
+    return lowest, highest
+
+
+def _warn_of_pieces(mesh: Mesh) -> None:
+    n_local = mesh.cells.shape[1]
+    first = np.repeat(mesh.cells[:, 0], n_local - 1)
+    others = mesh.cells[:, 1:].reshape(-1)
+    links = sp.coo_array((np.ones(len(first), bool), (first, others)), shape=(mesh.n_nodes,) * 2)
+    n_pieces, _ = connected_components(links, directed=False)
+    if n_pieces == 1:
+        return
+    pairs = KDTree(mesh.nodes).query_pairs(_COINCIDENT * mesh.size, output_type="ndarray")
+    hint = (
+        f"{len(pairs)} pairs of nodes lie at the same place: merge coincident nodes in the mesher"
+        if len(pairs)
+        else "no nodes lie at the same place: check that this is one body"
+    )
+    warn(
+        f"the mesh falls into {n_pieces} pieces that share no nodes; {hint}",
+    )

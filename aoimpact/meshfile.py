@@ -1,0 +1,118 @@
+"""Mesh files through meshio: reading any of them, and the names they give to groups of nodes."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import numpy.typing as npt
+
+from .errors import MeshError, MissingFileError
+
+__all__ = ["load", "named_nodes"]
+
+IntArray = npt.NDArray[np.int64]
+
+_DIMENSION_NAMES = ("point", "line", "surface", "volume")
+
+
+def load(path: str | os.PathLike[str]) -> Any:
+    """Return the file as a `meshio.Mesh`.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such file.
+    MeshError
+        If it is empty, or of a format that meshio does not read.
+    """
+    file = Path(path)
+    if not file.exists():
+        raise MissingFileError(f"mesh file {str(file)!r} does not exist (in {os.getcwd()})")
+    if file.is_dir():
+        raise MeshError(f"mesh file {str(file)!r} is a directory")
+    if file.stat().st_size == 0:
+        raise MeshError(f"mesh file {str(file)!r} is empty")
+    said = io.StringIO()
+    try:
+        # meshio tries one reader after the other, prints why each failed, and then exits.
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshio.read(file)
+    except SystemExit:
+        reason = " ".join(said.getvalue().split())
+    except MemoryError:
+        raise
+    except Exception as error:
+        # Readers meet malformed files with whatever their parsing happens to raise.
+        reason = f"{type(error).__name__}: {error}"
+    raise MeshError(
+        f"mesh file {str(file)!r} cannot be read: {reason or 'meshio gives no reason'}; "
+        "see the formats of meshio, and convert it to one of them (.msh, .vtu, .inp, …)"
+    )
+
+
+def named_nodes(mesh: Any) -> dict[str, IntArray]:
+    """Return the named groups of a `meshio.Mesh` as sorted node numbers.
+
+    Node sets, cell sets, Gmsh's physical groups and MED's groups, of any dimension; a group of
+    cells is the set of their nodes. A physical group without a name is called after its dimension
+    and tag, as in "surface 3". Groups of the same name are joined.
+    """
+    found: dict[str, list[IntArray]] = {}
+    for name, nodes in _groups(mesh):
+        if len(nodes):
+            found.setdefault(name, []).append(nodes)
+    return {name: np.unique(np.concatenate(parts)) for name, parts in found.items()}
+
+
+def _groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
+    for name, members in mesh.point_sets.items():
+        yield str(name), _indices(members)
+    for name, blocks in mesh.cell_sets.items():
+        if name.startswith("gmsh:"):  # a table of meshio's own, not a group
+            continue
+        for block, members in zip(mesh.cells, blocks, strict=False):
+            if members is not None and len(members):
+                yield str(name), _nodes_of(block, _indices(members))
+    yield from _physical_groups(mesh)
+    yield from _med_groups(mesh)
+
+
+def _physical_groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
+    names = {
+        (int(value[1]), int(value[0])): str(name)
+        for name, value in mesh.field_data.items()
+        if np.size(value) == 2
+    }
+    for block, tags in zip(mesh.cells, mesh.cell_data.get("gmsh:physical", ()), strict=False):
+        for tag in np.unique(tags):
+            if tag != 0:
+                name = f"{_DIMENSION_NAMES[block.dim]} {tag}"
+                yield names.get((block.dim, int(tag)), name), _nodes_of(block, tags == tag)
+
+
+def _med_groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
+    tags = mesh.point_data.get("point_tags")
+    if tags is not None:
+        for tag, names in getattr(mesh, "point_tags", {}).items():
+            for name in names:
+                yield str(name), np.flatnonzero(tags == tag)
+    for block, tags in zip(mesh.cells, mesh.cell_data.get("cell_tags", ()), strict=False):
+        for tag, names in getattr(mesh, "cell_tags", {}).items():
+            for name in names:
+                yield str(name), _nodes_of(block, tags == tag)
+
+
+def _nodes_of(block: Any, members: npt.NDArray[Any]) -> IntArray:
+    return np.unique(np.asarray(block.data)[members]).astype(np.int64)
+
+
+def _indices(members: Any) -> IntArray:
+    array = np.asarray(members)
+    return np.flatnonzero(array) if array.dtype == bool else array.astype(np.int64).reshape(-1)
