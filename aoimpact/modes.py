@@ -89,7 +89,7 @@ class ModalModel:
         m0, k0 = _core.star_from_modal(omega2, weight, m, k)
         kept = m > _SILENT * (m0 + m.sum())
         m, k = m[kept], k[kept]
-        # In modal coordinates φ_st is r_j k0/ω_j² (or the rigid mode), Ψ_i is -r_j k_i/(ω_j² - μ_i).
+        # In modal coordinates φ_st is r_j k0/ω_j² or the rigid mode, Ψ_i is -r_j k_i/(ω_j² - μ_i).
         static = r_phi @ (k0 / omega2) if k0 > 0.0 else r_phi[:, 0] / weight[0]
         shapes = r_phi @ -(k / np.subtract.outer(omega2, k / m))
         mass = m0 + math.fsum(m)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,7 @@ import scipy.linalg as la
 from . import _core
 from .checks import choice, integer
 from .contact import ContactPoint
-from .errors import AOImpactWarning, InputError, SingularError
+from .errors import InputError, SingularError, warn
 from .solvers import factorize
 from .spectra import DENSE_DOFS, EQUAL, lowest_sparse, shifted
 from .star import AOModel
@@ -138,12 +137,10 @@ def _wanted_oscillators(tip: ContactPoint, static: StaticMode, n: int, order: st
     if small:
         return _ordered(_all_oscillators(tip, static), order)
     rest = static.mass - math.fsum(found.m)
-    warnings.warn(
+    warn(
         f"n={n}: among the {most} lowest constraint modes the first oscillators hold "
         f"{1.0 - rest / static.mass:.2%} of the static mass; one above may hold up to {rest:.3g}"
-        " kg, more than the smallest of those returned. order='frequency' needs no such search",
-        AOImpactWarning,
-        stacklevel=3,
+        " kg, more than the smallest of those returned. order='frequency' needs no such search"
     )
     return found
 
@@ -191,11 +188,7 @@ def antioscillators(
     else:
         found = _wanted_oscillators(tip, static, integer("n", n, low=0, high=dofs - 1), by)
         if len(found.m) < n:
-            warnings.warn(
-                f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact",
-                AOImpactWarning,
-                stacklevel=2,
-            )
+            warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
         found = found.take(np.arange(min(n, len(found.m))))
     return _model(tip, static, found, "AO")
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import Any
 
 import scipy.optimize
 
 from .checks import boolean, nonnegative, positive, real
-from .errors import AOImpactWarning, ConvergenceError, InputError, InputTypeError
+from .errors import ConvergenceError, InputError, InputTypeError, warn
 from .events import find_events
 from .laws import ContactLaw
 from .newmark import Newmark, Record, newmark_run
@@ -213,16 +212,12 @@ def _finish(run: _Run, record: Record, error: float | None) -> Result:
 
 def _warn(result: Result, dt: float) -> None:
     if result.in_contact_at_end:
-        warnings.warn(
+        warn(
             f"the record of {result.t[-1]:.4g} s ends in contact: rebound, impulse and the last "
-            "contact's end are those so far; take a longer duration",
-            AOImpactWarning,
-            stacklevel=4,
+            "contact's end are those so far; take a longer duration"
         )
     if result.error.time == 1.0:
-        warnings.warn(
+        warn(
             f"dt={dt:g} s is far too large: with 2dt the peak force changes by more than a fifth; "
-            "take a smaller dt",
-            AOImpactWarning,
-            stacklevel=4,
+            "take a smaller dt"
         )

@@ -41,6 +41,10 @@ static int find_offset(const aoi_secular *s, double origin, double low, double h
         if (isnan(value)) {
             return AOI_ERROR_NOT_FINITE;
         }
+        if (value == 0.0) {
+            *offset = x;
+            return AOI_OK;
+        }
         if (value < 0.0) {
             low = x;
         } else {
@@ -53,7 +57,7 @@ static int find_offset(const aoi_secular *s, double origin, double low, double h
         }
         const double moved = fabs(next - x);
         x = next;
-        if (value == 0.0 || moved <= 2.0 * DBL_EPSILON * fabs(x)) {
+        if (moved <= 2.0 * DBL_EPSILON * fabs(x)) {
             *offset = x;
             return AOI_OK;
         }

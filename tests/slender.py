@@ -1,0 +1,54 @@
+"""Matrices of slender bodies, written by hand: rods and Euler-Bernoulli beams of unit properties."""
+
+import numpy as np
+import scipy.sparse as sp
+
+
+def assemble(element, n_elements, dofs_per_node):
+    """Put `n_elements` equal element matrices in a row."""
+    size = dofs_per_node * (n_elements + 1)
+    width = len(element)
+    first = dofs_per_node * np.arange(n_elements)
+    rows = (first[:, None] + np.repeat(np.arange(width), width)).ravel()
+    columns = (first[:, None] + np.tile(np.arange(width), width)).ravel()
+    values = np.tile(np.ravel(element), n_elements)
+    return sp.csr_matrix((values, (rows, columns)), shape=(size, size))
+
+
+def rod(n_elements, *, fixed=()):
+    """K, M of a rod with EA = L = ρA = 1 in linear elements, the nodes `fixed` taken out."""
+    h = 1.0 / n_elements
+    K = assemble(np.array([[1, -1], [-1, 1]]) / h, n_elements, 1)
+    M = assemble(np.array([[2, 1], [1, 2]]) * h / 6, n_elements, 1)
+    return without(K, fixed), without(M, fixed)
+
+
+def beam(n_elements, *, fixed=()):
+    """K, M of a beam with EI = L = ρA = 1 in cubic elements, dofs (w, w') by node."""
+    h = 1.0 / n_elements
+    stiffness = [
+        [12, 6 * h, -12, 6 * h],
+        [6 * h, 4 * h**2, -6 * h, 2 * h**2],
+        [-12, -6 * h, 12, -6 * h],
+        [6 * h, 2 * h**2, -6 * h, 4 * h**2],
+    ]
+    mass = [
+        [156, 22 * h, 54, -13 * h],
+        [22 * h, 4 * h**2, 13 * h, -3 * h**2],
+        [54, 13 * h, 156, -22 * h],
+        [-13 * h, -3 * h**2, -22 * h, 4 * h**2],
+    ]
+    K = assemble(np.array(stiffness) / h**3, n_elements, 2)
+    M = assemble(np.array(mass) * h / 420, n_elements, 2)
+    return without(K, fixed), without(M, fixed)
+
+
+def without(matrix, dofs):
+    """The matrix without some rows and columns."""
+    kept = np.setdiff1d(np.arange(matrix.shape[0]), dofs)
+    return matrix[kept][:, kept].tocsr()
+
+
+def in_a_row(*matrices):
+    """Bodies that do not touch."""
+    return sp.block_diag(matrices, format="csr")

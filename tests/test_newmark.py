@@ -1,0 +1,314 @@
+"""Newmark's rule: its order, what it conserves, and that every kind of body steps alike."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.optimize
+from scipy.special import gamma
+
+import aoimpact as ao
+
+from slender import beam, rod
+
+HERTZ = ao.Hertz(k=1.0878565864408424e10)
+MASS = 4 / 3 * math.pi * 0.01**3 * 7800
+
+
+def pair(dt, *, projectile=None, target=None, law=HERTZ, velocity=1.0, duration=100e-6, **rule):
+    ball = ao.rigid(mass=MASS)
+    return ao.simulate(
+        projectile=projectile or ball,
+        target=target or ball,
+        law=law,
+        velocity=velocity,
+        duration=duration,
+        solver=ao.Newmark(dt=dt, **rule),
+    )
+
+
+def rigid_hertz(k, mass, velocity):
+    """Peak force and duration of a rigid mass on Hertz's law (Johnson, Contact Mechanics, 11.1)."""
+    deepest = (1.25 * mass * velocity**2 / k) ** 0.4
+    time = 0.8 * math.sqrt(math.pi) * gamma(0.4) / gamma(0.9) * deepest / velocity
+    return k * deepest**1.5, time
+
+
+# ----------------------------------------------------------------------- order and closed forms
+
+
+def test_second_order_to_the_rigid_pairs_closed_form():
+    peak, time = rigid_hertz(HERTZ.k, MASS / 2, 1.0)
+    assert peak == pytest.approx(1001.536, abs=5e-4)  # the published value
+    assert time == pytest.approx(60.01e-6, abs=5e-9)
+    steps = [4e-7, 2e-7, 1e-7, 5e-8]
+    hits = [pair(dt) for dt in steps]
+    errors = np.array([abs(hit.peak_force / peak - 1) for hit in hits])
+    order = np.log2(errors[:-1] / errors[1:])
+    assert order.mean() == pytest.approx(2.0, abs=0.15)
+    assert hits[-1].contact_duration == pytest.approx(time, rel=1e-5)
+    assert hits[-1].restitution == pytest.approx(1.0, abs=1e-7)
+
+
+def test_a_linear_law_against_a_wall_is_half_a_sine():
+    k, m, v = 4e6, 0.1, 2.0
+    hit = pair(
+        1e-7,
+        projectile=ao.rigid(mass=m),
+        target=ao.rigid(mass=math.inf),
+        law=ao.Linear(k=k),
+        velocity=v,
+        duration=600e-6,
+    )
+    omega = math.sqrt(k / m)
+    assert hit.peak_force == pytest.approx(v * math.sqrt(k * m), rel=1e-7)
+    assert hit.contact_duration == pytest.approx(math.pi / omega, rel=1e-6)
+    during = hit.t < math.pi / omega
+    np.testing.assert_allclose(
+        hit.force[during],
+        v * math.sqrt(k * m) * np.sin(omega * hit.t[during]),
+        atol=1e-6 * hit.peak_force,
+    )
+    assert hit.rebound_velocity == pytest.approx(-v, rel=1e-6)
+    assert hit.target.displacement.tolist() == [0.0] * len(hit.t)
+
+
+def test_published_one_antioscillator_pair():
+    """m0 = .1 % of the mass and k1 = 275.7 MN/m of the paper: 814.3692 N, 70.7428 µs."""
+    sphere = ao.AOModel(m0=0.001 * MASS, m=[0.999 * MASS], k=[275.7e6])
+    law = ao.Hertz(k=1.0878566e10)
+    hits = [pair(dt, projectile=sphere, target=sphere, law=law) for dt in (4e-8, 2e-8, 1e-8)]
+    errors = np.array([hit.peak_force - 814.3692123467 for hit in hits])
+    assert abs(errors[-1]) < 2e-3
+    assert np.log2(errors[0] / errors[2]) / 2 == pytest.approx(2.0, abs=0.2)
+    assert hits[-1].contact_duration == pytest.approx(70.7428420013e-6, rel=2e-5)
+
+
+@pytest.mark.parametrize("velocity", [1e-6, 1e-3, 1.0, 1e3])
+def test_nine_decades_of_velocity_scale_as_hertz_says(velocity):
+    """F ~ V^(6/5) and T ~ V^(-1/5), and the discrete equations scale alike."""
+    scale = velocity**-0.2
+    hit = pair(1e-7 * scale, velocity=velocity, duration=80e-6 * scale)
+    one = pair(1e-7, duration=80e-6)
+    assert hit.peak_force == pytest.approx(one.peak_force * velocity**1.2, rel=1e-9)
+    assert hit.contact_duration == pytest.approx(one.contact_duration * scale, rel=1e-9)
+
+
+# ----------------------------------------------------------------------------- conservation
+
+
+def ringing_star():
+    return ao.AOModel(m0=2e-3, k0=3e5, m=[0.01, 0.02, 5e-3], k=[4e6, 2e6, 9e7])
+
+
+def test_energy_of_free_vibration_is_constant():
+    """Average acceleration keeps the energy of a linear body: here after the ball has gone."""
+    hit = pair(2e-7, target=ringing_star(), duration=20e-3)
+    flying = hit.t > hit.contacts[-1][1] + 2e-7
+    energy = hit.energy.target.kinetic[flying] + hit.energy.target.elastic[flying]
+    assert flying.sum() > 10_000
+    assert np.ptp(energy) < 1e-12 * energy[0]
+
+
+def test_momentum_of_a_free_pair_is_constant():
+    star = ao.AOModel(m0=1e-4, m=[0.02, 0.01], k=[3e8, 5e7])
+    hit = pair(1e-7, projectile=star, target=star, duration=2e-3)
+    momentum = star.mass * (hit.projectile.centre_velocity + hit.target.centre_velocity)
+    assert np.ptp(momentum) < 1e-12 * momentum[0]
+    # The impulse is what the target took up.
+    assert hit.impulse == pytest.approx(star.mass * hit.target.centre_velocity[-1], rel=1e-12)
+
+
+def test_total_energy_error_is_of_second_order_in_contact():
+    drift = []
+    for dt in (2e-7, 1e-7, 5e-8):
+        energy = pair(dt, target=ringing_star(), duration=200e-6).energy.total
+        drift.append(np.ptp(energy) / energy[0])
+    assert drift[-1] < 1e-4
+    assert np.log2(drift[0] / drift[-1]) / 2 > 1.4  # the force starts like t^(3/2)
+
+
+def test_gamma_above_a_half_damps_and_does_not_feed():
+    hit = pair(1e-6, target=ringing_star(), duration=5e-3, gamma=0.6, beta=0.3025)
+    flying = hit.t > hit.contacts[-1][1] + 2e-6
+    energy = (hit.energy.target.kinetic + hit.energy.target.elastic)[flying]
+    assert energy[-1] < 0.9 * energy[0]
+    assert hit.energy.total.max() <= hit.energy.total[0] * (1 + 1e-9)
+
+
+# ----------------------------------------------------------------- one rule on every kind of body
+
+
+@pytest.mark.parametrize("fixed", [[0, 24], []], ids=["held", "free"])
+def test_star_modal_and_full_model_of_one_body_are_one(fixed):
+    """In exact arithmetic Newmark does not depend on the coordinates."""
+    K, M = beam(12, fixed=fixed)
+    tip = ao.FEModel(K=K, M=M).contact(dof=11 if fixed else 12)
+    options = {"law": ao.Hertz(k=1e4), "velocity": 0.1, "duration": 2.0}
+    ball = ao.rigid(mass=0.1)
+    full = pair(2e-3, projectile=ball, target=tip, **options)
+    star = pair(2e-3, projectile=ball, target=ao.antioscillators(tip), **options)
+    modal = pair(2e-3, projectile=ball, target=ao.modal(tip, K.shape[0]), **options)
+    assert full.peak_force > 0
+    for other in (star, modal):
+        np.testing.assert_allclose(other.force, full.force, atol=1e-8 * full.peak_force)
+        for name in ("displacement", "velocity", "centre_displacement"):
+            expected = getattr(full.target, name)
+            atol = 1e-8 * np.abs(expected).max()
+            np.testing.assert_allclose(getattr(other.target, name), expected, atol=atol)
+        for name in ("kinetic", "elastic"):
+            expected = getattr(full.target.energy, name)
+            atol = 1e-8 * expected.max()
+            np.testing.assert_allclose(getattr(other.target.energy, name), expected, atol=atol)
+
+
+def test_full_models_as_projectile_and_target():
+    """Two equal free rods, end to end: the second flies off with the velocity of the first."""
+    K, M = rod(60)
+    body = ao.FEModel(K=K, M=M)
+    hit = pair(
+        1e-3,
+        projectile=body.contact(dof=60),
+        target=body.contact(dof=0),
+        law=ao.Linear(k=200.0),
+        velocity=1e-3,
+        duration=4.0,
+    )
+    # Waves run to the far ends and back: the contact lasts 2L/c, a little more on a soft spring.
+    assert 2.0 < hit.contact_duration < 2.3
+    assert hit.target.centre_velocity[-1] == pytest.approx(1e-3, rel=0.02)
+    momentum = hit.projectile.centre_velocity + hit.target.centre_velocity
+    assert np.ptp(momentum) < 1e-12
+
+
+def test_the_final_state_is_that_of_the_last_step():
+    star = ringing_star()
+    hit = pair(1e-7, target=star, duration=200e-6)
+    assert hit.target.coordinates.shape == (4,)
+    assert hit.target.coordinates[0] == hit.target.displacement[-1]
+    assert hit.target.rates[0] == hit.target.velocity[-1]
+    stretch = hit.target.coordinates[1:] - hit.target.coordinates[0]
+    elastic = 0.5 * star.k0 * hit.target.coordinates[0] ** 2 + 0.5 * star.k @ stretch**2
+    assert elastic == pytest.approx(hit.energy.target.elastic[-1], rel=1e-12)
+
+
+# ------------------------------------------------------------------------------- hard cases
+
+
+def test_a_massless_contact_follows_its_springs():
+    """m0 = 0 is the limit of m0 → 0, without its ringing."""
+    light = [ao.AOModel(m0=m0, m=[MASS], k=[2.757e8]) for m0 in (1e-4 * MASS, 1e-6 * MASS, 0.0)]
+    peaks = [pair(2e-8, target=star).peak_force for star in light]
+    assert peaks[1] == pytest.approx(peaks[2], rel=1e-4)
+    assert abs(peaks[1] - peaks[2]) < abs(peaks[0] - peaks[2])
+
+
+def test_massless_contact_against_a_series_of_springs():
+    """A mass on a spring on a linear law on a wall: two springs in series, half a sine."""
+    k1, k2, v = 3e6, 5e6, 1.5
+    ball = ao.AOModel(m0=0.0, m=[0.2], k=[k1])
+    hit = pair(
+        1e-7,
+        projectile=ball,
+        target=ao.rigid(mass=math.inf),
+        law=ao.Linear(k=k2),
+        velocity=v,
+        duration=1.5e-3,
+    )
+    series = 1 / (1 / k1 + 1 / k2)
+    assert hit.peak_force == pytest.approx(v * math.sqrt(series * 0.2), rel=1e-6)
+    # A massless contact changes its velocity at once when it is let go: known to within a step.
+    assert hit.contact_duration == pytest.approx(math.pi * math.sqrt(0.2 / series), abs=1e-7)
+
+
+@pytest.mark.parametrize("ratio", [1e-8, 1e-3, 1e3, 1e8])
+def test_masses_of_any_ratio(ratio):
+    other = ao.rigid(mass=ratio * MASS)
+    peak, time = rigid_hertz(HERTZ.k, MASS * ratio / (1 + ratio), 1.0)
+    hit = pair(time / 1000, target=other, duration=1.3 * time)
+    assert hit.peak_force == pytest.approx(peak, rel=1e-5)
+    assert hit.restitution == pytest.approx(1.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("dt", [1e-2, 1e-1, 1.0])
+@pytest.mark.parametrize("velocity", [1e-6, 1e3])
+def test_far_too_large_a_step_is_solved_and_called_far_too_large(dt, velocity):
+    with pytest.warns(ao.AOImpactWarning, match="far too large"):
+        hit = pair(dt, velocity=velocity, duration=20 * dt)
+    assert hit.error.time == 1.0
+    assert np.isfinite(hit.force).all()
+
+
+def test_the_error_estimate_is_about_the_error():
+    peak, _ = rigid_hertz(HERTZ.k, MASS / 2, 1.0)
+    for dt in (4e-6, 2e-6, 1e-6, 5e-7):
+        hit = pair(dt)
+        true = abs(hit.peak_force / peak - 1)
+        assert 0.1 * true < hit.error.time < 10 * true
+
+
+def test_without_a_step_the_tolerance_is_met():
+    peak, _ = rigid_hertz(HERTZ.k, MASS / 2, 1.0)
+    for rtol in (1e-2, 1e-4, 1e-6):
+        hit = ao.simulate(
+            projectile=ao.rigid(mass=MASS),
+            target=ao.rigid(mass=MASS),
+            law=HERTZ,
+            velocity=1.0,
+            duration=100e-6,
+            solver=ao.Newmark(rtol=rtol),
+        )
+        assert hit.error.time <= rtol
+        assert hit.peak_force == pytest.approx(peak, rel=rtol)
+
+
+def test_a_step_beyond_the_stability_limit_ends_with_an_error_not_with_nan():
+    """β = 1/6 (linear acceleration) is stable only for ω dt < √12."""
+    stiff = ao.AOModel(m0=1e-6, m=[0.03], k=[3e8])
+    with pytest.raises(ao.ConvergenceError, match="t = "):
+        pair(1e-5, target=stiff, duration=1.0, beta=1 / 6)
+
+
+def test_the_same_run_gives_the_same_bits():
+    first, second = (pair(1e-7, target=ringing_star(), duration=1e-3) for _ in range(2))
+    assert first.force.tobytes() == second.force.tobytes()
+    assert first.energy.total.tobytes() == second.energy.total.tobytes()
+
+
+def test_hertz_pair_against_a_quadrature_of_its_energy_equation():
+    """t(δ) = ∫ dδ / √(V² - 2W/m): an evaluation without any time step."""
+    hit = pair(1e-8, duration=80e-6)
+    deepest = (1.25 * MASS / 2 / HERTZ.k) ** 0.4
+
+    def time_to(fraction):
+        # δ = δmax (1 - s²) takes the square-root singularity at the turning point away.
+        low = math.sqrt(1 - fraction)
+        s, w = np.polynomial.legendre.leggauss(60)
+        s = low + (1 - low) * (s + 1) / 2
+        x = 1 - s**2
+        return deepest * np.sum(w * (1 - low) / 2 * 2 * s / np.sqrt(1 - x**2.5))
+
+    for fraction in (0.1, 0.5, 0.9):
+        at = scipy.optimize.brentq(
+            lambda t, f=fraction: np.interp(t, hit.t, hit.indentation) - f * deepest,
+            0,
+            hit.peak_time,
+        )
+        assert at == pytest.approx(time_to(fraction), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"dt": 0.0}, "dt must be positive, got 0 s"),
+        ({"dt": -1e-6}, "dt must be positive"),
+        ({"dt": math.nan}, "dt must be a number"),
+        ({"dt": "1e-6"}, "dt must be a real number"),
+        ({"dt": 1e-6, "beta": 0.0}, "beta must be positive"),
+        ({"dt": 1e-6, "gamma": 0.4}, "gamma must be at least 1/2"),
+        ({"rtol": 2.0}, "rtol must be below 1"),
+    ],
+)
+def test_bad_settings_are_named(options, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        ao.Newmark(**options)

@@ -1,0 +1,54 @@
+"""Lowest eigenpairs: of known spectra, multiple ones, with and without rigid motions."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from aoimpact.spectra import lowest, null_space
+
+from slender import beam, in_a_row, rod
+
+
+def test_frequencies_of_a_free_beam():
+    """ω = (βL)² with cos βL cosh βL = 1; two rigid motions first."""
+    K, M = beam(300)
+    rigid = null_space(K, M)
+    assert rigid.shape == (602, 2)
+    omega2, modes = lowest(K, M, 5, known=rigid)
+    assert omega2[:2].tolist() == [0.0, 0.0]
+    np.testing.assert_allclose(
+        np.sqrt(omega2[2:]), np.array([4.73004074, 7.85320462, 10.99560784]) ** 2, rtol=1e-7
+    )
+    np.testing.assert_allclose(modes.T @ (M @ modes), np.eye(5), atol=1e-9)
+
+
+@pytest.mark.parametrize("copies", [2, 5])
+def test_no_member_of_a_multiple_eigenvalue_is_missed(copies):
+    K, M = rod(300, fixed=[0])
+    omega2, modes = lowest(in_a_row(*[K] * copies), in_a_row(*[M] * copies), 3 * copies)
+    exact = np.repeat((np.arange(3) + 0.5) * np.pi, copies)
+    np.testing.assert_allclose(np.sqrt(omega2), exact, rtol=1e-4)
+    np.testing.assert_allclose(
+        modes.T @ (in_a_row(*[M] * copies) @ modes), np.eye(3 * copies), atol=1e-8
+    )
+
+
+@pytest.mark.parametrize("copies", [1, 3, 12])
+def test_every_free_piece_has_its_rigid_motion(copies):
+    K, M = rod(60)
+    K, M = in_a_row(*[K] * copies), in_a_row(*[M] * copies)
+    rigid = null_space(K, M)
+    assert rigid.shape == (61 * copies, copies)
+    assert np.abs(K @ rigid).max() < 1e-9 * abs(K).max()
+
+
+def test_a_held_body_has_no_rigid_motion():
+    assert null_space(*rod(700, fixed=[0])).shape == (700, 0)
+    assert null_space(*beam(400, fixed=[0, 1])).shape == (800, 0)
+
+
+def test_elements_of_very_different_size_do_not_look_like_rigid_motion():
+    """Springs over nine decades: soft is not free."""
+    k = np.geomspace(1.0, 1e9, 50)
+    K = sp.diags([k + np.append(k[1:], 0.0), -k[1:], -k[1:]], [0, 1, -1]).tocsr()
+    assert null_space(K, sp.identity(50, format="csr")).shape == (50, 0)
