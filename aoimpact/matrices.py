@@ -1,0 +1,168 @@
+"""Anyone's stiffness and mass matrices, put in the one form that is computed with, or refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from .errors import InputError, InputTypeError
+
+__all__ = ["check_mass", "check_stiffness", "symmetric_csr"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# Asymmetry up to this fraction of the largest entry is rounding and is averaged away.
+_ASYMMETRY = 1e-9
+
+# Up to this many dofs definiteness is checked fully, by LAPACK.
+_SMALL = 500
+
+
+def symmetric_csr(name: str, matrix: Any) -> sp.csr_array:
+    """Return a symmetric matrix as float64 CSR, canonical, with int32 indices where they fit.
+
+    Sparse matrices of any format and real type are converted, and dense ones; what is in the right
+    form already is not copied, and the caller's arrays are never written to.
+
+    Raises
+    ------
+    InputTypeError
+        If it is not a matrix of real numbers.
+    InputError
+        If it is not square, finite and symmetric.
+    """
+    csr = _canonical(_real_csr(name, matrix))
+    rows, columns = csr.shape
+    if rows != columns or rows == 0:
+        raise InputError(f"{name} must be square, got shape {csr.shape}")
+    bad = np.flatnonzero(~np.isfinite(csr.data))
+    if len(bad):
+        row = int(np.searchsorted(csr.indptr, bad[0], side="right")) - 1
+        raise InputError(
+            f"{name} must be finite: {name}[{row}, {csr.indices[bad[0]]}] is {csr.data[bad[0]]}; "
+            f"{len(bad)} entries are not finite"
+        )
+    return _symmetrised(name, csr)
+
+
+def check_stiffness(K: sp.csr_array) -> None:
+    """Refuse a K that is not positive semidefinite, as far as can be told at little cost.
+
+    Raises
+    ------
+    InputError
+        If a diagonal entry is negative, a principal minor of order 2 is, or (up to 500 dofs) an
+        eigenvalue.
+    """
+    diagonal = K.diagonal()
+    negative = np.flatnonzero(diagonal < 0.0)
+    if len(negative):
+        raise InputError(
+            f"K has {len(negative)} negative entries on its diagonal, the first is "
+            f"K[{negative[0]}, {negative[0]}] = {diagonal[negative[0]]:g} N/m; "
+            "a stiffness matrix has none"
+        )
+    _check_minors("K", K, 1.0 + 1e-9)
+    if len(diagonal) <= _SMALL:
+        lowest = float(la.eigvalsh(K.toarray(), subset_by_index=[0, 0])[0])
+        if lowest < -1e-9 * float(diagonal.max()):
+            raise InputError(
+                f"K must be positive semidefinite: its lowest eigenvalue is {lowest:.4g} N/m"
+            )
+
+
+def check_mass(M: sp.csr_array) -> None:
+    """Refuse an M that is not positive definite, as far as can be told at little cost.
+
+    Raises
+    ------
+    InputError
+        If a diagonal entry is not positive (a dof without mass), a principal minor of order 2 is
+        not, or (up to 500 dofs) M has no Cholesky factor.
+    """
+    diagonal = M.diagonal()
+    bad = np.flatnonzero(diagonal <= 0.0)
+    if len(bad):
+        raise InputError(
+            f"M must have mass on every dof: {len(bad)} of {len(diagonal)} diagonal entries are "
+            f"zero or negative, the first is M[{bad[0]}, {bad[0]}] = {diagonal[bad[0]]:g} kg; "
+            "condense such dofs out, or give them mass"
+        )
+    _check_minors("M", M, 1.0 - 1e-12)
+    if len(diagonal) <= _SMALL:
+        try:
+            la.cholesky(M.toarray())
+        except la.LinAlgError:
+            lowest = float(la.eigvalsh(M.toarray(), subset_by_index=[0, 0])[0])
+            raise InputError(
+                f"M must be positive definite: its lowest eigenvalue is {lowest:.4g} kg"
+            ) from None
+
+
+def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:
+    """Refuse A_ij² > bound · A_ii A_jj: x with x_i = ±1, x_j = ±1 has negative energy then."""
+    root = np.sqrt(matrix.diagonal())
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    limit = root[row] * root[matrix.indices] * bound**0.5
+    wrong = (np.abs(matrix.data) > limit) & (row != matrix.indices)
+    if wrong.any():
+        first = int(np.flatnonzero(wrong)[0])
+        i, j = int(row[first]), int(matrix.indices[first])
+        needed = "positive definite" if bound < 1.0 else "positive semidefinite"
+        raise InputError(
+            f"{name} must be {needed}: {name}[{i}, {j}] = {matrix.data[first]:g} is too large "
+            f"beside {name}[{i}, {i}] = {root[i] ** 2:g} and {name}[{j}, {j}] = {root[j] ** 2:g}"
+        )
+
+
+def _real_csr(name: str, matrix: Any) -> sp.csr_array:
+    if not sp.issparse(matrix):
+        matrix = np.asarray(matrix)
+        if matrix.ndim != 2:
+            raise InputError(f"{name} must be a square matrix, got shape {matrix.shape}")
+    if matrix.dtype.kind not in "iuf":
+        raise InputTypeError(f"{name} must be a matrix of real numbers, got dtype {matrix.dtype}")
+    if matrix.ndim != 2:
+        raise InputError(f"{name} must be a square matrix, got shape {matrix.shape}")
+    # astype also turns big-endian numbers into the machine's own.
+    csr = sp.csr_array(matrix.astype(np.float64, copy=False))
+    try:
+        csr.check_format(full_check=True)
+    except ValueError as error:
+        raise InputError(f"{name} is not a valid sparse matrix: {error}") from None
+    return csr
+
+
+def _canonical(csr: sp.csr_array) -> sp.csr_array:
+    if not csr.has_canonical_format:
+        csr = csr.copy()
+        csr.sum_duplicates()
+    if csr.indices.dtype != np.int32 and csr.nnz < 2**31:
+        parts = (csr.data, csr.indices.astype(np.int32), csr.indptr.astype(np.int32))
+        csr = sp.csr_array(parts, shape=csr.shape)
+        csr.has_canonical_format = True
+    return csr
+
+
+def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
+    transposed = csr.T.tocsr()
+    if np.array_equal(csr.indices, transposed.indices) and np.array_equal(
+        csr.data, transposed.data
+    ):
+        return csr
+    difference = (csr - transposed).tocoo()
+    largest = float(np.abs(csr.data).max())
+    worst = int(np.argmax(np.abs(difference.data)))
+    gap = float(np.abs(difference.data[worst]))
+    if gap > _ASYMMETRY * largest:
+        i, j = int(difference.row[worst]), int(difference.col[worst])
+        raise InputError(
+            f"{name} must be symmetric: {name}[{i}, {j}] = {csr[i, j]:.10g}, but "
+            f"{name}[{j}, {i}] = {csr[j, i]:.10g}; only up to {_ASYMMETRY:g} of the largest entry "
+            "passes for rounding"
+        )
+    return _canonical(((csr + transposed) * 0.5).tocsr())

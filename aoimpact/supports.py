@@ -1,0 +1,109 @@
+"""Supports: which degrees of freedom of a mesh are held."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .checks import nearest, node_ids
+from .errors import InputError, InputTypeError
+
+__all__ = ["Support", "free_dofs"]
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
+Support = tuple[Selector, str]
+
+
+def free_dofs(
+    nodes: FloatArray, fixed: Sequence[Support] | None, node_sets: Mapping[str, IntArray]
+) -> IntArray:
+    """Return the dofs 3·node + component that no support holds, ascending.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    fixed : sequence of (nodes, letters)
+        The nodes by number, by the name of a set, or by a function of all coordinates that returns
+        one bool for each; the letters, of "x", "y" and "z", say which components are held.
+    node_sets : mapping of str to array of int
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If an entry selects nothing, names an unknown set or letter, or nothing is left free.
+    """
+    held = np.zeros((len(nodes), 3), dtype=bool)
+    for i, entry in enumerate(_entries(fixed)):
+        selector, letters = entry
+        components = _components(f"fixed[{i}]", letters)
+        selected = _selected(f"fixed[{i}]", selector, nodes, node_sets)
+        for component in components:
+            held[selected, component] = True
+    if held.all():
+        raise InputError("fixed holds every dof of the body; leave some free to move")
+    return np.flatnonzero(~held.reshape(-1))
+
+
+def _entries(fixed: Any) -> Sequence[Support]:
+    how = 'give a list of pairs such as [("xmin", "xyz"), ([0, 7], "z")]'
+    if fixed is None:
+        return ()
+    if isinstance(fixed, (str, Mapping)) or not isinstance(fixed, Sequence):
+        raise InputTypeError(f"fixed: {how}; got {type(fixed).__name__}")
+    for i, entry in enumerate(fixed):
+        if isinstance(entry, str) or not isinstance(entry, Sequence) or len(entry) != 2:
+            raise InputTypeError(f"fixed[{i}] is not a pair of nodes and letters: {how}")
+    return fixed
+
+
+def _components(name: str, letters: Any) -> list[int]:
+    if not isinstance(letters, str):
+        raise InputTypeError(f'{name}: letters must be text such as "xyz", got {letters!r}')
+    if not letters or set(letters) - set("xyz"):
+        raise InputError(f'{name}: letters must be of "x", "y" and "z", got {letters!r}')
+    return sorted({"xyz".index(letter) for letter in letters})
+
+
+def _selected(
+    name: str, selector: Any, nodes: FloatArray, node_sets: Mapping[str, IntArray]
+) -> IntArray:
+    if isinstance(selector, str):
+        if selector not in node_sets:
+            known = ", ".join(map(repr, node_sets)) or "none"
+            raise InputError(
+                f"{name}: the mesh has no node set {selector!r}{nearest(selector, node_sets)}; "
+                f"it has {known}"
+            )
+        return node_sets[selector]
+    if not callable(selector):
+        array = np.asarray(selector)
+        if array.dtype != bool:
+            return node_ids(f"{name}: nodes", selector, len(nodes))
+        return _from_mask(f"{name}: the mask of nodes", array, nodes)
+    mask = np.asarray(selector(nodes))
+    if mask.dtype != bool:
+        raise InputTypeError(
+            f"{name}: the function must return one bool for each node, got dtype {mask.dtype}"
+        )
+    return _from_mask(f"{name}: the function", mask, nodes)
+
+
+def _from_mask(name: str, mask: npt.NDArray[np.bool_], nodes: FloatArray) -> IntArray:
+    if mask.shape != (len(nodes),):
+        raise InputError(
+            f"{name} must give one bool for each of {len(nodes)} nodes, got shape {mask.shape}"
+        )
+    if not mask.any():
+        low, high = nodes.min(axis=0), nodes.max(axis=0)
+        box = ", ".join(f"{c} {a:g}…{b:g}" for c, a, b in zip("xyz", low, high, strict=True))
+        raise InputError(
+            f"{name} selects no nodes; the mesh spans {box} m: compare coordinates with a tolerance"
+        )
+    return np.flatnonzero(mask)
