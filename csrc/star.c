@@ -112,6 +112,12 @@ int aoi_star_from_modal(size_t count, const double *omega2, const double *weight
         return AOI_ERROR_ARGUMENT;
     }
     for (size_t j = 0; j < count; j++) {
+        if (!isfinite(omega2[j]) || !isfinite(weight[j])) {
+            return AOI_ERROR_NOT_FINITE;
+        }
+        if (weight[j] <= 0.0) {
+            return AOI_ERROR_NOT_POSITIVE;
+        }
         inverse_mass += weight[j];
         static_compliance += weight[j] / omega2[j];
     }
