@@ -11,6 +11,7 @@
 #include <stdio.h>
 
 #define PI 3.14159265358979323846
+#define SMALLEST 4.9406564584124654e-324 /* above zero; C99 has no name for it */
 
 enum { CHECK_MOST_SHOWN = 20 };
 

@@ -1,0 +1,228 @@
+/* The one equation of a step: solved to rounding wherever the search starts, for compliances and
+ * stiffnesses of any size, and for laws of the caller's with kinks, plateaus and damping. */
+#include "check.h"
+
+static const double DT = 1e-6;
+
+static aoi_law power_law(double k, double n)
+{
+    const double parameter[] = {k, n};
+    aoi_law law;
+    CHECK(aoi_law_create(&law, "power", 2, parameter) == AOI_OK, "power law %g, %g", k, n);
+    return law;
+}
+
+/* Starts of the search: right, nearly right, absurd. */
+static double guess_number(int i, double x, double free_end)
+{
+    const double guesses[] = {0.0,     -1.0,      x,           x * (1.0 + 1e-9), 0.999 * x,
+                              1.001 * x, 1e-10 * x, free_end,  0.5 * free_end,   1e3 * free_end,
+                              DBL_MIN, (double)NAN, (double)INFINITY, -(double)INFINITY};
+    return i < (int)(sizeof guesses / sizeof guesses[0]) ? guesses[i] : (double)NAN;
+}
+
+enum { GUESSES = 14 };
+
+/* From the indentation x the equation is made, then solved back. compliance k x^(n-1) = stiff. */
+static void solves(double n, double x, double stiff)
+{
+    const double k = 1.0 / pow(x, n - 1.0);
+    const aoi_law law = power_law(k, n);
+    aoi_law_value value;
+    law.force(&law, x, 0.0, &value);
+    const double free_end = x + stiff * value.force;
+    for (int i = 0; i < GUESSES; i++) {
+        const aoi_contact_equation equation = {free_end, stiff, 1.0, stiff / DT,
+                                               guess_number(i, x, free_end)};
+        double force = -1.0, indentation = -1.0;
+        const int status = aoi_contact_solve(&law, &equation, &force, &indentation);
+        CHECK(status == AOI_OK, "n %g, x %g, compliance k %g, guess %d: status %d", n, x, stiff, i, status);
+        CHECK(near(indentation, x, 5.0 * DBL_EPSILON), "n %g: %.17g, not %.17g", n, indentation, x);
+        CHECK(near(force, value.force, (8.0 + 5.0 * n) * DBL_EPSILON),
+              "n %g, x %g, compliance k %g, guess %d: force off by %g", n, x, stiff, i,
+              force / value.force - 1.0);
+        aoi_law_value there;
+        law.force(&law, indentation, 0.0, &there);
+        CHECK(force == there.force, "the force is the law's at the indentation given");
+        CHECK(fabs(indentation + stiff * force - free_end) <= 8.0 * DBL_EPSILON * free_end,
+              "n %g, x %g, compliance k %g: the equation holds to rounding", n, x, stiff);
+    }
+}
+
+static void power_laws_of_any_size(void)
+{
+    const double exponents[] = {1.0, 1.5, 3.0, 10.0};
+    for (size_t e = 0; e < sizeof exponents / sizeof exponents[0]; e++) {
+        for (int size = -15; size <= 3; size += 3) {
+            for (int stiff = -20; stiff <= 20; stiff += 2) {
+                solves(exponents[e], 1.7 * pow(10.0, size), 3.3 * pow(10.0, stiff));
+            }
+        }
+    }
+}
+
+static void random_equations(void)
+{
+    uint64_t seed = 9;
+    int failures = 0;
+    double worst = 0.0;
+    for (int i = 0; i < 200000; i++) {
+        const aoi_law law = power_law(decades(&seed, -10.0, 14.0), i % 3 ? 1.5 : 1.0 + uniform(&seed));
+        const double free_end = decades(&seed, -15.0, 3.0);
+        const aoi_contact_equation equation = {free_end, decades(&seed, -20.0, 4.0), 0.0, 0.0,
+                                               free_end * 2.0 * (uniform(&seed) - 0.25)};
+        double force = 0.0, x = 0.0;
+        failures += aoi_contact_solve(&law, &equation, &force, &x) != AOI_OK;
+        worst = fmax(worst, fabs(x + equation.compliance * force - free_end) / free_end);
+    }
+    CHECK(failures == 0, "%d of 200000 equations not solved", failures);
+    CHECK(worst < 8.0 * DBL_EPSILON, "an equation is off by %g of its size", worst);
+}
+
+static void no_contact_no_force(void)
+{
+    const aoi_law law = power_law(1e10, 1.5);
+    const double apart[] = {0.0, -0.0, -SMALLEST, -1e-6, -1e300};
+    for (size_t i = 0; i < sizeof apart / sizeof apart[0]; i++) {
+        const aoi_contact_equation equation = {apart[i], 1e-6, -3.0, 1.0, 1.0};
+        double force = 5.0, x = 5.0;
+        CHECK(aoi_contact_solve(&law, &equation, &force, &x) == AOI_OK && force == 0.0 && x == apart[i],
+              "%g m apart", apart[i]);
+    }
+    /* The lightest touch there is, and an indentation that nothing resists. */
+    const double light[] = {SMALLEST, DBL_MIN, 1e-300, 1e-160};
+    for (size_t i = 0; i < sizeof light / sizeof light[0]; i++) {
+        const aoi_contact_equation equation = {light[i], 1e-6, 1.0, 1.0, 0.0};
+        double force = -1.0, x = -1.0;
+        CHECK(aoi_contact_solve(&law, &equation, &force, &x) == AOI_OK, "touch of %g m", light[i]);
+        CHECK(force >= 0.0 && x >= 0.0 && x <= light[i], "force %g at %g m", force, x);
+    }
+}
+
+/* A step far too large runs deep into the other body, where a steep law's force overflows. */
+static void too_deep_for_the_law(void)
+{
+    const double exponents[] = {1.5, 10.0, 50.0, 100.0};
+    for (size_t i = 0; i < sizeof exponents / sizeof exponents[0]; i++) {
+        for (double free_end = 1.0; free_end < 1e40; free_end *= 1e8) {
+            const aoi_law law = power_law(1e10, exponents[i]);
+            const aoi_contact_equation equation = {free_end, 1e-3, 1.0, 1.0, -1.0};
+            double force = 0.0, x = 0.0;
+            const int status = aoi_contact_solve(&law, &equation, &force, &x);
+            CHECK(status == AOI_OK, "n %g from %g m: status %d", exponents[i], free_end, status);
+            CHECK(fabs(x + 1e-3 * force - free_end) <= 2.0 * exponents[i] * DBL_EPSILON * free_end,
+                  "n %g from %g m: force %g", exponents[i], free_end, force);
+        }
+    }
+}
+
+/* Laws of the caller's own. */
+static void bilinear(const aoi_law *law, double d, double rate, aoi_law_value *value)
+{
+    const double knee = law->parameter[0], past = d > knee ? d - knee : 0.0;
+    (void)rate;
+    value->force = d > 0.0 ? d + 1e6 * past : 0.0;
+    value->stiffness = d > knee ? 1.0 + 1e6 : 1.0;
+    value->damping = 0.0;
+}
+
+static void plateau(const aoi_law *law, double d, double rate, aoi_law_value *value)
+{
+    const double top = law->parameter[0];
+    (void)rate;
+    value->force = d <= 0.0 ? 0.0 : d < top ? d : top;
+    value->stiffness = d > 0.0 && d < top ? 1.0 : 0.0;
+    value->damping = 0.0;
+}
+
+/* Rises and falls again: a shell that snaps through. */
+static void snap(const aoi_law *law, double d, double rate, aoi_law_value *value)
+{
+    (void)law;
+    (void)rate;
+    value->force = d > 0.0 ? d * exp(-d) : 0.0;
+    value->stiffness = d > 0.0 ? (1.0 - d) * exp(-d) : 0.0;
+    value->damping = 0.0;
+}
+
+/* Hunt and Crossley: k d^(3/2) (1 + c rate), never pulling. */
+static void hunt_crossley(const aoi_law *law, double d, double rate, aoi_law_value *value)
+{
+    const double k = law->parameter[0], c = law->parameter[1], root = d > 0.0 ? sqrt(d) : 0.0;
+    const double factor = 1.0 + c * rate;
+    value->force = factor > 0.0 ? k * root * d * factor : 0.0;
+    value->stiffness = factor > 0.0 ? 1.5 * k * root * factor : 0.0;
+    value->damping = factor > 0.0 ? k * root * d * c : 0.0;
+}
+
+static double excess(const aoi_law *law, const aoi_contact_equation *e, double x)
+{
+    const double slope = e->compliance > 0.0 ? e->rate_compliance / e->compliance : 0.0;
+    aoi_law_value value;
+    law->force(law, x, e->rate_free + slope * (x - e->indentation_free), &value);
+    return x - e->indentation_free + e->compliance * value.force;
+}
+
+/* The equation holds to the rounding of its terms, or turns over within the rounding of x (a damped
+ * law may rise from nothing to more than is needed from one number to the next). */
+static int is_root(const aoi_law *law, const aoi_contact_equation *e, double x)
+{
+    const double reach = 8.0 * DBL_EPSILON * x;
+    return fabs(excess(law, e, x)) <= 8.0 * DBL_EPSILON * e->indentation_free ||
+           excess(law, e, x - reach) * excess(law, e, x + reach) <= 0.0;
+}
+
+static void laws_with_kinks_and_damping(void)
+{
+    static const struct {
+        const char *name;
+        void (*force)(const aoi_law *, double, double, aoi_law_value *);
+        double parameter[2];
+    } laws[] = {{"bilinear", bilinear, {0.3, 0.0}},
+                {"plateau", plateau, {0.2, 0.0}},
+                {"snap-through", snap, {0.0, 0.0}},
+                {"damped", hunt_crossley, {1e3, 0.4}}};
+    uint64_t seed = 4;
+    for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
+        const aoi_law law = {laws[l].force, NULL, {laws[l].parameter[0], laws[l].parameter[1]}};
+        int failures = 0, wrong = 0;
+        for (int i = 0; i < 20000; i++) {
+            const double free_end = decades(&seed, -8.0, 1.0), compliance = decades(&seed, -8.0, 3.0);
+            const aoi_contact_equation equation = {free_end, compliance, 4.0 * (uniform(&seed) - 0.5),
+                                                   i % 2 ? compliance / DT : 0.0,
+                                                   free_end * uniform(&seed)};
+            double force = 0.0, x = 0.0;
+            failures += aoi_contact_solve(&law, &equation, &force, &x) != AOI_OK;
+            wrong += !is_root(&law, &equation, x);
+        }
+        CHECK(failures == 0, "%s: %d of 20000 not solved", laws[l].name, failures);
+        CHECK(wrong == 0, "%s: %d of 20000 equations do not hold", laws[l].name, wrong);
+    }
+}
+
+static void what_is_not_finite_is_said(void)
+{
+    const aoi_law law = power_law(1e10, 1.5);
+    const double bad[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
+    for (size_t i = 0; i < 3; i++) {
+        const aoi_contact_equation place = {bad[i], 1e-6, 0.0, 1.0, 0.0};
+        const aoi_contact_equation rate = {1e-6, 1e-6, bad[i], 1.0, 0.0};
+        double force, x;
+        CHECK(aoi_contact_solve(&law, &place, &force, &x) == AOI_ERROR_NOT_FINITE, "indentation %g", bad[i]);
+        CHECK(aoi_contact_solve(&law, &rate, &force, &x) == AOI_ERROR_NOT_FINITE, "rate %g", bad[i]);
+    }
+    const aoi_contact_equation compliance = {1e-6, (double)NAN, 0.0, 1.0, 0.0};
+    double force, x;
+    CHECK(aoi_contact_solve(&law, &compliance, &force, &x) == AOI_ERROR_NOT_FINITE, "compliance NaN");
+}
+
+int main(void)
+{
+    power_laws_of_any_size();
+    random_equations();
+    no_contact_no_force();
+    too_deep_for_the_law();
+    laws_with_kinks_and_damping();
+    what_is_not_finite_is_said();
+    return check_report();
+}
