@@ -14,7 +14,7 @@ from .checks import choice, integer
 from .contact import ContactPoint
 from .errors import InputError, SingularError, warn
 from .solvers import factorize
-from .spectra import DENSE_DOFS, EQUAL, lowest_sparse, shifted
+from .spectra import EQUAL, lowest_sparse, shifted
 from .star import AOModel
 from .statics import StaticMode, origin_of, static_mode
 
@@ -22,7 +22,8 @@ __all__ = ["antioscillators"]
 
 FloatArray = npt.NDArray[np.float64]
 
-# LAPACK on the whole pencil beyond this takes minutes and gigabytes.
+# LAPACK on the whole pencil: a second up to here, minutes and gigabytes beyond there.
+_DENSE_QUICK = 1500
 _DENSE_MOST = 6000
 
 # An oscillator with less than this share of the static mass carries none: it is rounding.
@@ -125,15 +126,15 @@ def _enough(found: _Oscillators, static: StaticMode, n: int, order: str) -> bool
 def _wanted_oscillators(tip: ContactPoint, static: StaticMode, n: int, order: str) -> _Oscillators:
     dofs = tip.body.n_dofs
     small = dofs <= _DENSE_MOST
-    most = dofs // 5 if small else max(256, 4 * n)
+    most = dofs // 5 if small else max(64, 4 * n)
     count = max(2 * n, n + 8)
-    while dofs > DENSE_DOFS and count <= most:
+    while dofs > _DENSE_QUICK and count <= most:
         found = _ordered(_lowest_oscillators(tip, static, count), order)
         if _enough(found, static, n, order):
             return found
-        if count == most:
-            break
-        count = min(2 * count, most) if not small else 2 * count
+        if count == most or (small and order == "mass"):
+            break  # the heaviest may be anywhere: LAPACK finds all of a small body at once
+        count = min(2 * count, most)
     if small:
         return _ordered(_all_oscillators(tip, static), order)
     rest = static.mass - math.fsum(found.m)

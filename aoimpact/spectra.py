@@ -84,8 +84,20 @@ def null_space(K: Any, M: Any) -> FloatArray:
         scale = np.linalg.norm(abs(K) @ np.abs(modes), axis=0)
         rigid = forces <= _RIGID * scale
         if not rigid.all() or wanted == n:
-            return np.ascontiguousarray(modes[:, rigid])
+            return _without_strain(K, M, modes[:, rigid])
         wanted = min(n, 2 * wanted)
+
+
+def _without_strain(K: Any, M: Any, modes: FloatArray) -> FloatArray:
+    """Take the last elastic rounding out of rigid modes, and make them M-orthonormal."""
+    if modes.shape[1]:
+        # Each pass leaves s²/(ω² + s²) of the strain, so s² lies far below any elastic ω².
+        s2 = 1e-10 * float(K.diagonal().sum() / M.diagonal().sum())
+        factors = factorize(K + s2 * M, what="K + s²M")
+        for _ in range(3):
+            modes = modes - factors.solve(K @ modes)
+        modes = la.solve_triangular(la.cholesky(modes.T @ (M @ modes)), modes.T, trans="T").T
+    return np.ascontiguousarray(modes)
 
 
 def lowest(
@@ -122,8 +134,8 @@ def lowest(
     base = shifted(K, M, rigid=known)
     omega2, modes = lowest_sparse(M, base.factors.solve, base.s2, n - count, away_from=rigid)
     return (
-        np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)]),
-        np.column_stack([rigid, modes]),
+        np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
+        np.column_stack([rigid, modes])[:, :n],
     )
 
 
@@ -140,6 +152,10 @@ def lowest_sparse(
 
     A Krylov space holds one vector of a multiple eigenvalue, so members of it can be missed. What
     was found is therefore deflated and the lowest of the rest asked for, until that lies above.
+    The last eigenvalue, too, comes with all its members, so there may be more than `n`.
+
+    With a `start`, only modes that are not M-orthogonal to it are wanted. All of these lie in its
+    Krylov space, one of each multiple eigenvalue, and the iteration alone finds them.
 
     Parameters
     ----------
@@ -157,16 +173,19 @@ def lowest_sparse(
 
     Returns
     -------
-    omega2, modes : ndarrays, shapes (n,), (dofs, n)
+    omega2, modes : ndarrays, shapes (n or more,), (dofs, n or more)
     """
     first = np.random.default_rng(2).standard_normal(M.shape[0]) if start is None else start
     omega2, modes = _arnoldi(M, solve, s2, n, away_from, first)
+    if start is not None:
+        return omega2, modes
     while True:
         deflated = np.column_stack([away_from, modes])
-        fresh = np.random.default_rng(3).standard_normal(M.shape[0])
-        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, fresh)
-        if next_omega2[0] >= omega2[n - 1] * (1.0 - EQUAL):
-            return omega2[:n], modes[:, :n]
+        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, first)
+        highest = omega2[n - 1] * (1.0 + EQUAL)
+        if next_omega2[0] > highest:
+            within = omega2 <= highest
+            return omega2[within], modes[:, within]
         omega2 = np.append(omega2, next_omega2)
         modes = np.column_stack([modes, next_mode])
         order = np.argsort(omega2, kind="stable")

@@ -33,7 +33,8 @@ def convergence_order(errors, refinement=2):
 def test_clamped_rod_struck_at_its_end(sparse):
     """φ_st = x/L, so m_st = M/3; φ_i = sin iπx/L, so m_i = 2M/(iπ)², k_i = 2EA/L, k0 = EA/L."""
     errors = []
-    sizes = (600, 1200) if sparse else (50, 100, 200)
+    # Beyond 1500 dofs the constraint modes come from shift-and-invert iterations.
+    sizes = (1600, 3200) if sparse else (50, 100, 200)
     for elements in sizes:
         K, M = rod(elements, fixed=[0])
         star = model(K, M, elements - 1, 4, order="frequency")
@@ -47,8 +48,10 @@ def test_clamped_rod_struck_at_its_end(sparse):
                 np.abs(star.k / 2 - 1),
             ]
         )
-    assert np.max(errors[-1]) < 1e-3 if not sparse else 1e-5
-    np.testing.assert_allclose(convergence_order(np.array(errors)), 2.0, atol=0.02)
+    orders = convergence_order(np.array(errors)[:, 1:])
+    np.testing.assert_allclose(orders, 2.0, atol=0.02)
+    assert np.max(errors[-1][0]) < 1e-6  # the masses converge twice as fast
+    assert np.max(errors[-1]) < 2e-3
 
 
 def test_clamped_rods_oscillators_hold_all_its_static_mass_in_the_limit():
@@ -97,9 +100,10 @@ def test_simply_supported_beam_struck_at_midspan():
 def test_only_symmetric_constraint_modes_of_a_beam_carry_mass():
     """Struck at midspan, half of the constraint modes are antisymmetric: they are left out."""
     K, M = beam(20, fixed=[0, 40])
-    assert model(K, M, 19).n == 20
-    with pytest.warns(ao.AOImpactWarning, match="only 20 anti-oscillators carry mass"):
-        assert model(K, M, 19, 30).n == 20
+    symmetric = 9 + 10  # deflections and slopes of one half, but for the struck node
+    assert model(K, M, 19).n == symmetric
+    with pytest.warns(ao.AOImpactWarning, match="only 19 anti-oscillators carry mass"):
+        assert model(K, M, 19, 30).n == symmetric
 
 
 # --------------------------------------------------------- any matrices: the receptance is kept
@@ -137,8 +141,8 @@ def test_residual_mass_of_the_whole_star_is_that_of_the_bare_contact(rigid):
 
 
 def test_iteration_and_lapack_find_the_same_oscillators():
-    K, M = rod(700, fixed=[0])
-    dof = 300
+    K, M = rod(1600, fixed=[0])
+    dof = 700
     few = model(K, M, dof, 6, order="frequency")
     every = model(K, M, dof, order="frequency")
     np.testing.assert_allclose(few.m, every.m[:6], rtol=1e-8)
@@ -146,9 +150,10 @@ def test_iteration_and_lapack_find_the_same_oscillators():
     assert few.m0 == pytest.approx(every.m0 + every.m[6:].sum(), rel=1e-10)
 
 
+@pytest.mark.slow
 def test_largest_masses_of_a_large_body_are_the_largest():
-    K, M = rod(900, fixed=[0])
-    dof = 450
+    K, M = rod(1600, fixed=[0])
+    dof = 800
     every = model(K, M, dof)
     assert (np.diff(every.m) <= 0).all()
     np.testing.assert_allclose(model(K, M, dof, 3).m, every.m[:3], rtol=1e-8)
@@ -156,7 +161,7 @@ def test_largest_masses_of_a_large_body_are_the_largest():
 
 def test_members_of_a_multiple_eigenvalue_are_joined_and_none_is_missed():
     """Five equal rods hung on one struck mass: every constraint mode is fivefold."""
-    for elements in (30, 120):  # small enough for LAPACK, large enough for the iteration
+    for elements in (30, 320):  # small enough for LAPACK, large enough for the iteration
         one_K, one_M = rod(elements)
         n = elements + 1
         # Node 0 of each rod is the same node.
