@@ -12,8 +12,11 @@ from .errors import (
     MeshError,
     SingularError,
 )
+from .fem import FEModel
+from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from .laws import ContactLaw, Hertz, Linear, PowerLaw
 from .material import Material
+from .mesh import Mesh, read_mesh
 from .modes import ModalModel, modal
 from .newmark import Newmark
 from .reduction import antioscillators
@@ -30,11 +33,13 @@ __all__ = [
     "ContactLaw",
     "ContactPoint",
     "ConvergenceError",
+    "FEModel",
     "Hertz",
     "InputError",
     "InputTypeError",
     "Linear",
     "Material",
+    "Mesh",
     "MeshError",
     "ModalModel",
     "Newmark",
@@ -42,7 +47,11 @@ __all__ = [
     "Result",
     "SingularError",
     "antioscillators",
+    "box_mesh",
     "modal",
+    "paper_sphere_mesh",
+    "read_mesh",
     "rigid",
     "simulate",
+    "sphere_mesh",
 ]

@@ -6,7 +6,7 @@ import numpy.typing as npt
 _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int32]
 _Sparse = tuple[_I, _I, _F]
-_Factors = tuple[_I, _I, _F, _F, _I]
+_Factors = tuple[_I, _I, _F, _F, _I, _I]
 _Star = tuple[str, float, float, _F, _F, _F, _F, _F]
 _Full = tuple[str, _Sparse, _Sparse, _F, _Factors, _F, _F, _F]
 
@@ -34,6 +34,7 @@ def star_to_modal(
     m0: float, k0: float, m: _F, k: _F, omega2: _F, participation: _F, work: _F, /
 ) -> int: ...
 def star_from_modal(omega2: _F, weight: _F, m: _F, k: _F, /) -> tuple[float, float]: ...
+def factors_find_panels(start: _I, rows: _I, panel: _I, /) -> int: ...
 def factors_solve(factors: _Factors, work: _F, x: _F, /) -> None: ...
 def impact(
     projectile: _Star | _Full,

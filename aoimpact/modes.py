@@ -74,7 +74,8 @@ class ModalModel:
         exact: both have the same receptance Σ r_j²/(ω_j² - ω²).
         """
         weight = self.participation**2
-        excited = weight > _SILENT * weight.sum()
+        rounding = 1e-12 * np.linalg.norm(self.tip.b) * np.linalg.norm(self.modes, axis=0)
+        excited = (weight > _SILENT * weight.sum()) & (weight > rounding**2)
         if not excited.any():
             raise InputError(f"none of the {self.n} modes moves the contact: take more modes")
         omega2, weight = self.omega2[excited], weight[excited]

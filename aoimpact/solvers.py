@@ -10,6 +10,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from . import _core
 from .errors import SingularError
 
 __all__ = ["Factorization", "factorize"]
@@ -40,20 +41,17 @@ class Factorization:
         return solution
 
     def for_core(self) -> tuple[Any, ...]:
-        """Return P A Pᵀ = L D Lᵀ as the five arrays of the core's ``aoi_factors``."""
+        """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
         place = self._lu.perm_r.astype(np.int32)
         if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
             raise SingularError("the matrix needed pivoting, so it is not positive definite")
         lower = sp.tril(self._lu.L, k=-1, format="csc")
         lower.sort_indices()
         pivots = np.ascontiguousarray(self._lu.U.diagonal())
-        return (
-            lower.indptr.astype(np.int32),
-            lower.indices.astype(np.int32),
-            np.ascontiguousarray(lower.data),
-            pivots,
-            place,
-        )
+        start, rows = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
+        panel = np.empty(len(start), dtype=np.int32)
+        count = _core.factors_find_panels(start, rows, panel)
+        return start, rows, np.ascontiguousarray(lower.data), pivots, place, panel[: count + 1]
 
 
 def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:

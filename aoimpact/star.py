@@ -141,10 +141,10 @@ class AOModel:
         """What the model is, in a word: "rigid", "wall", "AO(3)", "modal(40)"."""
         if math.isinf(self.m0):
             return "wall"
-        if self.n == 0 and self.k0 == 0.0:
-            return "rigid"
         if self.origin is not None and self.origin.label == "modal":
             return f"modal({self.n + 1})"
+        if self.n == 0 and self.k0 == 0.0:
+            return "rigid"
         return f"AO({self.n})"
 
     @property

@@ -69,16 +69,25 @@ typedef struct aoi_solver {
 
 /* Factors of a symmetric positive definite matrix, P A P^T = L D L^T: L unit lower triangular by
  * compressed columns WITHOUT its diagonal, rows of a column ascending; D the n pivots, all
- * positive; row i of A is row place[i] of P A P^T. work: n doubles. An aoi_factors is one thread's. */
+ * positive; row i of A is row place[i] of P A P^T. Columns of like pattern stand in panels, which
+ * are swept together: panel p is columns panel[p] .. panel[p+1]-1, panel[panel_count] = n. work: n
+ * doubles. An aoi_factors is one thread's. */
 typedef struct aoi_factors {
     size_t n;
     const int32_t *start, *rows;
     const double *values, *pivots;
     const int32_t *place;
+    const int32_t *panel;
+    size_t panel_count;
     double *work;
 } aoi_factors;
 
-/* Checks indices, and that the pivots are positive (AOI_ERROR_NOT_POSITIVE: A was not definite). */
+/* Finds the widest panels: runs of columns of which each has the rows of the next, and the next
+ * itself. panel: room for n+1 in, panel_count+1 out. The indices must be sound. */
+size_t aoi_factors_find_panels(size_t n, const int32_t *start, const int32_t *rows, int32_t *panel);
+
+/* Checks indices and panels, and that the pivots are positive (AOI_ERROR_NOT_POSITIVE: A was not
+ * definite). */
 int aoi_factors_check(const aoi_factors *factors, size_t stored_count);
 
 /* x <- A^-1 x by two triangular sweeps; data is an aoi_factors: it fits aoi_solver.solve. */

@@ -378,11 +378,11 @@ static int take_sparse(held *buffers, PyObject *tuple, size_t n, aoi_sparse *mat
     return buffers->failed ? AOI_OK : aoi_sparse_check(matrix, stored);
 }
 
-/* (start, rows, values, pivots, place). */
+/* (start, rows, values, pivots, place, panel). */
 static int take_factors(held *buffers, PyObject *tuple, size_t n, aoi_factors *factors)
 {
-    size_t columns = n + 1, stored = (size_t)-1;
-    need_tuple(buffers, tuple, 5);
+    size_t columns = n + 1, stored = (size_t)-1, panels = (size_t)-1;
+    need_tuple(buffers, tuple, 6);
     if (buffers->failed) {
         return AOI_OK;
     }
@@ -392,7 +392,35 @@ static int take_factors(held *buffers, PyObject *tuple, size_t n, aoi_factors *f
     factors->rows = integers(buffers, PyTuple_GetItem(tuple, 1), "factor rows", &stored);
     factors->pivots = doubles(buffers, PyTuple_GetItem(tuple, 3), "pivots", &n);
     factors->place = integers(buffers, PyTuple_GetItem(tuple, 4), "place", &n);
+    factors->panel = integers(buffers, PyTuple_GetItem(tuple, 5), "panels", &panels);
+    factors->panel_count = panels - 1;
+    if (!buffers->failed && panels < 1) {
+        return AOI_ERROR_ARGUMENT;
+    }
     return buffers->failed ? AOI_OK : aoi_factors_check(factors, stored);
+}
+
+static PyObject *factors_find_panels(PyObject *self, PyObject *args)
+{
+    PyObject *start_in, *rows_in, *panel_out;
+    held buffers = {.count = 0};
+    size_t columns = (size_t)-1, stored = (size_t)-1, count = 0;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "OOO", &start_in, &rows_in, &panel_out)) {
+        return NULL;
+    }
+    const int32_t *start = integers(&buffers, start_in, "column starts", &columns);
+    const int32_t *rows = integers(&buffers, rows_in, "factor rows", &stored);
+    int32_t *panel = held_take(&buffers, panel_out, "panels", 'i', 1, &columns);
+    int status = AOI_OK;
+    if (!buffers.failed) {
+        const aoi_sparse pattern = {columns > 0 ? columns - 1 : 0, start, rows, NULL};
+        status = columns > 0 ? aoi_sparse_check(&pattern, stored) : AOI_ERROR_ARGUMENT;
+        count = status == AOI_OK ? aoi_factors_find_panels(pattern.n, start, rows, panel) : 0;
+    }
+    PyObject *done = finish(&buffers, status, "factors");
+    Py_XDECREF(done);
+    return done ? PyLong_FromSize_t(count) : NULL;
 }
 
 static PyObject *factors_solve(PyObject *self, PyObject *args)
@@ -606,6 +634,7 @@ static PyMethodDef methods[] = {
     {"star_receptance", star_receptance, METH_VARARGS, NULL},
     {"star_to_modal", star_to_modal, METH_VARARGS, NULL},
     {"star_from_modal", star_from_modal, METH_VARARGS, NULL},
+    {"factors_find_panels", factors_find_panels, METH_VARARGS, NULL},
     {"factors_solve", factors_solve, METH_VARARGS, NULL},
     {"impact", impact, METH_VARARGS, NULL},
     {"record_rows", record_rows, METH_NOARGS, NULL},

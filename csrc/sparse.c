@@ -3,6 +3,8 @@
  * loop of the full model and must run without leaving C. */
 #include "aoimpact.h"
 
+#include <string.h>
+
 static int starts_are_sound(size_t n, const int32_t *start, size_t stored_count)
 {
     if (start[0] != 0 || (size_t)start[n] != stored_count) {
@@ -60,6 +62,48 @@ double aoi_sparse_quadratic(const aoi_sparse *matrix, const double *x)
     return sum;
 }
 
+/* Whether column j has the rows of column j+1, and j+1 itself. */
+static int continues(const int32_t *start, const int32_t *rows, size_t j)
+{
+    const int32_t begin = start[j], middle = start[j + 1];
+    const int32_t count = middle - begin;
+    if (count != start[j + 2] - middle + 1 || rows[begin] != (int32_t)j + 1) {
+        return 0;
+    }
+    return memcmp(rows + begin + 1, rows + middle, (size_t)(count - 1) * sizeof *rows) == 0;
+}
+
+size_t aoi_factors_find_panels(size_t n, const int32_t *start, const int32_t *rows, int32_t *panel)
+{
+    size_t count = 0;
+    panel[0] = 0;
+    for (size_t j = 0; j < n; j++) {
+        if (j + 1 == n || !continues(start, rows, j)) {
+            panel[++count] = (int32_t)j + 1;
+        }
+    }
+    return count;
+}
+
+static int panels_are_sound(const aoi_factors *factors)
+{
+    const int32_t *panel = factors->panel;
+    if (panel[0] != 0 || (size_t)panel[factors->panel_count] != factors->n) {
+        return 0;
+    }
+    for (size_t p = 0; p < factors->panel_count; p++) {
+        if (panel[p + 1] <= panel[p]) {
+            return 0;
+        }
+        for (size_t j = (size_t)panel[p]; j + 1 < (size_t)panel[p + 1]; j++) {
+            if (!continues(factors->start, factors->rows, j)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
 int aoi_factors_check(const aoi_factors *factors, size_t stored_count)
 {
     const size_t n = factors->n;
@@ -76,6 +120,9 @@ int aoi_factors_check(const aoi_factors *factors, size_t stored_count)
             }
         }
     }
+    if (!panels_are_sound(factors)) {
+        return AOI_ERROR_ARGUMENT;
+    }
     for (size_t j = 0; j < n; j++) {
         if (!(factors->pivots[j] > 0.0)) {
             return AOI_ERROR_NOT_POSITIVE;
@@ -84,31 +131,118 @@ int aoi_factors_check(const aoi_factors *factors, size_t stored_count)
     return AOI_OK;
 }
 
-static void sweep_down(const aoi_factors *factors, double *x)
+/* Up to four neighbouring columns of a panel: where their values for the shared rows begin. */
+typedef struct strip {
+    const double *column[4];
+    const int32_t *rows;
+    size_t row_count, width;
+} strip;
+
+/* The strip of columns first .. first+width-1 and the rows below the last of them. */
+static strip strip_at(const aoi_factors *factors, size_t first, size_t width)
 {
-    for (size_t j = 0; j < factors->n; j++) {
-        const double xj = x[j];
-        const int32_t end = factors->start[j + 1];
-        for (int32_t p = factors->start[j]; p < end; p++) {
-            x[factors->rows[p]] -= factors->values[p] * xj;
+    const size_t last = first + width - 1;
+    strip cut = {{NULL, NULL, NULL, NULL}, factors->rows + factors->start[last], 0, width};
+    cut.row_count = (size_t)(factors->start[last + 1] - factors->start[last]);
+    for (size_t c = 0; c < width; c++) {
+        cut.column[c] = factors->values + factors->start[first + c] + (width - 1 - c);
+    }
+    return cut;
+}
+
+static void strip_down(const strip *cut, const double *x_of_columns, double *x)
+{
+    const double *v0 = cut->column[0], *v1 = cut->column[1], *v2 = cut->column[2];
+    const double *v3 = cut->column[3], *y = x_of_columns;
+    const int32_t *rows = cut->rows;
+    const size_t n = cut->row_count;
+    if (cut->width == 4) {
+        for (size_t i = 0; i < n; i++) {
+            x[rows[i]] -= (v0[i] * y[0] + v1[i] * y[1]) + (v2[i] * y[2] + v3[i] * y[3]);
+        }
+    } else if (cut->width == 3) {
+        for (size_t i = 0; i < n; i++) {
+            x[rows[i]] -= v0[i] * y[0] + v1[i] * y[1] + v2[i] * y[2];
+        }
+    } else if (cut->width == 2) {
+        for (size_t i = 0; i < n; i++) {
+            x[rows[i]] -= v0[i] * y[0] + v1[i] * y[1];
+        }
+    } else {
+        for (size_t i = 0; i < n; i++) {
+            x[rows[i]] -= v0[i] * y[0];
         }
     }
 }
 
+/* sum[c] = column c of the strip times x: four products share one fetch of x. */
+static void strip_up(const strip *cut, const double *x, double *sum)
+{
+    const int32_t *rows = cut->rows;
+    const double *v0 = cut->column[0], *v1 = v0, *v2 = v0, *v3 = v0;
+    double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
+    if (cut->width > 1) {
+        v1 = cut->column[1];
+    }
+    if (cut->width > 2) {
+        v2 = cut->column[2];
+    }
+    if (cut->width > 3) {
+        v3 = cut->column[3];
+    }
+    for (size_t i = 0; i < cut->row_count; i++) {
+        const double xi = x[rows[i]];
+        s0 += v0[i] * xi;
+        s1 += v1[i] * xi;
+        s2 += v2[i] * xi;
+        s3 += v3[i] * xi;
+    }
+    sum[0] = s0;
+    sum[1] = s1;
+    sum[2] = s2;
+    sum[3] = s3;
+}
+
+/* L^-1 on the columns of a strip among themselves, then on the rows below. */
+static void sweep_down(const aoi_factors *factors, double *x)
+{
+    for (size_t p = 0; p < factors->panel_count; p++) {
+        const size_t end = (size_t)factors->panel[p + 1];
+        for (size_t j = (size_t)factors->panel[p]; j < end; j += 4) {
+            const size_t width = end - j < 4 ? end - j : 4;
+            const strip cut = strip_at(factors, j, width);
+            for (size_t c = 0; c + 1 < width; c++) {
+                const double *inner = factors->values + factors->start[j + c];
+                for (size_t r = c + 1; r < width; r++) {
+                    x[j + r] -= inner[r - c - 1] * x[j + c];
+                }
+            }
+            strip_down(&cut, x + j, x);
+        }
+    }
+}
+
+/* L^-T D^-1, strip by strip from the end. */
 static void sweep_up(const aoi_factors *factors, double *x)
 {
-    for (size_t j = factors->n; j-- > 0;) {
-        const int32_t end = factors->start[j + 1];
-        double even = x[j] / factors->pivots[j], odd = 0.0;
-        int32_t p = factors->start[j];
-        for (; p + 1 < end; p += 2) {
-            even -= factors->values[p] * x[factors->rows[p]];
-            odd -= factors->values[p + 1] * x[factors->rows[p + 1]];
+    for (size_t p = factors->panel_count; p-- > 0;) {
+        const size_t begin = (size_t)factors->panel[p];
+        size_t strips = ((size_t)factors->panel[p + 1] - begin + 3) / 4;
+        while (strips-- > 0) {
+            const size_t j = begin + 4 * strips, end = (size_t)factors->panel[p + 1];
+            const size_t width = end - j < 4 ? end - j : 4;
+            const strip cut = strip_at(factors, j, width);
+            double sum[4];
+            strip_up(&cut, x, sum);
+            for (size_t c = width; c-- > 0;) {
+                const double *inner = factors->values + factors->start[j + c];
+                double value = x[j + c] / factors->pivots[j + c] - sum[c];
+                for (size_t r = c + 1; r < width; r++) {
+                    value -= inner[r - c - 1] * x[j + r];
+                }
+                x[j + c] = value;
+            }
         }
-        if (p < end) {
-            even -= factors->values[p] * x[factors->rows[p]];
-        }
-        x[j] = even + odd;
     }
 }
 

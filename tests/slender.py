@@ -1,4 +1,4 @@
-"""Matrices of slender bodies, written by hand: rods and Euler-Bernoulli beams of unit properties."""
+"""Matrices of slender bodies written by hand: rods and Euler-Bernoulli beams."""
 
 import numpy as np
 import scipy.sparse as sp
