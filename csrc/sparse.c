@@ -92,7 +92,7 @@ static int panels_are_sound(const aoi_factors *factors)
         return 0;
     }
     for (size_t p = 0; p < factors->panel_count; p++) {
-        if (panel[p + 1] <= panel[p]) {
+        if (panel[p + 1] <= panel[p] || (size_t)panel[p + 1] > factors->n) {
             return 0;
         }
         for (size_t j = (size_t)panel[p]; j + 1 < (size_t)panel[p + 1]; j++) {
