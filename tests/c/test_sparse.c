@@ -2,6 +2,7 @@
  * inverse and factors are known in closed form; and against dense elimination. */
 #include "check.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { MOST = 60 };
@@ -111,9 +112,9 @@ static void unreadable_matrices_are_refused(void)
     CHECK(aoi_sparse_quadratic(&empty, NULL) == 0.0, "energy of nothing");
 }
 
-/* L D L^T of any dense symmetric matrix, in the core's layout. */
+/* L D L^T of any dense symmetric matrix, in the core's layout, its panels as wide as they go. */
 typedef struct factored {
-    int32_t start[MOST + 1], rows[MOST * MOST], place[MOST];
+    int32_t start[MOST + 1], rows[MOST * MOST], place[MOST], panel[MOST + 1];
     double values[MOST * MOST], pivots[MOST], work[MOST];
     aoi_factors factors;
 } factored;
@@ -143,8 +144,9 @@ static void factored_make(factored *f, int32_t n, double a[MOST][MOST], const in
         }
     }
     f->start[n] = stored;
-    f->factors = (aoi_factors){(size_t)n, f->start,  f->rows, f->values,
-                               f->pivots, f->place, f->work};
+    const size_t panels = aoi_factors_find_panels((size_t)n, f->start, f->rows, f->panel);
+    f->factors = (aoi_factors){(size_t)n, f->start, f->rows, f->values, f->pivots,
+                               f->place,  f->panel, panels,  f->work};
 }
 
 static void chain_under_its_own_weight_is_a_parabola(void)
@@ -222,6 +224,103 @@ static void dense_matrices_solve_as_elimination_does(void)
     }
 }
 
+/* A dense matrix is one panel, whatever its width leaves over when swept four columns at a time; cut
+ * into any other panels it has the same inverse. */
+static void panels_do_not_change_the_solution(void)
+{
+    static double a[MOST][MOST];
+    static factored f;
+    uint64_t seed = 21;
+    int32_t place[MOST];
+    double x[MOST];
+    for (int32_t n = 1; n <= 23; n++) {
+        /* min(i, j): a rod's compliance, whose solution to a load at its end is a unit there. */
+        for (int32_t i = 0; i < n; i++) {
+            place[i] = i;
+            for (int32_t j = 0; j < n; j++) {
+                a[i][j] = 1.0 + (i < j ? i : j);
+            }
+        }
+        factored_make(&f, n, a, place);
+        CHECK(f.factors.panel_count == 1 && f.panel[1] == n, "a dense matrix is one panel");
+        for (int cut = 0; cut < 6; cut++) {
+            for (int32_t i = 0; i < n; i++) {
+                x[i] = i + 1.0;
+            }
+            aoi_factors_solve(&f.factors, x);
+            double worst = fabs(x[n - 1] - 1.0);
+            for (int32_t i = 0; i + 1 < n; i++) {
+                worst = fmax(worst, fabs(x[i]));
+            }
+            CHECK(worst < 1e-13, "%d columns in %zu panels: off by %g", (int)n, f.factors.panel_count, worst);
+            f.factors.panel_count = 0;
+            for (int32_t j = 1; j <= n; j++) {
+                if (j == n || cut == 0 || uniform(&seed) < 0.15 * cut) {
+                    f.panel[++f.factors.panel_count] = j;
+                }
+            }
+            CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_OK, "cut %d of %d", cut, (int)n);
+        }
+    }
+}
+
+/* The chain's factor has one entry a column: only its last two columns are of like pattern. */
+static void panels_are_found_where_patterns_are_alike(void)
+{
+    const int32_t start[] = {0, 1, 2, 3, 4, 4}, rows[] = {1, 2, 3, 4};
+    const int32_t apart[] = {0, 1, 2, 2, 2}, far_rows[] = {2, 3};
+    int32_t panel[6];
+    CHECK(aoi_factors_find_panels(5, start, rows, panel) == 4 && panel[3] == 3 && panel[4] == 5,
+          "a chain of five: its last two masses");
+    CHECK(aoi_factors_find_panels(4, apart, far_rows, panel) == 4, "no neighbours at all");
+    CHECK(aoi_factors_find_panels(0, start, rows, panel) == 0 && panel[0] == 0, "nothing");
+}
+
+static void panels_that_do_not_fit_are_refused(void)
+{
+    static double a[MOST][MOST];
+    static factored f;
+    const int32_t n = 6, place[] = {0, 1, 2, 3, 4, 5};
+    const int32_t bad[][4] = {/* panel_count, then panel[1], [2], [3] */
+                              {0, 6, 6, 6}, {1, 5, 6, 6},  {1, 7, 6, 6},   {2, 0, 6, 6},
+                              {2, 6, 6, 6}, {2, -1, 6, 6}, {2, 100000, 6, 6}, {3, 4, 3, 6},
+                              {2, 7, 6, 6}, {2, INT32_MAX, 6, 6}};
+    for (int32_t i = 0; i < n; i++) {
+        for (int32_t j = 0; j < n; j++) {
+            a[i][j] = i == j ? 10.0 : 1.0;
+        }
+    }
+    const size_t bytes = (size_t)(n + 1) * sizeof(int32_t);
+    int32_t *exact = malloc(bytes);
+    if (!exact) {
+        CHECK(0, "no memory");
+        return;
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        factored_make(&f, n, a, place);
+        memcpy(exact, f.start, bytes); /* a read past its end is caught */
+        f.factors.start = exact;
+        f.factors.panel_count = (size_t)bad[i][0];
+        memcpy(f.panel + 1, bad[i] + 1, 3 * sizeof(int32_t));
+        CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_ERROR_ARGUMENT,
+              "%d panels to %d, %d, %d", (int)bad[i][0], (int)bad[i][1], (int)bad[i][2], (int)bad[i][3]);
+    }
+    free(exact);
+    factored_make(&f, n, a, place);
+    f.panel[0] = 1;
+    CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_ERROR_ARGUMENT, "not from column 0");
+    for (int32_t i = 0; i < n; i++) { /* a chain: no two columns alike but the last */
+        for (int32_t j = 0; j < n; j++) {
+            a[i][j] = i == j ? 3.0 : i == j + 1 || j == i + 1 ? -1.0 : 0.0;
+        }
+    }
+    factored_make(&f, n, a, place);
+    f.factors.panel_count = 1;
+    f.panel[1] = n;
+    CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_ERROR_ARGUMENT,
+          "columns of different patterns are no panel");
+}
+
 static void unusable_factors_are_refused(void)
 {
     static double a[MOST][MOST];
@@ -263,6 +362,9 @@ int main(void)
     unreadable_matrices_are_refused();
     chain_under_its_own_weight_is_a_parabola();
     dense_matrices_solve_as_elimination_does();
+    panels_do_not_change_the_solution();
+    panels_are_found_where_patterns_are_alike();
+    panels_that_do_not_fit_are_refused();
     unusable_factors_are_refused();
     return check_report();
 }
