@@ -520,14 +520,27 @@ static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newm
     return aoi_body_start_full(&one->body, &one->full, rule, centre, one->u, one->v, one->work);
 }
 
+static int is_kind(PyObject *tuple, const char *kind)
+{
+    PyObject *first = PyTuple_GetItem(tuple, 0);
+    return PyUnicode_Check(first) && PyUnicode_CompareWithASCIIString(first, kind) == 0;
+}
+
 static int take_player(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
 {
     need_tuple(buffers, tuple, 8);
     if (buffers->failed) {
         return AOI_OK;
     }
-    const int is_star = PyUnicode_CompareWithASCIIString(PyTuple_GetItem(tuple, 0), "star") == 0;
-    return is_star ? take_star(buffers, tuple, one, rule) : take_full(buffers, tuple, one, rule);
+    if (is_kind(tuple, "star")) {
+        return take_star(buffers, tuple, one, rule);
+    }
+    if (is_kind(tuple, "full")) {
+        return take_full(buffers, tuple, one, rule);
+    }
+    buffers->failed = 1;
+    PyErr_SetString(PyExc_TypeError, "a body is a tuple that begins with \"star\" or \"full\"");
+    return AOI_OK;
 }
 
 /* Runs the steps in chunks without the GIL; between them signals are heard. */
