@@ -106,7 +106,8 @@ def paper_tables(
         paper_beam.table_4,
         paper_beam.table_5,
         paper_beam.oscillator_table,
-        paper_beam.beam_impact_table,
+        paper_beam.force_table,
+        paper_beam.displacement_table,
     )
     return (
         *(table(spheres) for table in of_spheres),

@@ -18,7 +18,8 @@ from .units import Scale, scale_for, scale_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from .result import BodyEnergy, Energy, Result
+    from .motion import BodyEnergy, Energy
+    from .result import Result
 
 Curve = tuple[FloatArray, dict[str, Any]]
 

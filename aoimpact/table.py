@@ -10,7 +10,8 @@ import numpy as np
 from .events import FloatArray
 
 if TYPE_CHECKING:
-    from .result import BodyResult, Result
+    from .motion import BodyResult
+    from .result import Result
 
 
 def columns(result: Result) -> dict[str, FloatArray]:
