@@ -52,7 +52,7 @@ def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> fl
     """
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
+    if not _is_real(value):
         raise InputTypeError(f"{name} must be a real number, got {_short(value)}")
     try:
         number = float(value)
@@ -226,18 +226,23 @@ def _real_array(name: str, value: Any) -> FloatArray:
         array = np.asarray(value)
     except ValueError as error:
         raise InputTypeError(f"{name} must be an array of numbers: {error}") from None
-    if array.dtype.kind in "O" and array.ndim > 0:
+    if array.dtype == object and array.ndim > 0 and all(map(_is_real, array.flat)):
         try:
-            array = array.astype(np.float64)
-        except (TypeError, ValueError) as error:
-            raise InputTypeError(f"{name} must be an array of real numbers: {error}") from None
+            array = np.array([float(entry) for entry in array.flat]).reshape(array.shape)
+        except OverflowError:
+            raise InputError(f"{name} must be finite: an entry exceeds 1.8e308") from None
     if array.dtype.kind not in "iuf":
         raise InputTypeError(
             f"{name} must be an array of real numbers, got "
             f"{_short(value) if array.ndim == 0 else f'dtype {array.dtype}'}"
         )
     with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
-        return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+        flat_or_more = np.ascontiguousarray(array, dtype=np.float64)
+    return flat_or_more if array.ndim else flat_or_more.reshape(())
+
+
+def _is_real(value: Any) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
 
 
 def _shape_matches(actual: tuple[int, ...], wanted: Sequence[int | None]) -> bool:

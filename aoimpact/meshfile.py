@@ -48,6 +48,10 @@ def load(path: str | os.PathLike[str]) -> Any:
         reason = " ".join(said.getvalue().split())
     except MemoryError:
         raise
+    except ModuleNotFoundError as error:
+        raise MeshError(
+            f"mesh file {str(file)!r} needs the package {error.name}: pip install {error.name}"
+        ) from None
     except Exception as error:
         # Readers meet malformed files with whatever their parsing happens to raise.
         reason = f"{type(error).__name__}: {error}"

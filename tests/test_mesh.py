@@ -1,0 +1,308 @@
+"""Meshes from files: what is right is read right, what is wrong is counted and named."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from pathlib import Path
+
+import meshio
+import numpy as np
+import numpy.typing as npt
+import pytest
+from bodies import distorted_box
+
+from aoimpact.assembly import stiffness_mass
+from aoimpact.elements import KINDS, reference_element
+from aoimpact.errors import AOImpactWarning, InputError, InputTypeError, MeshError
+from aoimpact.generate import box_mesh
+from aoimpact.material import Material
+from aoimpact.mesh import Mesh, read_mesh
+
+MESHES = Path(__file__).parent / "meshes"
+UNIT = Material(E=1.0, nu=0.3, rho=1.0)
+FILES = {
+    "hexahedron.inp": (27, 8),
+    "hexahedron20_v4.msh": (81, 8),
+    "hexahedron27_v2.msh": (125, 8),
+    "tetra10_v4.msh": (125, 48),
+    "wedge_v2.msh": (27, 16),
+}
+
+# Two unit cubes side by side, by hand.
+CUBE = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+ALONG = np.array([1.0, 0.0, 0.0])
+TWO = np.vstack([CUBE, CUBE[[1, 2, 5, 6]] + ALONG])
+TWO_CELLS = np.array([[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 9, 2, 5, 10, 11, 6]])
+
+
+def solid(points: npt.ArrayLike = TWO, cells: npt.ArrayLike = TWO_CELLS, **more: object) -> object:
+    return meshio.Mesh(np.asarray(points), [("hexahedron", np.asarray(cells))], **more)
+
+
+def volume(mesh: Mesh) -> float:
+    return float(stiffness_mass(mesh, UNIT)[1].sum()) / 3.0
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_of_several_formats_and_kinds(name: str) -> None:
+    mesh = read_mesh(MESHES / name)
+    assert (mesh.n_nodes, mesh.n_cells) == FILES[name]
+    assert mesh.kind == name.partition("_")[0].removesuffix(".inp")
+    assert volume(mesh) == pytest.approx(3.0, rel=1e-13)
+    assert np.array_equal(read_mesh(str(MESHES / name)).nodes, mesh.nodes)
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name.endswith(".msh")])
+def test_physical_groups_become_node_sets(name: str) -> None:
+    mesh = read_mesh(MESHES / name)
+    assert set(mesh.node_sets) == {"body", "base", "origin", "surface 4"}
+    assert np.array_equal(mesh.node_sets["body"], np.arange(mesh.n_nodes))
+    assert np.array_equal(mesh.node_sets["base"], np.flatnonzero(mesh.nodes[:, 2] == 0.0))
+    assert np.array_equal(mesh.node_sets["surface 4"], np.flatnonzero(mesh.nodes[:, 2] == 1.0))
+    assert np.array_equal(mesh.nodes[mesh.node_sets["origin"]], [[0.0, 0.0, 0.0]])
+
+
+def test_sets_of_an_abaqus_file(tmp_path: Path) -> None:
+    places = "\n".join(f"{10 * i + 10}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(TWO))
+    cells = "\n".join(
+        f"{e + 1}, {', '.join(str(10 * n + 10) for n in cell)}" for e, cell in enumerate(TWO_CELLS)
+    )
+    (tmp_path / "two.inp").write_text(
+        f"*NODE\n{places}\n*ELEMENT, TYPE=C3D8, ELSET=ALL\n{cells}\n"
+        "*NSET, NSET=LEFT\n10, 40, 50, 80\n*ELSET, ELSET=SECOND\n2\n"
+    )
+    mesh = read_mesh(tmp_path / "two.inp")
+    assert mesh.node_sets["LEFT"].tolist() == [0, 3, 4, 7]
+    assert mesh.node_sets["SECOND"].tolist() == sorted(TWO_CELLS[1])
+
+
+def test_sets_of_meshio_by_mask_by_number_and_of_faces() -> None:
+    raw = meshio.Mesh(
+        TWO,
+        [("hexahedron", TWO_CELLS), ("quad", np.array([[0, 3, 7, 4], [8, 9, 11, 10]]))],
+        point_sets={"mask": TWO[:, 2] == 1.0, "numbers": [7, 3], "empty": []},
+        cell_sets={"ends": [None, np.array([0, 1])], "first": [np.array([0]), np.array([], int)]},
+    )
+    sets = read_mesh(raw).node_sets
+    assert sets["mask"].tolist() == [4, 5, 6, 7, 10, 11]
+    assert sets["numbers"].tolist() == [3, 7]
+    assert sets["ends"].tolist() == [0, 3, 4, 7, 8, 9, 10, 11]
+    assert sets["first"].tolist() == list(range(8))
+    assert "empty" not in sets
+
+
+def test_blocks_of_one_kind_are_joined() -> None:
+    raw = meshio.Mesh(TWO, [("hexahedron", TWO_CELLS[:1]), ("hexahedron", TWO_CELLS[1:])])
+    assert np.array_equal(read_mesh(raw).cells, TWO_CELLS)
+
+
+def test_nodes_of_no_volume_element_are_dropped_with_a_count() -> None:
+    stray = np.insert(TWO, [2, 12], [[9.0, 9.0, 9.0], [8.0, 8.0, 8.0]], axis=0)
+    cells = TWO_CELLS + (TWO_CELLS >= 2)
+    raw = solid(stray, cells, point_sets={"some": [2, 3], "none": [13]})
+    with pytest.warns(AOImpactWarning, match=r"2 of 14 nodes .* nodes after 2 have new numbers"):
+        mesh = read_mesh(raw)
+    assert np.array_equal(mesh.nodes, TWO)
+    assert np.array_equal(mesh.cells, TWO_CELLS)
+    assert {name: ids.tolist() for name, ids in mesh.node_sets.items()} == {"some": [2]}
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27"])
+def test_midside_nodes_in_another_order_are_put_right(kind: str) -> None:
+    mesh = distorted_box(kind)
+    n = reference_element(kind).n_corners
+    shuffled = mesh.cells.copy()
+    shuffled[:, n:] = np.random.default_rng(3).permutation(mesh.cells[:, n:], axis=1)
+    with pytest.warns(AOImpactWarning, match="midside nodes .* another order"):
+        repaired = read_mesh(meshio.Mesh(mesh.nodes, [(kind, shuffled)]))
+    assert np.array_equal(repaired.cells, mesh.cells)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_left_handed_numbering_throughout_is_put_right(kind: str) -> None:
+    mesh = distorted_box(kind)
+    mirrored = mesh.cells[:, reference_element(kind).mirror]
+    with pytest.warns(AOImpactWarning, match="elements are numbered left-handed"):
+        repaired = read_mesh(meshio.Mesh(mesh.nodes, [(kind, mirrored)]))
+    assert np.array_equal(repaired.cells, mesh.cells)
+
+
+def test_a_warning_points_at_the_line_that_led_to_it() -> None:
+    with pytest.warns(AOImpactWarning) as record:
+        read_mesh(solid(np.vstack([TWO, [[5.0, 5.0, 5.0]]])))
+    assert record[0].filename == __file__
+
+
+def test_inverted_elements_are_counted_and_the_first_is_named() -> None:
+    cells = TWO_CELLS.copy()
+    cells[1] = cells[1][[4, 5, 6, 7, 0, 1, 2, 3]]
+    with pytest.raises(MeshError, match=r"1 of 2 elements are inverted .* element 1 near \(1\.5"):
+        read_mesh(solid(cells=cells))
+
+
+def test_flat_elements_are_counted_and_the_first_is_named() -> None:
+    points = TWO.copy()
+    points[4:8, 2] = points[10:, 2] = 0.0
+    with pytest.raises(MeshError, match=r"2 of 2 elements are flat .* element 0 .*nodes \[0, 1, 2"):
+        read_mesh(solid(points))
+
+
+def test_an_element_of_one_point_is_flat() -> None:
+    with pytest.raises(MeshError, match="1 of 2 elements are flat"):
+        Mesh(CUBE, [TWO_CELLS[0], [3] * 8], "hexahedron")
+
+
+@pytest.mark.parametrize("factor", [1e-9, 1e-3, 1e6])
+def test_shape_of_elements_is_judged_at_any_scale(factor: float) -> None:
+    thin = TWO * [1.0, 1.0, 1e-3] * factor  # thin, but not flat
+    assert read_mesh(solid(thin)).size == pytest.approx(2.0 * factor)
+
+
+def test_scale_turns_millimetres_into_metres() -> None:
+    mesh = read_mesh(solid(1000.0 * TWO), scale=1e-3)
+    assert mesh.nodes == pytest.approx(TWO, rel=1e-15)
+    assert read_mesh(mesh, scale=2.0).nodes == pytest.approx(2.0 * TWO, rel=1e-15)
+    assert read_mesh(mesh) is mesh
+
+
+def test_pieces_and_coincident_nodes_are_counted() -> None:
+    # The second cube has its own copy of the four nodes between them.
+    points = np.vstack([CUBE, CUBE + ALONG])
+    cells = [range(8), range(8, 16)]
+    with pytest.warns(AOImpactWarning, match=r"into 2 pieces .* 4 pairs of nodes lie at the same"):
+        read_mesh(solid(points, [list(cell) for cell in cells]))
+    with pytest.warns(AOImpactWarning, match="into 2 pieces .* check that this is one body"):
+        read_mesh(solid(points + 1.0 * (np.arange(16) > 7)[:, None], [list(c) for c in cells]))
+
+
+@pytest.mark.parametrize(
+    ("cells", "words"),
+    [
+        ([], "no volume cells: it has no cells at all"),
+        ([("triangle", np.array([[0, 1, 2], [1, 2, 3]]))], "no volume cells: it has 2 triangle"),
+        ([("hexahedron", np.zeros((0, 8), int))], "no volume cells"),
+        ([("pyramid", np.array([[0, 1, 2, 3, 4]]))], "unsupported kind: 1 pyramid; supported are"),
+        ([("tetra20", np.arange(20).reshape(1, 20) % 12)], "unsupported kind: 1 tetra20"),
+        (
+            [("hexahedron", TWO_CELLS[:1]), ("tetra", np.array([[1, 8, 9, 10]]))],
+            "mixes kinds of volume cells: 1 hexahedron, 1 tetra",
+        ),
+        ([("hexahedron", TWO_CELLS + 1)], r"1 elements refer to nodes .* element 1: .* 0 to 11"),
+    ],
+)
+def test_cells_that_cannot_be_computed_with(cells: list[object], words: str) -> None:
+    with pytest.raises(MeshError, match=words):
+        read_mesh(meshio.Mesh(TWO, cells))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_coordinates_that_are_no_numbers(bad: float) -> None:
+    points = TWO.copy()
+    points[3, 1] = bad
+    with pytest.raises(InputError, match=r"coordinates of the mesh\[3, 1\] is"):
+        read_mesh(solid(points))
+
+
+def test_flat_coordinates_are_no_solid() -> None:
+    with pytest.raises(MeshError, match="two-dimensional"):
+        read_mesh(solid(TWO[:, :2]))
+
+
+@pytest.mark.parametrize("dtype", ["f4", ">f8", "i8"])
+def test_coordinates_of_any_real_type(dtype: str) -> None:
+    mesh = read_mesh(solid(TWO.astype(dtype), TWO_CELLS.astype("u4")))
+    assert np.array_equal(mesh.nodes, TWO)
+    assert mesh.nodes.dtype == np.dtype("=f8")
+
+
+def test_missing_file_is_also_the_built_in_error(tmp_path: Path) -> None:
+    with pytest.raises(MeshError, match=r"nowhere\.msh' does not exist"):
+        read_mesh(tmp_path / "nowhere.msh")
+    with pytest.raises(FileNotFoundError):
+        read_mesh(tmp_path / "nowhere.msh")
+
+
+def test_directory_is_no_mesh(tmp_path: Path) -> None:
+    with pytest.raises(MeshError, match="is a directory"):
+        read_mesh(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("a.msh", "", "is empty"),
+        ("a.msh", "$MeshFormat\n4.1 0 8\n", "cannot be read"),
+        ("a.msh", "nonsense\n", "cannot be read"),
+        ("a.vtu", "<VTKFile>", "cannot be read"),
+        ("a.xyz", "1 2 3", "cannot be read.*Could not deduce file format"),
+        ("noextension", "1 2 3", "cannot be read"),
+        ("a.inp", "*NODE\n1, 0, 0\n*ELEMENT, TYPE=NONE\n1, 1", "cannot be read"),
+    ],
+)
+def test_files_that_are_no_mesh(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], name: str, text: str, words: str
+) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(MeshError, match=words):
+        read_mesh(tmp_path / name)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_binary_rubbish_is_no_mesh(tmp_path: Path) -> None:
+    (tmp_path / "a.msh").write_bytes(np.random.default_rng(0).bytes(2000))
+    with pytest.raises(MeshError, match="cannot be read"):
+        read_mesh(tmp_path / "a.msh")
+
+
+@pytest.mark.parametrize("source", [None, 3, TWO, [("hexahedron", TWO_CELLS)]])
+def test_what_is_no_mesh_at_all(source: object) -> None:
+    with pytest.raises(InputTypeError, match=r"mesh must be a path, a meshio\.Mesh or a Mesh"):
+        read_mesh(source)
+
+
+def test_scale_must_be_positive() -> None:
+    with pytest.raises(InputError, match="scale must be positive"):
+        read_mesh(solid(), scale=0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "error", "words"),
+    [
+        ({"kind": "hexahedron8"}, InputError, "kind must be one of .*did you mean 'hexahedron"),
+        ({"kind": "tetra"}, MeshError, r"shape \(any, 4\), got \(2, 8\)"),
+        ({"cells": TWO_CELLS * 1.0}, InputTypeError, "cells must be integer node numbers"),
+        ({"cells": TWO_CELLS[:1]}, MeshError, "nodes: 4 of 12 belong to no element"),
+        ({"cells": -TWO_CELLS}, MeshError, "refer to nodes that are not there"),
+        ({"nodes": TWO[:, :2]}, InputError, "nodes must have shape"),
+        ({"node_sets": {"a": [12]}}, InputError, r"node_sets\['a'\] has node 12"),
+    ],
+)
+def test_meshes_by_hand_are_checked_too(
+    changed: dict[str, object], error: type[Exception], words: str
+) -> None:
+    parts: dict[str, object] = {"nodes": TWO, "cells": TWO_CELLS, "kind": "hexahedron", **changed}
+    with pytest.raises(error, match=words):
+        Mesh(**parts)  # type: ignore[arg-type]
+
+
+def test_mesh_is_a_value_of_its_own() -> None:
+    nodes = TWO.copy()
+    mesh = Mesh(nodes, TWO_CELLS, "hexahedron", {"end": [9, 8]})
+    nodes[:] = 0.0
+    assert np.array_equal(mesh.nodes, TWO)
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.nodes[0, 0] = 1.0
+    again = pickle.loads(pickle.dumps(mesh))
+    assert np.array_equal(again.cells, mesh.cells)
+    assert again.node_sets["end"].tolist() == [8, 9]
+    assert repr(mesh) == "Mesh(12 nodes, 2 hexahedron, sets: end)"
+
+
+def test_good_meshes_raise_no_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for kind in KINDS:
+            read_mesh(box_mesh((1, 1, 1), (2, 2, 2), kind=kind))
+            mesh = distorted_box(kind)
+            read_mesh(meshio.Mesh(mesh.nodes, [(kind, mesh.cells)]))
