@@ -37,7 +37,7 @@ RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 
 MODE_COUNTS = (6, 25, 50, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000)
 SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 0.25, 0.5, 1.0, 2.0, 10.0)
-MESH_SIZES = (0.006, 0.003, 0.0019)
+MESH_SIZES = (0.008, 0.005, 0.003)
 
 
 def hertz_pair(k: float, mass: float, velocity: float) -> tuple[float, float]:

@@ -172,8 +172,8 @@ def write_comparison(tables: Iterable[Table], path: str | os.PathLike[str]) -> N
         writer.writerow(_COLUMNS)
         for table in tables:
             for row in table.rows:
-                change = "" if row.difference is None else repr(row.difference)
-                numbers = [row.paper, repr(row.computed), change, row.verdict]
+                change = "" if row.difference is None else repr(float(row.difference))
+                numbers = [row.paper, repr(float(row.computed)), change, row.verdict]
                 writer.writerow(
                     [table.title, table.against, row.quantity, row.unit, *numbers, row.why]
                 )

@@ -199,13 +199,17 @@ def test_sphere_on_beam(beam: paper_beam.BeamStudy) -> None:
         )
 
 
-def test_centre_of_mass_obeys_momentum(beam: paper_beam.BeamStudy) -> None:
-    """The supports only pull it back: M v ≤ ∫F dt at all times."""
-    hit = beam.ao_short
-    step = hit.t[1]
-    received = np.concatenate([[0.0], np.cumsum(0.5 * step * (hit.force[1:] + hit.force[:-1]))])
-    momentum = paper_beam.BEAM_MASS * hit.target.centre_velocity
-    assert (momentum <= received + 1e-3 * received[-1]).all()
+def test_momentum_is_the_impulse_until_waves_reach_the_supports(
+    beam: paper_beam.BeamStudy,
+) -> None:
+    """Pressure waves need 80 µs for half a metre; implicit steps let a little through before."""
+    hit = beam.full_short
+    steps = 0.5 * np.diff(hit.t) * (hit.force[1:] + hit.force[:-1])
+    received = np.cumsum(steps)
+    momentum = paper_beam.BEAM_MASS * hit.target.centre_velocity[1:]
+    early = hit.t[1:] < 41e-6
+    assert 0.5 * paper_beam.LENGTH / paper_beam.ALUMINIUM.pressure_speed > 75e-6
+    np.testing.assert_allclose(momentum[early], received[early], rtol=1e-8)
 
 
 # ---------------------------------------------------------------- the paper's sphere
@@ -276,9 +280,10 @@ def test_residual_vibration_is_negligible(spheres: paper_sphere.SphereStudy) -> 
     assert rows["nonlocal energy left in the target"].computed < 0.1
 
 
+@pytest.mark.slow
 def test_force_falls_with_the_mesh(spheres: paper_sphere.SphereStudy) -> None:
     """Away from the resolved 1014.7 N, where the coarse mesh already is too soft."""
-    coarse, fine = (paper_sphere.mesh_case(spheres, size) for size in (0.006, 0.003))
+    coarse, fine = (paper_sphere.mesh_case(spheres, size) for size in (0.008, 0.005))
     assert fine.nodes > coarse.nodes
     assert fine.k1 < 0.7 * coarse.k1
     assert fine.peak_force < coarse.peak_force < paper_sphere.RESOLVED_FORCE
