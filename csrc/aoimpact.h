@@ -247,6 +247,7 @@ struct aoi_body {
     int (*predict)(aoi_body *body, double *displacement, double *velocity);
     void (*correct)(aoi_body *body, double force);
     void (*observe)(const aoi_body *body, int energies, aoi_observation *seen);
+    void (*copy_state)(const aoi_body *body, double *u, double *v); /* all coordinates, velocities */
     double compliance, rate_compliance;
     const void *model;    /* the aoi_star or aoi_full                              */
     const double *centre; /* weights of the centre of mass on the coordinates      */
@@ -254,8 +255,7 @@ struct aoi_body {
     double scratch[12];   /* the body's own constants                              */
 };
 
-/* Doubles of work space for aoi_body_start_star: the state is u, v, a (n+1 each, contact coordinate
- * first), then constants. */
+/* Doubles of work space for aoi_body_start_star. Coordinates are n+1, the contact's first. */
 size_t aoi_body_star_size(size_t n);
 
 /* A star about to step by rule. u0, v0: n+1 initial values each, in equilibrium with no force (or
@@ -272,7 +272,7 @@ typedef struct aoi_full {
     aoi_solver solver;
 } aoi_full;
 
-/* Doubles of work space for aoi_body_start_full: u, v, a (n each), then temporaries. */
+/* Doubles of work space for aoi_body_start_full. */
 size_t aoi_body_full_size(size_t n);
 
 /* As aoi_body_start_star, for finite elements: one solve here, one a step. */

@@ -8,7 +8,6 @@
 #include "aoimpact.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* ------------------------------------------------------------------------------------ buffers */
 
@@ -567,8 +566,7 @@ static int run_in_chunks(aoi_impact *impact, double *const *row, size_t steps, d
 static void give_back(player *one, int copy)
 {
     if (copy) {
-        memcpy(one->u, one->body.state, one->coordinates * sizeof(double));
-        memcpy(one->v, one->body.state + one->coordinates, one->coordinates * sizeof(double));
+        one->body.copy_state(&one->body, one->u, one->v);
     }
     free(one->work);
 }
