@@ -1,0 +1,409 @@
+/* Newmark's rule on a star against what it does in closed form: an oscillator stepped with gamma =
+ * 1/2 turns by a fixed angle a step, a star is the same as its dense matrices, the average
+ * acceleration keeps energy and momentum. */
+#include "check.h"
+
+#include <string.h>
+
+enum { MOST = 64 };
+
+typedef struct stepped {
+    aoi_body body;
+    double u0[MOST], v0[MOST], centre[MOST], work[5 * MOST + 3];
+} stepped;
+
+static const aoi_newmark AVERAGE = {1e-6, 0.25, 0.5};
+
+/* An undeformed star, all of it moving with velocity but the contact mass, which has had a blow and
+ * is faster; centre of mass by the masses. */
+static void start_with_blow(stepped *s, const aoi_star *star, aoi_newmark rule, double velocity,
+                            double blow)
+{
+    const double total = aoi_star_static_mass(star);
+    for (size_t i = 0; i <= star->n; i++) {
+        const double mass = i == 0 ? star->m0 : star->m[i - 1];
+        s->u0[i] = 0.0;
+        s->v0[i] = velocity;
+        s->centre[i] = isinf(total) ? 1.0 : mass / total;
+    }
+    s->v0[0] += blow;
+    CHECK(aoi_body_star_size(star->n) <= sizeof s->work / sizeof s->work[0], "room to work in");
+    const int status = aoi_body_start_star(&s->body, star, &rule, s->centre, s->u0, s->v0, s->work);
+    CHECK(status == AOI_OK, "a star of %zu starts, status %d", star->n, status);
+}
+
+static void start(stepped *s, const aoi_star *star, aoi_newmark rule, double velocity)
+{
+    start_with_blow(s, star, rule, velocity, 0.0);
+}
+
+static aoi_observation step(aoi_body *body, double force)
+{
+    aoi_observation seen = {0};
+    double u, v;
+    CHECK(body->predict(body, &u, &v) == AOI_OK, "predict");
+    body->correct(body, force);
+    body->observe(body, 1, &seen);
+    const double size = fabs(u) + fabs(body->compliance * force) + DBL_MIN;
+    CHECK(fabs(seen.displacement - (u + body->compliance * force)) <= 8.0 * DBL_EPSILON * size,
+          "a force moves the prediction by its compliance");
+    const double rate_size = fabs(v) + fabs(body->rate_compliance * force) + DBL_MIN;
+    CHECK(fabs(seen.velocity - (v + body->rate_compliance * force)) <= 1e-12 * rate_size,
+          "and its velocity by the rate compliance");
+    return seen;
+}
+
+static void rigid_mass_flies_and_falls(void)
+{
+    const aoi_star mass = {0, 3.0, 0.0, NULL, NULL};
+    stepped s;
+    const double h = 1.0 / 1024.0; /* sums of powers of two are exact */
+    start(&s, &mass, (aoi_newmark){h, 0.25, 0.5}, 2.0);
+    for (int j = 1; j <= 1000; j++) {
+        const aoi_observation seen = step(&s.body, 0.0);
+        CHECK(seen.displacement == 2.0 * h * j && seen.velocity == 2.0, "uniform motion, step %d", j);
+        CHECK(seen.centre_displacement == seen.displacement && seen.kinetic == 6.0, "of its centre too");
+        CHECK(seen.elastic == 0.0, "no energy but kinetic");
+    }
+    /* A constant force, from rest: the first step begins at a = 0 and ends at f/m. */
+    start(&s, &mass, (aoi_newmark){h, 0.25, 0.5}, 0.0);
+    for (int j = 1; j <= 1000; j++) {
+        const aoi_observation seen = step(&s.body, 12.0);
+        CHECK(near(seen.velocity, 4.0 * h * (j - 0.5), 1e-13), "v = f/m (t - h/2), step %d", j);
+        CHECK(near(seen.displacement, 2.0 * h * h * (j * (j - 1.0) + 0.5), 1e-13), "u, step %d", j);
+    }
+}
+
+static void wall_stands(void)
+{
+    const aoi_star wall = {0, (double)INFINITY, 0.0, NULL, NULL};
+    stepped s;
+    start(&s, &wall, AVERAGE, 0.0);
+    CHECK(s.body.compliance == 0.0 && s.body.rate_compliance == 0.0, "a wall gives way to nothing");
+    for (int j = 0; j < 10; j++) {
+        const aoi_observation seen = step(&s.body, -1e9);
+        CHECK(seen.displacement == 0.0 && seen.velocity == 0.0 && seen.kinetic == 0.0, "a wall stands");
+    }
+}
+
+/* A mass on its ground spring: u_j = u_1 sin(j a)/sin(a) with u_1 = h V/(1 + beta W), W = (w h)^2 and
+ * tan^2(a/2) = W/4/(1 + (beta - 1/4) W): exact for any beta at gamma = 1/2. */
+static void oscillator_turns_by_a_fixed_angle(double beta, double step_angle)
+{
+    const double k = 5e7, m = 0.2, w2 = k / m, h = step_angle / sqrt(w2), velocity = 3.0;
+    const double big = w2 * h * h, first = h * velocity / (1.0 + beta * big);
+    const double angle = 2.0 * atan(sqrt(0.25 * big / (1.0 + (beta - 0.25) * big)));
+    const aoi_star star = {0, m, k, NULL, NULL};
+    stepped s;
+    double worst = 0.0;
+    start(&s, &star, (aoi_newmark){h, beta, 0.5}, velocity);
+    for (int j = 1; j <= 2000; j++) {
+        const aoi_observation seen = step(&s.body, 0.0);
+        worst = fmax(worst, fabs(seen.displacement - first * sin(j * angle) / sin(angle)) * sin(angle) / first);
+    }
+    CHECK(worst < 2000.0 * 8.0 * DBL_EPSILON * (step_angle + 1.0 / step_angle), "beta %g, w h = %g: off by %g", beta,
+          step_angle, worst);
+}
+
+/* gamma > 1/2 damps: over a step the determinant of the map is (1 + (beta - gamma + 1/2) W)/(1 + beta W)
+ * for an oscillator; here by the peaks of u over whole turns. */
+static void numerical_damping_is_newmarks(void)
+{
+    const double gamma = 0.6, beta = 0.3025, big = 0.04, h = 1e-5;
+    const aoi_star star = {0, 1.0, big / (h * h), NULL, NULL};
+    const double determinant = (1.0 + (beta - gamma + 0.5) * big) / (1.0 + beta * big);
+    const double trace = (2.0 - (gamma + 0.5 - 2.0 * beta) * big) / (1.0 + beta * big);
+    stepped s;
+    double u[3] = {0.0, 0.0, 0.0};
+    start(&s, &star, (aoi_newmark){h, beta, gamma}, 1.0);
+    u[1] = step(&s.body, 0.0).displacement;
+    for (int j = 2; j < 500; j++) {
+        u[2] = step(&s.body, 0.0).displacement;
+        /* Newmark's recurrence in displacements alone. */
+        CHECK(fabs(u[2] - trace * u[1] + determinant * u[0]) < 1e-14 * h * 10.0, "step %d: off by %g h", j,
+              (u[2] - trace * u[1] + determinant * u[0]) / h);
+        u[0] = u[1];
+        u[1] = u[2];
+    }
+}
+
+typedef struct random_star {
+    double m[MOST], k[MOST];
+    aoi_star star;
+} random_star;
+
+static void random_star_make(random_star *r, size_t n, uint64_t *seed, double m0, double k0)
+{
+    for (size_t i = 0; i < n; i++) {
+        r->m[i] = decades(seed, -3.0, 0.0);
+        r->k[i] = r->m[i] * decades(seed, 8.0, 12.0);
+    }
+    r->star = (aoi_star){n, m0, k0, r->m, r->k};
+}
+
+/* The same rule on the dense matrices, straight from its definition and with no elimination by hand. */
+typedef struct dense {
+    size_t size;
+    double m[MOST], k[MOST][MOST], u[MOST], v[MOST], a[MOST];
+} dense;
+
+static void dense_make(dense *d, const aoi_star *star, double velocity)
+{
+    memset(d, 0, sizeof *d);
+    d->size = star->n + 1;
+    d->m[0] = star->m0;
+    d->k[0][0] = star->k0;
+    d->v[0] = velocity;
+    for (size_t i = 1; i < d->size; i++) {
+        d->m[i] = star->m[i - 1];
+        d->k[i][i] = star->k[i - 1];
+        d->k[0][i] = d->k[i][0] = -star->k[i - 1];
+        d->k[0][0] += star->k[i - 1];
+        d->v[i] = velocity;
+    }
+}
+
+static void dense_step(dense *d, aoi_newmark rule, double force)
+{
+    static double a[MOST][MOST], rhs[MOST];
+    const double h = rule.dt, reach = rule.beta * h * h;
+    for (size_t i = 0; i < d->size; i++) {
+        d->u[i] += h * d->v[i] + h * h * (0.5 - rule.beta) * d->a[i];
+        d->v[i] += h * (1.0 - rule.gamma) * d->a[i];
+    }
+    for (size_t i = 0; i < d->size; i++) {
+        rhs[i] = i == 0 ? force : 0.0;
+        for (size_t j = 0; j < d->size; j++) {
+            a[i][j] = reach * d->k[i][j] + (i == j ? d->m[i] : 0.0);
+            rhs[i] -= d->k[i][j] * d->u[j];
+        }
+    }
+    for (size_t p = 0; p < d->size; p++) {
+        for (size_t i = p + 1; i < d->size; i++) {
+            const double factor = a[i][p] / a[p][p];
+            for (size_t j = p; j < d->size; j++) {
+                a[i][j] -= factor * a[p][j];
+            }
+            rhs[i] -= factor * rhs[p];
+        }
+    }
+    for (size_t p = d->size; p-- > 0;) {
+        for (size_t j = p + 1; j < d->size; j++) {
+            rhs[p] -= a[p][j] * rhs[j];
+        }
+        rhs[p] /= a[p][p];
+        d->a[p] = rhs[p];
+        d->u[p] += reach * rhs[p];
+        d->v[p] += h * rule.gamma * rhs[p];
+    }
+}
+
+static void star_steps_as_its_matrices(size_t n, double k0, aoi_newmark rule)
+{
+    static dense d;
+    random_star r;
+    stepped s;
+    uint64_t seed = n + 100;
+    double worst = 0.0, worst_velocity = 0.0, size = 0.0, speed = 0.0;
+    random_star_make(&r, n, &seed, 0.05, k0);
+    dense_make(&d, &r.star, 1.0);
+    start(&s, &r.star, rule, 1.0);
+    for (int j = 0; j < 300; j++) {
+        const double force = 1e5 * sin(0.05 * j);
+        const aoi_observation seen = step(&s.body, force);
+        dense_step(&d, rule, force);
+        double centre = 0.0, kinetic = 0.0, elastic = 0.0, terms = 0.0;
+        for (size_t i = 0; i <= n; i++) {
+            centre += s.centre[i] * d.u[i];
+            kinetic += 0.5 * d.m[i] * d.v[i] * d.v[i];
+            for (size_t l = 0; l <= n; l++) {
+                elastic += 0.5 * d.u[i] * d.k[i][l] * d.u[l];
+                terms += 0.5 * fabs(d.u[i] * d.k[i][l] * d.u[l]);
+            }
+        }
+        size = fmax(size, fabs(d.u[0]));
+        speed = fmax(speed, fabs(d.v[0]));
+        worst = fmax(worst, fmax(fabs(seen.displacement - d.u[0]), fabs(seen.centre_displacement - centre)));
+        worst_velocity = fmax(worst_velocity, fabs(seen.velocity - d.v[0]));
+        CHECK(near(seen.kinetic, kinetic, 1e-9), "kinetic energy 1/2 v M v, step %d", j);
+        CHECK(fabs(seen.elastic - elastic) <= 1e-9 * elastic + 1e-14 * terms, "elastic energy 1/2 u K u, step %d", j);
+    }
+    CHECK(worst < 1e-11 * size && worst_velocity < 1e-10 * speed,
+          "%zu oscillators, beta %g: %g and %g off the dense matrices", n, rule.beta, worst / size,
+          worst_velocity / speed);
+}
+
+/* Average acceleration keeps the energy of a linear system: 1e5 steps of free vibration, of bodies held
+ * and of bodies that meanwhile fly a tenth of a metre. */
+static void energy_is_kept(size_t n, double k0, double h)
+{
+    random_star r;
+    stepped s;
+    uint64_t seed = 17 + n;
+    random_star_make(&r, n, &seed, 0.02, k0);
+    start_with_blow(&s, &r.star, (aoi_newmark){h, 0.25, 0.5}, 1.0, 5.0);
+    aoi_observation seen = {0};
+    s.body.observe(&s.body, 1, &seen);
+    const double energy = seen.kinetic + seen.elastic;
+    double worst = 0.0, stored = 0.0;
+    for (int j = 0; j < 100000; j++) {
+        double u, v;
+        s.body.predict(&s.body, &u, &v);
+        s.body.correct(&s.body, 0.0);
+        s.body.observe(&s.body, 1, &seen);
+        worst = fmax(worst, fabs((seen.kinetic + seen.elastic) / energy - 1.0));
+        stored = fmax(stored, seen.elastic / energy);
+    }
+    CHECK(stored > 1e-3, "it vibrates, %g of the energy in springs", stored);
+    CHECK(worst < 1e-12, "%zu oscillators, step %g: energy off by %g", n, h, worst);
+}
+
+static void momentum_is_kept(void)
+{
+    random_star r;
+    stepped s;
+    uint64_t seed = 23;
+    random_star_make(&r, 28, &seed, 0.02, 0.0);
+    start_with_blow(&s, &r.star, (aoi_newmark){1e-6, 0.25, 0.5}, 1.0, 5.0);
+    aoi_observation seen = {0};
+    s.body.observe(&s.body, 1, &seen);
+    const double velocity = seen.centre_velocity;
+    double worst = 0.0;
+    for (int j = 1; j <= 100000; j++) {
+        double u, v;
+        s.body.predict(&s.body, &u, &v);
+        s.body.correct(&s.body, 0.0);
+        s.body.observe(&s.body, 0, &seen);
+        worst = fmax(worst, fabs(seen.centre_velocity / velocity - 1.0));
+        worst = fmax(worst, fabs(seen.centre_displacement / (velocity * j * 1e-6) - 1.0));
+    }
+    CHECK(worst < 1e-12, "the centre of a free star moves uniformly, off by %g", worst);
+}
+
+/* Without m0 a constant force holds its springs at f/k beyond their masses: one oscillator. */
+static void massless_contact_is_statics(void)
+{
+    const double m = 2.0, k = 8e6, h = 1e-5, force = 3.0;
+    const aoi_star star = {1, 0.0, 0.0, &m, &k};
+    stepped s;
+    start(&s, &star, (aoi_newmark){h, 0.25, 0.5}, 0.0);
+    for (int j = 1; j <= 1000; j++) {
+        const aoi_observation seen = step(&s.body, force);
+        const double mass_at = 0.5 * force / m * h * h * (j * (j - 1.0) + 0.5);
+        CHECK(near(seen.centre_displacement, mass_at, 1e-12), "the mass falls freely, step %d", j);
+        CHECK(near(seen.displacement, mass_at + force / k, 1e-12), "the contact leads by f/k, step %d", j);
+    }
+    /* k0 alone beside it: the force is shared, at rest f/k0. */
+    start(&s, &star, (aoi_newmark){h, 0.25, 0.5}, 1.0);
+    const aoi_observation seen = step(&s.body, 0.0);
+    CHECK(near(seen.displacement, h, 1e-14) && near(seen.velocity, 1.0, 1e-14), "free flight at 1 m/s");
+}
+
+/* m0 = 0 is the limit of small m0, not a case of its own. */
+static void massless_is_the_limit_of_light(void)
+{
+    random_star light, none;
+    stepped a, b;
+    uint64_t seed = 31, again = 31;
+    random_star_make(&light, 6, &seed, 1e-13, 1e6);
+    random_star_make(&none, 6, &again, 0.0, 1e6);
+    start(&a, &light.star, AVERAGE, 0.0);
+    start(&b, &none.star, AVERAGE, 0.0);
+    double worst = 0.0, size = 0.0;
+    for (int j = 0; j < 500; j++) {
+        const double force = 1e3 * sin(0.02 * j), u = step(&b.body, force).displacement;
+        worst = fmax(worst, fabs(step(&a.body, force).displacement - u));
+        size = fmax(size, fabs(u));
+    }
+    CHECK(worst < 1e-6 * size, "m0 = 1e-13 kg and m0 = 0 differ by %g", worst / size);
+}
+
+/* What is copied out is what goes in, and what a run from there would have gone on with. */
+static void state_can_be_taken_up_again(double m0)
+{
+    random_star r;
+    stepped one, two;
+    uint64_t seed = 41;
+    double u[7], v[7];
+    random_star_make(&r, 6, &seed, m0, 1e6);
+    start_with_blow(&one, &r.star, AVERAGE, 1.0, m0 > 0.0 ? 2.0 : 0.0);
+    one.body.copy_state(&one.body, u, v);
+    CHECK(memcmp(u, one.u0, sizeof u) == 0, "the initial displacements");
+    for (int i = 0; i < 7; i++) {
+        CHECK(near(v[i], one.v0[i], 4.0 * DBL_EPSILON), "initial velocity %d: %g, not %g", i, v[i], one.v0[i]);
+    }
+    double energy = 0.0;
+    for (int j = 0; j < 200; j++) {
+        const aoi_observation seen = step(&one.body, 0.0);
+        energy = seen.kinetic + seen.elastic;
+    }
+    one.body.copy_state(&one.body, u, v);
+    double kinetic, elastic, worst = 0.0, size = 0.0;
+    aoi_star_energy(&r.star, u, v, &kinetic, &elastic);
+    CHECK(near(kinetic + elastic, energy, 1e-11), "its energy by the star's own formula");
+    CHECK(aoi_body_start_star(&two.body, &r.star, &AVERAGE, one.centre, u, v, two.work) == AOI_OK, "on");
+    for (int j = 0; j < 200; j++) {
+        const aoi_observation a = step(&one.body, 0.0), b = step(&two.body, 0.0);
+        worst = fmax(worst, fmax(fabs(a.displacement - b.displacement),
+                                 fabs(a.centre_displacement - b.centre_displacement)));
+        size = fmax(size, fabs(a.displacement));
+    }
+    CHECK(worst < 1e-11 * size, "m0 = %g: the second half differs by %g", m0, worst / size);
+}
+
+static void rules_that_cannot_be(void)
+{
+    const double nan = (double)NAN, inf = (double)INFINITY;
+    const aoi_newmark bad[] = {{0.0, 0.25, 0.5}, {-1e-6, 0.25, 0.5}, {nan, 0.25, 0.5},  {inf, 0.25, 0.5},
+                               {1e-6, 0.0, 0.5}, {1e-6, -0.1, 0.5},  {1e-6, nan, 0.5},  {1e-6, 0.25, 0.49},
+                               {1e-6, 0.25, nan}};
+    const aoi_star mass = {0, 1.0, 0.0, NULL, NULL}, none = {0, -1.0, 0.0, NULL, NULL};
+    double zero[1] = {0.0}, work[8];
+    aoi_body body;
+    for (size_t i = 0; i < 8; i++) {
+        work[i] = 77.0;
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        CHECK(aoi_body_start_star(&body, &mass, &bad[i], zero, zero, zero, work) == AOI_ERROR_ARGUMENT,
+              "dt %g, beta %g, gamma %g", bad[i].dt, bad[i].beta, bad[i].gamma);
+    }
+    CHECK(aoi_body_start_star(&body, &none, &AVERAGE, zero, zero, zero, work) == AOI_ERROR_NOT_POSITIVE,
+          "a negative mass");
+    for (size_t i = 0; i < 8; i++) {
+        CHECK(work[i] == 77.0, "what is refused writes nothing");
+    }
+}
+
+int main(void)
+{
+    rigid_mass_flies_and_falls();
+    wall_stands();
+    const double betas[] = {0.25, 1.0 / 6.0, 1.0 / 12.0, 0.4};
+    for (size_t i = 0; i < 4; i++) {
+        oscillator_turns_by_a_fixed_angle(betas[i], 0.01);
+        oscillator_turns_by_a_fixed_angle(betas[i], 0.5);
+        oscillator_turns_by_a_fixed_angle(betas[i], 1.7);
+    }
+    oscillator_turns_by_a_fixed_angle(0.25, 1e3);
+    numerical_damping_is_newmarks();
+    const aoi_newmark rules[] = {{1e-6, 0.25, 0.5}, {2e-7, 1.0 / 6.0, 0.5}, {2e-6, 0.3025, 0.6}};
+    for (size_t i = 0; i < 3; i++) {
+        for (size_t n = 0; n <= 28; n += n < 9 ? 1 : 19) {
+            star_steps_as_its_matrices(n, 0.0, rules[i]);
+            star_steps_as_its_matrices(n, 1e8, rules[i]);
+        }
+    }
+    for (size_t n = 1; n <= 28; n += 9) {
+        for (double h = 1e-8; h < 2e-6; h *= 10.0) {
+            energy_is_kept(n, 0.0, h);
+            energy_is_kept(n, 1e9, h);
+        }
+    }
+    momentum_is_kept();
+    massless_contact_is_statics();
+    massless_is_the_limit_of_light();
+    state_can_be_taken_up_again(0.03);
+    state_can_be_taken_up_again(0.0);
+    rules_that_cannot_be();
+    return check_report();
+}
