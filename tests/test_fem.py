@@ -1,0 +1,527 @@
+"""Finite-element models: natural frequencies, rigid motions, supports, and anyone's matrices."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import meshio
+import numpy as np
+import numpy.typing as npt
+import pytest
+import scipy.sparse as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from aoimpact.errors import AOImpactWarning, InputError, InputTypeError, MeshError
+from aoimpact.fem import FEModel
+from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from aoimpact.material import Material
+from aoimpact.mesh import Mesh
+
+FloatArray = npt.NDArray[np.float64]
+
+STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
+ALUMINIUM = Material(E=70e9, nu=0.3, rho=2400.0)
+BEAM = box_mesh((1.0, 0.02, 0.02), (50, 2, 2))
+BLOCK = box_mesh((0.05, 0.03, 0.02), (3, 2, 2))
+
+
+def bottom_edge(x: float) -> Callable[[FloatArray], npt.NDArray[np.bool_]]:
+    return lambda nodes: (np.abs(nodes[:, 0] - x) < 1e-9) & (np.abs(nodes[:, 2]) < 1e-9)
+
+
+PAPER_SUPPORTS = [(bottom_edge(0.0), "xyz"), (bottom_edge(1.0), "yz")]
+
+
+def chain(n: int, k: float = 4.0, m: float = 9.0) -> tuple[sp.csr_array, sp.csr_array]:
+    """`n` equal masses in a row, free at both ends."""
+    K = sp.diags_array([-k, 2.0 * k, -k], offsets=[-1, 0, 1], shape=(n, n)).tolil()
+    K[0, 0] = K[n - 1, n - 1] = k
+    return sp.csr_array(K), sp.csr_array(m * sp.eye_array(n))
+
+
+# --- The paper's bodies ---
+
+
+def test_paper_s_beam_has_its_dofs_and_its_bending_frequencies() -> None:
+    beam = FEModel.from_mesh(BEAM, ALUMINIUM, fixed=PAPER_SUPPORTS)
+    assert beam.n_dofs == 1362
+    assert beam.mass == pytest.approx(2400.0 * 1.0 * 0.02**2, rel=1e-13)
+    assert beam.rigid_modes.shape == (1362, 0)
+    found = np.rint(beam.frequencies(7)).tolist()
+    assert found == [58, 86, 233, 281, 519, 587, 904]  # 58, 233, 520 in the paper's Table 5
+
+
+def test_beam_of_quadratic_elements_does_not_lock() -> None:
+    # Euler-Bernoulli, simply supported: 48.98 Hz, less shear and rotary inertia, which are < 0.1 %.
+    # Here the supports are on the bottom edges, which holds the axis a little.
+    mesh = box_mesh((1.0, 0.02, 0.02), (20, 1, 1), kind="hexahedron20")
+    middle = [
+        (lambda p: (np.abs(p[:, 0]) < 1e-9) & (np.abs(p[:, 2] - 0.01) < 1e-9), "xyz"),
+        (lambda p: (np.abs(p[:, 0] - 1.0) < 1e-9) & (np.abs(p[:, 2] - 0.01) < 1e-9), "yz"),
+    ]
+    beam = FEModel.from_mesh(mesh, ALUMINIUM, fixed=middle)
+    exact = math.pi / 2.0 * math.sqrt(70e9 / 2400.0) * 0.02 / math.sqrt(12.0)
+    assert exact == pytest.approx(48.98, abs=0.01)
+    assert beam.frequencies(1)[0] == pytest.approx(exact, rel=3e-3)
+
+
+def test_paper_s_sphere_has_its_frequencies_and_its_mass() -> None:
+    sphere = FEModel.from_mesh(paper_sphere_mesh(), STEEL)
+    megahertz = sphere.frequencies(18) / 1e6
+    assert (megahertz[:6] == 0.0).all()
+    assert np.array_equal(np.unique(np.round(megahertz[6:], 2)), [0.13, 0.14, 0.18])  # Table 2
+    assert sphere.mass == pytest.approx(0.0327, abs=5e-5)  # Table 1
+
+
+def sphere_ratios(model: FEModel, radius: float) -> FloatArray:
+    """ωR/c_t of the first torsional and the first spheroidal multiplets, each of five modes."""
+    omega = 2.0 * math.pi * model.frequencies(16)[6:]
+    return (omega * radius / STEEL.shear_speed).reshape(2, 5)
+
+
+# tan x = 3x/(3 − x²) for n = 2 torsion, and Lamb's equation at ν = .3 (Love 1944, sec. 194-196).
+SPHERE = np.array([2.50113, 2.64622])
+
+
+def test_coarse_sphere_has_both_multiplets() -> None:
+    model = FEModel.from_mesh(sphere_mesh(0.01, 0.0033), STEEL)
+    assert sphere_ratios(model, 0.01) == pytest.approx(np.outer(SPHERE, np.ones(5)), rel=5e-3)
+
+
+@pytest.mark.slow
+def test_fine_sphere_converges_to_the_closed_form() -> None:
+    model = FEModel.from_mesh(sphere_mesh(0.01, 0.0022), STEEL)
+    assert sphere_ratios(model, 0.01) == pytest.approx(np.outer(SPHERE, np.ones(5)), rel=1e-4)
+
+
+# --- Frequencies ---
+
+
+def test_chain_has_its_closed_form_frequencies() -> None:
+    K, M = chain(12)
+    exact = 2.0 * math.sqrt(4.0 / 9.0) * np.sin(np.arange(12) * math.pi / 24.0) / (2.0 * math.pi)
+    found = FEModel(K=K, M=M).frequencies(12)
+    assert found[0] == 0.0
+    assert found == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [0, -1, 7, 10**9])
+def test_number_of_frequencies_has_bounds(n: int) -> None:
+    K, M = chain(6)
+    with pytest.raises(InputError, match=f"n must be from 1 to 6, got {n}"):
+        FEModel(K=K, M=M).frequencies(n)
+
+
+def test_number_of_frequencies_is_an_integer() -> None:
+    K, M = chain(6)
+    with pytest.raises(InputTypeError, match="n must be an integer"):
+        FEModel(K=K, M=M).frequencies(2.0)  # type: ignore[arg-type]
+
+
+# --- Rigid motions ---
+
+
+@pytest.mark.parametrize(
+    ("fixed", "free_motions"),
+    [
+        (None, 6),
+        ([], 6),
+        ([([0], "x")], 5),
+        ([([0], "xyz")], 3),
+        ([("zmin", "z")], 3),
+        ([("zmin", "z"), ("xmin", "x")], 1),
+        ([(bottom_edge(0.0), "xyz")], 1),  # a hinge
+        ([(bottom_edge(0.05), "xyz"), ([0], "z")], 0),
+        ([("xmin", "xyz")], 0),
+        ([("xmin", "x"), ("ymin", "y"), ("zmin", "z")], 0),
+    ],
+)
+def test_supports_leave_the_rigid_motions_that_statics_says(fixed: Any, free_motions: int) -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL, fixed=fixed)
+    modes = body.rigid_modes
+    assert modes.shape == (body.n_dofs, free_motions)
+    assert modes.T @ (body.M @ modes) == pytest.approx(np.eye(free_motions), abs=1e-13)
+    assert np.abs(body.K @ modes).max(initial=0.0) < 1e-13 * (abs(body.K) @ abs(modes)).max(
+        initial=1.0
+    )
+    frequencies = body.frequencies(7)
+    assert (frequencies[:free_motions] == 0.0).all()
+    assert (frequencies[free_motions:] > 1e3).all()
+
+
+def test_a_hinge_about_any_line_is_found() -> None:
+    # Held in the two ends of a space diagonal: what is left is no rotation about an axis.
+    mesh = box_mesh((0.05, 0.03, 0.02), (2, 2, 2), kind="hexahedron20")
+    ends = [
+        int(np.abs(mesh.nodes - p).sum(axis=1).argmin()) for p in ([0, 0, 0], [0.05, 0.03, 0.02])
+    ]
+    body = FEModel.from_mesh(mesh, STEEL, fixed=[(ends, "xyz")])
+    motion = np.zeros(3 * mesh.n_nodes)
+    motion[body.free] = body.rigid_modes[:, 0]
+    turned = np.cross([0.05, 0.03, 0.02], mesh.nodes)
+    along = motion @ turned.reshape(-1) / (np.linalg.norm(motion) * np.linalg.norm(turned))
+    assert body.rigid_modes.shape[1] == 1
+    assert abs(along) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_body_far_from_the_origin_is_as_free_as_any() -> None:
+    moved = Mesh(BLOCK.nodes + np.array([100.0, -50.0, 30.0]), BLOCK.cells, BLOCK.kind)
+    assert FEModel.from_mesh(moved, STEEL).rigid_modes.shape[1] == 6
+
+
+def test_two_pieces_have_twelve_rigid_motions() -> None:
+    nodes = np.vstack([BLOCK.nodes, BLOCK.nodes + np.array([0.1, 0.0, 0.0])])
+    cells = np.vstack([BLOCK.cells, BLOCK.cells + BLOCK.n_nodes])
+    body = FEModel.from_mesh(Mesh(nodes, cells, BLOCK.kind), STEEL)
+    assert body.rigid_modes.shape[1] == 12
+    assert (body.frequencies(12) == 0.0).all()
+
+
+@pytest.mark.parametrize("stiffness", [1e2, 1e5, 1e9])
+def test_a_spring_to_the_ground_however_soft_takes_a_motion_away(stiffness: float) -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL)
+    spring = sp.csr_array(([stiffness], ([4], [4])), shape=body.K.shape)
+    held = FEModel(K=body.K + spring, M=body.M, nodes=BLOCK.nodes)
+    assert held.rigid_modes.shape[1] == 5
+
+
+def test_rigid_motions_without_nodes_are_the_null_space() -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL)
+    bare = FEModel(K=body.K, M=body.M)
+    assert bare.rigid_modes.shape == body.rigid_modes.shape
+    overlap = body.rigid_modes.T @ (body.M @ bare.rigid_modes)
+    assert overlap @ overlap.T == pytest.approx(np.eye(6), abs=1e-9)
+    assert bare.mass is None
+    assert bare.frequencies(9) == pytest.approx(body.frequencies(9), rel=1e-7, abs=1e-3)
+
+
+# --- Mass and its centre ---
+
+
+def test_translations_carry_the_whole_mass() -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL)
+    for direction in ([1, 0, 0], [0, -2, 0], [1, 2, 3]):
+        r = body.translation(direction)
+        assert r @ (body.M @ r) == pytest.approx(body.mass, rel=1e-13)
+        assert body.com_functional(direction) @ r == pytest.approx(1.0, rel=1e-13)
+
+
+def test_centre_of_mass_counts_the_nodes_that_are_held() -> None:
+    # u = x/L on a bar held at x = 0: the centre moves by 1/2, though held nodes carry mass too.
+    body = FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")])
+    assert body.nodes is not None
+    assert body.free is not None
+    stretched = np.zeros((BLOCK.n_nodes, 3))
+    stretched[:, 0] = BLOCK.nodes[:, 0] / 0.05
+    u = stretched.reshape(-1)[body.free]
+    assert body.com_functional([1, 0, 0]) @ u == pytest.approx(0.5, rel=1e-13)
+    assert body.com_functional([0, 1, 0]) @ u == pytest.approx(0.0, abs=1e-15)
+    assert body.mass == pytest.approx(7800 * 0.05 * 0.03 * 0.02, rel=1e-13)
+
+
+def test_matrices_given_with_all_nodes_know_their_mass() -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL)
+    given_ = FEModel(K=body.K, M=body.M, nodes=BLOCK.nodes)
+    assert given_.mass == pytest.approx(body.mass, rel=1e-14)
+    assert given_.com_functional([0, 0, 1]) == pytest.approx(body.com_functional([0, 0, 1]))
+    assert np.array_equal(given_.free, np.arange(3 * BLOCK.n_nodes))
+
+
+def test_matrices_without_the_held_dofs_do_not_know_the_mass() -> None:
+    held = FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")])
+    given_ = FEModel(K=held.K, M=held.M, nodes=held.nodes, free=held.free)
+    assert given_.mass is None
+    assert np.array_equal(given_.translation([0, 1, 0]), held.translation([0, 1, 0]))
+    with pytest.raises(InputError, match="centre of mass is not known"):
+        given_.com_functional([1, 0, 0])
+    with pytest.raises(InputError, match="centre of mass is not known"):
+        FEModel(K=held.K, M=held.M).com_functional([1, 0, 0])
+    with pytest.raises(InputError, match="a translation needs nodes"):
+        FEModel(K=held.K, M=held.M).translation([1, 0, 0])
+
+
+def test_dofs_ordered_by_component_are_noticed() -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL)
+    by_component = np.arange(body.n_dofs).reshape(-1, 3).T.reshape(-1)
+    K, M = (A[by_component][:, by_component] for A in (body.K, body.M))
+    with pytest.warns(AOImpactWarning, match=r"order 3·node \+ component"):
+        FEModel(K=K, M=M, nodes=BLOCK.nodes)
+
+
+# --- Supports ---
+
+
+def test_supports_by_number_by_name_by_function_and_by_mask_are_the_same() -> None:
+    on_face = BLOCK.nodes[:, 0] == 0.0
+    ways: list[Any] = [
+        "xmin",
+        np.flatnonzero(on_face),
+        np.flatnonzero(on_face).tolist(),
+        on_face,
+        lambda nodes: nodes[:, 0] < 1e-9,
+    ]
+    bodies = [FEModel.from_mesh(BLOCK, STEEL, fixed=[(way, "zx")]) for way in ways]
+    for body in bodies:
+        assert np.array_equal(body.free, bodies[0].free)
+        assert (body.K != bodies[0].K).nnz == 0
+    assert bodies[0].n_dofs == 3 * BLOCK.n_nodes - 2 * on_face.sum()
+
+
+def test_supports_add_up() -> None:
+    one = FEModel.from_mesh(BLOCK, STEEL, fixed=[([0, 5], "xyz")])
+    other = FEModel.from_mesh(
+        BLOCK, STEEL, fixed=[([0], "x"), ([5], "zyx"), ([0], "yz"), (0, "xx")]
+    )
+    assert np.array_equal(one.free, other.free)
+
+
+@pytest.mark.parametrize(
+    ("fixed", "error", "words"),
+    [
+        (
+            [("xmim", "x")],
+            InputError,
+            r"no node set 'xmim' \(did you mean 'xmin'\?\); it has",
+        ),
+        ([("xmin", "xw")], InputError, r'fixed\[0\]: letters must be of "x", "y" and "z", got .xw'),
+        ([("xmin", "")], InputError, "letters must be of"),
+        ([("xmin", "XYZ")], InputError, "letters must be of"),
+        ([("xmin", 3)], InputTypeError, "letters must be text"),
+        ([([], "x")], InputError, "selects no nodes"),
+        ([([0], "x"), ([36], "x")], InputError, r"fixed\[1\]: nodes has node 36, but .* to 35"),
+        ([([-1], "x")], InputError, "has node -1"),
+        ([([0.0], "x")], InputTypeError, "integer node numbers"),
+        ([(lambda p: p[:, 0] == 7.0, "x")], InputError, r"selects no nodes; .* x 0…0\.05"),
+        ([(lambda p: p[:, 0], "x")], InputTypeError, "one bool for each node, got dtype float64"),
+        ([(lambda p: p == 0.0, "x")], InputError, r"36 nodes, got shape \(36, 3\)"),
+        ([(np.ones(7, bool), "x")], InputError, r"36 nodes, got shape \(7,\)"),
+        ([(range(36), "xyz")], InputError, "fixed holds every dof"),
+        (("xmin", "xyz"), InputTypeError, r"fixed\[0\] is not a pair .* give a list of pairs"),
+        ("xmin", InputTypeError, "give a list of pairs"),
+        ({"xmin": "xyz"}, InputTypeError, "give a list of pairs"),
+        ([("xmin",)], InputTypeError, "is not a pair"),
+        (3, InputTypeError, "give a list of pairs"),
+    ],
+)
+def test_wrong_supports_are_named(fixed: Any, error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        FEModel.from_mesh(BLOCK, STEEL, fixed=fixed)
+
+
+# --- Anyone's matrices ---
+
+K3, M3 = (A.toarray() for A in chain(3))
+
+
+def big_endian_csr(matrix: FloatArray) -> sp.csr_array:
+    csr = sp.csr_array(matrix)
+    csr.data = csr.data.astype(">f8")
+    return csr
+
+
+@pytest.mark.parametrize(
+    "convert",
+    [
+        lambda A: A,
+        lambda A: A.tolist(),
+        lambda A: sp.csr_matrix(A).todense(),
+        lambda A: A.astype(np.int64),
+        lambda A: A.astype(np.float32),
+        lambda A: A.astype(">f8"),
+        np.asfortranarray,
+        lambda A: np.repeat(np.repeat(A, 2, axis=0), 2, axis=1)[::2, ::2],
+        sp.csc_matrix,
+        sp.coo_array,
+        sp.lil_matrix,
+        sp.dok_array,
+        sp.dia_array,
+        lambda A: sp.bsr_array(A),
+        big_endian_csr,
+        lambda A: sp.csr_array(A.astype(np.int8)),
+    ],
+)
+def test_matrices_of_any_form_are_taken_as_they_mean(convert: Callable[[FloatArray], Any]) -> None:
+    body = FEModel(K=convert(K3), M=convert(M3))
+    for matrix, expected in ((body.K, K3), (body.M, M3)):
+        assert matrix.format == "csr"
+        assert matrix.dtype == np.dtype("=f8")
+        assert matrix.indices.dtype == np.int32
+        assert np.array_equal(matrix.toarray(), expected)
+
+
+def test_the_caller_s_arrays_are_neither_changed_nor_frozen() -> None:
+    row, column = np.nonzero(K3)
+    shuffled = np.random.default_rng(0).permutation(len(row))
+    K = sp.coo_array((K3[row, column][shuffled], (row[shuffled], column[shuffled]))).tocsr()
+    unsorted = sp.csr_array((K.data[::-1].copy(), K.indices[::-1].copy(), K.indptr), shape=(3, 3))
+    unsorted = sp.csr_array(
+        (np.array([-4.0, 4.0, -4.0, 8.0, -4.0, 4.0, -4.0]), [1, 0, 2, 1, 0, 2, 1], [0, 2, 5, 7])
+    )
+    before = unsorted.indices.copy()
+    nodes = np.zeros((1, 3))
+    body = FEModel(K=unsorted, M=M3, nodes=nodes)
+    assert np.array_equal(body.K.toarray(), K3)
+    assert np.array_equal(unsorted.indices, before)
+    nodes[0, 0] = 5.0
+    assert body.nodes is not None
+    assert body.nodes[0, 0] == 0.0
+
+
+def test_read_only_matrices_are_accepted() -> None:
+    K, M = chain(40)
+    for matrix in (K, M):
+        for part in (matrix.data, matrix.indices, matrix.indptr):
+            part.flags.writeable = False
+    assert FEModel(K=K, M=M).frequencies(3)[0] == 0.0
+
+
+def test_duplicate_entries_are_summed() -> None:
+    row, column = np.nonzero(K3)
+    halves = sp.coo_array(
+        (np.tile(K3[row, column] / 2, 2), (np.tile(row, 2), np.tile(column, 2))), shape=(3, 3)
+    )
+    assert np.array_equal(FEModel(K=halves, M=M3).K.toarray(), K3)
+
+
+def asymmetric(gap: float) -> FloatArray:
+    K = K3.copy()
+    K[0, 1] += gap
+    return K
+
+
+def changed(matrix: FloatArray, i: int, j: int, value: float) -> FloatArray:
+    matrix = matrix.copy()
+    matrix[i, j] = matrix[j, i] = value
+    return matrix
+
+
+def test_asymmetry_of_rounding_is_averaged_away() -> None:
+    body = FEModel(K=asymmetric(4e-9), M=M3)
+    assert (body.K != body.K.T).nnz == 0
+    assert body.K[0, 1] == pytest.approx(-4.0 + 2e-9, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("K", "M", "error", "words"),
+    [
+        (asymmetric(1e-6), M3, InputError, r"K must be symmetric: K\[0, 1\] = -3\.999999, .*= -4;"),
+        (K3, asymmetric(1e-6) + 9 * np.eye(3), InputError, "M must be symmetric"),
+        (K3[:2], M3, InputError, r"K must be square, got shape \(2, 3\)"),
+        (K3, M3[:2, :2], InputError, r"same shape, got \(3, 3\) and \(2, 2\)"),
+        (np.zeros((0, 0)), np.zeros((0, 0)), InputError, "K must be square"),
+        (K3[0], M3, InputError, r"K must be a square matrix, got shape \(3,\)"),
+        (4.0, M3, InputError, "K must be a square matrix"),
+        (changed(K3, 0, 1, np.nan), M3, InputError, r"K\[0, 1\] is nan; 2 entries are not finite"),
+        (K3, changed(M3, 2, 2, np.inf), InputError, r"M\[2, 2\] is inf"),
+        (sp.csr_array(changed(K3, 1, 1, np.nan)), M3, InputError, r"K\[1, 1\] is nan"),
+        (K3.astype(complex), M3, InputTypeError, "K must be a matrix of real numbers"),
+        (K3 != 0, M3, InputTypeError, "dtype bool"),
+        ("K.mtx", M3, InputError, "K must be a square matrix"),
+        (None, M3, InputError, "K must be a square matrix"),
+        (K3, changed(M3, 1, 1, 0.0), InputError, r"1 of 3 diagonal .* M\[1, 1\] = 0 kg; condense"),
+        (K3, -M3, InputError, "3 of 3 diagonal entries are zero or negative"),
+        (K3, 0 * M3, InputError, "M must have mass on every dof"),
+        (K3, changed(M3, 0, 2, 10.0), InputError, r"M must be positive definite: M\[0, 2\] = 10"),
+        (K3, 9 * np.ones((3, 3)), InputError, "M must be positive definite"),
+        (K3, 9 * np.eye(3) - 5 * (1 - np.eye(3)), InputError, "eigenvalue is -1 kg"),
+        (-K3, M3, InputError, r"3 negative entries on its diagonal, the first is K\[0, 0\] = -4"),
+        (changed(K3, 0, 2, 9.0), M3, InputError, "K must be positive semidefinite: K"),
+        (10 * np.eye(3) - 9 * (1 - np.eye(3)), M3, InputError, "its lowest eigenvalue is -8 N/m"),
+    ],
+)
+def test_matrices_that_no_body_has_are_refused(
+    K: Any, M: Any, error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        FEModel(K=K, M=M)
+
+
+def test_a_broken_sparse_matrix_is_refused() -> None:
+    broken = sp.csr_array(K3)
+    broken.indices[0] = 7
+    with pytest.raises(InputError, match="K is not a valid sparse matrix"):
+        FEModel(K=broken, M=M3)
+
+
+@pytest.mark.parametrize(
+    ("nodes", "free", "error", "words"),
+    [
+        (np.zeros((2, 3)), None, InputError, "K has 3 rows, but 2 nodes have 6 dofs; .* give free"),
+        (np.zeros((2, 2)), None, InputError, "nodes must have shape"),
+        (np.full((1, 3), np.nan), None, InputError, "nodes must be finite"),
+        (None, [0, 1, 2], InputError, "free .* needs nodes"),
+        (np.zeros((2, 3)), [0, 1], InputError, r"free must have shape \(3,\)"),
+        (np.zeros((2, 3)), [0, 1, 6], InputError, r"free must be within 0 … 5 .* got 0 … 6"),
+        (np.zeros((2, 3)), [0, 1, -1], InputError, "free must be within"),
+        (np.zeros((2, 3)), [0, 1, 1], InputError, "free names 1 dofs more than once"),
+        (np.zeros((2, 3)), [0.0, 1.0, 2.0], InputTypeError, "free must be integer"),
+    ],
+)
+def test_nodes_and_dofs_must_match(
+    nodes: Any, free: Any, error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        FEModel(K=K3, M=M3, nodes=nodes, free=free)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(4, 9), st.integers(0, 3), st.integers(0, 10**6))
+def test_null_space_of_any_matrix_is_found(n: int, rank_loss: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    rank = n - rank_loss
+    root = rng.standard_normal((n, rank))
+    mass = rng.standard_normal((n, n))
+    body = FEModel(K=root @ root.T, M=mass @ mass.T + n * np.eye(n))
+    assert body.rigid_modes.shape == (n, n - rank)
+
+
+# --- From mesh to model ---
+
+
+def test_path_meshio_and_mesh_are_all_the_same(tmp_path: Any) -> None:
+    raw = meshio.Mesh(BLOCK.nodes, [(BLOCK.kind, BLOCK.cells)])
+    raw.write(tmp_path / "block.vtu")
+    bodies = [FEModel.from_mesh(m, STEEL) for m in (BLOCK, raw, tmp_path / "block.vtu")]
+    for body in bodies[1:]:
+        assert (body.K != bodies[0].K).nnz == 0
+
+
+def test_millimetres_are_noticed() -> None:
+    with pytest.warns(AOImpactWarning, match=r"1000 m long .* millimetres use read_mesh\(path, sc"):
+        FEModel.from_mesh(box_mesh((1000, 20, 20), (10, 1, 1)), ALUMINIUM)
+    with pytest.warns(AOImpactWarning, match="weighs"):
+        FEModel.from_mesh(sphere_mesh(10.0, 10.0), STEEL)
+
+
+def test_bad_meshes_and_materials_are_refused() -> None:
+    with pytest.raises(MeshError, match="does not exist"):
+        FEModel.from_mesh("nowhere.msh", STEEL)
+    with pytest.raises(InputTypeError, match="material must be a Material, got float"):
+        FEModel.from_mesh(BLOCK, 210e9)  # type: ignore[arg-type]
+
+
+def test_model_is_frozen_pickles_and_says_what_it_is() -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")])
+    assert repr(body) == "FEModel(81 dofs, 36 nodes, 12 hexahedron, 0.234 kg, 27 dofs held)"
+    body.frequencies(1)
+    again = pickle.loads(pickle.dumps(body))
+    assert np.array_equal(again.frequencies(3), body.frequencies(3))
+    assert again.mesh.node_sets.keys() == BLOCK.node_sets.keys()
+    assert again.material == STEEL
+    with pytest.raises(AttributeError):
+        body.K = None  # type: ignore[misc]
+    with pytest.raises(ValueError, match="read-only"):
+        body.rigid_modes[...] = 0.0
+    assert repr(FEModel(K=K3, M=M3)) == "FEModel(3 dofs)"
+
+
+def test_contact_is_a_place_on_the_body() -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL)
+    tip = body.contact(point=(0.05, 0.03, 0.02), direction=(0, 0, -2))
+    assert tip.body is body
+    assert tip.b @ body.translation((0, 0, -1)) == pytest.approx(1.0, rel=1e-15)
+    assert body.contact(dof=5).b[5] == 1.0
