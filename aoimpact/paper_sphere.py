@@ -250,11 +250,15 @@ def impact_table(study: SphereStudy) -> Table:
     """The numbers of Figure 3 and section 3."""
     full, one, hard = study.full, study.one_ao, study.rigid
     mesh = "Follows k1: it belongs to the mesh."
+    time = (
+        "Follows k1. The paper's own m0 and k1 give 70.7 µs; and 60.0 µs, the rigid pair's, are "
+        "16 % less than 71.4 µs but 17 % less than 72 µs."
+    )
     return Table(
         "Figure 3, section 3.1: two spheres at 1 m/s",
         (
             Row("full model, peak force", full.peak_force, "811.5", "N", mesh),
-            Row("full model, duration", 1e6 * full.contact_duration, "72", "µs", mesh),
+            Row("full model, duration", 1e6 * full.contact_duration, "72", "µs", time),
             Row("one AO each, peak force", one.peak_force, "812.6", "N", mesh),
             Row(
                 "rigid, peak force",
@@ -270,7 +274,7 @@ def impact_table(study: SphereStudy) -> Table:
                 hard.contact_duration,
                 full.contact_duration,
                 "-16",
-                mesh,
+                time,
             ),
         ),
     )
@@ -284,6 +288,7 @@ def method_table(study: SphereStudy) -> Table:
     """What does not depend on the mesh: the method itself."""
     full, one = study.full, study.one_ao
     peak, duration = hertz_pair(LAW.k, 0.5 * BALL_MASS, VELOCITY)
+    own_hit = study.printed(BALL_MASS)
     same = "812.6 over 811.5 N."
     own = "The paper's m0 and k1 of Table 3, put in by hand."
     return Table(
@@ -302,6 +307,7 @@ def method_table(study: SphereStudy) -> Table:
                 own + " 32.58 g is the mass that its rigid 999.9 N implies. A step of 0.1 ... 1 µs "
                 "takes another 0.2 ... 1.5 N off; the paper's is not given.",
             ),
+            Row("Table 3's AO, duration", 1e6 * own_hit.contact_duration, "72", "µs", own),
             Row("rigid, closed form, peak force", peak, "", "N"),
             Row("rigid, closed form, duration", 1e6 * duration, "", "µs"),
         ),

@@ -78,7 +78,8 @@ class Row:
         change = ""
         if self.difference is not None:
             decimals = 2 if abs(self.difference) < 0.995 else 1
-            change = f"{self.difference:+.{decimals}f} {sign}"
+            # Adding zero turns -0.0 into 0.0.
+            change = f"{round(self.difference, decimals) + 0.0:+.{decimals}f} {sign}"
         paper = f"{self.paper} {self.unit}".strip() if self.paper else ""
         computed = f"{_digits(self.computed)} {self.unit}".strip()
         return self.quantity, paper, computed, change, self.verdict
@@ -126,15 +127,16 @@ def _digits(value: float) -> str:
 
 
 def _text_lines(table: Table) -> list[str]:
-    """The table for a terminal, its reasons as notes below."""
+    """The table for a terminal, its reasons as notes below; columns that are empty are left out."""
     notes = list(dict.fromkeys(row.why for row in table.rows if row.why))
     lines = [_headings(table)]
     for row in table.rows:
         name, *rest = row.cells()
         mark = f" [{notes.index(row.why) + 1}]" if row.why else ""
         lines.append((name + mark, *rest))
-    widths = [max(len(line[column]) for line in lines) for column in range(len(_HEADINGS))]
-    shown = [_aligned(line, widths) for line in lines]
+    if not any(row.paper for row in table.rows):
+        lines = [(line[0], line[2]) for line in lines]
+    shown = _aligned(lines)
     rule = "-" * max(map(len, shown))
     text = [table.title, rule, shown[0], rule, *shown[1:], rule]
     for number, note in enumerate(notes, start=1):
@@ -144,12 +146,14 @@ def _text_lines(table: Table) -> list[str]:
     return text
 
 
-def _aligned(cells: Iterable[str], widths: list[int]) -> str:
-    name, *numbers, verdict = (
-        cell.ljust(width) if column in (0, len(widths) - 1) else cell.rjust(width)
-        for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
-    )
-    return "  ".join([name, *numbers, verdict]).rstrip()
+def _aligned(lines: list[tuple[str, ...]]) -> list[str]:
+    """Columns side by side: the first and the verdict to the left, numbers to the right."""
+    columns = []
+    for number, cells in enumerate(zip(*lines, strict=True)):
+        width = max(map(len, cells))
+        to_left = number in (0, _HEADINGS.index("verdict"))
+        columns.append([cell.ljust(width) if to_left else cell.rjust(width) for cell in cells])
+    return ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
 
 
 def markdown(tables: Iterable[Table]) -> str:

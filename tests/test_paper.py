@@ -84,6 +84,16 @@ def test_text_is_aligned_and_each_reason_stands_once() -> None:
     assert max(map(len, text.splitlines())) <= 100
 
 
+def test_text_without_printed_numbers_has_two_columns() -> None:
+    text = str(Table("k1", (Row("309 nodes", 472.2, "", "MN/m"),)))
+    assert text.splitlines()[2].split() == ["quantity", "computed"]
+    assert text.splitlines()[4].split() == ["309", "nodes", "472.2", "MN/m"]
+
+
+def test_difference_of_nothing_has_no_minus() -> None:
+    assert Row("force", 0.1399, "0.14", "%").cells()[3] == "+0.00 points"
+
+
 def test_markdown_has_one_line_a_row() -> None:
     lines = [line for line in markdown([table()]).splitlines() if line.startswith("|")]
     assert len(lines) == 2 + 3
