@@ -141,6 +141,33 @@ static void random_star_make(random_star *r, size_t n, uint64_t *seed, double m0
     r->star = (aoi_star){n, m0, k0, r->m, r->k};
 }
 
+/* A body may have mass that its star does not see: the weights of its centre then add up to less. */
+static void centre_is_the_weighted_mean(void)
+{
+    random_star r;
+    stepped s;
+    uint64_t seed = 51;
+    double u[5], v[5];
+    random_star_make(&r, 4, &seed, 0.05, 1e5);
+    start_with_blow(&s, &r.star, AVERAGE, 1.0, 3.0);
+    for (int i = 0; i < 5; i++) {
+        s.centre[i] = 0.1 * (i + 1) - 0.2;
+    }
+    const int status = aoi_body_start_star(&s.body, &r.star, &AVERAGE, s.centre, s.u0, s.v0, s.work);
+    CHECK(status == AOI_OK, "with weights of its own");
+    for (int j = 0; j < 100; j++) {
+        const aoi_observation seen = step(&s.body, 0.0);
+        s.body.copy_state(&s.body, u, v);
+        double place = 0.0, rate = 0.0;
+        for (int i = 0; i < 5; i++) {
+            place += s.centre[i] * u[i];
+            rate += s.centre[i] * v[i];
+        }
+        CHECK(near(seen.centre_displacement, place, 1e-13), "sum of w u, step %d", j);
+        CHECK(near(seen.centre_velocity, rate, 1e-13), "sum of w v, step %d", j);
+    }
+}
+
 /* The same rule on the dense matrices, straight from its definition and with no elimination by hand. */
 typedef struct dense {
     size_t size;
@@ -400,6 +427,7 @@ int main(void)
         }
     }
     momentum_is_kept();
+    centre_is_the_weighted_mean();
     massless_contact_is_statics();
     massless_is_the_limit_of_light();
     state_can_be_taken_up_again(0.03);

@@ -344,6 +344,10 @@ static void unusable_factors_are_refused(void)
     };
     for (size_t i = 0; i < sizeof broken / sizeof broken[0]; i++) {
         factored_make(&f, n, a, place);
+        f.factors.panel_count = 4; /* a column each, so that panels have nothing to object to */
+        for (int32_t j = 0; j <= n; j++) {
+            f.panel[j] = j;
+        }
         *broken[i].where = broken[i].value;
         CHECK(aoi_factors_check(&f.factors, 6) == AOI_ERROR_ARGUMENT, "%s", broken[i].what);
     }
