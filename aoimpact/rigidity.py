@@ -15,8 +15,8 @@ __all__ = ["rigid_motions", "unresisted_motions"]
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-# |K r|_i of a rigid motion, over Σ_j |K_ij| max |r|. Rounding of a mesh's own K gives 1e-15, a K
-# printed with ten digits 1e-10; a spring to the ground gives its share of its dof's stiffness.
+# |K r|_i of a rigid motion, over K_ii max |r|. Rounding of a mesh's own K gives some 1e-15, a K
+# printed with ten digits 1e-10; a spring to the ground gives its share of the stiffness at its dof.
 _RESISTED = 1e-9
 
 # Motions that differ by less than this are the same one (rotation of a line about itself).
@@ -52,9 +52,10 @@ def unresisted_motions(K: Any, M: Any, motions: FloatArray) -> FloatArray:
         Rigid motions on the dofs of K, of magnitude one.
     """
     forces = K @ motions
-    stiffness = np.asarray(abs(K).sum(axis=1)).reshape(-1, 1)
+    stiffness = K.diagonal()[:, None]
     np.divide(forces, stiffness, out=forces, where=stiffness > 0.0)
-    n_parts, part = connected_components(K, directed=False)
+    # K is symmetric, so that strong connection is connection; it needs no transpose.
+    n_parts, part = connected_components(K, connection="strong")
     order = np.argsort(part, kind="stable")
     bounds = np.searchsorted(part[order], np.arange(n_parts + 1))
     found = []
