@@ -84,7 +84,11 @@ MUTANTS = [
     ("full.c", "c[REACH] = rule->beta * h * h", "c[REACH] = h * h / 4.0"),
     ("full.c", "rule->gamma >= 0.5", "rule->gamma >= 0.3"),
     ("full.c", "return AOI_ERROR_SOLVER", "return AOI_OK"),
-    ("impact.c", "projectile->correct(projectile, -*force)", "projectile->correct(projectile, *force)"),
+    (
+        "impact.c",
+        "projectile->correct(projectile, -*force)",
+        "projectile->correct(projectile, *force)",
+    ),
     ("impact.c", "v_projectile - v_target,", "v_projectile + v_target,"),
     ("impact.c", "u_projectile - u_target - impact->gap", "u_projectile - u_target"),
     ("impact.c", "*done = column - 1", "*done = column"),
@@ -99,17 +103,13 @@ def build(compiler: str, core: Path, out: Path, only: str | None = None) -> None
     flags = ["-std=c99", "-O1", "-w", f"-I{core}", f"-I{HERE}"]
     files = [core / only] if only else [p for p in core.glob("*.c") if p.name != "python.c"]
     for source in files:
-        subprocess.run(
-            [compiler, *flags, "-c", source, "-o", out / f"{source.stem}.o"], check=True
-        )
+        subprocess.run([compiler, *flags, "-c", source, "-o", out / f"{source.stem}.o"], check=True)
     objects = sorted(path for path in out.glob("*.o") if not path.stem.startswith("test_"))
     for source in sorted(HERE.glob("test_*.c")):
         compiled = out / f"{source.stem}.o"
         if not compiled.exists():
             subprocess.run([compiler, *flags, "-c", source, "-o", compiled], check=True)
-        subprocess.run(
-            [compiler, compiled, *objects, "-lm", "-o", out / source.stem], check=True
-        )
+        subprocess.run([compiler, compiled, *objects, "-lm", "-o", out / source.stem], check=True)
 
 
 def survives(out: Path) -> bool:
