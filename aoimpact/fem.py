@@ -18,7 +18,7 @@ from .errors import InputError, InputTypeError, warn
 from .material import Material
 from .matrices import check_mass, check_stiffness, symmetric_csr
 from .mesh import Mesh, read_mesh
-from .rigidity import rigid_motions, unresisted_motions
+from .rigidity import every_motion, rigid_motions, unresisted_motions
 from .spectra import lowest, null_space
 from .supports import Support, free_dofs
 
@@ -193,10 +193,12 @@ class FEModel:
         With nodes these are the rigid-body motions that the supports, and whatever else is in K,
         leave free; without nodes the null space of K, by its lowest modes.
         """
-        if self.nodes is None:
+        if self.nodes is not None:
+            modes = unresisted_motions(self.K, self.M, rigid_motions(self.nodes)[self.free])
+        elif self.K.data.any():
             modes = null_space(self.K, self.M)
         else:
-            modes = unresisted_motions(self.K, self.M, rigid_motions(self.nodes)[self.free])
+            modes = every_motion(self.M)
         modes.flags.writeable = False
         return modes
 

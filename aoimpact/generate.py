@@ -14,7 +14,7 @@ from .elements import KINDS, ReferenceElement, reference_element
 from .errors import InputError
 from .mesh import Mesh, read_mesh
 
-__all__ = ["box", "box_mesh", "paper_sphere_mesh", "sphere", "sphere_mesh"]
+__all__ = ["box_mesh", "paper_sphere_mesh", "sphere_mesh"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -238,7 +238,3 @@ def paper_sphere_mesh() -> Mesh:
 def _refuse_monster(n_nodes: float, name: str, value: object) -> None:
     if n_nodes > _MOST_NODES:
         raise InputError(f"{name}={value} would make some {n_nodes:.2g} nodes; is it in metres?")
-
-
-# Inside the package, where the module's name says the rest.
-box, sphere = box_mesh, sphere_mesh

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy.linalg as la
 from scipy.sparse.csgraph import connected_components
 
-__all__ = ["rigid_motions", "unresisted_motions"]
+__all__ = ["every_motion", "rigid_motions", "unresisted_motions"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -66,6 +66,11 @@ def unresisted_motions(K: Any, M: Any, motions: FloatArray) -> FloatArray:
         columns[rows] = local
         found.append(columns)
     return _orthonormalised(np.concatenate(found, axis=1), M)
+
+
+def every_motion(M: Any) -> FloatArray:
+    """Return an M-orthonormal basis of all motions, (n, n): those of a body of no stiffness."""
+    return _orthonormalised(np.eye(M.shape[0]), M)
 
 
 def _null_combinations(motions: FloatArray, forces: FloatArray) -> FloatArray:
