@@ -14,7 +14,7 @@ MSVC = sys.platform == "win32" and "GCC" not in sys.version
 core = Extension(
     "aoimpact._core",
     sources=sorted(path.as_posix() for path in Path("csrc").glob("*.c")),
-    depends=["csrc/aoimpact.h"],
+    depends=["csrc/aoimpact.h", "csrc/collocation_data.inc"],
     include_dirs=["csrc"],
     define_macros=[("Py_LIMITED_API", "0x030B0000")] if LIMITED else [],
     py_limited_api=LIMITED,

@@ -2,6 +2,7 @@
 
 from importlib.metadata import version as _version
 
+from .adaptive import Adaptive
 from .contact import ContactPoint
 from .errors import (
     AOImpactError,
@@ -30,6 +31,7 @@ __all__ = [
     "AOImpactError",
     "AOImpactWarning",
     "AOModel",
+    "Adaptive",
     "ContactLaw",
     "ContactPoint",
     "ConvergenceError",

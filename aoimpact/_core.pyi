@@ -7,6 +7,7 @@ _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int32]
 _Sparse = tuple[_I, _I, _F]
 _Factors = tuple[_I, _I, _F, _F, _I, _I]
+_Relative = tuple[_F, _F, _F, int, _F, float]
 _Star = tuple[str, float, float, _F, _F, _F, _F, _F]
 _Full = tuple[str, _Sparse, _Sparse, _F, _Factors, _F, _F, _F]
 
@@ -47,6 +48,27 @@ def impact(
     gamma: float,
     record: _F,
     energies: bool,
+    /,
+) -> None: ...
+def adaptive(
+    relative: _Relative,
+    law: str,
+    parameters: _F,
+    rtol: float,
+    duration: float,
+    x: _F,
+    v: _F,
+    /,
+) -> tuple[bytes, int, float, float, float, int, int]: ...
+def track_sample(
+    relative: _Relative,
+    law: str,
+    parameters: _F,
+    centre: _F,
+    centre_residual: _F,
+    track: _F,
+    times: _F,
+    record: _F,
     /,
 ) -> None: ...
 def record_rows() -> int: ...

@@ -77,6 +77,7 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     4: (ConvergenceError, "an iteration did not converge"),
     5: (InputError, "the contact functional does not move the body (it is zero on all free dofs)"),
     6: (ConvergenceError, "the linear solver failed"),
+    7: (ConvergenceError, "even the shortest step does not meet the tolerance; take a larger rtol"),
 }
 
 

@@ -126,15 +126,19 @@ class BodyResult(Frozen):
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """What is known of the error, relative to the peak force; None where nothing is.
+    """What is known of the error, relative; None where nothing is.
 
     Attributes
     ----------
     reduction : float or None
-        From representing the bodies by fewer degrees of freedom.
+        Of the peak force, from representing the bodies by fewer degrees of freedom.
     time : float or None
-        From integrating in time with steps.
+        Of the peak force, from integrating in time: an estimate, or the tolerance that was kept.
+    energy : float or None
+        Range of the total energy over the record, relative to the initial one: an independent check
+        on the run, since no solver uses it.
     """
 
     reduction: float | None = None
     time: float | None = None
+    energy: float | None = None

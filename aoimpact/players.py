@@ -17,6 +17,7 @@ from .contact import ContactPoint
 from .errors import InputTypeError
 from .modes import ModalModel
 from .newmark import Newmark
+from .reduction import antioscillators
 from .solvers import factorize
 from .star import AOModel
 from .statics import moves_rigidly, static_mode
@@ -40,6 +41,11 @@ class Player(Protocol):
     @property
     def unseen(self) -> tuple[float, float]:
         """Share of the centre of mass's velocity, and mass, that the model leaves out."""
+        ...
+
+    @property
+    def star(self) -> AOModel:
+        """The body as a star: as it is, or with all of its anti-oscillators."""
         ...
 
     def for_core(self, rule: Newmark, dt: float) -> tuple[Any, ...]: ...
@@ -67,6 +73,10 @@ class StarPlayer:
     @property
     def static_mass(self) -> float:
         return self.model.static_mass
+
+    @property
+    def star(self) -> AOModel:
+        return self.model
 
     @property
     def unseen(self) -> tuple[float, float]:
@@ -112,6 +122,10 @@ class FullPlayer:
     @cached_property
     def static_mass(self) -> float:
         return static_mode(self.tip).mass
+
+    @cached_property
+    def star(self) -> AOModel:
+        return antioscillators(self.tip)
 
     @property
     def unseen(self) -> tuple[float, float]:

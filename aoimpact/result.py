@@ -7,13 +7,16 @@ measured along the direction of travel, from where the bodies were at t = 0.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from . import plot
+from .checks import finite_array
 from .errors import InputError
 from .events import Events, FloatArray, find_events
 from .motion import BodyEnergy, BodyInfo, BodyResult, Energy, ErrorEstimate, Frozen
@@ -75,6 +78,7 @@ class Result(Frozen):
     solver: str
     _energy: Energy | None = field(default=None)
     _events: Events | None = field(default=None)
+    _dense: Callable[[FloatArray], Result] | None = field(default=None)
 
     # ------------------------------------------------------------------- histories
 
@@ -104,6 +108,35 @@ class Result(Frozen):
         centres = self.projectile.centre_displacement - self.target.centre_displacement
         approach: FloatArray = centres - self.gap
         return approach
+
+    def at(self, times: npt.ArrayLike) -> Result:
+        """Return the same impact at other times: dense output, as exact as the run itself.
+
+        Parameters
+        ----------
+        times : array_like, shape (m,)
+            Ascending, within the record [s].
+
+        Raises
+        ------
+        InputError
+            If the run was made with fixed steps, between which nothing is known, or the times do
+            not ascend within the record.
+        """
+        if self._dense is None:
+            raise InputError(
+                "this run has fixed steps, with nothing known between them; "
+                "call simulate(..., solver=Adaptive(...)) for dense output"
+            )
+        wanted = np.atleast_1d(finite_array("times", times, unit="s"))
+        if wanted.ndim != 1 or wanted.size == 0 or (np.diff(wanted) < 0.0).any():
+            raise InputError(f"times must be a flat ascending list, got shape {wanted.shape}")
+        if wanted[0] < 0.0 or wanted[-1] > self.t[-1]:
+            raise InputError(
+                f"times must lie within the record, 0 to {self.t[-1]:g} s, got "
+                f"{wanted[0]:g} to {wanted[-1]:g} s"
+            )
+        return self._dense(wanted)
 
     # ---------------------------------------------------------------------- events
 
@@ -230,6 +263,8 @@ def result_from_record(
     solver: str,
     error: ErrorEstimate,
     energies: bool,
+    events: Events | None = None,
+    dense: Callable[[FloatArray], Result] | None = None,
 ) -> Result:
     """Build a result from the record that the C core has written.
 
@@ -240,6 +275,10 @@ def result_from_record(
     record : (15, n) array
         Rows in the order of ``enum aoi_row``; it becomes read-only. The rows of energies are not
         looked at unless `energies`.
+    events : Events, optional
+        From a solver that locates them; else they are found between the samples.
+    dense : callable, optional
+        Gives the result at other times.
     """
     if record.shape != (_ROW_COUNT, len(t)):
         raise InputError(f"record must have shape ({_ROW_COUNT}, {len(t)}), got {record.shape}")
@@ -261,6 +300,8 @@ def result_from_record(
         law=law,
         solver=str(solver),
         _energy=_energy(record[2], *bodies) if energies else None,
+        _events=events,
+        _dense=dense,
     )
 
 

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 import scipy.optimize
 
+from .adaptive import Adaptive, Track, adaptive_run
 from .checks import boolean, nonnegative, positive, real
 from .errors import ConvergenceError, InputError, InputTypeError, warn
 from .events import find_events
 from .laws import ContactLaw
 from .newmark import Newmark, Record, newmark_run
-from .players import Player, player
+from .players import Player, StarPlayer, player
+from .relative import relative
 from .result import BodyInfo, ErrorEstimate, Result, result_from_record
 
 __all__ = ["simulate"]
+
+FloatArray = npt.NDArray[np.float64]
 
 # The steps of a first attempt within a contact, when the caller leaves dt to us.
 _FIRST_STEPS = 100
@@ -31,7 +38,7 @@ def simulate(
     law: ContactLaw,
     velocity: float,
     duration: float,
-    solver: Newmark | None = None,
+    solver: Adaptive | Newmark | None = None,
     gap: float = 0.0,
     energies: bool = True,
 ) -> Result:
@@ -49,9 +56,10 @@ def simulate(
         Of the projectile along the direction of travel, m/s, not zero.
     duration : float
         Length of the record, s.
-    solver : Newmark, optional
-        ``Newmark(dt=...)`` for a given step; by default a step that makes the estimated error of
-        the peak force less than 1e-3.
+    solver : Adaptive or Newmark, optional
+        ``Adaptive(rtol=...)`` for a tolerance, ``Newmark(dt=...)`` for a given step. By default
+        ``Adaptive()``; with a full finite-element model, whose modes would have to be computed
+        first, ``Newmark()`` with a step of its own choice.
     gap : float, optional
         Distance to go before the bodies touch, m, not negative.
     energies : bool, optional
@@ -81,15 +89,88 @@ def simulate(
     boolean("energies", energies)
     if not isinstance(law, ContactLaw):
         raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-    rule = Newmark() if solver is None else solver
-    if not isinstance(rule, Newmark):
-        raise InputTypeError(f"solver must be Newmark(...), got {solver!r}")
     bodies = player("projectile", projectile, speed), player("target", target, 0.0)
+    rule = default_solver(bodies) if solver is None else solver
+    if not isinstance(rule, (Newmark, Adaptive)):
+        raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
     if all(math.isinf(body.static_mass) for body in bodies):
         raise InputError("projectile and target are both of infinite mass: nothing can give way")
+    if isinstance(rule, Adaptive):
+        return _adaptive(bodies, law, rule, speed, length, distance, energies)
     run = _Run(bodies, law, speed, rule, length, distance, energies)
     record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
     return _finish(run, record, error)
+
+
+def default_solver(bodies: tuple[Player, Player]) -> Adaptive | Newmark:
+    """Return Adaptive where the bodies are stars already."""
+    return Adaptive() if all(isinstance(body, StarPlayer) for body in bodies) else Newmark()
+
+
+@dataclass(frozen=True, eq=False)
+class _Sampled:
+    """An adaptive run, to be seen at any times."""
+
+    track: Track
+    bodies: tuple[BodyInfo, BodyInfo]
+    unseen: tuple[float, float]
+    rtol: float
+    velocity: float
+    energies: bool
+
+    def __call__(self, times: FloatArray) -> Result:
+        rows = self.track.sample(times)
+        _add_unseen(rows, times, self.unseen, self.velocity)
+        energy = _energy_range(rows) if self.energies else None
+        return result_from_record(
+            t=times,
+            record=rows,
+            projectile=self.bodies[0],
+            target=self.bodies[1],
+            law=self.track.law,
+            velocity=self.velocity,
+            gap=self.track.relative.gap,
+            solver=f"Adaptive(rtol={self.rtol:g}), {self.track.steps} steps in contact",
+            error=ErrorEstimate(time=self.rtol, energy=energy),
+            energies=self.energies,
+            events=self.track.events,
+            dense=self,
+        )
+
+
+def _adaptive(
+    bodies: tuple[Player, Player],
+    law: ContactLaw,
+    rule: Adaptive,
+    velocity: float,
+    duration: float,
+    gap: float,
+    energies: bool,
+) -> Result:
+    modes = relative(bodies[0].star, bodies[1].star, gap)
+    track = adaptive_run(modes, law, rtol=rule.rtol, velocity=velocity, duration=duration)
+    coordinates, rates = modes.coordinates(track.x), modes.coordinates(track.v)
+    projectile, target = (
+        BodyInfo(body.label, body.mass, body.held, coordinates[i], rates[i])
+        for i, body in enumerate(bodies)
+    )
+    seen = _Sampled(track, (projectile, target), bodies[0].unseen, rule.rtol, velocity, energies)
+    result = seen(track.times)
+    _warn(result, None)
+    return result
+
+
+def _energy_range(rows: FloatArray) -> float:
+    total = rows[2] + rows[7] + rows[8] + rows[13] + rows[14]
+    return float(np.ptp(total) / total[0])
+
+
+def _add_unseen(rows: FloatArray, t: FloatArray, unseen: tuple[float, float], speed: float) -> None:
+    """What a star leaves out moves on with the initial velocity, untouched (a target's is zero)."""
+    share, mass = unseen
+    rows[5] += share * speed * t
+    rows[6] += share * speed
+    rows[7] += 0.5 * mass * speed**2
 
 
 class _Run:
@@ -185,11 +266,7 @@ def _peak(record: Record) -> float:
 
 def _finish(run: _Run, record: Record, error: float | None) -> Result:
     rows, speed = record.rows, run.velocity
-    # What a star leaves out moves on with the initial velocity, untouched (a target's is zero).
-    share, mass = run.bodies[0].unseen
-    rows[5] += share * speed * record.t
-    rows[6] += share * speed
-    rows[7] += 0.5 * mass * speed**2
+    _add_unseen(rows, record.t, run.bodies[0].unseen, speed)
     infos = [
         BodyInfo(body.label, body.mass, body.held, *final)
         for body, final in zip(run.bodies, record.final, strict=True)
@@ -203,20 +280,20 @@ def _finish(run: _Run, record: Record, error: float | None) -> Result:
         velocity=speed,
         gap=run.gap,
         solver=f"Newmark(dt={record.dt:.6g}, beta={run.rule.beta:g}, gamma={run.rule.gamma:g})",
-        error=ErrorEstimate(reduction=None, time=error),
+        error=ErrorEstimate(time=error, energy=_energy_range(rows) if run.energies else None),
         energies=run.energies,
     )
     _warn(result, record.dt)
     return result
 
 
-def _warn(result: Result, dt: float) -> None:
+def _warn(result: Result, dt: float | None) -> None:
     if result.in_contact_at_end:
         warn(
             f"the record of {result.t[-1]:.4g} s ends in contact: rebound, impulse and the last "
             "contact's end are those so far; take a longer duration"
         )
-    if result.error.time == 1.0:
+    if dt is not None and result.error.time == 1.0:
         warn(
             f"dt={dt:g} s is far too large: with 2dt the peak force changes by more than a fifth; "
             "take a smaller dt"

@@ -29,7 +29,8 @@ typedef enum aoi_status {
     AOI_ERROR_NOT_POSITIVE,   /* a pivot, mass or stiffness that must be positive is not           */
     AOI_ERROR_NO_CONVERGENCE, /* an iteration reached its limit                                    */
     AOI_ERROR_UNREACHED,      /* the contact functional does not move the body at all              */
-    AOI_ERROR_SOLVER          /* the caller's linear solver reported a failure                     */
+    AOI_ERROR_SOLVER,         /* the caller's linear solver reported a failure                     */
+    AOI_ERROR_TOLERANCE       /* even the shortest step does not meet the tolerance                */
 } aoi_status;
 
 /* ------------------------------------------------------------------------- vectors: vector.c */
@@ -307,6 +308,173 @@ int aoi_impact_start(aoi_impact *impact, double *const *row);
 /* Steps on from column first to column last of the record. done gets the last column written; on an
  * error it is the step before the one that failed. May be called again to go on. */
 int aoi_impact_run(aoi_impact *impact, double *const *row, size_t first, size_t last, size_t *done);
+
+/* ------------------------------------------- exact linear response: relative.c, bessel.c, flight.c */
+
+/* Two linear bodies between which one contact force F acts, as modes of the indentation
+ *   delta = sum_j x_j - (residual[0] + residual[1]) F - gap,
+ *   x_j'' + omega_j^2 x_j = load_j - weight_j F,
+ * x_j being the share of mode j in delta (the target's with a minus sign) and weight_j = r_j^2 > 0
+ * the square of its participation. The projectile's modes come first, n_projectile of n. load
+ * [m/s^2] is only read where omega is zero (elsewhere it is a shift of x); residual [m/N] is the
+ * compliance left of the projectile and the target where their contact mass is zero. */
+typedef struct aoi_relative {
+    size_t n, n_projectile;
+    const double *omega, *weight, *load;
+    double residual[2];
+    double gap;
+} aoi_relative;
+
+/* delta and its rate without force. x, v: the modes' shares and their rates, n each. */
+void aoi_relative_indentation(const aoi_relative *relative, const double *x, const double *v,
+                              double *indentation, double *rate);
+
+/* Takes x, v through a time without force, in place: closed form. */
+void aoi_relative_fly(const aoi_relative *relative, double time, double *x, double *v);
+
+/* Flies (x, v change) until the bodies touch, but not beyond limit: gives the time flown, and
+ * whether they touch then (delta = 0, rising). Never steps over a touch: each stride is the root of
+ * a quadratic that bounds delta from above, high frequencies by their amplitude, low ones by their
+ * acceleration. order: n indices of the modes by ascending omega. AOI_ERROR_NO_CONVERGENCE after
+ * most strides (a gap that neither opens nor closes). */
+int aoi_relative_next_touch(const aoi_relative *relative, const size_t *order, double limit,
+                            size_t most, double *x, double *v, double *flown, int *touches);
+
+/* i^-l e^(iz/2) j_l(z/2) for l < count, as sine (imaginary) and cosine (real) parts: the integrals of
+ * sin z(1-x) and cos z(1-x) against the shifted Legendre polynomials on [0, 1]. z > 0, count <= 16. */
+void aoi_bessel_trigonometric(double z, size_t count, double *sine, double *cosine);
+
+/* ------------------------------------------------------- collocation on the force: collocation.c */
+
+enum { AOI_STAGES = 8 };
+
+/* The response of an aoi_relative to a force that is a polynomial over one step of length h, given
+ * by its values at the AOI_STAGES Radau nodes: exact, whatever omega h. */
+typedef struct aoi_collocation {
+    double h;
+    double influence[AOI_STAGES][AOI_STAGES]; /* -d delta(node) / d F(node)                     */
+    double defect[2][AOI_STAGES];             /* of a force error at the extra points: its effect */
+                                              /* on delta and on its rate at the end of the step  */
+    double *cosine, *sine; /* [stage][n]: cos(omega c h), sin(omega c h) / omega             */
+    double *to_x, *to_v;   /* [stage][n]: integrals of sine and cosine against l_stage       */
+} aoi_collocation;
+
+/* Doubles of the block behind the four arrays. */
+size_t aoi_collocation_size(size_t n);
+
+/* Fills the tables of a step of length h > 0; block as above, kept. */
+void aoi_collocation_make(aoi_collocation *step, const aoi_relative *relative, double h,
+                          double *block);
+
+/* The indentation without force at the nodes. */
+void aoi_collocation_homogeneous(const aoi_collocation *step, const aoi_relative *relative,
+                                 const double *x, const double *v, double *indentation);
+
+/* Solves delta = homogeneous - influence F, F = law(delta) at the nodes by Newton's method, to
+ * 1e-13 of scale. indentation: a guess in, the solution out; force out.
+ * AOI_ERROR_NO_CONVERGENCE where the guess was too far: take a shorter step. */
+int aoi_collocation_solve(const aoi_collocation *step, const aoi_relative *relative,
+                          const aoi_law *law, const double *homogeneous, double scale,
+                          double *indentation, double *force);
+
+/* Takes x, v to the end of the step under the force. */
+void aoi_collocation_propagate(const aoi_collocation *step, const aoi_relative *relative,
+                               const double *force, double *x, double *v);
+
+/* A guess of the indentation: the last step's polynomial (length last_length > 0) drawn on, where it
+ * reaches, or the motion without force; never deeper than that. */
+void aoi_collocation_guess(const aoi_collocation *step, double last_length, const double *last,
+                           const double *homogeneous, double *indentation);
+
+/* The first place in (0, 1] where the indentation, legendre from start on, goes to zero or below:
+ * bodies let go. Returns how often it changes sign between the nodes; 0 leaves place alone. */
+int aoi_collocation_release(double start, const double *indentation, const double *legendre,
+                            double *place);
+
+/* Where in (0, 1) the indentation has its largest maximum, if it has one inside. Returns 1 then. */
+int aoi_collocation_deepest(const double *legendre, double *place, double *indentation);
+
+/* int F dt over the step. */
+double aoi_collocation_impulse(const aoi_collocation *step, const double *force);
+
+/* Adds what the force did from the start of the step up to place (0 .. 1) to x, v, which have flown
+ * freely to there. */
+void aoi_collocation_push(double h, const aoi_relative *relative, const double *force, double place,
+                          double *x, double *v);
+
+/* What the collocation solution leaves undone: the law's force minus the polynomial's between the
+ * nodes gives the leading error of the impulse, of delta and of its rate at the end of the step;
+ * tail is the last two Legendre coefficients' share of delta. legendre: AOI_STAGES+1 coefficients of
+ * delta out. start: delta at the start of the step. */
+typedef struct aoi_collocation_error {
+    double impulse, indentation, rate, tail;
+} aoi_collocation_error;
+void aoi_collocation_estimate(const aoi_collocation *step, const aoi_law *law, double start,
+                              const double *indentation, const double *force, double *legendre,
+                              aoi_collocation_error *error);
+
+/* A polynomial of count shifted Legendre coefficients at 0 <= at <= 1 (or a little outside), and its
+ * derivative with respect to at. */
+double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
+
+/* -------------------------------------------------- a tolerance instead of a step: adaptive.c */
+
+/* One row of a track, the dense record of an adaptive run: a flight (no force) or a step of contact.
+ * AOI_TRACK_FIXED + 2n doubles: when it starts, how long it lasts, whether it is a contact (1.0) or a
+ * flight (0.0), when within it the bodies let go (negative: they do not), the force at the Radau
+ * nodes, the Legendre coefficients of the indentation, then x and v at its start. */
+enum aoi_track {
+    AOI_TRACK_START = 0,
+    AOI_TRACK_LENGTH,
+    AOI_TRACK_CONTACT,
+    AOI_TRACK_RELEASE,
+    AOI_TRACK_FORCE,
+    AOI_TRACK_INDENTATION = AOI_TRACK_FORCE + AOI_STAGES,
+    AOI_TRACK_FIXED = AOI_TRACK_INDENTATION + AOI_STAGES + 1
+};
+
+enum { AOI_TABLES = 12 };
+
+/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities. The caller
+ * sets the first block (x, v: n modes' shares and rates at time; order: their indices by ascending
+ * omega; block: AOI_TABLES aoi_collocation_size(n) doubles) and calls aoi_adaptive_start. */
+typedef struct aoi_adaptive {
+    const aoi_relative *relative;
+    const aoi_law *law;
+    double rtol, time, end;
+    double *x, *v, *block;
+    const size_t *order;
+
+    int in_contact, level; /* steps are base 2^-level long */
+    double base, indentation_scale, impulse_scale;
+    double peak_force, peak_time, impulse;
+    double last_length, last[AOI_STAGES + 1]; /* the last step's indentation, to guess the next */
+    aoi_collocation table[AOI_TABLES];
+    int table_level[AOI_TABLES];
+    size_t table_use[AOI_TABLES], uses;
+    size_t steps, rejected;
+} aoi_adaptive;
+
+/* Sets the rest of the run to its beginning. */
+int aoi_adaptive_start(aoi_adaptive *run);
+
+/* Goes on until time >= end, or capacity rows of the track are written (rows says how many; call
+ * again with more). AOI_ERROR_TOLERANCE where even the shortest step does not meet rtol. */
+int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, double *track, size_t *rows);
+
+/* ---------------------------------------------------------------------- dense output: track.c */
+
+/* How x and v make the centres of mass: centre[j] times x_j, and of the residual compliance. */
+typedef struct aoi_centres {
+    const double *weight;
+    double residual[2];
+} aoi_centres;
+
+/* The record (rows of enum aoi_row, NULL where not wanted) at count ascending times within the
+ * track. work: 2n doubles. */
+int aoi_track_sample(const aoi_relative *relative, const aoi_law *law, const aoi_centres *centres,
+                     size_t rows, const double *track, size_t count, const double *times,
+                     double *const *row, double *work);
 
 #ifdef __cplusplus
 }

@@ -624,6 +624,186 @@ static PyObject *impact(PyObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
+/* ----------------------------------------------------------------------------- adaptive run */
+
+/* (omega, weight, load, projectile's modes, residuals (2), gap) */
+static void take_relative(held *buffers, PyObject *tuple, aoi_relative *relative)
+{
+    size_t n = (size_t)-1, two = 2;
+    need_tuple(buffers, tuple, 6);
+    if (buffers->failed) {
+        return;
+    }
+    relative->omega = doubles(buffers, PyTuple_GetItem(tuple, 0), "omega", &n);
+    relative->weight = doubles(buffers, PyTuple_GetItem(tuple, 1), "weight", &n);
+    relative->load = doubles(buffers, PyTuple_GetItem(tuple, 2), "load", &n);
+    const double *residual = doubles(buffers, PyTuple_GetItem(tuple, 4), "residual", &two);
+    if (buffers->failed) {
+        return;
+    }
+    relative->n = n;
+    relative->n_projectile = PyLong_AsSize_t(PyTuple_GetItem(tuple, 3));
+    relative->gap = PyFloat_AsDouble(PyTuple_GetItem(tuple, 5));
+    relative->residual[0] = residual[0];
+    relative->residual[1] = residual[1];
+    if (!PyErr_Occurred() && relative->n_projectile > n) {
+        PyErr_SetString(PyExc_ValueError, "more modes of the projectile than modes");
+    }
+    buffers->failed = PyErr_Occurred() != NULL;
+}
+
+/* A track that grows as the run goes on. */
+typedef struct growing {
+    double *rows;
+    size_t count, capacity, width;
+} growing;
+
+static int grow(growing *track)
+{
+    const size_t capacity = track->capacity ? 2 * track->capacity : 64;
+    double *rows = realloc(track->rows, capacity * track->width * sizeof(double));
+    if (!rows) {
+        PyErr_NoMemory();
+        return 0;
+    }
+    track->rows = rows;
+    track->capacity = capacity;
+    return 1;
+}
+
+enum { ROWS_BETWEEN_SIGNALS = 4096 };
+
+/* Runs without the GIL, in pieces between which signals are heard. */
+static int run_to_end(aoi_adaptive *run, growing *track)
+{
+    int status = aoi_adaptive_start(run);
+    while (status == AOI_OK && run->time < run->end) {
+        size_t written = 0;
+        if (track->count == track->capacity && !grow(track)) {
+            break;
+        }
+        const size_t left = track->capacity - track->count;
+        const size_t piece = left < ROWS_BETWEEN_SIGNALS ? left : ROWS_BETWEEN_SIGNALS;
+        Py_BEGIN_ALLOW_THREADS
+        status = aoi_adaptive_run(run, piece, track->rows + track->count * track->width, &written);
+        Py_END_ALLOW_THREADS
+        track->count += written;
+        if (PyErr_CheckSignals() != 0) {
+            break;
+        }
+    }
+    return status;
+}
+
+/* order of the modes by omega: insertion, since each body's are in order already. */
+static void sort_by_omega(const aoi_relative *relative, size_t *order)
+{
+    for (size_t i = 0; i < relative->n; i++) {
+        size_t j = i;
+        for (; j > 0 && relative->omega[order[j - 1]] > relative->omega[i]; j--) {
+            order[j] = order[j - 1];
+        }
+        order[j] = i;
+    }
+}
+
+static PyObject *adaptive_result(const aoi_adaptive *run, const growing *track)
+{
+    return Py_BuildValue("y#ndddnn", (const char *)track->rows,
+                         (Py_ssize_t)(track->count * track->width * sizeof(double)),
+                         (Py_ssize_t)track->count, run->peak_force, run->peak_time, run->impulse,
+                         (Py_ssize_t)run->steps, (Py_ssize_t)run->rejected);
+}
+
+static PyObject *adaptive(PyObject *self, PyObject *args)
+{
+    PyObject *relative_in, *parameter, *x_out, *v_out, *result = NULL;
+    const char *law_name;
+    held buffers = {.count = 0};
+    aoi_relative relative = {.n = 0};
+    aoi_law law;
+    aoi_adaptive run = {.relative = &relative, .law = &law};
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!sOddOO", &PyTuple_Type, &relative_in, &law_name, &parameter,
+                          &run.rtol, &run.end, &x_out, &v_out)) {
+        return NULL;
+    }
+    take_relative(&buffers, relative_in, &relative);
+    int status = buffers.failed ? AOI_OK : take_law(&buffers, law_name, parameter, &law);
+    size_t n = relative.n;
+    run.x = buffers.failed ? NULL : doubles_out(&buffers, x_out, "x", &n);
+    run.v = buffers.failed ? NULL : doubles_out(&buffers, v_out, "v", &n);
+    growing track = {NULL, 0, 0, AOI_TRACK_FIXED + 2 * n};
+    if (!buffers.failed && status == AOI_OK) {
+        size_t *order = malloc((n + 1) * sizeof *order);
+        run.block = malloc((AOI_TABLES * aoi_collocation_size(n) + 1) * sizeof(double));
+        run.order = order;
+        if (order && run.block) {
+            sort_by_omega(&relative, order);
+            status = run_to_end(&run, &track);
+        } else {
+            PyErr_NoMemory();
+        }
+        free(order);
+        free(run.block);
+    }
+    held_release(&buffers);
+    if (!buffers.failed && !PyErr_Occurred()) {
+        result = status == AOI_OK ? adaptive_result(&run, &track)
+                                  : raise_status(status, "adaptive run", run.time);
+    }
+    free(track.rows);
+    return result;
+}
+
+static PyObject *track_sample(PyObject *self, PyObject *args)
+{
+    PyObject *relative_in, *parameter, *centre_in, *centre_residual_in, *track_in, *times_in;
+    PyObject *record_out;
+    const char *law_name;
+    held buffers = {.count = 0};
+    aoi_relative relative = {.n = 0};
+    aoi_law law;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!sOOOOOO", &PyTuple_Type, &relative_in, &law_name, &parameter,
+                          &centre_in, &centre_residual_in, &track_in, &times_in, &record_out)) {
+        return NULL;
+    }
+    size_t values = (size_t)-1, count = (size_t)-1, two = 2;
+    take_relative(&buffers, relative_in, &relative);
+    int status = buffers.failed ? AOI_OK : take_law(&buffers, law_name, parameter, &law);
+    size_t n = relative.n;
+    aoi_centres centres = {NULL, {0.0, 0.0}};
+    centres.weight = doubles(&buffers, centre_in, "centre", &n);
+    const double *residual = doubles(&buffers, centre_residual_in, "centre residual", &two);
+    const double *track = doubles(&buffers, track_in, "track", &values);
+    const double *times = doubles(&buffers, times_in, "times", &count);
+    size_t wanted = AOI_ROW_COUNT * (count == (size_t)-1 ? 0 : count);
+    double *record = doubles_out(&buffers, record_out, "record", &wanted);
+    double *work = buffers.failed ? NULL : malloc((2 * n + 1) * sizeof(double));
+    if (work && status == AOI_OK) {
+        double *row[AOI_ROW_COUNT];
+        for (size_t i = 0; i < AOI_ROW_COUNT; i++) {
+            row[i] = record + i * count;
+        }
+        centres.residual[0] = residual[0];
+        centres.residual[1] = residual[1];
+        const size_t rows = values / (AOI_TRACK_FIXED + 2 * n);
+        Py_BEGIN_ALLOW_THREADS
+        status = aoi_track_sample(&relative, &law, &centres, rows, track, count, times, row, work);
+        Py_END_ALLOW_THREADS
+    } else if (!buffers.failed && !work) {
+        PyErr_NoMemory();
+    }
+    free(work);
+    PyObject *done = finish(&buffers, status, "dense output");
+    if (done && PyErr_Occurred()) {
+        Py_DECREF(done);
+        return NULL;
+    }
+    return done;
+}
+
 static PyObject *record_rows(PyObject *self, PyObject *none)
 {
     (void)self;
@@ -648,6 +828,8 @@ static PyMethodDef methods[] = {
     {"factors_find_panels", factors_find_panels, METH_VARARGS, NULL},
     {"factors_solve", factors_solve, METH_VARARGS, NULL},
     {"impact", impact, METH_VARARGS, NULL},
+    {"adaptive", adaptive, METH_VARARGS, NULL},
+    {"track_sample", track_sample, METH_VARARGS, NULL},
     {"record_rows", record_rows, METH_NOARGS, NULL},
     {NULL, NULL, 0, NULL},
 };

@@ -120,7 +120,7 @@ def test_results_travel_between_processes():
         ({"duration": 1e6}, "GiB"),
         ({"gap": -1e-6}, "gap must not be negative"),
         ({"law": 1e10}, "law must be a contact law"),
-        ({"solver": 1e-6}, "solver must be Newmark"),
+        ({"solver": 1e-6}, r"solver must be Adaptive\(...\) or Newmark"),
         ({"projectile": 0.0327}, "projectile must be an AOModel"),
         ({"target": None}, "target must be an AOModel"),
         ({"energies": 1}, "energies must be True or False"),

@@ -1,0 +1,475 @@
+"""The adaptive solver: closed forms to its tolerance, hard cases, and what it must conserve."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+import scipy.integrate
+from scipy.special import gamma
+
+import aoimpact as ao
+
+from slender import beam
+
+MASS = 4 / 3 * math.pi * 0.01**3 * 7800
+BALL = ao.rigid(mass=MASS)
+WALL = ao.rigid(mass=math.inf)
+HERTZ = ao.Hertz(k=1.0878566e10)
+
+
+def hit(rtol=1e-8, **changes):
+    arguments = {
+        "projectile": BALL,
+        "target": BALL,
+        "law": HERTZ,
+        "velocity": 1.0,
+        "duration": 200e-6,
+        "solver": ao.Adaptive(rtol=rtol),
+    }
+    return ao.simulate(**(arguments | changes))
+
+
+def rigid_power(k, n, mass, velocity):
+    """Peak force and duration of a rigid mass on F = k dⁿ, from its energy equation."""
+    deepest = ((n + 1) * mass * velocity**2 / (2 * k)) ** (1 / (n + 1))
+    p = 1 / (n + 1)
+    integral = math.sqrt(math.pi) * gamma(1 + p) / gamma(0.5 + p)
+    return k * deepest**n, 2 * deepest / velocity * integral
+
+
+def relative_errors(result, peak, duration, rebound, velocity=1.0):
+    return (
+        abs(result.peak_force / peak - 1),
+        abs(result.contact_duration / duration - 1),
+        abs(result.rebound_velocity - rebound) / abs(velocity),
+    )
+
+
+# --------------------------------------------------------------------------------- closed forms
+
+
+@pytest.mark.parametrize("rtol", [10.0**-e for e in range(3, 12)])
+def test_rigid_hertz_pair_to_every_tolerance(rtol):
+    errors = relative_errors(hit(rtol), *rigid_power(HERTZ.k, 1.5, MASS / 2, 1.0), 0.0)
+    assert max(errors) <= rtol
+
+
+@pytest.mark.parametrize("n", [1.0, 1.2, 1.5, 2.0, 3.0])
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
+def test_power_laws_on_a_wall(n, rtol):
+    law = ao.PowerLaw(k=1e8, n=n)
+    peak, time = rigid_power(1e8, n, 0.3, 2.0)
+    result = hit(
+        rtol,
+        projectile=ao.rigid(mass=0.3),
+        target=WALL,
+        law=law,
+        velocity=2.0,
+        duration=1.5 * time,
+    )
+    assert max(relative_errors(result, peak, time, -2.0, 2.0)) <= rtol
+
+
+def test_half_sine_of_a_linear_contact_to_ten_digits():
+    k, m = 4e6, 0.1
+    omega = math.sqrt(k / m)
+    result = hit(
+        1e-11,
+        projectile=ao.rigid(mass=m),
+        target=WALL,
+        law=ao.Linear(k=k),
+        duration=1e-3,
+    )
+    assert max(relative_errors(result, math.sqrt(k * m), math.pi / omega, -1.0)) < 1e-10
+    times = np.linspace(0, math.pi / omega, 301)
+    exact = math.sqrt(k * m) * np.sin(omega * times)
+    np.testing.assert_allclose(result.at(times).force, exact, atol=1e-10 * result.peak_force)
+
+
+def test_one_antioscillator_pair_to_ten_digits():
+    """m0 = .1 % of the mass, k1 = 275.7 MN/m: against SciPy's DOP853 at its tightest."""
+    m0, m1, k1 = 0.001 * MASS, 0.999 * MASS, 275.7e6
+
+    def slope(t, y):
+        a0, a1, b0, b1, va0, va1, vb0, vb1 = y
+        force = HERTZ.k * max(a0 - b0, 0.0) ** 1.5
+        return [
+            va0,
+            va1,
+            vb0,
+            vb1,
+            (-force - k1 * (a0 - a1)) / m0,
+            k1 * (a0 - a1) / m1,
+            (force - k1 * (b0 - b1)) / m0,
+            k1 * (b0 - b1) / m1,
+        ]
+
+    def turns(t, y):
+        return y[4] - y[6]
+
+    turns.direction = -1
+
+    def parts(t, y):
+        return y[0] - y[2]
+
+    parts.direction = -1
+    start = [0.0] * 4 + [1.0, 1.0, 0.0, 0.0]
+    # Sums of rounding bound what a step-by-step method can do: some 1e-12.
+    run = scipy.integrate.solve_ivp(
+        slope, (0, 90e-6), start, "DOP853", rtol=3e-14, atol=1e-19, events=(turns, parts)
+    )
+    peak = max(HERTZ.k * (y[0] - y[2]) ** 1.5 for y in run.y_events[0])
+    sphere = ao.AOModel(m0=m0, m=[m1], k=[k1])
+    result = hit(1e-10, projectile=sphere, target=sphere)
+    assert result.peak_force == pytest.approx(peak, rel=1e-10)
+    assert result.contacts[0][1] == pytest.approx(run.t_events[1][0], rel=1e-10)
+
+
+def test_published_beam_impact():
+    """A simply supported beam with 28 oscillators, 20 ms: one contact and the rebound."""
+    mass, x = 2400 * 0.02**2, []
+    for i in range(1, 29):
+        low, high = i * math.pi, (i + 0.5) * math.pi
+        for _ in range(80):  # tan x = tanh x by bisection
+            middle = 0.5 * (low + high)
+            above = math.sin(middle) > math.cos(middle) * math.tanh(middle)
+            low, high = (low, middle) if above == (i % 2 == 0) else (middle, high)
+        x.append(0.5 * (low + high))
+    x = np.array(x)
+    stiffness = 70e9 * 0.02**4 / 12
+    m = 4 * mass / np.tanh(x) ** 2 / x**2
+    k = m * (2 * x) ** 4 * stiffness / mass
+    target = ao.AOModel(m0=17 / 35 * mass - m.sum(), k0=48 * stiffness, m=m, k=k)
+    result = hit(
+        1e-9,
+        projectile=ao.rigid(mass=0.0326725636),
+        target=target,
+        law=ao.Hertz(k=1e10),
+        duration=20e-3,
+    )
+    assert result.peak_force == pytest.approx(1087.919053568, rel=1e-9)
+    assert result.contacts == [(0.0, pytest.approx(77.8273267045e-6, rel=1e-9))]
+    assert result.rebound_velocity == pytest.approx(-0.3818577779, abs=1e-9)
+
+
+# ------------------------------------------------------------------------------- convergence
+
+
+def test_error_falls_with_the_tolerance_and_is_below_it():
+    """A ringing pair: every tolerance is kept, by runs that do not repeat each other."""
+    star = ao.AOModel(m0=1e-3, k0=2e6, m=[0.02, 0.004], k=[5e7, 3e8])
+    exact = hit(1e-12, target=star, duration=1e-3)
+    errors = []
+    for exponent in range(3, 11):
+        run = hit(10.0**-exponent, target=star, duration=1e-3)
+        assert len(run.contacts) == len(exact.contacts)
+        errors.append(
+            max(
+                abs(run.peak_force / exact.peak_force - 1),
+                abs(run.contacts[-1][1] / exact.contacts[-1][1] - 1),
+                abs(run.rebound_velocity - exact.rebound_velocity),
+                abs(run.impulse / exact.impulse - 1),
+            )
+        )
+        assert errors[-1] <= 10.0**-exponent
+    assert errors[-1] < 1e-5 * errors[0]
+
+
+def random_scene(rng):
+    """Two bodies drawn at random: rigid, wall, free or held stars, over decades."""
+
+    def body(allow_wall):
+        mass = 10.0 ** rng.uniform(-3, 1)
+        kind = rng.integers(0, 4 if allow_wall else 3)
+        if kind == 0:
+            return ao.rigid(mass=mass), mass
+        if kind == 3:
+            return WALL, mass
+        n = int(rng.integers(1, 8))
+        shares = rng.dirichlet(np.ones(n + 1)) * mass
+        m0 = shares[0] if rng.random() > 0.2 else 0.0
+        k = shares[1:] * 10.0 ** rng.uniform(7, 11, n)
+        k0 = 0.0 if kind == 1 else 10.0 ** rng.uniform(3, 7)
+        return ao.AOModel(m0=m0, k0=k0, m=shares[1:], k=k), mass
+
+    projectile, mass = body(False)
+    while projectile.held:
+        projectile, mass = body(False)
+    target, other = body(True)
+    law = ao.PowerLaw(k=10.0 ** rng.uniform(8, 10), n=rng.uniform(1.0, 2.0))
+    velocity = 10.0 ** rng.uniform(-2, 1)
+    reduced = mass * other / (mass + other) if target is not WALL else mass
+    _, time = rigid_power(law.k, law.n, reduced, velocity)
+    return {
+        "projectile": projectile,
+        "target": target,
+        "law": law,
+        "velocity": velocity,
+        "duration": 3.0 * time,
+        "gap": 0.0 if rng.random() < 0.7 else 0.2 * velocity * time,
+    }
+
+
+def errors_against(run, exact, velocity):
+    errors = [
+        abs(run.peak_force / exact.peak_force - 1),
+        abs(run.impulse / exact.impulse - 1),
+        abs(run.rebound_velocity - exact.rebound_velocity) / velocity,
+    ]
+    for ours, true in zip(run.contacts, exact.contacts, strict=True):
+        errors += [abs(ours[0] - true[0]) / exact.t[-1], abs(ours[1] - true[1]) / exact.t[-1]]
+    return max(errors)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_true_errors_over_random_scenes_are_within_the_tolerance():
+    rng = np.random.default_rng(20)
+    shares = []
+    for _ in range(60):
+        scene = random_scene(rng)
+        exact = hit(1e-12, **scene)
+        for rtol in (1e-4, 1e-7):
+            run = hit(rtol, **scene)
+            error = errors_against(run, exact, scene["velocity"])
+            assert error <= rtol, scene
+            shares.append(error / rtol)
+    assert np.median(shares) > 1e-3
+
+
+# ----------------------------------------------------------------------------------- hard cases
+
+
+@pytest.mark.parametrize("velocity", [1e-6, 1e-3, 1.0, 1e3])
+def test_nine_decades_of_velocity(velocity):
+    peak, time = rigid_power(HERTZ.k, 1.5, MASS / 2, velocity)
+    result = hit(velocity=velocity, duration=2 * time)
+    assert max(relative_errors(result, peak, time, 0.0, velocity)) <= 1e-8
+
+
+@pytest.mark.parametrize("ratio", [1e-8, 1e-4, 1e4, 1e8])
+def test_masses_of_any_ratio(ratio):
+    peak, time = rigid_power(HERTZ.k, 1.5, MASS * ratio / (1 + ratio), 1.0)
+    result = hit(target=ao.rigid(mass=ratio * MASS), duration=2 * time)
+    rebound = (1 - ratio) / (1 + ratio)
+    assert max(relative_errors(result, peak, time, rebound)) <= 1e-8
+
+
+def test_massless_contact_on_a_spring_in_series_with_a_linear_law():
+    k1, k2, m = 3e6, 5e6, 0.2
+    series = 1 / (1 / k1 + 1 / k2)
+    result = hit(
+        1e-10,
+        projectile=ao.AOModel(m0=0.0, m=[m], k=[k1]),
+        target=WALL,
+        law=ao.Linear(k=k2),
+        duration=2e-3,
+    )
+    errors = relative_errors(result, math.sqrt(series * m), math.pi * math.sqrt(m / series), -1.0)
+    assert max(errors) <= 1e-10
+    assert result.error.energy < 1e-9
+
+
+def test_a_vanishing_contact_mass_tends_to_none():
+    peaks = [
+        hit(1e-9, target=ao.AOModel(m0=m0, m=[MASS], k=[2.757e8])).peak_force
+        for m0 in (1e-3 * MASS, 1e-5 * MASS, 1e-7 * MASS, 0.0)
+    ]
+    steps = np.abs(np.diff(peaks))
+    assert steps[0] > steps[1] > steps[2]
+    assert steps[2] < 1e-4 * peaks[-1]
+
+
+def test_five_hundred_oscillators_over_nine_decades_of_frequency():
+    omega = np.geomspace(1e-1, 1e8, 500)
+    m = np.full(500, 2e-3 / 500)
+    target = ao.AOModel(m0=1e-4, k0=1.0, m=m, k=m * omega**2)
+    result = hit(1e-7, projectile=ao.rigid(mass=1e-3), target=target, duration=1e-3)
+    assert result.error.energy < 1e-6
+    assert np.isfinite(result.force).all()
+
+
+def test_a_stiff_oscillator_that_nobody_excites_costs_nothing():
+    """1e13 rad/s against a contact of 60 µs: it is carried along."""
+    plain = hit()
+    stiff = ao.AOModel(m0=MASS - 1e-6, m=[1e-6], k=[1e20])
+    result = hit(target=stiff)
+    assert result.peak_force == pytest.approx(plain.peak_force, rel=1e-7)
+    assert len(result.t) < 3 * len(plain.t)
+
+
+def test_oscillators_of_equal_frequency():
+    one = ao.AOModel(m0=1e-3, m=[0.03], k=[2e8])
+    three = ao.AOModel(m0=1e-3, m=[0.01] * 3, k=[2e8 / 3] * 3)
+    assert hit(target=three).peak_force == pytest.approx(hit(target=one).peak_force, rel=1e-9)
+
+
+def test_a_nearly_rigid_mode_is_nearly_free():
+    held = hit(target=ao.AOModel(m0=MASS, k0=1e-6))
+    assert held.peak_force == pytest.approx(hit().peak_force, rel=1e-8)
+
+
+def test_a_contact_longer_than_the_record():
+    with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
+        cut = hit(duration=20e-6)
+    whole = hit()
+    assert cut.contacts == [(0.0, 20e-6)]
+    assert cut.t[-1] == 20e-6
+    assert cut.force[-1] == pytest.approx(whole.at([20e-6]).force[0], rel=1e-8)
+    assert cut.peak_force == pytest.approx(cut.force[-1], rel=1e-14)
+
+
+@pytest.mark.parametrize("changes", [{"velocity": -1.0}, {"gap": 1.0}])
+def test_a_record_of_no_contact(changes):
+    miss = hit(**changes)
+    assert miss.contacts == []
+    assert (miss.peak_force, miss.impulse, miss.contact_duration) == (0.0, 0.0, 0.0)
+    assert miss.projectile.displacement[-1] == pytest.approx(200e-6 * changes.get("velocity", 1.0))
+
+
+def test_grazing_touches_are_found_and_misses_are_not_touches():
+    """A ringing mass approaches a wall-bound ball to just more, or just less, than nothing."""
+    # The star vibrates with amplitude 1 mm on a static spring after the first blow; the second
+    # body waits at a gap that the crest of the motion just reaches.
+    omega, v = 1e3, 1.0
+    swing = ao.AOModel(m0=1.0, k0=omega**2)
+    crest = v / omega
+    for share, touches in ((1 - 1e-9, True), (1 + 1e-9, False)):
+        result = hit(
+            projectile=swing,
+            target=WALL,
+            law=ao.Hertz(k=1e10),
+            velocity=v,
+            duration=3e-3,
+            gap=share * crest,
+        )
+        assert (len(result.contacts) > 0) == touches
+
+
+def test_chattering_ball_on_a_ringing_beam():
+    """Every re-contact is found: against SciPy with an event at each."""
+    K, M = beam(4, fixed=[0, 8])
+    tip = ao.FEModel(K=K, M=M).contact(dof=3)
+    target = ao.antioscillators(tip, 3, order="frequency")
+    mass, k, v = 1.0, 1e6, 0.01
+    ball = ao.rigid(mass=mass)
+    result = hit(1e-10, projectile=ball, target=target, law=ao.Hertz(k=k), velocity=v, duration=0.6)
+
+    def slope(t, y):
+        force = k * max(y[0] - y[1], 0.0) ** 1.5
+        n = target.n
+        u, w = y[1], y[2 : 2 + n]
+        pull = target.k * (u - w)
+        rates = y[2 + n :]
+        return np.concatenate(
+            [
+                rates,
+                [-force / mass, (force - target.k0 * u - pull.sum()) / target.m0],
+                pull / target.m,
+            ]
+        )
+
+    def touch(t, y):
+        return y[0] - y[1]
+
+    start = np.zeros(2 * (target.n + 2))
+    start[target.n + 2] = v
+    run = scipy.integrate.solve_ivp(
+        slope, (0, 0.6), start, "DOP853", rtol=1e-12, atol=1e-17, events=touch, max_step=1e-4
+    )
+    crossings = run.t_events[0][run.t_events[0] > 1e-9]
+    ours = np.array(result.contacts).ravel()[1:]
+    assert len(result.contacts) >= 7
+    np.testing.assert_allclose(ours, crossings, rtol=1e-6)
+    assert result.error.energy < 1e-9
+
+
+def test_many_bounces_between_a_spring_held_mass_and_a_ball_keep_the_energy():
+    """A ball caught between a wall's law and a swinging mass: hundreds of contacts."""
+    swing = ao.AOModel(m0=5.0, k0=50.0)
+    result = hit(1e-11, projectile=swing, target=ao.rigid(mass=0.5), velocity=1.0, duration=5.0)
+    assert result.error.energy < 1e-10
+
+
+# ----------------------------------------------------------------------------- dense output
+
+
+def test_dense_output_is_as_exact_as_the_run():
+    """The half sine at any time, and its velocity, and its place after it has gone."""
+    k, m = 4e6, 0.1
+    omega, end = math.sqrt(k / m), math.pi / math.sqrt(k / m)
+    result = hit(1e-10, projectile=ao.rigid(mass=m), target=WALL, law=ao.Linear(k=k), duration=1e-3)
+    times = np.sort(np.random.default_rng(0).uniform(0, 1e-3, 500))
+    seen = result.at(times)
+    place = np.where(times < end, np.sin(omega * times) / omega, end - times)
+    speed = np.where(times < end, np.cos(omega * times), -1.0)
+    np.testing.assert_allclose(seen.projectile.displacement, place, atol=1e-10 / omega)
+    np.testing.assert_allclose(seen.projectile.velocity, speed, atol=1e-9)
+    assert seen.t.tolist() == times.tolist()
+    assert seen.contacts == result.contacts
+
+
+@pytest.mark.parametrize("times", [[2e-6, 1e-6], [-1e-6], [1.0], [math.nan], [[1e-6]], []])
+def test_times_outside_the_record_are_refused(times):
+    with pytest.raises(ao.InputError, match="times"):
+        hit().at(times)
+
+
+def test_newmark_has_no_dense_output():
+    with pytest.raises(ao.InputError, match="Adaptive"):
+        hit(solver=ao.Newmark(dt=1e-6)).at([1e-6])
+
+
+# ------------------------------------------------------------------------------ other solvers
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_newmark_converges_to_the_adaptive_run(held):
+    star = ao.AOModel(m0=2e-3, k0=3e5 if held else 0.0, m=[0.01, 0.02], k=[4e6, 9e7])
+    exact = hit(1e-10, target=star, duration=400e-6)
+    runs = [hit(target=star, duration=400e-6, solver=ao.Newmark(dt=dt)) for dt in (4e-7, 1e-7)]
+    for name in ("displacement", "velocity", "centre_displacement", "centre_velocity"):
+        distance = [
+            np.abs(
+                getattr(run.target, name)
+                - getattr(exact.at(np.minimum(run.t, exact.t[-1])).target, name)
+            ).max()
+            for run in runs
+        ]
+        assert distance[1] < 0.1 * distance[0]
+    final = runs[1].target.coordinates
+    np.testing.assert_allclose(exact.target.coordinates, final, atol=1e-3 * np.abs(final).max())
+
+
+def test_a_full_model_is_the_star_of_all_its_antioscillators():
+    K, M = beam(10, fixed=[0, 20])
+    tip = ao.FEModel(K=K, M=M).contact(dof=9)
+    options = {"law": ao.Hertz(k=1e4), "velocity": 0.1, "duration": 1.0}
+    options["projectile"] = ao.rigid(mass=0.1)
+    full = hit(1e-9, target=tip, **options)
+    star = hit(1e-9, target=ao.antioscillators(tip), **options)
+    assert full.target.label == "full(20)"
+    assert full.peak_force == star.peak_force
+    newmark = hit(target=tip, solver=ao.Newmark(dt=2e-5), **options)
+    assert newmark.peak_force == pytest.approx(full.peak_force, rel=1e-4)
+
+
+def test_adaptive_is_the_default_for_stars_and_newmark_for_full_models():
+    K, M = beam(4, fixed=[0, 8])
+    tip = ao.FEModel(K=K, M=M).contact(dof=3)
+    assert hit(solver=None).solver.startswith("Adaptive")
+    options = {"law": ao.Hertz(k=1e4), "velocity": 0.1, "duration": 2.0, "solver": None}
+    assert hit(target=tip, projectile=ao.rigid(mass=0.1), **options).solver.startswith("Newmark")
+
+
+def test_results_pickle_with_their_dense_output():
+    result = hit()
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy.at([10e-6]).force == result.at([10e-6]).force
+
+
+@pytest.mark.parametrize("rtol", [0.0, -1e-6, 1.0, 1e-15, math.nan, "tight"])
+def test_impossible_tolerances_are_refused(rtol):
+    with pytest.raises(ao.AOImpactError, match="rtol"):
+        ao.Adaptive(rtol=rtol)

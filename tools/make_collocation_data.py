@@ -1,0 +1,181 @@
+"""Write csrc/collocation_data.inc: the constants of the collocation method, to the last digit.
+
+Usage: python tools/make_collocation_data.py > csrc/collocation_data.inc   (needs mpmath)
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import mpmath as mp
+
+mp.mp.dps = 60
+
+STAGES = 8
+MOMENTS = 13  # z^(2m)/(2m)! at z = 3 is below 1e-15 beyond them
+
+
+def shifted_legendre(n: int) -> list[mp.mpf]:
+    """Monomial coefficients of P_n(2x-1)."""
+    return [
+        mp.mpf((-1) ** (n + k)) * mp.binomial(n, k) * mp.binomial(n + k, k) for k in range(n + 1)
+    ]
+
+
+def at(polynomial: list[mp.mpf], x: mp.mpf) -> mp.mpf:
+    return sum((a * x**k for k, a in enumerate(polynomial)), mp.mpf(0))
+
+
+def radau_nodes() -> list[mp.mpf]:
+    """Roots of P_s - P_(s-1) on (0, 1], the last one being 1."""
+    low = [*shifted_legendre(STAGES - 1), mp.mpf(0)]
+    difference = [a - b for a, b in zip(shifted_legendre(STAGES), low, strict=True)]
+    roots = mp.polyroots(difference[::-1], maxsteps=500, extraprec=400)
+    return [*sorted(mp.re(r) for r in roots)[:-1], mp.mpf(1)]
+
+
+def lagrange(points: list[mp.mpf], x: mp.mpf) -> list[mp.mpf]:
+    """Values at x of the cardinal polynomials of the points."""
+    return [
+        mp.fprod((x - q) / (p - q) for j, q in enumerate(points) if j != i)
+        for i, p in enumerate(points)
+    ]
+
+
+def to_legendre(points: list[mp.mpf]) -> list[list[mp.mpf]]:
+    """Matrix from values at the points to coefficients of the shifted Legendre polynomials."""
+    n = len(points)
+    rows = [[at(shifted_legendre(k), x) for k in range(n)] for x in points]
+    inverse = mp.matrix(rows) ** -1
+    return [[inverse[k, j] for j in range(n)] for k in range(n)]
+
+
+def cardinal_monomials(transform: list[list[mp.mpf]]) -> list[list[mp.mpf]]:
+    """Monomial coefficients of the cardinal polynomials of the nodes."""
+    result = []
+    for j in range(STAGES):
+        total = [mp.mpf(0)] * STAGES
+        for k in range(STAGES):
+            for q, a in enumerate(shifted_legendre(k)):
+                total[q] += transform[k][j] * a
+        result.append(total)
+    return result
+
+
+def moments(nodes: list[mp.mpf], cardinal: list[list[mp.mpf]]) -> list[list[list[mp.mpf]]]:
+    """∫_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx for each m, node c and cardinal polynomial l_j."""
+
+    def one(m: int, c: mp.mpf, polynomial: list[mp.mpf]) -> mp.mpf:
+        power = 2 * m + 2
+        return sum(
+            a * mp.factorial(q) / mp.factorial(q + power) * c ** (q + power)
+            for q, a in enumerate(polynomial)
+        )
+
+    return [[[one(m, c, p) for p in cardinal] for c in nodes] for m in range(MOMENTS)]
+
+
+def shrink(c: mp.mpf) -> list[list[mp.mpf]]:
+    """Coefficients t_kl of P_k(c x) = sum_l t_kl P_l(x)."""
+
+    def project(polynomial: list[mp.mpf]) -> list[mp.mpf]:
+        n = len(polynomial)
+        return [
+            (2 * degree + 1)
+            * sum(
+                polynomial[q] * a / (q + r + 1)
+                for q in range(n)
+                for r, a in enumerate(shifted_legendre(degree))
+            )
+            for degree in range(n)
+        ]
+
+    rows = [project([a * c**q for q, a in enumerate(shifted_legendre(k))]) for k in range(STAGES)]
+    return [row + [mp.mpf(0)] * (STAGES - len(row)) for row in rows]
+
+
+def extra_points(nodes: list[mp.mpf]) -> list[mp.mpf]:
+    """Points between 0 and the nodes, where the collocation equation does not hold."""
+    ends = [mp.mpf(0), *nodes]
+    angles = [mp.acos(1 - 2 * x) for x in ends]
+    return [(1 - mp.cos((a + b) / 2)) / 2 for a, b in pairwise(angles)]
+
+
+def extra_weights(nodes: list[mp.mpf], extra: list[mp.mpf]) -> list[mp.mpf]:
+    """Weights of the extra points in the quadrature on them and the nodes together."""
+    points = [*nodes, *extra]
+    n = len(points)
+    rows = [[mp.legendre(k, 2 * x - 1) for x in points] for k in range(n)]
+    weights = mp.lu_solve(mp.matrix(rows), mp.matrix([1] + [0] * (n - 1)))
+    return [weights[i] for i in range(STAGES, n)]
+
+
+def written(value: object) -> str:
+    if isinstance(value, list):
+        return "{" + ", ".join(written(v) for v in value) + "}"
+    return mp.nstr(value, 19, min_fixed=0, max_fixed=0)
+
+
+def declare(comment: str, declaration: str, value: object) -> None:
+    text = f"static const double {declaration} = {written(value)};"
+    print(f"\n/* {comment} */")
+    line = ""
+    for word in text.split(" "):
+        if line and len(line) + len(word) > 98:
+            print(line)
+            line = "    "
+        line += word if not line.strip() else f" {word}"
+    print(line)
+
+
+def main() -> None:
+    nodes = radau_nodes()
+    transform = to_legendre(nodes)
+    extra = extra_points(nodes)
+    ends = [mp.mpf(0), *nodes]
+    print(
+        "/* Made by tools/make_collocation_data.py. Polynomials live on [0, 1]; l_j is the cardinal"
+    )
+    print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
+    print(f"enum {{ MOMENTS = {MOMENTS} }};")
+    declare("Radau IIA nodes.", "node[AOI_STAGES]", nodes)
+    declare(
+        "From values at the nodes to Legendre coefficients.",
+        "to_legendre[AOI_STAGES][AOI_STAGES]",
+        transform,
+    )
+    declare(
+        "From values at 0 and the nodes to Legendre coefficients.",
+        "to_legendre_0[AOI_STAGES + 1][AOI_STAGES + 1]",
+        to_legendre(ends),
+    )
+    declare(
+        "int_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx, by m, node c and j.",
+        "moment[MOMENTS][AOI_STAGES][AOI_STAGES]",
+        moments(nodes, cardinal_monomials(transform)),
+    )
+    declare(
+        "P_k(c x) = sum_l shrink[c][k][l] P_l(x).",
+        "shrink[AOI_STAGES][AOI_STAGES][AOI_STAGES]",
+        [shrink(c) for c in nodes],
+    )
+    declare("Points between the nodes, for the defect.", "extra[AOI_STAGES]", extra)
+    declare(
+        "Their weights in the quadrature on nodes and extra points together.",
+        "extra_weight[AOI_STAGES]",
+        extra_weights(nodes, extra),
+    )
+    declare(
+        "l_j at the extra points.",
+        "force_at_extra[AOI_STAGES][AOI_STAGES]",
+        [lagrange(nodes, x) for x in extra],
+    )
+    declare(
+        "The same for the cardinal polynomials of 0 and the nodes.",
+        "indentation_at_extra[AOI_STAGES][AOI_STAGES + 1]",
+        [lagrange(ends, x) for x in extra],
+    )
+
+
+if __name__ == "__main__":
+    main()
