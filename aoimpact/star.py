@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _core
 from .checks import finite_array, integer, nonnegative, positive
-from .errors import InputError
+from .errors import InputError, SingularError
 
 __all__ = ["AOModel", "Origin", "rigid"]
 
@@ -103,6 +103,24 @@ class AOModel:
     def held(self) -> bool:
         """Whether the body is held in place: by its ground spring, or as a wall."""
         return self.k0 > 0.0 or math.isinf(self.m0)
+
+    @property
+    def static_stiffness(self) -> float:
+        """Force per static displacement of the contact, N/m: k0, eq. (11); infinite for a wall.
+
+        Raises
+        ------
+        SingularError
+            If the body is free: a constant force accelerates it.
+        """
+        if math.isinf(self.m0):
+            return math.inf
+        if self.k0 == 0.0:
+            raise SingularError(
+                "static_stiffness: the body is free (k0 = 0), a constant force would accelerate it; "
+                "hold it with FEModel.from_mesh(..., fixed=[...]) or give k0"
+            )
+        return self.k0
 
     @property
     def static_mass(self) -> float:

@@ -70,6 +70,14 @@ def test_natural_modes_solve_the_stars_eigenproblem(star):
         assert np.sum(participation**2 / omega2) == pytest.approx(1.0 / star.k0, rel=1e-8)
 
 
+def test_static_stiffness_is_the_inverse_static_receptance_and_none_without_support():
+    star = ao.AOModel(**EXAMPLE)
+    assert star.static_stiffness == pytest.approx(1.0 / star.receptance(0.0), rel=1e-15)
+    assert ao.rigid(mass=math.inf).static_stiffness == math.inf
+    with pytest.raises(ao.SingularError, match="the body is free"):
+        _ = ao.rigid(mass=1.0).static_stiffness
+
+
 @given(stars)
 def test_natural_and_antiresonant_frequencies_interlace(star):
     natural, anti = star.natural_frequencies, np.unique(star.frequencies)
