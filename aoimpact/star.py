@@ -117,7 +117,7 @@ class AOModel:
             return math.inf
         if self.k0 == 0.0:
             raise SingularError(
-                "static_stiffness: the body is free (k0 = 0), a constant force would accelerate it; "
+                "static_stiffness: the body is free (k0 = 0), a constant force accelerates it; "
                 "hold it with FEModel.from_mesh(..., fixed=[...]) or give k0"
             )
         return self.k0
