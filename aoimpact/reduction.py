@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import scipy.linalg as la
+import scipy.sparse.linalg as spla
 
 from . import _core
 from .checks import choice, integer
@@ -113,35 +114,48 @@ def _ordered(found: _Oscillators, order: str) -> _Oscillators:
     return found.take(np.argsort(key, kind="stable"))
 
 
-def _enough(found: _Oscillators, static: StaticMode, n: int, order: str) -> bool:
+def _mass_of_all(tip: ContactPoint, static: StaticMode) -> float:
+    """Σ m_i over all oscillators: m_st less the bare contact's 1/(bᵀM⁻¹b), kg.
+
+    At infinite frequency the oscillators stand still, and only m0 answers: 1/m0 = bᵀM⁻¹b.
+    """
+    M, b = tip.body.M, tip.b
+    diagonal = M.diagonal()
+    jacobi = spla.LinearOperator(M.shape, matvec=lambda x: x / diagonal, dtype=np.float64)
+    x, failed = spla.cg(M, b, rtol=1e-10, maxiter=2000, M=jacobi)
+    return static.mass if failed else static.mass - 1.0 / float(b @ x)
+
+
+def _enough(found: _Oscillators, mass_of_all: float, n: int, order: str) -> bool:
     """Whether the first `n` of `found` (in order) are certainly the first `n` of all."""
     if len(found.m) < n:
         return False
     if order == "frequency" or n == 0:
         return True
     # What no mode found so far carries bounds the mass of each one not found.
-    return static.mass - math.fsum(found.m) <= float(found.m[n - 1])
+    return mass_of_all - math.fsum(found.m) <= float(found.m[n - 1])
 
 
 def _wanted_oscillators(tip: ContactPoint, static: StaticMode, n: int, order: str) -> _Oscillators:
     dofs = tip.body.n_dofs
     small = dofs <= _DENSE_MOST
-    most = dofs // 5 if small else max(64, 4 * n)
+    most = dofs // 20 if small else max(64, 4 * n)
     count = max(2 * n, n + 8)
+    mass_of_all = _mass_of_all(tip, static) if order == "mass" else static.mass
     while dofs > _DENSE_QUICK and count <= most:
         found = _ordered(_lowest_oscillators(tip, static, count), order)
-        if _enough(found, static, n, order):
+        if _enough(found, mass_of_all, n, order):
             return found
-        if count == most or (small and order == "mass"):
-            break  # the heaviest may be anywhere: LAPACK finds all of a small body at once
+        if count == most:
+            break
         count = min(2 * count, most)
     if small:
         return _ordered(_all_oscillators(tip, static), order)
-    rest = static.mass - math.fsum(found.m)
+    rest = mass_of_all - math.fsum(found.m)
     warn(
         f"n={n}: among the {most} lowest constraint modes the first oscillators hold "
-        f"{1.0 - rest / static.mass:.2%} of the static mass; one above may hold up to {rest:.3g}"
-        " kg, more than the smallest of those returned. order='frequency' needs no such search"
+        f"{math.fsum(found.m) / static.mass:.2%} of the static mass; one above may hold up to "
+        f"{rest:.3g} kg, more than the smallest of those returned. order='frequency' needs no such search"
     )
     return found
 
