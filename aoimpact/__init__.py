@@ -24,6 +24,7 @@ from .reduction import antioscillators
 from .result import Result
 from .scene import simulate
 from .star import AOModel, rigid
+from .study import WorkPrecision, work_precision
 
 __version__ = _version("aoimpact")
 
@@ -48,6 +49,7 @@ __all__ = [
     "PowerLaw",
     "Result",
     "SingularError",
+    "WorkPrecision",
     "antioscillators",
     "box_mesh",
     "modal",
@@ -56,4 +58,5 @@ __all__ = [
     "rigid",
     "simulate",
     "sphere_mesh",
+    "work_precision",
 ]

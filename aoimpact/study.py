@@ -1,0 +1,449 @@
+"""Speed against error: what each method needs for what it gets right, on any scene of stars."""
+
+from __future__ import annotations
+
+import csv
+import html
+import math
+import os
+import time
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from .adaptive import Adaptive
+from .checks import choice, integer, positive
+from .errors import AOImpactError, AOImpactWarning, InputError, InputTypeError
+from .laws import ContactLaw
+from .newmark import Newmark
+from .players import Player, StarPlayer, player
+from .result import Result
+from .scene import rigid_contact_time, simulate
+from .study_scipy import METHODS, OdeScene, Outcome, ode_scene
+from .units import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Measurement", "Reference", "WorkPrecision", "work_precision"]
+
+_ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
+_SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+
+# Default steps of Newmark's rule, as shares of the contact time, and the longest run of them.
+_NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
+
+# Seconds: short runs are repeated at least, long ones at most, until so much time has passed; one
+# run of SciPy is given up after the last.
+_AT_LEAST, _ENOUGH, _LONGEST = 0.02, 3.0, 60.0
+
+# The tightest that the independent run is asked for: sums of rounding are some 1e-12.
+_INDEPENDENT = "DOP853", 3e-14
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One run: how long it took and how wrong it was.
+
+    Attributes
+    ----------
+    method, setting : str
+        E.g. "Newmark" and "dt=1e-08 s".
+    seconds : float
+        Wall time of the call, the best of several.
+    peak_force, contact_duration, rebound_velocity : float
+        Relative errors; the velocity's relative to the initial one.
+    failure : str
+        Why there are no numbers (then they are NaN); else empty.
+    """
+
+    method: str
+    setting: str
+    seconds: float
+    peak_force: float
+    contact_duration: float
+    rebound_velocity: float
+    failure: str = ""
+
+    @property
+    def error(self) -> float:
+        """The worst of the three."""
+        return max(self.peak_force, self.contact_duration, self.rebound_velocity)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What is taken for true, and how well it is known.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        Peak force, N, duration of the first contact, s, and rebound velocity, m/s.
+    source : str
+        Where it is from.
+    uncertainty : float or None
+        Relative, the worst of the three: its change from ten times its tolerance, or its distance
+        from an independent method if that is larger.
+    independent : float or None
+        That distance alone, where a second method was asked.
+    """
+
+    outcome: Outcome
+    source: str
+    uncertainty: float | None = None
+    independent: float | None = None
+
+    def __str__(self) -> str:
+        value = self.outcome
+        text = (
+            f"{self.source}: peak {value.peak_force:.12g} N, "
+            f"contact {quantity(value.contact_duration, 's', 11)}, "
+            f"rebound {value.rebound_velocity:.11g} m/s"
+        )
+        if self.uncertainty is not None:
+            text += f"; uncertain by {self.uncertainty:.1g}"
+        if self.independent is not None:
+            text += f" ({self.independent:.1g} from SciPy's {_INDEPENDENT[0]})"
+        return text
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkPrecision:
+    """A table of error against time.
+
+    Attributes
+    ----------
+    scene : str
+        What was simulated.
+    reference : Reference
+    rows : tuple of Measurement
+        By method, in the order of the settings.
+    """
+
+    scene: str
+    reference: Reference
+    rows: tuple[Measurement, ...]
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Names of the methods, in the order of the table."""
+        return tuple(dict.fromkeys(row.method for row in self.rows))
+
+    def fastest(self, method: str, error: float) -> Measurement | None:
+        """Return the fastest run of a method with none of its errors above `error`, or None."""
+        choice("method", method, self.methods)
+        limit = positive("error", error)
+        good = [row for row in self.rows if row.method == method and row.error <= limit]
+        return min(good, key=lambda row: row.seconds, default=None)
+
+    def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the worst error over time, both logarithmic; keywords go to ``Axes.plot``.
+
+        The reference's own uncertainty is shaded. Returns the axes.
+        """
+        import matplotlib.pyplot as plt
+
+        if ax is None:
+            ax = plt.subplots(layout="constrained")[1]
+        for method in self.methods:
+            rows = [row for row in self.rows if row.method == method and not row.failure]
+            errors = [max(row.error, 1e-16) for row in rows]
+            style = {"marker": "o", "label": method} | kwargs
+            ax.plot([1e3 * row.seconds for row in rows], errors, **style)
+        ax.set_xscale("log")
+        ax.set_yscale("log")
+        if self.reference.uncertainty:
+            ax.axhspan(1e-16, self.reference.uncertainty, color="0.9", zorder=0)
+        ax.set_xlabel("time of the call [ms]")
+        ax.set_ylabel("worst relative error")
+        ax.set_title(self.scene, fontsize="medium", wrap=True)
+        ax.grid(True, which="major", alpha=0.3)
+        ax.legend()
+        return ax
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the table: one row a run, times in s, errors relative."""
+        names = [field.name for field in fields(Measurement)]
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([*names[:3], *(f"error of {name}" for name in names[3:6]), *names[6:]])
+            for row in self.rows:
+                writer.writerow([getattr(row, name) for name in names])
+
+    def __repr__(self) -> str:
+        lines = [self.scene, str(self.reference)]
+        table = [_HEADINGS, *(_cells(row) for row in self.rows)]
+        widths = [max(len(line[i]) for line in table) for i in range(len(_HEADINGS))]
+        for line, failure in zip(table, ["", *(row.failure for row in self.rows)], strict=True):
+            cells = (
+                cell.ljust(width) if i < 2 else cell.rjust(width)
+                for i, (cell, width) in enumerate(zip(line, widths, strict=True))
+            )
+            lines.append(("  ".join(cells) + ("  " + failure if failure else "")).rstrip())
+        return "\n".join([*lines, *self._comparisons()])
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in (*_HEADINGS, ""))
+        body = "".join(
+            "<tr>"
+            + "".join(f"<td>{html.escape(cell)}</td>" for cell in (*_cells(row), row.failure))
+            + "</tr>"
+            for row in self.rows
+        )
+        title = f"{html.escape(self.scene)}<br>{html.escape(str(self.reference))}"
+        notes = "<br>".join(map(html.escape, self._comparisons()))
+        return (
+            f"<table><caption>{title}</caption><thead><tr>{head}</tr></thead>"
+            f"<tbody>{body}</tbody></table><p>{notes}</p>"
+        )
+
+    def _comparisons(self) -> list[str]:
+        """The fastest run of each method at some errors, and how many times the quickest's time."""
+        lines = []
+        for error in (1e-3, 1e-6, 1e-9):
+            best = [run for name in self.methods if (run := self.fastest(name, error))]
+            best.sort(key=lambda run: run.seconds)
+            entries = [
+                f"{run.method} {quantity(run.seconds, 's', 3)}"
+                + (f" ({run.seconds / best[0].seconds:.2g} times)" if run is not best[0] else "")
+                for run in best
+            ]
+            if entries:
+                lines.append(f"fastest with errors up to {error:.0e}: {', '.join(entries)}")
+        return lines
+
+
+_HEADINGS = ("method", "setting", "time", "peak force", "duration", "rebound", "worst")
+
+
+def _cells(row: Measurement) -> tuple[str, ...]:
+    if row.failure:
+        return (row.method, row.setting, *("-",) * 5)
+    errors = (row.peak_force, row.contact_duration, row.rebound_velocity, row.error)
+    return (
+        row.method,
+        row.setting,
+        quantity(row.seconds, "s", 3),
+        *(f"{error:.1e}" for error in errors),
+    )
+
+
+def work_precision(
+    *,
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    velocity: float,
+    duration: float,
+    gap: float = 0.0,
+    newmark: Iterable[float] | None = None,
+    adaptive: Iterable[float] | None = None,
+    scipy: Iterable[str] = (),
+    reference: Result | Reference | None = None,
+    repeats: int = 5,
+) -> WorkPrecision:
+    """Measure time and error of several solvers on one impact.
+
+    Every time is that of the whole call from Python, curves of the result included.
+
+    Parameters
+    ----------
+    projectile, target, law, velocity, duration, gap
+        As of `simulate`; both bodies AOModels or modal models.
+    newmark : iterable of float, optional
+        Steps dt, s; by default from a hundredth of the contact time down.
+    adaptive : iterable of float, optional
+        Tolerances; by default from 1e-3 to 1e-11.
+    scipy : iterable of str, optional
+        Methods of ``scipy.integrate.solve_ivp``, each run at tolerances from 1e-4 to 1e-12 on
+        equations of motion written out separately, with every touch, release and peak an event.
+    reference : Result or Reference, optional
+        What to compare with, instead of ``Adaptive(1e-12)``.
+    repeats : int, optional
+        Runs to take the best time of; short ones are repeated more often, long ones less.
+
+    Returns
+    -------
+    WorkPrecision
+
+    Raises
+    ------
+    InputError, InputTypeError
+        As `simulate`, and for a finite-element model, an unknown method or a law that is not
+        written out for SciPy.
+    ConvergenceError
+        If the reference cannot be computed.
+    """
+    count = integer("repeats", repeats, low=1)
+    names = _methods(scipy)
+    bodies = _star_player("projectile", projectile, velocity), _star_player("target", target, 0.0)
+    scene = {
+        "projectile": projectile,
+        "target": target,
+        "law": law,
+        "velocity": velocity,
+        "duration": duration,
+        "gap": gap,
+        "energies": False,
+    }
+    exact = _given(reference) if reference is not None else _reference(scene)
+    contact_time = _contact_time(bodies, law, velocity)
+    ode = None
+    if names:
+        ode = ode_scene(
+            (bodies[0].star, bodies[1].star),
+            law,
+            velocity=velocity,
+            duration=duration,
+            gap=gap,
+            length=abs(velocity) * contact_time,
+        )
+        exact = _with_independent(exact, ode, bodies[0], velocity)
+    runs = [
+        *_newmark_runs(scene, newmark, contact_time),
+        *_adaptive_runs(scene, adaptive),
+        *(_scipy_run(ode, bodies[0], velocity, name, rtol) for name in names for rtol in _SCIPY),
+    ]
+    rows = tuple(_measure(*run, exact.outcome, velocity, count) for run in runs)
+    labels = f"{bodies[0].label} on {bodies[1].label}"
+    title = f"{labels}, {law}, {velocity:g} m/s, {quantity(duration, 's')}"
+    return WorkPrecision(title, exact, rows)
+
+
+_Run = tuple[str, str, Callable[[], Outcome]]
+
+
+def _star_player(name: str, body: Any, velocity: float) -> Player:
+    made = player(name, body, velocity)
+    if not isinstance(made, StarPlayer):
+        raise InputTypeError(
+            f"{name} must be an AOModel or a modal model, got {body!r}: reduce it by "
+            "antioscillators(...) first"
+        )
+    return made
+
+
+def _methods(scipy: Iterable[str]) -> tuple[str, ...]:
+    names = (scipy,) if isinstance(scipy, str) else tuple(scipy)
+    for name in names:
+        choice("scipy", name, METHODS)
+    return names
+
+
+def _settings(
+    name: str, values: Iterable[float] | None, default: Sequence[float]
+) -> tuple[float, ...]:
+    return tuple(default) if values is None else tuple(positive(name, value) for value in values)
+
+
+def _contact_time(bodies: tuple[Player, Player], law: ContactLaw, velocity: float) -> float:
+    inverse = sum(1.0 / body.static_mass for body in bodies)
+    return rigid_contact_time(law, 1.0 / inverse, abs(velocity))
+
+
+def _newmark_runs(
+    scene: dict[str, Any], steps: Iterable[float] | None, contact_time: float
+) -> list[_Run]:
+    shortest = scene["duration"] / _MOST_STEPS
+    default = [share * contact_time for share in _NEWMARK if share * contact_time >= shortest]
+    return [
+        ("Newmark", f"dt={dt:.3g} s", _simulation(scene, Newmark(dt=dt, estimate=False)))
+        for dt in _settings("newmark", steps, default)
+    ]
+
+
+def _adaptive_runs(scene: dict[str, Any], tolerances: Iterable[float] | None) -> list[_Run]:
+    return [
+        ("Adaptive", f"rtol={rtol:.3g}", _simulation(scene, Adaptive(rtol=rtol)))
+        for rtol in _settings("adaptive", tolerances, _ADAPTIVE)
+    ]
+
+
+def _scipy_run(
+    ode: OdeScene | None, projectile: Player, velocity: float, method: str, rtol: float
+) -> _Run:
+    assert ode is not None
+    unseen = projectile.unseen[0] * velocity
+
+    def run() -> Outcome:
+        done = ode.run(method, rtol, _LONGEST)
+        return Outcome(done.peak_force, done.contact_duration, done.rebound_velocity + unseen)
+
+    return f"SciPy {method}", f"rtol={rtol:.3g}", run
+
+
+def _outcome(result: Result) -> Outcome:
+    return Outcome(result.peak_force, result.contact_duration, result.rebound_velocity)
+
+
+def _simulation(scene: dict[str, Any], solver: Newmark | Adaptive) -> Callable[[], Outcome]:
+    return lambda: _outcome(simulate(**scene, solver=solver))
+
+
+def _reference(scene: dict[str, Any]) -> Reference:
+    outcome = _simulation(scene, Adaptive(rtol=1e-12))()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AOImpactWarning)
+        looser = _simulation(scene, Adaptive(rtol=1e-11))()
+    change = max(_errors(looser, outcome, scene["velocity"]))
+    return Reference(outcome, "Adaptive(rtol=1e-12)", change)
+
+
+def _given(reference: Result | Reference) -> Reference:
+    if isinstance(reference, Reference):
+        return reference
+    if not isinstance(reference, Result):
+        raise InputTypeError(f"reference must be a Result or a Reference, got {reference!r}")
+    return Reference(_outcome(reference), reference.solver)
+
+
+def _with_independent(
+    reference: Reference, ode: OdeScene, projectile: Player, velocity: float
+) -> Reference:
+    """Where SciPy cannot do it in reasonable time, the reference stands alone."""
+    try:
+        second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT)[2]()
+    except AOImpactError:
+        return reference
+    distance = max(_errors(second, reference.outcome, velocity))
+    uncertainty = max(distance, reference.uncertainty or 0.0)
+    return Reference(reference.outcome, reference.source, uncertainty, distance)
+
+
+def _errors(outcome: Outcome, exact: Outcome, velocity: float) -> tuple[float, float, float]:
+    return (
+        _relative(outcome.peak_force, exact.peak_force),
+        _relative(outcome.contact_duration, exact.contact_duration),
+        abs(outcome.rebound_velocity - exact.rebound_velocity) / abs(velocity),
+    )
+
+
+def _relative(value: float, exact: float) -> float:
+    if value == exact:
+        return 0.0
+    return abs(value - exact) / abs(exact) if exact else math.inf
+
+
+def _measure(
+    method: str,
+    setting: str,
+    run: Callable[[], Outcome],
+    exact: Outcome,
+    velocity: float,
+    repeats: int,
+) -> Measurement:
+    best, spent, done = math.inf, 0.0, 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AOImpactWarning)  # a bad setting shows by its error
+        while spent < _AT_LEAST or (done < repeats and spent < _ENOUGH):
+            start = time.perf_counter()
+            try:
+                outcome = run()
+            except InputError:
+                raise
+            except AOImpactError as error:
+                return Measurement(method, setting, *(math.nan,) * 4, str(error))
+            seconds = time.perf_counter() - start
+            best, spent, done = min(best, seconds), spent + seconds, done + 1
+    return Measurement(method, setting, best, *_errors(outcome, exact, velocity))

@@ -1,0 +1,209 @@
+"""Speed against error: the errors are true ones, the methods agree, and the table says it."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.__main__ import main
+from aoimpact.study import Reference, work_precision
+from aoimpact.study_scenes import SCENES, beam_star
+from aoimpact.study_scipy import Outcome, ode_scene
+
+MASS = 0.1
+WALL = ao.rigid(mass=math.inf)
+LINEAR = ao.Linear(k=4e6)
+OMEGA = math.sqrt(LINEAR.k / MASS)
+HALF_SINE = Outcome(math.sqrt(LINEAR.k * MASS), math.pi / OMEGA, -1.0)
+SCENE = {
+    "projectile": ao.rigid(mass=MASS),
+    "target": WALL,
+    "law": LINEAR,
+    "velocity": 1.0,
+    "duration": 1e-3,
+}
+
+
+def study(**changes):
+    settings = {"newmark": (), "adaptive": (), "repeats": 1}
+    return work_precision(**(SCENE | settings | changes))
+
+
+def run_scipy(rtol=1e-12, method="DOP853", **changes):
+    scene = SCENE | {"gap": 0.0} | changes
+    stars = scene.pop("projectile"), scene.pop("target")
+    return ode_scene(stars, scene.pop("law"), **scene, length=1e-4).run(method, rtol)
+
+
+# --------------------------------------------------------------------------- the second method
+
+
+@pytest.mark.parametrize("method", ["RK45", "DOP853", "Radau", "BDF", "LSODA"])
+def test_scipy_gives_the_half_sine_of_a_linear_contact(method):
+    found = run_scipy(1e-9, method)
+    assert found.peak_force == pytest.approx(HALF_SINE.peak_force, rel=1e-5)
+    assert found.contact_duration == pytest.approx(HALF_SINE.contact_duration, rel=1e-5)
+    assert found.rebound_velocity == pytest.approx(-1.0, abs=1e-5)
+
+
+def test_scipy_tightens_to_ten_digits_whatever_the_gap():
+    for gap in (0.0, 1e-4):
+        found = run_scipy(1e-13, gap=gap)
+        assert found.peak_force == pytest.approx(HALF_SINE.peak_force, rel=1e-11)
+        assert found.contact_duration == pytest.approx(HALF_SINE.contact_duration, rel=1e-10)
+
+
+def test_scipy_of_a_massless_contact_is_springs_in_series():
+    k1, k2, m = 3e6, 5e6, 0.2
+    series = 1 / (1 / k1 + 1 / k2)
+    star = ao.AOModel(m0=0.0, m=[m], k=[k1])
+    found = run_scipy(projectile=star, law=ao.Linear(k=k2), duration=2e-3)
+    assert found.peak_force == pytest.approx(math.sqrt(series * m), rel=1e-10)
+    assert found.contact_duration == pytest.approx(math.pi * math.sqrt(m / series), rel=1e-10)
+    assert found.rebound_velocity == pytest.approx(-1.0, abs=1e-10)
+
+
+@pytest.mark.parametrize("m0", [0.0, 1e-3])
+def test_two_methods_of_nothing_in_common_agree(m0):
+    """Modes and closed forms here, star coordinates and Runge-Kutta there; several contacts."""
+    star = ao.AOModel(m0=m0, k0=2e6, m=[0.02, 0.004], k=[5e7, 3e8])
+    table = study(
+        projectile=ao.rigid(mass=0.03),
+        target=star,
+        law=ao.Hertz(k=1e9),
+        scipy=["DOP853"],
+        adaptive=(1e-8,),
+    )
+    assert table.reference.independent < 1e-9
+    assert table.reference.uncertainty >= table.reference.independent
+    assert table.fastest("Adaptive", 1e-8) is not None
+
+
+def test_no_contact_in_either_method():
+    table = study(gap=1.0, scipy=["RK45"], adaptive=(1e-6,))
+    assert table.reference.outcome == Outcome(0.0, 0.0, 1.0)
+    assert all(row.error == pytest.approx(0.0, abs=1e-12) for row in table.rows)
+
+
+# ------------------------------------------------------------------------------------ the table
+
+
+def test_errors_against_a_given_truth_are_the_true_ones():
+    """Newmark's error of the half sine falls with dt², and Adaptive keeps its tolerance."""
+    steps = (2e-6, 1e-6, 5e-7)
+    truth = Reference(HALF_SINE, "half sine")
+    table = study(newmark=steps, adaptive=(1e-4, 1e-9), reference=truth)
+    durations = np.array([row.contact_duration for row in table.rows[:3]])
+    orders = np.log2(durations[:-1] / durations[1:])
+    np.testing.assert_allclose(orders, 2.0, atol=0.1)
+    assert all(row.error <= rtol for row, rtol in zip(table.rows[3:], (1e-4, 1e-9), strict=True))
+    assert all(row.seconds > 0.0 for row in table.rows)
+
+
+def test_own_reference_knows_what_it_is_worth():
+    table = study(adaptive=(1e-6,))
+    exact = table.reference.outcome
+    assert exact.peak_force == pytest.approx(HALF_SINE.peak_force, rel=1e-11)
+    assert table.reference.uncertainty < 1e-10
+    assert table.reference.independent is None
+
+
+def test_a_result_may_be_the_reference():
+    truth = ao.simulate(**SCENE, solver=ao.Adaptive(rtol=1e-11))
+    assert study(adaptive=(1e-6,), reference=truth).reference.source == truth.solver
+
+
+def test_settings_by_default_cover_both_solvers():
+    table = work_precision(**SCENE, repeats=1)
+    assert table.methods == ("Newmark", "Adaptive")
+    assert len(table.rows) >= 10
+    assert table.fastest("Newmark", 1e-14) is None
+    assert table.fastest("Newmark", 1e-3).seconds <= table.fastest("Newmark", 1e-6).seconds
+
+
+def test_text_html_csv_and_figure(tmp_path):
+    table = study(newmark=(1e-6,), adaptive=(1e-3, 1e-6), scipy=["RK45"])
+    text = repr(table)
+    for part in ("rigid on wall", "uncertain by", "dt=1e-06 s", "rtol=0.001", "SciPy RK45"):
+        assert part in text
+        assert part in table._repr_html_()
+    assert "fastest with errors up to 1e-03" in text
+    table.to_csv(tmp_path / "table.csv")
+    with open(tmp_path / "table.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["method"] for row in rows] == [row.method for row in table.rows]
+    assert float(rows[0]["error of peak_force"]) == table.rows[0].peak_force
+    axes = table.plot()
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert {line.get_label() for line in axes.get_lines()} == set(table.methods)
+    assert table.plot(axes) is axes
+
+
+def test_what_fails_is_a_row_that_says_so(monkeypatch):
+    monkeypatch.setattr("aoimpact.study._LONGEST", 0.0)
+    table = study(scipy=["RK45"])
+    assert all("took too long" in row.failure for row in table.rows)
+    assert table.reference.independent is None
+    assert "took too long" in repr(table)
+    assert table.fastest("SciPy RK45", 1.0) is None
+    table.plot()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"scipy": ["RK4"]}, "scipy"),
+        ({"repeats": 0}, "repeats"),
+        ({"newmark": [-1e-6]}, "newmark"),
+        ({"adaptive": [0.0]}, "adaptive"),
+        ({"velocity": 0.0}, "velocity"),
+        ({"reference": 3.0}, "reference"),
+        ({"target": 3.0}, "target"),
+    ],
+)
+def test_wrong_arguments_are_named(changes, words):
+    with pytest.raises((ao.InputError, ao.InputTypeError), match=words):
+        study(**changes)
+
+
+def test_finite_elements_are_to_be_reduced_first():
+    tip = ao.FEModel(K=np.eye(2), M=np.eye(2)).contact(dof=0)
+    with pytest.raises(ao.InputTypeError, match="antioscillators"):
+        study(target=tip)
+
+
+# ---------------------------------------------------------------------- the scenes, the command
+
+
+def test_the_beam_s_star_is_the_beam():
+    """Its lowest natural frequencies are those that are symmetric: (iπ)² √(EI/μL⁴), i = 1, 3, 5."""
+    beam = beam_star(200)
+    bending = 70e9 * 0.02**4 / 12
+    i = np.array([1, 3, 5])
+    exact = (i * math.pi) ** 2 * math.sqrt(bending / (2400 * 0.02**2)) / (2 * math.pi)
+    np.testing.assert_allclose(beam.natural_frequencies[:3], exact, rtol=1e-6)
+    assert beam.static_mass == pytest.approx(17 / 35 * 0.96, rel=1e-14)
+
+
+def test_the_scenes_give_the_published_forces():
+    for name, peak in (("pair", 814.3692123467), ("beam", 1087.919053568)):
+        hit = ao.simulate(**SCENES[name](), solver=ao.Adaptive(rtol=1e-9))
+        assert hit.peak_force == pytest.approx(peak, rel=1e-8)
+
+
+def test_command_prints_and_writes(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("aoimpact.study_scenes._STEPS", {"pair": (1e-6,), "beam": (2e-6,)})
+    assert main(["study", "--scene", "pair", "--out", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    assert "AO(1) on AO(1)" in text
+    assert "study_pair.csv" in text
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["study_pair.csv", "study_pair.png"]
+
+
+def test_command_refuses_an_unknown_scene(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["study", "--scene", "bridge"])
+    assert stop.value.code == 2
+    assert "bridge" in capsys.readouterr().err
