@@ -155,7 +155,8 @@ def _wanted_oscillators(tip: ContactPoint, static: StaticMode, n: int, order: st
     warn(
         f"n={n}: among the {most} lowest constraint modes the first oscillators hold "
         f"{math.fsum(found.m) / static.mass:.2%} of the static mass; one above may hold up to "
-        f"{rest:.3g} kg, more than the smallest of those returned. order='frequency' needs no such search"
+        f"{rest:.3g} kg, more than the smallest of those returned; order='frequency' needs no such "
+        "search"
     )
     return found
 
