@@ -1,0 +1,29 @@
+"""What every test relies on: the right package, no display, warnings that count."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# In a clone the folder aoimpact/ has no compiled core unless it was built in place. Then it is the
+# installed package that is tested, here and in the interpreters that tests start.
+if not any((ROOT / "aoimpact").glob("_core.*[od]")):  # .so, .pyd
+    sys.path[:] = [entry for entry in sys.path if Path(entry or ".").resolve() != ROOT]
+    os.environ["PYTHONSAFEPATH"] = "1"
+
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+# A busy machine is no failure, and a test fails for everyone or for no one.
+settings.register_profile("aoimpact", deadline=None, derandomize=True)
+settings.load_profile("aoimpact")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    # Here and not in pyproject.toml, where pytest would import the package before the lines above.
+    config.addinivalue_line("filterwarnings", "error::aoimpact.AOImpactWarning")

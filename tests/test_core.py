@@ -1,0 +1,556 @@
+"""The binding of the C core: what it refuses, what it gives back, and how it shares the machine."""
+
+from __future__ import annotations
+
+import array
+import ast
+import random
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import aoimpact as ao
+from aoimpact import _core, errors
+from aoimpact.solvers import factorize
+
+HEADER = Path(__file__).parent.parent / "csrc" / "aoimpact.h"
+REFUSALS = (TypeError, ValueError, BufferError)
+F = np.float64
+
+
+def star(n: int = 3, velocity: float = 0.0) -> tuple[Any, ...]:
+    """A star as the core takes it: kind, m0, k0, m, k, centre, u, v."""
+    m, k = np.full(n, 0.1), 1e6 * np.arange(1.0, n + 1.0)
+    weights = np.full(n + 1, 1.0 / (n + 1))
+    return ("star", 0.01, 0.0, m, k, weights, np.zeros(n + 1), np.full(n + 1, velocity))
+
+
+def chain(n: int) -> tuple[Any, Any]:
+    """Stiffness and mass of n unit masses on springs, held at both ends."""
+    K = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n), format="csr")
+    return 1e6 * K, sp.identity(n, format="csr")
+
+
+def factors(n: int = 6) -> list[Any]:
+    return list(factorize(chain(n)[0]).for_core())
+
+
+def rows(matrix: Any) -> tuple[Any, ...]:
+    return matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32), matrix.data
+
+
+def full(n: int = 6, dt: float = 1e-5, velocity: float = 0.0) -> tuple[Any, ...]:
+    """A finite-element body as the core takes it."""
+    K, M = chain(n)
+    b = np.eye(n)[n // 2]
+    inverse = factorize(M + 0.25 * dt**2 * K).for_core()
+    centre = np.full(n, 1.0 / n)
+    return ("full", rows(K), rows(M), b, inverse, centre, np.zeros(n), np.full(n, velocity))
+
+
+def impact_arguments(projectile: Any, target: Any, steps: int = 9, dt: float = 1e-5) -> list[Any]:
+    record = np.zeros((_core.record_rows(), steps + 1))
+    hertz = np.array([1e9])
+    return [projectile, target, "hertz", hertz, 0.0, dt, 0.25, 0.5, record, True]
+
+
+def zeros(*sizes: int) -> list[Any]:
+    return [np.zeros(size) for size in sizes]
+
+
+# A good call of every function, and which of its arrays are written.
+CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
+    "law_force": (
+        lambda: ["hertz", np.ones(1), np.ones(4), *zeros(4, 4, 4, 4)],
+        {4, 5, 6},
+    ),
+    "law_potential": (lambda: ["linear", np.ones(1), np.ones(4), np.zeros(4)], {3}),
+    "static_held": (lambda: [np.ones(4), np.ones(4)], {1}),
+    "static_free": (lambda: [np.eye(2, 4), np.ones(4), np.zeros(4)], {2}),
+    "constraint_project": (lambda: [np.ones(4), np.ones(4), np.arange(4.0)], {2}),
+    "constraint_reflector": (lambda: [np.ones(4), np.zeros(4)], {1}),
+    "constraint_congruence": (lambda: [np.ones(4), np.eye(4), np.zeros(4)], {1, 2}),
+    "oscillators_project": (
+        lambda: [np.eye(2, 4), np.ones(2), np.ones(2), np.ones(4), *zeros(2, 2, 2)],
+        {4, 5, 6},
+    ),
+    "star_receptance": (
+        lambda: [1.0, 0.0, np.ones(3), np.arange(1.0, 4.0), np.ones(5) / 3, np.zeros(5)],
+        {5},
+    ),
+    "star_to_modal": (
+        lambda: [1.0, 0.0, np.ones(3), np.arange(1.0, 4.0), *zeros(4, 4, 3)],
+        {4, 5, 6},
+    ),
+    "star_from_modal": (lambda: [np.arange(4.0), np.ones(4), np.zeros(3), np.zeros(3)], {2, 3}),
+    "factors_solve": (lambda: [tuple(factors()), np.zeros(6), np.ones(6)], {1, 2}),
+    "factors_find_panels": (lambda: [*factors()[:2], np.zeros(7, np.int32)], {2}),
+    "impact": (lambda: impact_arguments(star(velocity=1.0), star()), {8}),
+}
+
+BAD_ARRAYS: dict[str, Callable[[Any], Any]] = {
+    "a list": lambda a: a.tolist(),
+    "None": lambda _: None,
+    "a number": lambda _: 1.0,
+    "text": lambda _: "1.0",
+    "bytes": lambda a: a.tobytes(),
+    "half the precision": lambda a: a.astype("f4" if a.dtype == F else "i2"),
+    "the other kind": lambda a: a.astype("i8" if a.dtype == F else F),
+    "complex": lambda a: a.astype(complex),
+    "bool": lambda a: a.astype(bool),
+    "objects": lambda a: a.astype(object),
+    "the other byte order": lambda a: a.astype(a.dtype.newbyteorder()),
+    "every other entry": lambda a: np.repeat(a, 2, axis=-1)[..., ::2],
+    "backwards": lambda a: np.concatenate([a, a])[::-1][: len(a)],
+    "Fortran order": lambda a: np.asfortranarray(np.stack([a.ravel(), a.ravel()], axis=1)),
+    "one entry more": lambda a: np.append(a, a.ravel()[-1]),
+    "nothing": lambda a: a[:0],
+}
+
+
+def function(name: str) -> Callable[..., Any]:
+    return getattr(_core, name)
+
+
+def array_positions(name: str) -> list[int]:
+    return [i for i, value in enumerate(CALLS[name][0]()) if isinstance(value, np.ndarray)]
+
+
+def same_buffer(a: Any, b: np.ndarray) -> bool:
+    """Whether a core that sees buffers sees the same: one entry backwards is that entry."""
+    return (
+        isinstance(a, np.ndarray)
+        and a.dtype == b.dtype
+        and a.size == b.size
+        and a.flags.c_contiguous
+    )
+
+
+def test_every_function_is_called_here() -> None:
+    assert set(CALLS) | {"record_rows"} == public_functions()
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_good_call_is_accepted(name: str) -> None:
+    function(name)(*CALLS[name][0]())
+
+
+@pytest.mark.parametrize("bad", BAD_ARRAYS)
+@pytest.mark.parametrize("name", CALLS)
+def test_wrong_array_is_refused_and_nothing_written(name: str, bad: str) -> None:
+    for position in array_positions(name):
+        arguments = CALLS[name][0]()
+        good = arguments[position]
+        arguments[position] = BAD_ARRAYS[bad](good)
+        if same_buffer(arguments[position], good):
+            continue
+        before = [np.array(a) for a in arguments if isinstance(a, np.ndarray)]
+        with pytest.raises(REFUSALS):
+            function(name)(*arguments)
+        after = [a for a in arguments if isinstance(a, np.ndarray)]
+        assert all(np.array_equal(x, y) for x, y in zip(before, after, strict=True))
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_read_only_output_is_refused_and_read_only_input_is_not(name: str) -> None:
+    make, written = CALLS[name]
+    for position in array_positions(name):
+        arguments = make()
+        arguments[position].flags.writeable = False
+        if position in written:
+            with pytest.raises((ValueError, BufferError)):
+                function(name)(*arguments)
+        else:
+            function(name)(*arguments)
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_wrong_number_of_arguments_is_a_type_error(name: str) -> None:
+    arguments = CALLS[name][0]()
+    for wrong in (arguments[:-1], [*arguments, None], []):
+        with pytest.raises(TypeError):
+            function(name)(*wrong)
+
+
+@pytest.mark.parametrize("make", [star, full])
+@pytest.mark.parametrize("bad", BAD_ARRAYS)
+def test_bodies_of_wrong_arrays_are_refused(make: Callable[[], tuple[Any, ...]], bad: str) -> None:
+    for position, part in enumerate(make()):
+        replacements: list[Any] = []
+        if isinstance(part, np.ndarray):
+            replacements = [BAD_ARRAYS[bad](part)]
+        elif isinstance(part, tuple):
+            replacements = [
+                (*part[:i], BAD_ARRAYS[bad](part[i]), *part[i + 1 :]) for i in range(len(part))
+            ]
+        for replacement in replacements:
+            body = list(make())
+            body[position] = replacement
+            for pair in ((tuple(body), star()), (star(), tuple(body))):
+                with pytest.raises(REFUSALS):
+                    _core.impact(*impact_arguments(*pair))
+
+
+@pytest.mark.parametrize(
+    "body", [None, (), ("star",), [*star()], (None, *star()[1:]), ("truss", *star()[1:])]
+)
+def test_what_is_no_body_is_refused(body: Any) -> None:
+    for pair in ((body, star()), (star(), body)):
+        with pytest.raises(TypeError):
+            _core.impact(*impact_arguments(*pair))
+
+
+@pytest.mark.parametrize("position", [1, 2])
+def test_masses_that_are_no_numbers_are_refused(position: int) -> None:
+    body = list(star())
+    body[position] = "heavy"
+    with pytest.raises(TypeError, match="number"):
+        _core.impact(*impact_arguments(tuple(body), star()))
+
+
+@pytest.mark.parametrize(
+    ("position", "index", "value"),
+    [
+        (0, 0, 1),
+        (0, 2, 10**9),
+        (0, 3, -1),
+        (0, -1, 2),
+        (1, 0, -1),
+        (1, 0, 0),
+        (1, 1, 6),
+        (1, 2, 2**31 - 1),
+        (3, 0, 0.0),
+        (3, 2, np.nan),
+        (4, 0, -1),
+        (4, 5, 6),
+        (5, 0, 1),
+        (5, -1, 7),
+        (5, 1, -5),
+    ],
+)
+def test_factors_that_point_outside_are_refused(position: int, index: int, value: float) -> None:
+    wrong = factors()
+    wrong[position] = wrong[position].copy()
+    wrong[position][index] = value
+    x = np.ones(6)
+    with pytest.raises(ao.AOImpactError):
+        _core.factors_solve(tuple(wrong), np.zeros(6), x)
+    assert np.array_equal(x, np.ones(6))
+
+
+@pytest.mark.parametrize("which", [1, 2])
+@pytest.mark.parametrize(
+    ("part", "index", "value"), [(0, 2, -3), (0, 6, 99), (1, 0, -1), (1, 3, 6)]
+)
+def test_matrices_that_point_outside_are_refused(
+    which: int, part: int, index: int, value: int
+) -> None:
+    body = list(full())
+    matrix = [values.copy() for values in body[which]]
+    matrix[part][index] = value
+    body[which] = tuple(matrix)
+    with pytest.raises(ao.InputError):
+        _core.impact(*impact_arguments(tuple(body), star()))
+
+
+def test_factors_solve_is_the_inverse() -> None:
+    K, _ = chain(40)
+    x = np.sin(np.arange(40.0))
+    right_hand_side = K @ x
+    _core.factors_solve(factorize(K).for_core(), np.empty(40), right_hand_side)
+    assert right_hand_side == pytest.approx(x, abs=1e-12)
+
+
+# Things that a confused caller, or an unlucky one, may hand over.
+ODD_THINGS: list[Any] = [
+    None, True, -1, 2**70, 1.5, float("nan"), 1j, "hertz", "star", "", "\0", "é" * 9, b"hertz", (),
+    [], {}, object(), np.ones(3), np.ones(0), np.ones((2, 3)), np.array(1.0), np.zeros(3, np.int32),
+    np.ones(3, np.float32), array.array("d", [1.0] * 3), array.array("i", [0] * 4),
+    bytearray(24), memoryview(b"12345678"), np.float64(2.0), np.ones(3, ">f8"), star(), full(),
+    tuple(factors()), rows(chain(3)[0]), ("star",) * 8, (np.ones(3),) * 6, range(3), np.ma.ones(3),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_nonsense_raises_and_never_crashes(name: str) -> None:
+    dice = random.Random(name)
+    good = CALLS[name][0]
+    for trial in range(600):
+        arguments = good()
+        for position in range(len(arguments)):
+            if trial % 2 or dice.random() < 0.3:
+                arguments[position] = dice.choice(ODD_THINGS)
+        try:
+            function(name)(*arguments)
+        except (*REFUSALS, OverflowError, ao.AOImpactError):
+            pass
+
+
+# ------------------------------------------------------------------------------------- errors
+
+
+def core_statuses() -> dict[str, int]:
+    """The enum aoi_status as the header has it."""
+    body = re.search(r"typedef enum aoi_status \{(.*?)\} aoi_status;", HEADER.read_text(), re.S)
+    assert body is not None
+    text = re.sub(r"/\*.*?\*/", "", body[1], flags=re.S)
+    names = [entry.split("=")[0].strip() for entry in text.split(",")]
+    return {name: code for code, name in enumerate(filter(None, names))}
+
+
+def test_every_status_of_the_core_has_its_exception() -> None:
+    statuses = core_statuses()
+    assert statuses.pop("AOI_OK") == 0
+    assert set(errors._CORE) == set(statuses.values())
+    for code in statuses.values():
+        error = errors.core_error(code, "what", 1.5e-6)
+        assert type(error) is not ao.AOImpactError
+        assert isinstance(error, ao.AOImpactError)
+        assert isinstance(error, (ValueError, RuntimeError))
+        assert "1.5e-06 s" in str(error)
+        assert "unknown" not in str(error)
+
+
+def test_statuses_arrive_as_their_exceptions() -> None:
+    four = np.zeros(4)
+    with pytest.raises(ao.InputError, match="contact functional"):
+        _core.static_held(four, np.ones(4))
+    with pytest.raises(ao.SingularError):
+        _core.static_held(np.ones(4), -np.ones(4))
+    with pytest.raises(ao.ConvergenceError, match="NaN"):
+        _core.static_held(np.ones(4), np.full(4, np.nan))
+    with pytest.raises(ao.InputError):
+        _core.law_potential("rubber", np.ones(1), four, np.zeros(4))
+
+
+def test_failing_step_says_its_time() -> None:
+    flying_apart = star(velocity=np.inf)
+    with pytest.raises(ao.ConvergenceError, match="t = 1e-05 s"):
+        _core.impact(*impact_arguments(flying_apart, star()))
+
+
+def test_failed_run_leaves_the_bodies_as_they_were() -> None:
+    projectile = star(velocity=np.nan)
+    target = star()
+    with pytest.raises(ao.ConvergenceError):
+        _core.impact(*impact_arguments(projectile, target))
+    assert not projectile[-2].any()
+    assert not target[-1].any()
+
+
+# --------------------------------------------------------------------------------------- stub
+
+
+def public_functions() -> set[str]:
+    return {name for name, value in vars(_core).items() if callable(value) and name[0] != "_"}
+
+
+def test_stub_has_the_functions_and_their_arguments() -> None:
+    stub = ast.parse((Path(str(_core.__file__)).parent / "_core.pyi").read_text())
+    declared = {node.name: node for node in stub.body if isinstance(node, ast.FunctionDef)}
+    assert set(declared) == public_functions()
+    for name, node in declared.items():
+        assert not node.args.args, f"{name}: its arguments have no names"
+        count = len(node.args.posonlyargs)
+        assert name == "record_rows" or count == len(CALLS[name][0]())
+
+
+# ------------------------------------------------------------------------------------ memory
+
+
+def doubles(*values: float) -> array.array[float]:
+    """An array that refuses to grow while anyone still holds its buffer."""
+    return array.array("d", values)
+
+
+@pytest.mark.parametrize("law", ["hertz", "no such law"])
+def test_buffers_are_given_back(law: str) -> None:
+    record = doubles(*np.zeros(10 * _core.record_rows()))
+    ball = ("star", 1.0, 0.0, doubles(), doubles(), doubles(1.0), doubles(0.0), doubles(1.0))
+    rest = ("star", 1.0, 0.0, doubles(), doubles(), doubles(1.0), doubles(0.0), doubles(0.0))
+    k = doubles(1e9)
+    if law == "hertz":
+        _core.impact(ball, rest, law, k, 0.0, 1e-5, 0.25, 0.5, record, True)
+        assert max(record[:10]) > 0.0
+    else:
+        with pytest.raises(ao.InputError):
+            _core.impact(ball, rest, law, k, 0.0, 1e-5, 0.25, 0.5, record, True)
+    for buffer in (record, k, *ball[3:], *rest[3:]):
+        buffer.append(0.0)
+
+
+def test_buffers_are_given_back_after_a_refusal() -> None:
+    for position in range(2, 7):
+        buffers: list[Any] = [doubles(1.0) for _ in range(7)]
+        buffers[0] = "hertz"
+        buffers[position] = doubles(1.0, 2.0)
+        with pytest.raises(ValueError, match="must hold"):
+            _core.law_force(*buffers)
+        for buffer in buffers[1:]:
+            buffer.append(0.0)
+
+
+LEAK_TEST = """
+import gc, resource, sys
+sys.path.insert(0, sys.argv[1])
+import numpy as np
+import test_core as t
+from aoimpact import _core
+
+calls = []
+for name, (make, _) in t.CALLS.items():
+    good = make()
+    calls.append((t.function(name), good))
+    for wrong in ([1.0], np.ones(3, complex)):
+        bad = list(good)
+        bad[8 if name == "impact" else -1] = wrong
+        calls.append((t.function(name), bad))
+
+def call(function, arguments):
+    try:
+        function(*arguments)
+    except t.REFUSALS:
+        pass
+
+small, big = t.star(velocity=np.nan), t.star(2000)
+large = t.impact_arguments(big, t.star(2000, velocity=-1.0), steps=1)
+fails = t.impact_arguments(small, big, steps=1)
+body = t.impact_arguments(t.star(velocity=1.0), t.full(500), steps=1)
+
+def cycle(times):
+    for i in range(times):
+        for function, arguments in calls:
+            call(function, arguments)
+        _core.impact(*(large if i % 2 else body))
+        try:
+            _core.impact(*fails)
+        except RuntimeError:
+            pass
+    gc.collect()
+    return sys.getallocatedblocks(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+cycle(200)
+blocks, peak = cycle(200)
+blocks_after, peak_after = cycle(10_000)
+print(blocks_after - blocks, peak_after - peak)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs the module resource")
+def test_ten_thousand_calls_leak_nothing() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", LEAK_TEST, str(Path(__file__).parent)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    blocks, kilobytes = map(int, done.stdout.split())
+    # One object a call would be 1e4 blocks; one work space a call, 80 kB each, 800 MB.
+    assert blocks < 200
+    assert kilobytes < 8_000
+
+
+# ------------------------------------------------------------------------- threads and signals
+
+LONG_STAR = """
+n = 20_000
+rng = np.random.default_rng(0)
+m = rng.uniform(1.0, 2.0, n) / n
+target = ao.AOModel(m0=0.01, k0=1e6, m=m, k=m * rng.uniform(1e6, 1e10, n))
+"""
+LONG_FULL = """
+n = 20_000
+K = 1e6 * scipy.sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n), format="csr")
+target = ao.FEModel(K=K, M=scipy.sparse.identity(n, format="csr")).contact(dof=n // 2)
+"""
+LONG_RUN = """
+import numpy as np, scipy.sparse
+import aoimpact as ao
+from aoimpact import _core, newmark
+
+class Announced:
+    def __getattr__(self, name):
+        if name == "impact":
+            print("ready", flush=True)
+        return getattr(_core, name)
+
+newmark._core = Announced()
+{target}
+solver = ao.Newmark(dt=1e-6, estimate=False)
+try:
+    ao.simulate(projectile=ao.rigid(mass=1.0), target=target, law=ao.Hertz(1e9), velocity=1.0,
+                duration=0.1, solver=solver)
+except KeyboardInterrupt:
+    print("stopped", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT cannot be sent to one process")
+@pytest.mark.parametrize("target", [LONG_STAR, LONG_FULL], ids=["star", "full"])
+def test_ctrl_c_stops_a_long_run(target: str) -> None:
+    command = [sys.executable, "-c", LONG_RUN.format(target=target)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            assert process.stdout.readline() == "ready\n"
+            time.sleep(0.3)
+            assert process.poll() is None, "the run was over before it was interrupted"
+            sent = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            assert process.stdout.readline() == "stopped\n"
+            assert time.monotonic() - sent < 0.5
+        finally:
+            process.kill()
+
+
+def test_python_runs_on_while_the_core_does() -> None:
+    pause, over = 0.0, threading.Event()
+
+    def watch() -> None:
+        nonlocal pause
+        last = time.perf_counter()
+        while not over.is_set():
+            now = time.perf_counter()
+            pause, last = max(pause, now - last), now
+
+    thread = threading.Thread(target=watch)
+    arguments = impact_arguments(star(5000), star(5000, velocity=-1.0), steps=10_000)
+    thread.start()
+    start = time.perf_counter()
+    _core.impact(*arguments)
+    took = time.perf_counter() - start
+    over.set()
+    thread.join()
+    # Had the core kept the interpreter's lock, the watch would have stood still all the while.
+    assert pause < 0.5 * took
+
+
+def test_threads_do_not_disturb_each_other() -> None:
+    def run(store: dict[int, Any], key: int) -> None:
+        pair = (star(20 + key, velocity=1.0 + key), full(40 + key))
+        arguments = impact_arguments(*pair, steps=2000)
+        _core.impact(*arguments)
+        store[key] = arguments[8]
+
+    alone: dict[int, Any] = {}
+    together: dict[int, Any] = {}
+    for key in range(4):
+        run(alone, key)
+    threads = [threading.Thread(target=run, args=(together, key)) for key in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(np.array_equal(alone[key], together[key]) for key in range(4))
