@@ -22,7 +22,7 @@ __all__ = ["Adaptive", "Track", "adaptive_run"]
 
 FloatArray = npt.NDArray[np.float64]
 
-_TIGHTEST = 1e-12
+_TIGHTEST = 1e-13
 
 # Columns of a row of the track (enum aoi_track), before the modes.
 _START, _LENGTH, _CONTACT, _RELEASE, _FIXED = 0, 1, 2, 3, 21
@@ -40,7 +40,7 @@ class Adaptive:
     ----------
     rtol : float, optional
         Relative error of peak force, contact times and impulse, and of velocities relative to the
-        largest initial one; from 1e-12 up to, not including, 1.
+        largest initial one; from 1e-13 up to, not including, 1.
 
     Raises
     ------
