@@ -132,11 +132,13 @@ static void try_step(const aoi_adaptive *run, const aoi_collocation *step, attem
     const int at_an_end = run->last_length == 0.0 || made->indentation[AOI_STAGES - 1] <= 0.0;
     const int bends = run->relative->residual[0] + run->relative->residual[1] > 0.0;
     const double end_share = at_an_end ? END_SHARE : 1.0;
-    const double within =
-        error.tail / (TAIL_SHARE * (bends ? end_share : 1.0) * run->rtol * reach);
+    /* No step can do better than rounding. */
+    const double tail_share =
+        fmax(TAIL_SHARE * (bends ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
+    const double step_share = fmax(STEP_SHARE * end_share * run->rtol, 2.0 * DBL_EPSILON);
+    const double within = error.tail / (tail_share * reach);
     const double handed_on =
-        (fabs(error.impulse) / run->impulse_scale + fabs(error.indentation) / reach) /
-        (STEP_SHARE * end_share * run->rtol);
+        (fabs(error.impulse) / run->impulse_scale + fabs(error.indentation) / reach) / step_share;
     made->growth = 0.9 * fmin(pow(within, -1.0 / (AOI_STAGES + 1)),
                               pow(handed_on, -1.0 / (2 * AOI_STAGES)));
     if (within > 1.0 || handed_on > 1.0) {
