@@ -14,22 +14,28 @@ alone, without the curves. CVODE and Exudyn are timed without Python and without
 from __future__ import annotations
 
 import argparse
-import json
-import math
 import os
-import subprocess
-import sys
 import tempfile
-import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import math
+
 import numpy as np
+from cases import CASES, Case, Run, best_time, error_of, fastest, rigid_pair, tighten, tolerances
+from peers import (
+    CVODE_METHODS,
+    EXUDYN_METHODS,
+    build_cvode,
+    cvode_runs,
+    exudyn_runs,
+    has_exudyn,
+    scipy_runs,
+)
 
 import aoimpact as ao
 from aoimpact import _core
@@ -37,136 +43,8 @@ from aoimpact.adaptive import adaptive_run
 from aoimpact.newmark import newmark_run
 from aoimpact.players import StarPlayer
 from aoimpact.relative import relative
-from aoimpact.scene import rigid_contact_time
-from aoimpact.study_scenes import SCENES
 from aoimpact.study_scipy import Outcome, ode_scene
 from aoimpact.units import quantity
-
-HERE = Path(__file__).parent
-
-
-@dataclass(frozen=True)
-class Run:
-    """One setting of one method; `error` is the worst of what the scene asks for."""
-
-    setting: str
-    seconds: float
-    error: float
-
-
-@dataclass(frozen=True)
-class Case:
-    """A scene, what is asked of it, to what error, and how many times faster one aims to be."""
-
-    title: str
-    scene: dict[str, Any]
-    asked: tuple[str, ...]
-    limits: tuple[float, ...]
-    aims: dict[tuple[str, float], float]
-
-    @property
-    def stars(self) -> tuple[ao.AOModel, ao.AOModel]:
-        return self.scene["projectile"], self.scene["target"]
-
-    @property
-    def length(self) -> float:
-        """Size of the displacements, m."""
-        inverse = sum(1.0 / star.static_mass for star in self.stars)
-        velocity = self.scene["velocity"]
-        return velocity * rigid_contact_time(self.scene["law"], 1.0 / inverse, velocity)
-
-
-def rigid_pair() -> dict[str, Any]:
-    scene = SCENES["pair"]()
-    ball = ao.rigid(mass=scene["projectile"].static_mass)
-    return scene | {"projectile": ball, "target": ball}
-
-
-CASES = {
-    "rigid": Case(
-        "Rigid Hertz pair, 200 µs",
-        rigid_pair(),
-        ("peak_force",),
-        (1e-6, 1e-9),
-        {("CVODE", 1e-9): 15, ("Newmark", 1e-9): 200},
-    ),
-    "pair": Case(
-        "One-AO pair, 200 µs",
-        SCENES["pair"](),
-        ("peak_force",),
-        (1e-6, 1e-9),
-        {
-            ("Newmark", 1e-6): 10,
-            ("CVODE", 1e-6): 15,
-            ("Exudyn", 1e-6): 15,
-            ("SciPy", 1e-6): 150,
-            ("Newmark", 1e-9): 150,
-            ("CVODE", 1e-9): 30,
-        },
-    ),
-    "beam": Case(
-        "Rigid sphere on the 28-AO beam, 20 ms",
-        SCENES["beam"](),
-        ("peak_force", "rebound_velocity"),
-        (1e-6,),
-        {
-            ("Newmark", 1e-6): 100,
-            ("Exudyn", 1e-6): 250,
-            ("CVODE", 1e-6): 1000,
-            ("SciPy", 1e-6): 1000,
-        },
-    ),
-}
-
-
-# ------------------------------------------------------------------------------------- measuring
-
-
-def best_time(call: Callable[[], object], most: int = 1000, enough: float = 0.2) -> float:
-    """Return the shortest of as many calls as fit into `enough` s."""
-    best, spent, done = math.inf, 0.0, 0
-    while done == 0 or (done < most and spent < enough):
-        start = time.perf_counter()
-        call()
-        taken = time.perf_counter() - start
-        best, spent, done = min(best, taken), spent + taken, done + 1
-    return best
-
-
-def error_of(case: Case, exact: Outcome, found: Any) -> float:
-    """Velocities relative to the initial one."""
-    scale = {"peak_force": exact.peak_force, "rebound_velocity": case.scene["velocity"]}
-    return max(abs(getattr(found, n) - getattr(exact, n)) / abs(scale[n]) for n in case.asked)
-
-
-def tighten(runs: Iterable[Run | None], least: float) -> list[Run]:
-    """Run until two settings in a row are below the least error."""
-    done: list[Run] = []
-    for run in runs:
-        if run is not None:
-            done.append(run)
-        if len(done) >= 2 and max(done[-1].error, done[-2].error) <= least:
-            break
-    return done
-
-
-def fastest(sweeps: list[list[Run]], limit: float) -> Run | None:
-    """The fastest of those settings that are good and no tighter one of which is bad."""
-    good = []
-    for sweep in sweeps:
-        for run in reversed(sweep):
-            if not run.error <= limit:
-                break
-            good.append(run)
-    return min(good, key=lambda run: run.seconds, default=None)
-
-
-# ----------------------------------------------------------------------------------- own methods
-
-
-def tolerances(first: float, last: float, per_decade: int = 1) -> list[float]:
-    count = round(per_decade * math.log10(first / last)) + 1
-    return [float(f"{value:.2g}") for value in np.geomspace(first, last, count)]
 
 
 def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
@@ -229,147 +107,6 @@ def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
 
         error = error_of(case, exact, ao.simulate(**scene, solver=rule, energies=False))
         yield Run(f"dt={dt:.2g} s", best_time(run, 20), error)
-
-
-# ---------------------------------------------------------------------------------------- others
-
-
-def scipy_runs(case: Case, exact: Outcome, method: str) -> Iterator[Run | None]:
-    scene = case.scene
-    ode = ode_scene(
-        case.stars,
-        scene["law"],
-        velocity=scene["velocity"],
-        duration=scene["duration"],
-        gap=0.0,
-        length=case.length,
-    )
-    for rtol in tolerances(1e-3, 1e-13):
-        try:
-            found = ode.run(method, rtol, 20.0)
-        except ao.AOImpactError:
-            return
-        seconds = best_time(lambda r=rtol: ode.run(method, r), 5, 1.0)
-        yield Run(f"{method} rtol={rtol:g}", seconds, error_of(case, exact, found))
-
-
-class Peer:
-    """Another program that is given a scene and then runs, and answers each with a line."""
-
-    def __init__(self, command: list[str], scene: str) -> None:
-        pipe = subprocess.PIPE
-        self.process = subprocess.Popen(
-            command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True
-        )
-        self._say(scene)
-
-    def _say(self, line: str) -> None:
-        assert self.process.stdin is not None
-        self.process.stdin.write(line + "\n")
-        self.process.stdin.flush()
-
-    def ask(self, line: str) -> str:
-        assert self.process.stdout is not None
-        self._say(line)
-        for answer in self.process.stdout:
-            if answer.startswith("result "):
-                return answer.removeprefix("result ").strip()
-        return "failed"
-
-    def close(self) -> None:
-        assert self.process.stdin is not None
-        self.process.stdin.close()
-        self.process.wait()
-
-
-def build_cvode(folder: Path) -> Path | None:
-    """Return the program, or None where there is no C compiler or no CVODE."""
-    program = folder / "cvode_pair"
-    libraries = ["-lsundials_cvode", "-lsundials_nvecserial", "-lm"]
-    command = [os.environ.get("CC", "cc"), "-O3", str(HERE / "cvode_pair.c"), "-o", str(program)]
-    try:
-        done = subprocess.run([*command, *libraries], capture_output=True, check=False)
-    except OSError:
-        return None
-    return program if done.returncode == 0 else None
-
-
-def scene_text(case: Case) -> str:
-    scene = case.scene
-    head = (scene["velocity"], 0.0, scene["duration"], case.length, scene["law"].k, 1.5)
-    lines = [" ".join(map(repr, map(float, head)))]
-    for star in case.stars:
-        pairs = np.column_stack([star.m, star.k]).ravel().tolist()
-        lines.append(" ".join(map(repr, [star.n, star.m0, star.k0, *pairs])))
-    return "\n".join(lines)
-
-
-CVODE_METHODS = {
-    "Adams, fixed point": "0 0",
-    "Adams, Newton": "0 1",
-    "BDF, Newton": "1 1",
-}
-
-
-def cvode_runs(case: Case, exact: Outcome, program: Path, name: str) -> Iterator[Run | None]:
-    peer = Peer([str(program)], scene_text(case))
-    try:
-        for rtol in tolerances(1e-3, 1e-13, 2):
-            answer = peer.ask(f"{CVODE_METHODS[name]} {rtol!r} 20 20.0")
-            if answer == "failed":
-                return
-            seconds, *found = (float(value) for value in answer.split()[:4])
-            yield Run(f"{name}, rtol={rtol:g}", seconds, error_of(case, exact, Outcome(*found)))
-    finally:
-        peer.close()
-
-
-EXUDYN_METHODS = ("VelocityVerlet", "ExplicitMidpoint", "RK44", "RK67", "DOPRI5")
-
-
-def exudyn_runs(case: Case, exact: Outcome, name: str) -> Iterator[Run | None]:
-    scene = case.scene
-    bodies = [
-        {"m0": star.m0, "k0": star.k0, "m": star.m.tolist(), "k": star.k.tolist()}
-        for star in case.stars
-    ]
-    given = {
-        "velocity": scene["velocity"],
-        "duration": scene["duration"],
-        "length": case.length,
-        "k": scene["law"].k,
-        "exponent": 1.5,
-        "bodies": bodies,
-    }
-    peer = Peer([sys.executable, str(HERE / "exudyn_pair.py")], json.dumps(given))
-    try:
-        for setting in exudyn_settings(case, name):
-            answer = peer.ask(json.dumps([name, *setting]))
-            if answer == "failed":
-                return
-            found = json.loads(answer)
-            if "failure" in found:
-                yield None
-                continue
-            outcome = Outcome(found["peak_force"], math.nan, found["rebound_velocity"])
-            label = f"rtol={setting[1]:g}" if setting[1] else f"{setting[0]} steps"
-            yield Run(f"{name}, {label}", found["seconds"], error_of(case, exact, outcome))
-    finally:
-        peer.close()
-
-
-def exudyn_settings(case: Case, name: str) -> list[tuple[int, float]]:
-    """DOPRI5 to a tolerance, the others with fixed steps."""
-    if name == "DOPRI5":
-        return [(1000, rtol) for rtol in tolerances(1e-3, 1e-12)]
-    most = 5e5 if case.scene["duration"] < 1e-3 else 2e5
-    count = round(4 * math.log10(most / 500))
-    return [(round(steps), 0.0) for steps in np.geomspace(500, most, count)]
-
-
-def has_exudyn() -> bool:
-    command = [sys.executable, "-c", "import exudyn"]
-    return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
 # ---------------------------------------------------------------------------------------- report
@@ -445,11 +182,11 @@ def print_run(
     time_taken = quantity(run.seconds, "s", 3)
     print(
         f"  {name:<15}{run.setting:<34}{time_taken:>9}  {run.error:7.1e}"
-        f"{_times(ratios[0]):>9}{_times(ratios[1]):>9}  {words}".rstrip()
+        f"{ratio_text(ratios[0]):>9}{ratio_text(ratios[1]):>9}  {words}".rstrip()
     )
 
 
-def _times(ratio: float) -> str:
+def ratio_text(ratio: float) -> str:
     return f"{float(f'{ratio:.3g}'):g}"
 
 

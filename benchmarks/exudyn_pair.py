@@ -33,8 +33,10 @@ def body_matrices(star: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
 
 def build(scene: dict[str, Any]) -> tuple[Any, Any, list[int], list[int]]:
     import exudyn as exu
-    from exudyn import itemInterface as item
+    import exudyn.itemInterface
     from exudyn.utilities import CreateSymbolicUserFunction
+
+    item = exu.itemInterface
 
     container = exu.SystemContainer()
     mbs = container.AddSystem()

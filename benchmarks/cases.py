@@ -1,0 +1,137 @@
+"""What is measured, and how: the scenes of the benchmark, times, errors, the choice of settings."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import aoimpact as ao
+from aoimpact.scene import rigid_contact_time
+from aoimpact.study_scenes import SCENES
+from aoimpact.study_scipy import Outcome
+
+
+@dataclass(frozen=True)
+class Run:
+    """One setting of one method; `error` is the worst of what the scene asks for."""
+
+    setting: str
+    seconds: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, what is asked of it, to what error, and how many times faster one aims to be."""
+
+    title: str
+    scene: dict[str, Any]
+    asked: tuple[str, ...]
+    limits: tuple[float, ...]
+    aims: dict[tuple[str, float], float]
+
+    @property
+    def stars(self) -> tuple[ao.AOModel, ao.AOModel]:
+        return self.scene["projectile"], self.scene["target"]
+
+    @property
+    def length(self) -> float:
+        """Size of the displacements, m."""
+        inverse = sum(1.0 / star.static_mass for star in self.stars)
+        velocity = self.scene["velocity"]
+        return velocity * rigid_contact_time(self.scene["law"], 1.0 / inverse, velocity)
+
+
+def rigid_pair() -> dict[str, Any]:
+    scene = SCENES["pair"]()
+    ball = ao.rigid(mass=scene["projectile"].static_mass)
+    return scene | {"projectile": ball, "target": ball}
+
+
+CASES = {
+    "rigid": Case(
+        "Rigid Hertz pair, 200 µs",
+        rigid_pair(),
+        ("peak_force",),
+        (1e-6, 1e-9),
+        {("CVODE", 1e-9): 15, ("Newmark", 1e-9): 200},
+    ),
+    "pair": Case(
+        "One-AO pair, 200 µs",
+        SCENES["pair"](),
+        ("peak_force",),
+        (1e-6, 1e-9),
+        {
+            ("Newmark", 1e-6): 10,
+            ("CVODE", 1e-6): 15,
+            ("Exudyn", 1e-6): 15,
+            ("SciPy", 1e-6): 150,
+            ("Newmark", 1e-9): 150,
+            ("CVODE", 1e-9): 30,
+        },
+    ),
+    "beam": Case(
+        "Rigid sphere on the 28-AO beam, 20 ms",
+        SCENES["beam"](),
+        ("peak_force", "rebound_velocity"),
+        (1e-6,),
+        {
+            ("Newmark", 1e-6): 100,
+            ("Exudyn", 1e-6): 250,
+            ("CVODE", 1e-6): 1000,
+            ("SciPy", 1e-6): 1000,
+        },
+    ),
+}
+
+
+# ------------------------------------------------------------------------------------- measuring
+
+
+def best_time(call: Callable[[], object], most: int = 1000, enough: float = 0.2) -> float:
+    """Return the shortest of as many calls as fit into `enough` s."""
+    best, spent, done = math.inf, 0.0, 0
+    while done == 0 or (done < most and spent < enough):
+        start = time.perf_counter()
+        call()
+        taken = time.perf_counter() - start
+        best, spent, done = min(best, taken), spent + taken, done + 1
+    return best
+
+
+def error_of(case: Case, exact: Outcome, found: Any) -> float:
+    """Velocities relative to the initial one."""
+    scale = {"peak_force": exact.peak_force, "rebound_velocity": case.scene["velocity"]}
+    return max(abs(getattr(found, n) - getattr(exact, n)) / abs(scale[n]) for n in case.asked)
+
+
+def tighten(runs: Iterable[Run | None], least: float) -> list[Run]:
+    """Run until two settings in a row are below the least error."""
+    done: list[Run] = []
+    for run in runs:
+        if run is not None:
+            done.append(run)
+        if len(done) >= 2 and max(done[-1].error, done[-2].error) <= least:
+            break
+    return done
+
+
+def fastest(sweeps: list[list[Run]], limit: float) -> Run | None:
+    """The fastest of those settings that are good and no tighter one of which is bad."""
+    good = []
+    for sweep in sweeps:
+        for run in reversed(sweep):
+            if not run.error <= limit:
+                break
+            good.append(run)
+    return min(good, key=lambda run: run.seconds, default=None)
+
+
+def tolerances(first: float, last: float, per_decade: int = 1) -> list[float]:
+    count = round(per_decade * math.log10(first / last)) + 1
+    return [float(f"{value:.2g}") for value in np.geomspace(first, last, count)]
