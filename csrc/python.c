@@ -788,7 +788,8 @@ static PyObject *track_sample(PyObject *self, PyObject *args)
         }
         centres.residual[0] = residual[0];
         centres.residual[1] = residual[1];
-        const size_t rows = values / (AOI_TRACK_FIXED + 2 * n);
+        const size_t width = AOI_TRACK_FIXED + 2 * n;
+        const size_t rows = values % width == 0 ? values / width : 0;
         Py_BEGIN_ALLOW_THREADS
         status = aoi_track_sample(&relative, &law, &centres, rows, track, count, times, row, work);
         Py_END_ALLOW_THREADS

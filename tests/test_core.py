@@ -64,6 +64,22 @@ def impact_arguments(projectile: Any, target: Any, steps: int = 9, dt: float = 1
     return [projectile, target, "hertz", hertz, 0.0, dt, 0.25, 0.5, record, True]
 
 
+def relative() -> tuple[Any, ...]:
+    """Two masses of 1 kg that can only fly: modes as the core takes them."""
+    return (np.zeros(2), np.ones(2), np.zeros(2), 1, np.zeros(2), 0.0)
+
+
+def adaptive_arguments() -> list[Any]:
+    return [relative(), "hertz", np.array([1e9]), 1e-6, 1e-2, np.zeros(2), np.array([1.0, 0.0])]
+
+
+def sample_arguments() -> list[Any]:
+    track = np.frombuffer(_core.adaptive(*adaptive_arguments())[0])
+    record = np.zeros((_core.record_rows(), 3))
+    times = np.array([0.0, 1e-4, 1e-3])
+    return [relative(), "hertz", np.array([1e9]), np.ones(2), np.zeros(2), track, times, record]
+
+
 def zeros(*sizes: int) -> list[Any]:
     return [np.zeros(size) for size in sizes]
 
@@ -95,6 +111,8 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "star_from_modal": (lambda: [np.arange(4.0), np.ones(4), np.zeros(3), np.zeros(3)], {2, 3}),
     "factors_solve": (lambda: [tuple(factors()), np.zeros(6), np.ones(6)], {1, 2}),
     "factors_find_panels": (lambda: [*factors()[:2], np.zeros(7, np.int32)], {2}),
+    "adaptive": (adaptive_arguments, {5, 6}),
+    "track_sample": (sample_arguments, {7}),
     "impact": (lambda: impact_arguments(star(velocity=1.0), star()), {8}),
 }
 
