@@ -21,6 +21,7 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact import _core, errors
+from aoimpact.relative import relative
 from aoimpact.solvers import factorize
 
 HEADER = Path(__file__).parent.parent / "csrc" / "aoimpact.h"
@@ -64,24 +65,30 @@ def impact_arguments(projectile: Any, target: Any, steps: int = 9, dt: float = 1
     return [projectile, target, "hertz", hertz, 0.0, dt, 0.25, 0.5, record, True]
 
 
-def relative() -> tuple[Any, ...]:
-    """Two masses of 1 kg that can only fly: modes as the core takes them."""
-    return (np.zeros(2), np.ones(2), np.zeros(2), 1, np.zeros(2), 0.0)
+def zeros(*sizes: int) -> list[Any]:
+    return [np.zeros(size) for size in sizes]
 
 
-def adaptive_arguments() -> list[Any]:
-    return [relative(), "hertz", np.array([1e9]), 1e-6, 1e-2, np.zeros(2), np.array([1.0, 0.0])]
+def relative_motion() -> tuple[Any, ...]:
+    """Two bodies in modes as the core takes them."""
+    target = ao.AOModel(m0=0.01, k0=1e5, m=[0.1, 0.2], k=[1e6, 1e7])
+    return relative(ao.rigid(mass=1.0), target, 0.0).for_core()
+
+
+def adaptive_arguments(duration: float = 1e-3) -> list[Any]:
+    motion = relative_motion()
+    x, v = np.zeros(len(motion[0])), np.zeros(len(motion[0]))
+    v[0] = 1.0
+    return [motion, "hertz", np.array([1e9]), 1e-6, duration, x, v]
 
 
 def sample_arguments() -> list[Any]:
-    track = np.frombuffer(_core.adaptive(*adaptive_arguments())[0])
-    record = np.zeros((_core.record_rows(), 3))
-    times = np.array([0.0, 1e-4, 1e-3])
-    return [relative(), "hertz", np.array([1e9]), np.ones(2), np.zeros(2), track, times, record]
-
-
-def zeros(*sizes: int) -> list[Any]:
-    return [np.zeros(size) for size in sizes]
+    raw, *_ = _core.adaptive(*adaptive_arguments())
+    times = np.linspace(0.0, 1e-3, 7)
+    record = np.zeros((_core.record_rows(), 7))
+    motion = relative_motion()
+    track = np.frombuffer(raw).copy()
+    return [motion, "hertz", np.array([1e9]), motion[1], np.zeros(2), track, times, record]
 
 
 # A good call of every function, and which of its arrays are written.
@@ -228,6 +235,19 @@ def test_what_is_no_body_is_refused(body: Any) -> None:
             _core.impact(*impact_arguments(*pair))
 
 
+@pytest.mark.parametrize("bad", BAD_ARRAYS)
+def test_relative_motion_of_wrong_arrays_is_refused(bad: str) -> None:
+    for position, part in enumerate(relative_motion()):
+        if isinstance(part, np.ndarray):
+            motion = list(relative_motion())
+            motion[position] = BAD_ARRAYS[bad](part)
+            for arguments in (adaptive_arguments(), sample_arguments()):
+                with pytest.raises(REFUSALS):
+                    function("adaptive" if len(arguments) == 7 else "track_sample")(
+                        tuple(motion), *arguments[1:]
+                    )
+
+
 @pytest.mark.parametrize("position", [1, 2])
 def test_masses_that_are_no_numbers_are_refused(position: int) -> None:
     body = list(star())
@@ -295,7 +315,8 @@ ODD_THINGS: list[Any] = [
     [], {}, object(), np.ones(3), np.ones(0), np.ones((2, 3)), np.array(1.0), np.zeros(3, np.int32),
     np.ones(3, np.float32), array.array("d", [1.0] * 3), array.array("i", [0] * 4),
     bytearray(24), memoryview(b"12345678"), np.float64(2.0), np.ones(3, ">f8"), star(), full(),
-    tuple(factors()), rows(chain(3)[0]), ("star",) * 8, (np.ones(3),) * 6, range(3), np.ma.ones(3),
+    tuple(factors()), relative_motion(), rows(chain(3)[0]), ("star",) * 8, (np.ones(3),) * 6,
+    range(3), np.ma.ones(3),
 ]  # fmt: skip
 
 
@@ -428,13 +449,16 @@ from aoimpact import _core
 calls = []
 for name, (make, _) in t.CALLS.items():
     good = make()
-    calls.append((t.function(name), good))
+    calls.append((t.function(name), good, make()))
     for wrong in ([1.0], np.ones(3, complex)):
         bad = list(good)
         bad[8 if name == "impact" else -1] = wrong
-        calls.append((t.function(name), bad))
+        calls.append((t.function(name), bad, bad))
 
-def call(function, arguments):
+def call(function, arguments, originals):
+    for value, original in zip(arguments, originals):
+        if isinstance(value, np.ndarray):
+            value[...] = original
     try:
         function(*arguments)
     except t.REFUSALS:
@@ -447,8 +471,8 @@ body = t.impact_arguments(t.star(velocity=1.0), t.full(500), steps=1)
 
 def cycle(times):
     for i in range(times):
-        for function, arguments in calls:
-            call(function, arguments)
+        for each in calls:
+            call(*each)
         _core.impact(*(large if i % 2 else body))
         try:
             _core.impact(*fails)
