@@ -1,0 +1,146 @@
+"""The package as a whole: its name, the names it promises, how its modules hang together."""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+PACKAGE = Path(str(ao.__file__)).parent
+
+
+def test_version_is_that_of_the_distribution() -> None:
+    assert ao.__version__ == metadata.version("aoimpact")
+    assert metadata.metadata("aoimpact")["Requires-Python"] == ">=3.11"
+
+
+def test_types_are_published() -> None:
+    assert (PACKAGE / "py.typed").is_file()
+    assert (PACKAGE / "_core.pyi").is_file()
+
+
+def test_command_is_installed() -> None:
+    (command,) = metadata.entry_points(group="console_scripts", name="aoimpact")
+    assert callable(command.load())
+
+
+def test_exported_names_exist() -> None:
+    assert len(set(ao.__all__)) == len(ao.__all__)
+    for name in ao.__all__:
+        assert getattr(ao, name).__doc__, f"{name} says nothing of itself"
+
+
+# What scripts are written against; a name here stays.
+PROMISED = {
+    "Material": "E nu rho",
+    "FEModel": "from_mesh frequencies contact K M nodes",
+    "ContactPoint": "body b direction point",
+    "AOModel": "m0 k0 m k static_mass frequencies receptance truncated expand mass_fractions",
+    "antioscillators": "",
+    "rigid": "",
+    "modal": "",
+    "Hertz": "between force k",
+    "PowerLaw": "force k n",
+    "Linear": "force k",
+    "Newmark": "dt",
+    "simulate": "",
+    "AOImpactError": "",
+}
+
+
+def collision() -> ao.Result:
+    return ao.simulate(
+        projectile=ao.rigid(mass=0.1),
+        target=ao.AOModel(m0=0.1, k0=1e5, m=[0.2], k=[1e6]),
+        law=ao.Hertz(k=1e9),
+        velocity=1.0,
+        duration=1e-3,
+        solver=ao.Newmark(dt=1e-6),
+    )
+
+
+@pytest.mark.parametrize("name", PROMISED)
+def test_promised_name_is_there(name: str) -> None:
+    thing = getattr(ao, name)
+    fields = getattr(thing, "__dataclass_fields__", {})
+    for attribute in PROMISED[name].split():
+        assert hasattr(thing, attribute) or attribute in fields, f"{name}.{attribute}"
+
+
+def test_promised_results_are_there() -> None:
+    hit = collision()
+    for name in ("t", "force", "indentation"):
+        assert getattr(hit, name).ndim == 1
+    for body in (hit.projectile, hit.target):
+        assert body.displacement.shape == hit.t.shape
+    for name in ("kinetic", "elastic", "contact", "dissipated", "total"):
+        assert np.shape(getattr(hit.energy, name)) == hit.t.shape
+    for body_energy in (hit.energy.projectile, hit.energy.target):
+        assert body_energy.kinetic.shape == body_energy.elastic.shape == hit.t.shape
+    numbers = "peak_force peak_time contact_duration impulse rebound_velocity restitution"
+    for name in numbers.split():
+        assert isinstance(getattr(hit, name), float)
+    assert all(start < end for start, end in hit.contacts)
+    assert hasattr(hit.error, "reduction")
+    assert hasattr(hit.error, "time")
+    for name in ("plot_force", "plot_indentation", "plot_energy", "plot_displacement", "to_csv"):
+        assert callable(getattr(hit, name))
+
+
+# ------------------------------------------------------------------------------------- imports
+
+
+def sources() -> dict[str, ast.Module]:
+    return {path.stem: ast.parse(path.read_text("utf-8")) for path in PACKAGE.glob("*.py")}
+
+
+def imports_within(tree: ast.AST, modules: set[str]) -> set[str]:
+    """Modules of the package that one of them imports anywhere, but for type checkers alone."""
+    found: set[str] = set()
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            continue
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            names = {alias.name for alias in node.names}
+            found |= {node.module} if node.module else (names & modules)
+            if not node.module and names - modules - {"_core"}:
+                found.add("__init__")
+        found |= imports_within(node, modules)
+    return found - {"_core"}
+
+
+def test_imports_go_one_way() -> None:
+    trees = sources()
+    graph = {name: imports_within(tree, set(trees)) for name, tree in trees.items()}
+    assert len(graph) > 10
+    assert all(target in graph for targets in graph.values() for target in targets)
+    try:
+        tuple(graphlib.TopologicalSorter(graph).static_order())
+    except graphlib.CycleError as cycle:
+        pytest.fail("modules import each other: " + " -> ".join(cycle.args[1]))
+
+
+def test_modules_refer_to_each_other_relatively() -> None:
+    for name, tree in sources().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level <= 1, name
+                assert (node.module or "").partition(".")[0] != "aoimpact", name
+            elif isinstance(node, ast.Import):
+                assert all(alias.name.partition(".")[0] != "aoimpact" for alias in node.names), name
+
+
+def test_import_leaves_plotting_alone() -> None:
+    code = "import sys, aoimpact; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert "aoimpact._core" in loaded
+    assert not loaded & {"matplotlib", "tqdm", "IPython", "gmsh", "pytest"}
