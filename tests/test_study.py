@@ -81,6 +81,31 @@ def test_two_methods_of_nothing_in_common_agree(m0):
     assert table.fastest("Adaptive", 1e-8) is not None
 
 
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_the_methods_agree_on_stars_drawn_at_random():
+    """Free and held, massless contacts or not, over decades of mass and frequency."""
+    rng = np.random.default_rng(3)
+    for _ in range(25):
+        n = rng.integers(1, 7)
+        shares = rng.dirichlet(np.ones(n + 1))
+        star = ao.AOModel(
+            m0=shares[0] if rng.random() > 0.25 else 0.0,
+            k0=0.0 if rng.random() < 0.5 else 10.0 ** rng.uniform(3, 7),
+            m=shares[1:],
+            k=shares[1:] * 10.0 ** rng.uniform(6, 9, n),
+        )
+        ball = ao.rigid(mass=10.0 ** rng.uniform(-2, 1))
+        scene = {"projectile": ball, "target": star, "law": ao.Hertz(k=10.0 ** rng.uniform(8, 10))}
+        scene["velocity"] = 10.0 ** rng.uniform(-2, 1)
+        scene["duration"] = 2e-3
+        hit = ao.simulate(**scene, solver=ao.Adaptive(rtol=1e-11))
+        other = run_scipy(1e-11, **scene)
+        assert hit.peak_force == pytest.approx(other.peak_force, rel=1e-8)
+        assert hit.contact_duration == pytest.approx(other.contact_duration, rel=1e-8)
+        difference = hit.rebound_velocity - other.rebound_velocity
+        assert abs(difference) < 1e-8 * scene["velocity"]
+
+
 def test_no_contact_in_either_method():
     table = study(gap=1.0, scipy=["RK45"], adaptive=(1e-6,))
     assert table.reference.outcome == Outcome(0.0, 0.0, 1.0)
