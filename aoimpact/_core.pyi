@@ -1,4 +1,4 @@
-"""The C core (csrc/aoimpact.h is its specification). Arrays are C-contiguous; outputs are written."""
+"""The C core; csrc/aoimpact.h is its specification. Arrays are C-contiguous, outputs written."""
 
 import numpy as np
 import numpy.typing as npt

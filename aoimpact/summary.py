@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from .units import quantity
 
 if TYPE_CHECKING:
-    from .result import Result
+    from .seen import Seen
 
 
-def summary_rows(result: Result) -> list[tuple[str, str]]:
+def summary_rows(result: Seen) -> list[tuple[str, str]]:
     """Return (name, value with unit) for everything that a user asks first."""
     rows = [
         ("projectile", _body(result, "projectile")),
@@ -36,13 +36,13 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
     return rows
 
 
-def summary_text(result: Result) -> str:
+def summary_text(result: Seen) -> str:
     """Return the summary as lines of text."""
     lines = [f"  {name:<18} {value}" for name, value in summary_rows(result)]
     return "\n".join(["Impact", *lines])
 
 
-def summary_html(result: Result) -> str:
+def summary_html(result: Seen) -> str:
     """Return the summary as an HTML table."""
     cells = "".join(
         f'<tr><th style="text-align:left">{html.escape(name)}</th>'
@@ -52,21 +52,21 @@ def summary_html(result: Result) -> str:
     return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"
 
 
-def _body(result: Result, which: str) -> str:
+def _body(result: Seen, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
     mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
     return f"{body.label}, {mass}{', held' if body.held else ''}"
 
 
-def _gap(result: Result) -> str:
+def _gap(result: Seen) -> str:
     return f", gap {quantity(result.gap, 'm')}" if result.gap else ""
 
 
-def _force(result: Result) -> str:
+def _force(result: Seen) -> str:
     return f"{quantity(result.peak_force, 'N', 5)} at {quantity(result.peak_time, 's')}"
 
 
-def _contact(result: Result) -> str:
+def _contact(result: Seen) -> str:
     start = result.contacts[0][0]
     text = f"{quantity(result.contact_duration, 's')} from {quantity(start, 's')}"
     if len(result.contacts) > 1:
@@ -76,7 +76,7 @@ def _contact(result: Result) -> str:
     return text
 
 
-def _error(result: Result) -> str:
+def _error(result: Seen) -> str:
     parts = [
         f"{name} {'not known' if value is None else f'{100.0 * value:.2g} %'}"
         for name, value in (("reduction", result.error.reduction), ("time", result.error.time))

@@ -11,10 +11,10 @@ from .events import FloatArray
 
 if TYPE_CHECKING:
     from .motion import BodyResult
-    from .result import Result
+    from .seen import Seen
 
 
-def columns(result: Result) -> dict[str, FloatArray]:
+def columns(result: Seen) -> dict[str, FloatArray]:
     """Return every history by its heading, "name [unit]", in the order of the CSV file."""
     table = {
         "t [s]": result.t,
@@ -33,7 +33,7 @@ def columns(result: Result) -> dict[str, FloatArray]:
     return table
 
 
-def write_csv(result: Result, path: str | os.PathLike[str]) -> None:
+def write_csv(result: Seen, path: str | os.PathLike[str]) -> None:
     """Write the table with 17 digits, so that it reads back bit for bit."""
     table = columns(result)
     np.savetxt(
