@@ -206,11 +206,11 @@ class Result(Frozen):
 
     @property
     def _released(self) -> int:
-        """Index of the first sample after the last contact, or of the last sample."""
-        touching = np.flatnonzero(self.force > 0.0)
-        if touching.size == 0:
-            return len(self.t) - 1
-        return min(int(touching[-1]) + 1, len(self.t) - 1)
+        """Index of the first sample at or after the end of the last contact, or of the last one."""
+        last = len(self.t) - 1
+        if not self.events.contacts:
+            return last
+        return min(int(np.searchsorted(self.t, self.events.contacts[-1][1])), last)
 
     # ---------------------------------------------------------------------- output
 

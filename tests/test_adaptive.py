@@ -392,6 +392,18 @@ def test_many_bounces_between_a_spring_held_mass_and_a_ball_keep_the_energy():
     assert result.error.energy < 1e-10
 
 
+def test_rebound_of_a_held_projectile_is_its_velocity_where_it_lets_go():
+    """Its centre goes on to swing: the sample after the release would be another velocity."""
+    swing = ao.AOModel(m0=0.1, k0=1e5, m=[0.2], k=[1e7])
+    result = hit(
+        1e-10, projectile=swing, target=ao.rigid(mass=1.0), law=ao.Hertz(k=1e9), duration=4e-3
+    )
+    at_release = result.at([result.contacts[-1][1]])
+    assert result.rebound_velocity == pytest.approx(
+        at_release.projectile.centre_velocity[0], rel=1e-12
+    )
+
+
 # ----------------------------------------------------------------------------- dense output
 
 
