@@ -29,8 +29,8 @@ static double *reaction_of(const aoi_body *body, size_t n) { return gain_of(body
 
 /* s, v, a of the oscillators become their predictors; returns sum m_i w_i q_i. Four partial sums, so
  * that the compiler may keep them in vector registers. */
-static double oscillators_predict(size_t n, const double *c, const double *reaction, double *s,
-                                  double *v, const double *a)
+static double oscillators_predict(size_t n, const double *c, const double *restrict reaction,
+                                  double *restrict s, double *restrict v, const double *restrict a)
 {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
     size_t i = 0;
@@ -71,7 +71,8 @@ static int star_predict(aoi_body *body, double *displacement, double *velocity)
 
 /* lead: acceleration of what the stretch is measured from; of_rate: of what its rate is. */
 static void oscillators_correct(size_t n, double lead, double of_rate, const double *c,
-                                const double *gain, double *s, double *v, double *a)
+                                const double *restrict gain, double *restrict s,
+                                double *restrict v, double *restrict a)
 {
     const double rise = c[REACH] * lead;
     for (size_t i = 0; i < n; i++) {
@@ -122,11 +123,9 @@ static void star_observe(const aoi_body *body, int energies, aoi_observation *se
     const size_t n = star->n;
     const double *u = state_u(body), *v = state_v(body, n), *weight = body->centre;
     const double all = body->scratch[CENTRE], contact_rate = body->scratch[RATE];
-    double centre = all * u[0], rate = weight[0] * contact_rate + (all - weight[0]) * v[0];
-    for (size_t i = 1; i <= n; i++) {
-        centre += weight[i] * u[i];
-        rate += weight[i] * v[i];
-    }
+    const double centre = all * u[0] + aoi_vector_dot(n, weight + 1, u + 1);
+    const double rate = weight[0] * contact_rate + (all - weight[0]) * v[0] +
+                        aoi_vector_dot(n, weight + 1, v + 1);
     seen->displacement = u[0];
     seen->velocity = contact_rate;
     seen->centre_displacement = centre;

@@ -74,7 +74,7 @@ MUTANTS = [
     ("newmark.c", "star->m[i] + reach * star->k[i]", "star->m[i] + 0.999999 * reach * star->k[i]"),
     ("newmark.c", "star->m0 > 0.0 ? c[CORRECT_V] : reach / h", "c[CORRECT_V]"),
     ("newmark.c", "u_out[i] = u[0] + u[i]", "u_out[i] = u[i]"),
-    ("newmark.c", "double centre = all * u[0]", "double centre = u[0]"),
+    ("newmark.c", "double centre = all * u[0] +", "double centre = u[0] +"),
     ("newmark.c", "rule->gamma >= 0.5", "rule->gamma >= 0.4"),
     ("newmark.c", "const double speed = v[0] + v[i + 1]", "const double speed = v[i + 1]"),
     ("newmark.c", "* u[i] - a[0];", "* u[i];"),
