@@ -1,0 +1,49 @@
+"""Times by the clock, as the shortest of several, and tables of them as ratios."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from aoimpact.units import quantity
+
+
+def best_times(*calls: Callable[[], object], enough: float = 1.0) -> list[float]:
+    """Return the shortest time of each call, s, of as many rounds as fit into `enough` s.
+
+    They are called in turn, so that whatever else the machine does is no part of their ratio.
+    """
+    best = [math.inf] * len(calls)
+    end = time.perf_counter() + enough
+    while math.isinf(best[0]) or time.perf_counter() < end:
+        for i, call in enumerate(calls):
+            start = time.perf_counter()
+            call()
+            best[i] = min(best[i], time.perf_counter() - start)
+    return best
+
+
+@dataclass(frozen=True)
+class Line:
+    """What was measured, s, and what it is to be compared with, s."""
+
+    what: str
+    seconds: float
+    yardstick: str = ""
+    yardstick_seconds: float = math.nan
+
+
+def print_table(title: str, lines: list[Line]) -> None:
+    """Print measurements, each as a multiple of its yardstick."""
+    print(f"\n{title}")
+    width = max(len(line.what) for line in lines)
+    for line in lines:
+        ratio = ""
+        if line.yardstick:
+            times = line.seconds / line.yardstick_seconds
+            ratio = (
+                f" = {times:.3g} x {line.yardstick} ({quantity(line.yardstick_seconds, 's', 3)})"
+            )
+        print(f"  {line.what:<{width}}  {quantity(line.seconds, 's', 3):>9}{ratio}")

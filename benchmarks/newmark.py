@@ -1,0 +1,243 @@
+"""Newmark's rule in the C core: what a step costs, as ratios to things measured in the same run.
+
+    python benchmarks/newmark.py
+
+A star against a plain C loop (newmark_star.c, built here where there is a C compiler) and against a
+copy of the record; the full model of the paper's beam against its own back-substitution and product
+with K, and against the loop that one would write on SciPy; assembly; two threads against one. Takes
+about half a minute. Machines differ and are shared: the ratios are what to read.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import subprocess
+import tempfile
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+import scipy.sparse.linalg as spla
+from measuring import Line, best_times, print_table
+
+import aoimpact as ao
+from aoimpact import _core
+from aoimpact.assembly import stiffness_mass
+from aoimpact.paper_beam import ALUMINIUM, beam_model
+from aoimpact.players import FullPlayer, StarPlayer
+from aoimpact.solvers import factorize
+from aoimpact.study_scenes import beam_star
+
+MASS, HERTZ, VELOCITY = 0.0326725636, 1e10, 1.0
+DT, STEPS = 2e-6, 10_000
+
+
+def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray]:
+    """Return a run of the core alone: a rigid sphere on `target`, at rest again each time."""
+    rule = ao.Newmark(dt=DT)
+    ball, body = StarPlayer(ao.rigid(mass=MASS), VELOCITY), target.for_core(rule, DT)
+    record, law = np.zeros((_core.record_rows(), steps + 1)), np.array([HERTZ])
+
+    def run() -> np.ndarray:
+        body[-1][:] = body[-2][:] = 0.0
+        first = ball.for_core(rule, DT)
+        _core.impact(first, body, "hertz", law, 0.0, DT, 0.25, 0.5, record, energies)
+        return record
+
+    return run
+
+
+# ---------------------------------------------------------------------------------------- star
+
+
+def plain_c_run(star: ao.AOModel, folder: str) -> Callable[[], np.ndarray] | None:
+    """Return newmark_star.c's run, or None where there is no C compiler."""
+    library = Path(folder, "newmark_star.so")
+    source = Path(__file__).with_name("newmark_star.c")
+    compiler = os.environ.get("CC", "cc")
+    command = [compiler, "-std=c99", "-O3", "-shared", "-fPIC", source, "-o", library, "-lm"]
+    try:
+        subprocess.run(command, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    function = ctypes.CDLL(str(library)).newmark_star
+    work, record = np.zeros(4 * star.n), np.zeros((4, STEPS + 1))
+    pointers = [ctypes.c_void_p(array.ctypes.data) for array in (star.m, star.k, work, record)]
+    numbers = [ctypes.c_double(x) for x in (star.m0, star.k0, MASS, VELOCITY, HERTZ, DT)]
+    m, k, work_at, record_at = pointers
+    m0, k0, *rest = numbers
+
+    def run() -> np.ndarray:
+        steps = ctypes.c_size_t(STEPS)
+        function(ctypes.c_size_t(star.n), m0, k0, m, k, *rest, steps, work_at, record_at)
+        return record
+
+    return run
+
+
+def call_run(star: ao.AOModel) -> Callable[[], ao.Result]:
+    """Return the same run as a user calls it, without the second one that estimates the error."""
+    solver = ao.Newmark(dt=DT, estimate=False)
+    scene = {"projectile": ao.rigid(mass=MASS), "target": star, "law": ao.Hertz(k=HERTZ)}
+    scene |= {"velocity": VELOCITY, "duration": STEPS * DT, "solver": solver}
+    return lambda: ao.simulate(**scene, energies=False)
+
+
+def measure_star(folder: str) -> list[Line]:
+    star = beam_star(28)
+    lean, rich = (core_run(StarPlayer(star, 0.0), STEPS, energies) for energies in (False, True))
+    few, many = (core_run(StarPlayer(beam_star(n), 0.0), STEPS, False) for n in (8, 48))
+    plain = plain_c_run(star, folder)
+    record = rich()
+    other = np.empty_like(record)
+    runs = [lean, rich, few, many, call_run(star), lambda: np.copyto(other, record)]
+    lean_time, rich_time, few_time, many_time, call, copy, *rest = best_times(
+        *runs, *([plain] if plain else []), enough=3.0
+    )
+    lines = [
+        Line("core, 10 rows of record", lean_time, "a copy of the record", copy),
+        Line("core, 15 rows with energies", rich_time, "without them", lean_time),
+        Line("ao.simulate, without energies", call, "the core", lean_time),
+        Line("a step", lean_time / STEPS),
+        Line("a step, for each further oscillator", (many_time - few_time) / 40 / STEPS),
+    ]
+    if plain is not None:
+        difference = np.abs(plain()[0] - record[0]).max() / record[0].max()
+        assert difference < 1e-9, f"the two forces differ by {difference:g} of the peak"
+        lines.insert(1, Line("core, 10 rows of record", lean_time, "a plain C loop", rest[0]))
+    return lines
+
+
+# ---------------------------------------------------------------------------------------- full
+
+
+def scipy_loop(model: ao.FEModel, b: np.ndarray, steps: int) -> float:
+    """Run the loop that one would write: factors of SciPy, one solve a step, Newton by hand."""
+    K, M, dof = model.K, model.M, int(np.argmax(np.abs(b)))
+    sign, reach = b[dof], 0.25 * DT**2
+    solve = spla.splu((M + reach * K).tocsc()).solve
+    unit = solve(b)
+    compliance = reach * (sign * unit[dof] + 1.0 / MASS)
+    u, v, a = (np.zeros(len(b)) for _ in range(3))
+    x, speed, pull, peak = 0.0, VELOCITY, 0.0, 0.0
+    for _ in range(steps):
+        u += DT * v + reach * a
+        v += 0.5 * DT * a
+        x += DT * speed - reach * pull / MASS
+        speed -= 0.5 * DT * pull / MASS
+        a = solve(-(K @ u))
+        free = x - sign * (u[dof] + reach * a[dof])
+        pull = contact_force(free, compliance)
+        a += pull * unit
+        u += reach * a
+        v += 0.5 * DT * a
+        x -= reach * pull / MASS
+        speed -= 0.5 * DT * pull / MASS
+        peak = max(peak, pull)
+    return peak
+
+
+def contact_force(free: float, compliance: float) -> float:
+    """Solve F = k (free - compliance F)^1.5 by Newton on the indentation."""
+    if free <= 0.0:
+        return 0.0
+    depth = free
+    for _ in range(50):
+        root = depth**0.5
+        change = (depth - free + compliance * HERTZ * root * depth) / (
+            1.0 + 1.5 * compliance * HERTZ * root
+        )
+        depth -= change
+        if abs(change) < 1e-15 * depth:
+            break
+    return HERTZ * depth**1.5
+
+
+def measure_full() -> list[Line]:
+    model = beam_model()
+    tip = model.contact(point=(0.5, 0.01, 0.02), direction=(0.0, 0.0, -1.0))
+    steps = 200
+    lean, rich = (core_run(FullPlayer(tip, 0.0), steps, energies) for energies in (False, True))
+    factors = factorize(model.M + 0.25 * DT**2 * model.K).for_core()
+    work, x = np.empty(model.n_dofs), np.ones(model.n_dofs)
+    u = np.random.default_rng(0).standard_normal(model.n_dofs)
+
+    def parts() -> None:
+        for _ in range(steps):
+            x[:] = u  # kept from shrinking to nothing
+            _core.factors_solve(factors, work, x)
+            model.K @ u
+
+    solve = spla.splu((model.M + 0.25 * DT**2 * model.K).tocsc()).solve
+
+    def scipy_parts() -> None:
+        for _ in range(steps):
+            solve(u)
+            model.K @ u
+
+    peak = scipy_loop(model, tip.b, steps)
+    assert abs(peak / lean()[0].max() - 1.0) < 1e-8, "the two peak forces differ"
+    calls = lean, rich, parts, scipy_parts, lambda: scipy_loop(model, tip.b, steps)
+    times = [taken / steps for taken in best_times(*calls, enough=6.0)]
+    step, rich_step, parts_time, superlu, loop = times
+    return [
+        Line("a step", step, "its back-substitution (and check) and K u", parts_time),
+        Line("a step", step, "SuperLU's back-substitution and K u", superlu),
+        Line("a step", step, "a step of the SciPy loop", loop),
+        Line("a step with energies", rich_step, "without them", step),
+    ]
+
+
+# ------------------------------------------------------------------------- assembly and threads
+
+
+def measure_assembly() -> list[Line]:
+    lines = []
+    for divisions in ((50, 2, 2), (100, 16, 16)):
+        mesh = ao.box_mesh((1.0, 0.02, 0.02), divisions)
+        entries = mesh.cells.shape[0] * (3 * mesh.cells.shape[1]) ** 2
+        keys = np.random.default_rng(0).integers(0, 2**40, entries)
+        taken, sort = best_times(
+            lambda mesh=mesh: stiffness_mass(mesh, ALUMINIUM),
+            lambda keys=keys: np.sort(keys),
+            enough=2.0,
+        )
+        what = f"K and M, {3 * len(mesh.nodes)} dofs, hex8, {entries} entries"
+        lines.append(Line(what, taken, "a sort of as many numbers", sort))
+    return lines
+
+
+def measure_threads() -> list[Line]:
+    star = StarPlayer(beam_star(28), 0.0)
+    runs = [core_run(star, 20 * STEPS, False) for _ in range(2)]
+
+    def one_after_the_other() -> None:
+        for run in runs:
+            run()
+
+    def both_at_once() -> None:
+        threads = [threading.Thread(target=run) for run in runs]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+
+    alone, together = best_times(one_after_the_other, both_at_once, enough=3.0)
+    return [Line("two runs at once", together, "one after the other", alone)]
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        print_table(f"Star: rigid sphere on 28 AOs, {STEPS} steps", measure_star(folder))
+    print_table("Full model: the paper's beam, 1362 dofs", measure_full())
+    print_table("Assembly", measure_assembly())
+    print_table(f"Threads ({os.cpu_count()} cores)", measure_threads())
+
+
+if __name__ == "__main__":
+    main()
