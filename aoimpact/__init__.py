@@ -1,6 +1,13 @@
 """Low-velocity impact on structures by anti-oscillator models."""
 
 from importlib.metadata import version as _version
+from importlib.util import find_spec as _find_spec
+
+if _find_spec("aoimpact._core") is None:  # the source folder, seen before the installed package
+    raise ImportError(
+        f"the compiled core is missing in {__path__[0]}: this is the source folder of aoimpact; "
+        "install it (pip install .) and run from another folder, or use the command 'aoimpact'"
+    )
 
 from .adaptive import Adaptive
 from .contact import ContactPoint

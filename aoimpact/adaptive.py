@@ -18,11 +18,12 @@ from .events import Events
 from .laws import ContactLaw
 from .relative import Relative
 
-__all__ = ["Adaptive", "Track", "adaptive_run"]
+__all__ = ["TIGHTEST", "Adaptive", "Track", "adaptive_run"]
 
 FloatArray = npt.NDArray[np.float64]
 
-_TIGHTEST = 1e-13
+# Double precision carries no more digits.
+TIGHTEST = 1e-13
 
 # Columns of a row of the track (enum aoi_track), before the modes.
 _START, _LENGTH, _CONTACT, _RELEASE, _FIXED = 0, 1, 2, 3, 21
@@ -52,9 +53,9 @@ class Adaptive:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "rtol", positive("rtol", self.rtol))
-        if not _TIGHTEST <= self.rtol < 1.0:
+        if not TIGHTEST <= self.rtol < 1.0:
             raise InputError(
-                f"rtol must be from {_TIGHTEST:g} to below 1, got {self.rtol:g}: double precision "
+                f"rtol must be from {TIGHTEST:g} to below 1, got {self.rtol:g}: double precision "
                 "carries no more digits"
             )
 

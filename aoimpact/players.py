@@ -20,7 +20,7 @@ from .newmark import Newmark
 from .reduction import antioscillators
 from .solvers import factorize
 from .star import AOModel
-from .statics import moves_rigidly, static_mode
+from .statics import moves_rigidly, static_mode, translates
 
 __all__ = ["FullPlayer", "Player", "StarPlayer", "player"]
 
@@ -81,7 +81,7 @@ class StarPlayer:
     @property
     def unseen(self) -> tuple[float, float]:
         """A free body hit off its centre also moves in ways that its star does not contain."""
-        if self.held or self.model.origin is None:
+        if self.model.origin is None or not self.model.origin.translates:
             return 0.0, 0.0
         seen = float(self.model.centre_weights.sum())
         return 1.0 - seen, self.model.mass - self.model.static_mass
@@ -102,7 +102,7 @@ class StarPlayer:
 
 @dataclass(frozen=True, eq=False)
 class FullPlayer:
-    """A finite-element body; a free one translates at the start, a held one moves in φ_st."""
+    """A finite-element body; at the start it translates where it may, else it moves in φ_st."""
 
     tip: ContactPoint
     velocity: float
@@ -141,7 +141,7 @@ class FullPlayer:
     def _start(self) -> FloatArray:
         if self.velocity == 0.0:
             return np.zeros(self.tip.body.n_dofs)
-        if self.tip.direction is not None and not self.held:
+        if self.tip.direction is not None and translates(self.tip):
             return self.velocity * self.tip.body.translation(self.tip.direction)
         return self.velocity * static_mode(self.tip).phi
 

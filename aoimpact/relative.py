@@ -47,14 +47,12 @@ class _Side:
 
     def coordinates(self, shares: FloatArray) -> FloatArray:
         """Star coordinates of the modes' contact displacements, contact first; without residual."""
-        if math.isinf(self.star.m0):
-            return np.zeros(1)
         return np.concatenate([[shares.sum()], self.gain @ shares])
 
 
 def _side(star: AOModel) -> _Side:
-    if math.isinf(star.m0):
-        return _Side(star, np.zeros(0), np.zeros(0), 0.0)
+    if math.isinf(star.m0):  # one rigid mode that no force moves
+        return _Side(star, np.zeros(1), np.zeros(1), 0.0)
     omega2, participation = star.to_modal()
     residual = 0.0 if star.m0 > 0.0 else 1.0 / (star.k0 + math.fsum(star.k))
     return _Side(star, np.sqrt(omega2), participation**2, residual)

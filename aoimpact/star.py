@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,8 @@ class Origin:
         h with hᵀX the displacement of the centre of mass along the direction of travel.
     mass : float
         Of the whole body, kg; more than the static mass where part of it never feels the contact.
+    translates : bool
+        Whether the body is free to translate along the direction of travel.
     """
 
     label: str
@@ -43,6 +45,7 @@ class Origin:
     shapes: FloatArray
     centre: FloatArray
     mass: float
+    translates: bool
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -205,9 +208,7 @@ class AOModel:
         origin = self.origin
         if origin is not None:
             shapes = origin.shapes[:, :kept]
-            origin = Origin(
-                "AO", origin.tip, origin.static_mode, shapes, origin.centre, origin.mass
-            )
+            origin = replace(origin, label="AO", shapes=shapes)
         return AOModel(
             m0=self.m0 + math.fsum(self.m[kept:]),
             k0=self.k0,

@@ -15,7 +15,7 @@ from .solvers import factorize
 from .spectra import shifted
 from .star import Origin
 
-__all__ = ["StaticMode", "moves_rigidly", "origin_of", "static_mode"]
+__all__ = ["StaticMode", "moves_rigidly", "origin_of", "static_mode", "translates"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -99,9 +99,18 @@ def _static_displacement(tip: ContactPoint, rigid: FloatArray) -> FloatArray:
 
 def origin_of(tip: ContactPoint, static: StaticMode, shapes: FloatArray, label: str) -> Origin:
     """Return what a star made from a body keeps of it."""
+    centre, mass = static.m_phi / static.mass, static.mass
+    if tip.direction is not None and tip.body.mass is not None:
+        # Without nodes the mean over the static mode has to stand for the centre of mass.
+        centre, mass = tip.body.com_functional(tip.direction), tip.body.mass
+    return Origin(label, tip, static.phi, shapes, centre, mass, translates(tip))
+
+
+def translates(tip: ContactPoint) -> bool:
+    """Whether the body may translate along the direction of travel: no support forbids it."""
+    if tip.direction is None:
+        return False
     body = tip.body
-    if tip.direction is None or body.mass is None:
-        # Without nodes the mean over the static mode stands for the centre of mass.
-        return Origin(label, tip, static.phi, shapes, static.m_phi / static.mass, static.mass)
-    centre = body.com_functional(tip.direction)
-    return Origin(label, tip, static.phi, shapes, centre, body.mass)
+    along = body.translation(tip.direction)
+    rest = along - body.rigid_modes @ (body.rigid_modes.T @ (body.M @ along))
+    return float(rest @ (body.M @ rest)) <= 1e-12 * float(along @ (body.M @ along))

@@ -54,17 +54,31 @@ static double deepest(const aoi_law *law, double energy)
 
 /* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
  * that the first steps are rather too careful. */
-static void touch(aoi_adaptive *run)
+static int touch(aoi_adaptive *run)
 {
     const aoi_relative *relative = run->relative;
-    double indentation, rate, weight = 0.0;
+    double indentation, rate, weight = 0.0, amplitude = 0.0;
+    aoi_law_value value;
     aoi_relative_indentation(relative, run->x, run->v, &indentation, &rate);
     for (size_t j = 0; j < relative->n; j++) {
         weight += relative->weight[j];
+        amplitude += relative->omega[j] > 0.0
+                         ? hypot(run->x[j], run->v[j] / relative->omega[j])
+                         : (run->v[j] != 0.0 ? HUGE_VAL : 0.0);
     }
-    const double reach = deepest(run->law, 0.5 * rate * rate / weight);
+    const double energy = 0.5 * rate * rate / weight;
+    if (!(energy > 0.0) || !isfinite(energy)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
+    /* A soft law lets held bodies swing through: then they turn back by themselves. */
+    const double reach = fmin(deepest(run->law, energy), amplitude);
+    run->law->force(run->law, reach, rate, &value);
+    if (!(reach > 0.0) || !isfinite(value.force) || !isfinite(3.0 * reach / rate)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
     run->indentation_scale = fmax(run->indentation_scale, reach);
-    run->impulse_scale = fmax(run->impulse_scale, rate / weight);
+    run->impulse_scale =
+        fmax(run->impulse_scale, fmin(rate / weight, value.force * reach / rate));
     if (run->base == 0.0) {
         run->base = 3.0 * reach / rate;
     }
@@ -73,6 +87,7 @@ static void touch(aoi_adaptive *run)
     run->level = (int)ceil(log2(run->base / first));
     run->last_length = 0.0;
     run->in_contact = 1;
+    return AOI_OK;
 }
 
 /* The tables of the present level: the one not used for longest makes room. The last step of a record
@@ -218,6 +233,9 @@ static int contact_step(aoi_adaptive *run, double *row)
 {
     while (run->level < DEEPEST_LEVEL) {
         const aoi_collocation *step = table_of_level(run);
+        if (!(run->time + step->h > run->time)) {
+            break; /* shorter than the clock can tell */
+        }
         attempt made;
         double release = -1.0;
         try_step(run, step, &made);
@@ -242,13 +260,13 @@ static int flight(aoi_adaptive *run, double *row)
     double flown;
     int touches;
     (void)begin_row(run, row, 0.0);
-    const int status =
+    int status =
         aoi_relative_next_touch(run->relative, run->order, run->end - run->time, MOST_STRIDES,
                                 run->x, run->v, &flown, &touches);
     row[AOI_TRACK_LENGTH] = flown;
     run->time = touches ? run->time + flown : run->end;
     if (status == AOI_OK && touches) {
-        touch(run);
+        status = touch(run);
     }
     return status;
 }

@@ -30,7 +30,8 @@ typedef enum aoi_status {
     AOI_ERROR_NO_CONVERGENCE, /* an iteration reached its limit                                    */
     AOI_ERROR_UNREACHED,      /* the contact functional does not move the body at all              */
     AOI_ERROR_SOLVER,         /* the caller's linear solver reported a failure                     */
-    AOI_ERROR_TOLERANCE       /* even the shortest step does not meet the tolerance                */
+    AOI_ERROR_TOLERANCE,      /* even the shortest step does not meet the tolerance                */
+    AOI_ERROR_TOO_LONG        /* the run needs more rows than the caller has room for              */
 } aoi_status;
 
 /* ------------------------------------------------------------------------- vectors: vector.c */
@@ -314,8 +315,8 @@ int aoi_impact_run(aoi_impact *impact, double *const *row, size_t first, size_t 
 /* Two linear bodies between which one contact force F acts, as modes of the indentation
  *   delta = sum_j x_j - (residual[0] + residual[1]) F - gap,
  *   x_j'' + omega_j^2 x_j = load_j - weight_j F,
- * x_j being the share of mode j in delta (the target's with a minus sign) and weight_j = r_j^2 > 0
- * the square of its participation. The projectile's modes come first, n_projectile of n. load
+ * x_j being the share of mode j in delta (the target's with a minus sign) and weight_j = r_j^2 >= 0
+ * the square of its participation (0: a wall, that moves on whatever happens). The projectile's modes come first, n_projectile of n. load
  * [m/s^2] is only read where omega is zero (elsewhere it is a shift of x); residual [m/N] is the
  * compliance left of the projectile and the target where their contact mass is zero. */
 typedef struct aoi_relative {

@@ -658,6 +658,8 @@ typedef struct growing {
     size_t count, capacity, width;
 } growing;
 
+static const size_t MOST_BYTES = (size_t)1 << 30;
+
 static int grow(growing *track)
 {
     const size_t capacity = track->capacity ? 2 * track->capacity : 64;
@@ -679,6 +681,9 @@ static int run_to_end(aoi_adaptive *run, growing *track)
     int status = aoi_adaptive_start(run);
     while (status == AOI_OK && run->time < run->end) {
         size_t written = 0;
+        if (track->count * track->width * sizeof(double) > MOST_BYTES) {
+            return AOI_ERROR_TOO_LONG;
+        }
         if (track->count == track->capacity && !grow(track)) {
             break;
         }

@@ -63,8 +63,10 @@ static void write_body(const aoi_relative *relative, size_t first, size_t last, 
         seen[1] += sign * v[j];
         seen[2] += sign * centre_weight[j] * x[j];
         seen[3] += sign * centre_weight[j] * v[j];
-        seen[4] += 0.5 * v[j] * v[j] / relative->weight[j];
-        seen[5] += 0.5 * omega_x * omega_x / relative->weight[j];
+        if (relative->weight[j] > 0.0) { /* a wall's energy is not counted */
+            seen[4] += 0.5 * v[j] * v[j] / relative->weight[j];
+            seen[5] += 0.5 * omega_x * omega_x / relative->weight[j];
+        }
     }
     for (int i = 0; i < AOI_ROW_BODY_COUNT; i++) {
         if (row[i]) {

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -326,6 +327,49 @@ def test_a_record_of_no_contact(changes):
     assert miss.contacts == []
     assert (miss.peak_force, miss.impulse, miss.contact_duration) == (0.0, 0.0, 0.0)
     assert miss.projectile.displacement[-1] == pytest.approx(200e-6 * changes.get("velocity", 1.0))
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-5])
+def test_a_moving_wall_drives_what_it_meets_to_twice_its_speed(gap):
+    peak, time = rigid_power(HERTZ.k, 1.5, MASS, 1.0)
+    result = hit(projectile=WALL, target=BALL, gap=gap)
+    assert result.peak_force == pytest.approx(peak, rel=1e-8)
+    assert result.contact_duration == pytest.approx(time, rel=1e-8)
+    assert result.target.velocity[-1] == pytest.approx(2.0, rel=1e-8)
+    assert result.projectile.displacement[-1] == pytest.approx(200e-6, rel=1e-12)
+    assert result.error.energy is None  # a wall's energy has no end
+
+
+@pytest.mark.parametrize("k", [1e7, 1e5, 1e3])
+def test_a_held_body_that_swings_through_a_soft_law(k):
+    """Its own spring turns it back: the impulse is a small part of its momentum."""
+    swing = ao.AOModel(m0=0.4, k0=1e7, m=[0.01], k=[1e7])
+    options = {"projectile": swing, "target": WALL, "law": ao.Hertz(k=k), "velocity": 0.1}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        exact = hit(1e-12, duration=2e-3, **options)
+        for rtol in (1e-3, 1e-5, 1e-8):
+            run = hit(rtol, duration=2e-3, **options)
+            assert run.peak_force == pytest.approx(exact.peak_force, rel=rtol)
+            assert run.impulse == pytest.approx(exact.impulse, rel=rtol)
+
+
+@pytest.mark.slow
+def test_a_run_without_end_is_refused_before_memory_is_full():
+    """A stiff swing against a wall for a day: some 10⁸ contacts."""
+    swing = ao.AOModel(m0=1.0, k0=1e6)
+    with pytest.raises(ao.ConvergenceError, match=r"at t = .* shorter duration"):
+        hit(1e-3, projectile=swing, target=WALL, law=ao.Hertz(k=1e10), duration=1e5)
+
+
+def test_a_scene_too_sensitive_for_its_tolerance_says_so():
+    """Hundreds of contacts of a light swing with a ringing body."""
+    light = ao.AOModel(m0=3.2e-7, k0=2.8e3)
+    ringing = ao.AOModel(m0=3.36e-3, k0=2.3e4, m=[1e-3, 2e-4], k=[1e5, 1e5])
+    options = {"law": ao.Hertz(k=3.7e11), "velocity": 7e-4, "duration": 5e-3}
+    with pytest.warns(ao.AOImpactWarning, match="contacts"):
+        result = hit(1e-4, projectile=ringing, target=light, **options)
+    assert result.error.time > 1e-4
 
 
 def test_grazing_touches_are_found_and_misses_are_not_touches():
