@@ -173,7 +173,7 @@ def _adaptive(
         if error > rule.rtol:
             warn(
                 f"rtol={rule.rtol:g} is not kept over {len(track.events.contacts)} contacts, each "
-                f"of which enlarges the errors of those before: with rtol={tighter:g} the run differs "
+                f"of which enlarges the errors before: with rtol={tighter:g} the run differs "
                 f"by {error:.2g}; take a smaller rtol, or trust the first contacts only"
             )
     coordinates, rates = modes.coordinates(track.x), modes.coordinates(track.v)
