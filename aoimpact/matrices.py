@@ -9,7 +9,8 @@ import numpy.typing as npt
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from .errors import InputError, InputTypeError
+from .errors import InputError, InputTypeError, SingularError
+from .solvers import CHECKED_DOFS, factorize
 
 __all__ = ["check_mass", "check_stiffness", "symmetric_csr"]
 
@@ -18,8 +19,12 @@ FloatArray = npt.NDArray[np.float64]
 # Asymmetry up to this fraction of the largest entry is rounding and is averaged away.
 _ASYMMETRY = 1e-9
 
-# Up to this many dofs definiteness is checked fully, by LAPACK.
+# Up to this many dofs definiteness is checked by LAPACK, up to CHECKED_DOFS by sparse factors.
 _SMALL = 500
+
+# A negative eigenvalue of K, relative to its diagonal, that passes for rounding: without supports
+# the lowest ones are zero, and what prints K with ten digits makes them slightly negative.
+_NEGATIVE = 1e-9
 
 
 def symmetric_csr(name: str, matrix: Any) -> sp.csr_array:
@@ -55,8 +60,8 @@ def check_stiffness(K: sp.csr_array) -> None:
     Raises
     ------
     InputError
-        If a diagonal entry is negative, a principal minor of order 2 is, or (up to 500 dofs) an
-        eigenvalue.
+        If a diagonal entry is negative, a principal minor of order 2 is, or (up to 30 000 dofs)
+        an eigenvalue.
     """
     diagonal = K.diagonal()
     negative = np.flatnonzero(diagonal < 0.0)
@@ -69,10 +74,21 @@ def check_stiffness(K: sp.csr_array) -> None:
     _check_minors("K", K, 1.0 + 1e-9)
     if len(diagonal) <= _SMALL:
         lowest = float(la.eigvalsh(K.toarray(), subset_by_index=[0, 0])[0])
-        if lowest < -1e-9 * float(diagonal.max()):
+        if lowest < -_NEGATIVE * float(diagonal.max()):
             raise InputError(
                 f"K must be positive semidefinite: its lowest eigenvalue is {lowest:.4g} N/m"
             )
+    elif len(diagonal) <= CHECKED_DOFS and not _dominated(K, 1.0 + _NEGATIVE):
+        # Each dof is held by a share of its own stiffness, so that no scale of the dofs matters.
+        held = np.where(diagonal > 0.0, _NEGATIVE * diagonal, 1.0)
+        try:
+            factorize(K + sp.diags_array(held), what="K")
+        except SingularError as error:
+            raise InputError(
+                f"K must be positive semidefinite, no motion may give energy back: {error}, with "
+                f"{_NEGATIVE:g} of its diagonal added; look for signs lost or entries missing "
+                "where K was exported, and give it with all its digits"
+            ) from None
 
 
 def check_mass(M: sp.csr_array) -> None:
@@ -82,7 +98,7 @@ def check_mass(M: sp.csr_array) -> None:
     ------
     InputError
         If a diagonal entry is not positive (a dof without mass), a principal minor of order 2 is
-        not, or (up to 500 dofs) M has no Cholesky factor.
+        not, or (up to 30 000 dofs) an eigenvalue is not.
     """
     diagonal = M.diagonal()
     bad = np.flatnonzero(diagonal <= 0.0)
@@ -101,6 +117,21 @@ def check_mass(M: sp.csr_array) -> None:
             raise InputError(
                 f"M must be positive definite: its lowest eigenvalue is {lowest:.4g} kg"
             ) from None
+    elif len(diagonal) <= CHECKED_DOFS and not _dominated(M, 1.0 - 1e-12):
+        try:
+            factorize(M, what="M")
+        except SingularError as error:
+            raise InputError(
+                f"M must be positive definite, every motion must have kinetic energy: {error}; "
+                "look for signs lost or entries missing where M was exported, or lump it"
+            ) from None
+
+
+def _dominated(matrix: sp.csr_array, factor: float) -> bool:
+    """Whether factor · A_ii ≥ Σ |A_ij| in all rows: no eigenvalue is negative then (Gershgorin)."""
+    diagonal = matrix.diagonal()
+    others = abs(matrix).sum(axis=1) - np.abs(diagonal)
+    return bool((factor * diagonal >= others).all())
 
 
 def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:

@@ -13,13 +13,16 @@ import scipy.sparse.linalg as spla
 from . import _core
 from .errors import SingularError
 
-__all__ = ["Factorization", "factorize"]
+__all__ = ["CHECKED_DOFS", "Factorization", "factorize"]
 
 FloatArray = npt.NDArray[np.float64]
 
 # 1/condition below which a factorised matrix is taken for singular: the rounding of its entries
 # alone could have made it so.
 _SINGULAR = 2e-15
+
+# Up to here the signs of the pivots are looked at; SciPy copies all factors to show them.
+CHECKED_DOFS = 30_000
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,10 @@ class Factorization:
         """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
         solution: FloatArray = self._lu.solve(rhs)
         return solution
+
+    def negative_pivots(self) -> int:
+        """Return how many eigenvalues are negative: as many as pivots are (Sylvester's law)."""
+        return int(np.count_nonzero(self._lu.U.diagonal() <= 0.0))
 
     def for_core(self) -> tuple[Any, ...]:
         """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
@@ -68,7 +75,7 @@ def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:
     Raises
     ------
     SingularError
-        If the matrix is singular to rounding.
+        If the matrix is singular to rounding, or (up to 30 000 dofs) has negative eigenvalues.
     """
     csc = sp.csc_matrix(matrix)
     try:
@@ -83,6 +90,8 @@ def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:
     factors = Factorization(csc, lu)
     if not _reciprocal_condition(factors) > _SINGULAR:
         raise SingularError(f"{what} is singular to rounding")
+    if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
+        raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")
     return factors
 
 

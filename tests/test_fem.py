@@ -447,6 +447,40 @@ def test_matrices_that_no_body_has_are_refused(
         FEModel(K=K, M=M)
 
 
+@pytest.mark.parametrize("n", [200, 1000])
+def test_energy_that_a_motion_gives_back_is_refused_at_any_size(n: int) -> None:
+    """Every diagonal entry and every pair of dofs is right; only all of them together are not."""
+    K = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)).tolil()
+    M = sp.diags_array([0.6, 1.0, 0.6], offsets=[-1, 0, 1], shape=(n, n))  # 1 − 1.2 cos at least
+    with pytest.raises(InputError, match="M must be positive definite"):
+        FEModel(K=K, M=M)
+    K[n // 2, n // 2] = 0.5
+    assert np.linalg.eigvalsh(K.toarray())[0] < -0.1
+    with pytest.raises(InputError, match="K must be positive semidefinite"):
+        FEModel(K=K, M=sp.eye_array(n))
+
+
+def test_a_pair_of_masses_joined_too_strongly_is_refused() -> None:
+    n = 1000
+    M = sp.eye_array(n).tolil()
+    for i, j in ((500, 501), (501, 502)):  # each pair alone is right: 0.9² < 1
+        M[i, j] = M[j, i] = -0.9
+    K = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n))
+    with pytest.raises(InputError, match=r"M must be positive definite.*1 negative pivots"):
+        FEModel(K=K, M=M)
+
+
+def test_matrices_of_a_mesh_pass_whether_held_or_free_and_with_ten_digits() -> None:
+    bar = box_mesh((0.5, 0.02, 0.02), (60, 1, 1), kind="hexahedron20")
+    for fixed in (None, [("xmin", "xyz")]):
+        body = FEModel.from_mesh(bar, ALUMINIUM, fixed=fixed)
+        assert body.n_dofs > 500
+        FEModel(K=body.K, M=body.M)
+        printed = body.K.copy()
+        printed.data = np.array([float(f"{value:.9e}") for value in body.K.data])
+        FEModel(K=printed, M=body.M)
+
+
 def test_a_broken_sparse_matrix_is_refused() -> None:
     broken = sp.csr_array(K3)
     broken.indices[0] = 7

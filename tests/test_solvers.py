@@ -43,3 +43,13 @@ def test_elements_of_very_different_size_are_not_called_singular():
     K = sp.diags([k + np.append(k[1:], 0.0), -k[1:], -k[1:]], [0, 1, -1]).tocsr()
     ones = np.ones(60)
     np.testing.assert_allclose(factorize(K).solve(K @ ones), ones, rtol=1e-3)
+
+
+def test_indefinite_matrices_are_refused_with_the_number_of_negative_eigenvalues():
+    """As many pivots are negative as eigenvalues (Sylvester): three springs pushed, not pulled."""
+    K = sp.diags([2.0, -1.0, -1.0], [0, 1, -1], shape=(1000, 1000)).tolil()
+    for place in (100, 500, 900):
+        K[place, place] = 0.5
+    assert (np.linalg.eigvalsh(K.toarray()) < 0.0).sum() == 3
+    with pytest.raises(ao.SingularError, match=r"K is not positive definite \(3 negative"):
+        factorize(K, what="K")
