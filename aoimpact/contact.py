@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .checks import finite_array, integer, nonnegative, unit_vector
-from .errors import InputError, InputTypeError
+from .errors import InputError, InputTypeError, warn
 
 __all__ = ["Body", "ContactPoint", "contact_point"]
 
@@ -94,8 +94,8 @@ def contact_point(
     ----------
     body : FEModel
     point : array_like, shape (3,), optional
-        A node's place, m. A point off the nodes goes to the nearest one within half the distance
-        between nodes there.
+        A node's place, m. A contact is at a node: a point off the nodes goes, with a warning, to
+        the nearest one within half the distance between nodes there.
     direction : array_like, shape (3,), optional
         Direction of travel; any length but zero.
     dof : int, optional
@@ -107,6 +107,11 @@ def contact_point(
     ------
     InputError
         If the place is not on the body, or cannot move in the direction.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the point is not the node's place.
     """
     if nonnegative("radius", radius, unit="m") > 0.0:
         raise InputError(
@@ -145,8 +150,9 @@ def _at_node(body: Body, point: FloatArray, direction: npt.ArrayLike) -> Contact
     b = b[body.free]
     if np.linalg.norm(b) < 1e-12:
         raise InputError(
-            f"point {tuple(point)} with direction {tuple(along)}: node {node} is held by the "
-            "supports in that direction, so no impact there can move it"
+            f"point {_plain(point)} m with direction {_plain(along)}: node {node} is held by the "
+            "supports in that direction, so no impact there can move it; choose another node or "
+            "direction, or release the node in fixed"
         )
     b.flags.writeable = False
     return ContactPoint(body, b, along, body.nodes[node], node)
@@ -162,8 +168,17 @@ def _nearest_node(nodes: FloatArray, point: FloatArray) -> int:
     spacing = float(np.sort(around)[1]) if len(nodes) > 1 else 0.0
     if distance[node] > 0.5 * spacing:
         raise InputError(
-            f"point {tuple(float(x) for x in point)} m is {distance[node]:.3g} m from the nearest "
-            f"node ({node}, at {tuple(float(x) for x in nodes[node])} m), where nodes are "
+            f"point {_plain(point)} m is {distance[node]:.3g} m from the nearest "
+            f"node ({node}, at {_plain(nodes[node])} m), where nodes are "
             f"{spacing:.3g} m apart: give the coordinates of a node (are they in metres?)"
         )
+    warn(
+        f"point {_plain(point)} m is no node; in this version a contact is at a node, and node "
+        f"{node} at {_plain(nodes[node])} m, {distance[node]:.3g} m off, is taken: give its "
+        "coordinates if it is meant, or mesh the body with a node at the point"
+    )
     return node
+
+
+def _plain(vector: FloatArray) -> str:
+    return f"({', '.join(f'{x:.6g}' for x in vector)})"
