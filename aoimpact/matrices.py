@@ -152,6 +152,8 @@ def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:
 
 def _real_csr(name: str, matrix: Any) -> sp.csr_array:
     if not sp.issparse(matrix):
+        if np.ma.is_masked(matrix):
+            raise InputTypeError(f"{name} has masked entries; fill or remove them first")
         matrix = np.asarray(matrix)
         if matrix.ndim != 2:
             raise InputError(f"{name} must be a square matrix, got shape {matrix.shape}")

@@ -339,6 +339,7 @@ def big_endian_csr(matrix: FloatArray) -> sp.csr_array:
         lambda A: A.astype(np.int64),
         lambda A: A.astype(np.float32),
         lambda A: A.astype(">f8"),
+        np.ma.masked_invalid,  # nothing masked
         np.asfortranarray,
         lambda A: np.repeat(np.repeat(A, 2, axis=0), 2, axis=1)[::2, ::2],
         sp.csc_matrix,
@@ -427,6 +428,8 @@ def test_asymmetry_of_rounding_is_averaged_away() -> None:
         (sp.csr_array(changed(K3, 1, 1, np.nan)), M3, InputError, r"K\[1, 1\] is nan"),
         (K3.astype(complex), M3, InputTypeError, "K must be a matrix of real numbers"),
         (K3 != 0, M3, InputTypeError, "dtype bool"),
+        (np.ma.masked_less(K3, 0.0), M3, InputTypeError, "K has masked entries; fill or remove"),
+        (K3, np.ma.masked_equal(M3, 0.0), InputTypeError, "M has masked entries"),
         ("K.mtx", M3, InputError, "K must be a square matrix"),
         (None, M3, InputError, "K must be a square matrix"),
         (K3, changed(M3, 1, 1, 0.0), InputError, r"1 of 3 diagonal .* M\[1, 1\] = 0 kg; condense"),
