@@ -163,7 +163,10 @@ def _volume_cells(raw: Any) -> tuple[str, IntArray]:
     counts = +counts
     supported = f"supported are {', '.join(KINDS)}"
     listed = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "no cells at all"
-    volume = {block.type for block in raw.cells if len(block.data) and block.dim == 3}
+    # A block of unknown dimension is of a kind that is not supported either.
+    volume = {
+        block.type for block in raw.cells if len(block.data) and getattr(block, "dim", 3) == 3
+    }
     if not volume:
         raise MeshError(f"the mesh has no volume cells: it has {listed}; {supported}")
     unknown = sorted(volume.difference(KINDS))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,11 +14,15 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 
+from .elements import KINDS
 from .errors import MeshError, MissingFileError
 
 __all__ = ["load", "named_nodes"]
 
 IntArray = npt.NDArray[np.int64]
+
+# meshio's names of kinds of cells: a shape and its number of nodes.
+_KIND = re.compile(r"(vertex|line|triangle|quad|tetra|hexahedron|wedge|pyramid)\d*")
 
 _DIMENSION_NAMES = ("point", "line", "surface", "volume")
 
@@ -30,7 +35,8 @@ def load(path: str | os.PathLike[str]) -> Any:
     MissingFileError
         If there is no such file.
     MeshError
-        If it is empty, or of a format that meshio does not read.
+        If it is empty, of a format that meshio does not read, or has cells of a kind that meshio
+        cannot hold.
     """
     file = Path(path)
     if not file.exists():
@@ -52,6 +58,14 @@ def load(path: str | os.PathLike[str]) -> Any:
         raise MeshError(
             f"mesh file {str(file)!r} needs the package {error.name}: pip install {error.name}"
         ) from None
+    except KeyError as error:
+        # Some readers know more kinds of cells, such as wedge15, than meshio's meshes can hold.
+        if _KIND.fullmatch(str(error.args[0] if error.args else "")):
+            raise MeshError(
+                f"mesh file {str(file)!r} has cells of an unsupported kind: {error.args[0]}; "
+                f"supported are {', '.join(KINDS)}"
+            ) from None
+        reason = f"KeyError: {error}"
     except Exception as error:
         # Readers meet malformed files with whatever their parsing happens to raise.
         reason = f"{type(error).__name__}: {error}"

@@ -82,17 +82,35 @@ def _selected(
                 f"it has {known}"
             )
         return node_sets[selector]
-    if not callable(selector):
+    if callable(selector):
+        return _from_mask(f"{name}: the function", _returned(name, selector, nodes), nodes)
+    try:
         array = np.asarray(selector)
-        if array.dtype != bool:
-            return node_ids(f"{name}: nodes", selector, len(nodes))
-        return _from_mask(f"{name}: the mask of nodes", array, nodes)
-    mask = np.asarray(selector(nodes))
+    except ValueError as error:
+        raise InputTypeError(f"{name}: nodes must be a flat list of numbers: {error}") from None
+    if array.dtype != bool:
+        return node_ids(f"{name}: nodes", selector, len(nodes))
+    return _from_mask(f"{name}: the mask of nodes", array, nodes)
+
+
+def _returned(name: str, function: Any, nodes: FloatArray) -> npt.NDArray[np.bool_]:
+    wanted = "the function must return one bool for each node"
+    try:
+        value = function(nodes)
+    except Exception as error:
+        raise InputError(
+            f"{name}: the function raised {type(error).__name__}: {error}; it is called with the "
+            f"coordinates of all nodes, an array of shape {nodes.shape}, and should return one "
+            "bool for each"
+        ) from error
+    try:
+        mask = np.asarray(value)
+    except ValueError as error:
+        raise InputTypeError(f"{name}: {wanted}: {error}") from error
     if mask.dtype != bool:
-        raise InputTypeError(
-            f"{name}: the function must return one bool for each node, got dtype {mask.dtype}"
-        )
-    return _from_mask(f"{name}: the function", mask, nodes)
+        what = type(value).__name__ if mask.ndim == 0 else f"dtype {mask.dtype}"
+        raise InputTypeError(f"{name}: {wanted}, got {what}")
+    return mask
 
 
 def _from_mask(name: str, mask: npt.NDArray[np.bool_], nodes: FloatArray) -> IntArray:

@@ -305,6 +305,16 @@ def test_supports_add_up() -> None:
         ([(lambda p: p[:, 0] == 7.0, "x")], InputError, r"selects no nodes; .* x 0…0\.05"),
         ([(lambda p: p[:, 0], "x")], InputTypeError, "one bool for each node, got dtype float64"),
         ([(lambda p: p == 0.0, "x")], InputError, r"36 nodes, got shape \(36, 3\)"),
+        (
+            [("xmin", "x"), (lambda p: p["z"] == 0.0, "x")],
+            InputError,
+            r"fixed\[1\]: the function raised IndexError: .* coordinates .* shape \(36, 3\)",
+        ),
+        ([(lambda x, y, z: x == 0.0, "x")], InputError, r"fixed\[0\]: the function raised TypeE"),
+        ([(lambda p: None, "x")], InputTypeError, r"fixed\[0\]: .* each node, got NoneType"),
+        ([(lambda p: [[True], [True, False]], "x")], InputTypeError, r"fixed\[0\]: .* one bool"),
+        ([(lambda p: True, "x")], InputError, r"fixed\[0\]: .* 36 nodes, got shape \(\)"),
+        ([([[0], [1, 2]], "x")], InputTypeError, r"fixed\[0\]: nodes must be a flat list"),
         ([(np.ones(7, bool), "x")], InputError, r"36 nodes, got shape \(7,\)"),
         ([(range(36), "xyz")], InputError, "fixed holds every dof"),
         (("xmin", "xyz"), InputTypeError, r"fixed\[0\] is not a pair .* give a list of pairs"),
@@ -317,6 +327,12 @@ def test_supports_add_up() -> None:
 def test_wrong_supports_are_named(fixed: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         FEModel.from_mesh(BLOCK, STEEL, fixed=fixed)
+
+
+def test_what_a_function_of_supports_raised_is_kept_as_the_cause() -> None:
+    with pytest.raises(InputError) as caught:
+        FEModel.from_mesh(BLOCK, STEEL, fixed=[(lambda nodes: 1 // 0, "x")])
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
 
 
 # --- Anyone's matrices ---

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -247,6 +248,21 @@ def test_files_that_are_no_mesh(
     with pytest.raises(MeshError, match=words):
         read_mesh(tmp_path / name)
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_kind_that_meshio_reads_but_cannot_hold(tmp_path: Path) -> None:
+    nodes = "".join(f"{i}, {i}, {i * i}, 0\n" for i in range(1, 16))
+    element = "*ELEMENT, TYPE=C3D15\n1, " + ", ".join(str(i) for i in range(1, 16))
+    (tmp_path / "wedge.inp").write_text(f"*NODE\n{nodes}{element}\n")
+    with pytest.raises(MeshError, match=r"unsupported kind: wedge15; supported are tetra, tetra10"):
+        read_mesh(tmp_path / "wedge.inp")
+
+
+def test_a_block_of_unknown_dimension_is_of_an_unsupported_kind() -> None:
+    mesh = meshio.Mesh(TWO, [("hexahedron", TWO_CELLS)])
+    mesh.cells.append(SimpleNamespace(type="wedge15", data=np.zeros((2, 15), int)))
+    with pytest.raises(MeshError, match="unsupported kind: 2 wedge15"):
+        read_mesh(mesh)
 
 
 def test_binary_rubbish_is_no_mesh(tmp_path: Path) -> None:
