@@ -50,8 +50,8 @@ class Mesh:
     Raises
     ------
     MeshError
-        If elements are inverted or flat, or nodes belong to no element: these are counted, and the
-        first one is named.
+        If elements are inverted, flat or there twice, or nodes belong to no element: these are
+        counted, and the first one is named.
     InputError, InputTypeError
         If the arrays have the wrong shape or type, or node numbers are out of range.
     """
@@ -73,6 +73,7 @@ class Mesh:
                 f"nodes: {len(unused)} of {len(nodes)} belong to no element, the first is "
                 f"{unused[0]}; leave them out, or let read_mesh do so"
             )
+        _check_duplicates(cells, element)
         _check_elements(nodes, cells, element)
         sets = {
             str(name): node_ids(f"node_sets[{name!r}]", members, len(nodes))
@@ -249,6 +250,22 @@ def _make_right_handed(nodes: FloatArray, cells: IntArray, element: ReferenceEle
         f"all {len(cells)} elements are numbered left-handed; they were renumbered",
     )
     return np.ascontiguousarray(cells[:, element.mirror])
+
+
+def _check_duplicates(cells: IntArray, element: ReferenceElement) -> None:
+    """Refuse elements on the same corners: their stiffness and mass would count twice."""
+    corners = np.sort(cells[:, : element.n_corners], axis=1)
+    order = np.lexsort(corners.T)  # stable: of equal elements the first comes first
+    same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
+    if same.any():
+        first = int(np.flatnonzero(same)[0])
+        earlier, later = int(order[first]), int(order[first + 1])
+        raise MeshError(
+            f"{int(same.sum())} of {len(cells)} elements are there twice, on the same corners in "
+            f"whatever order: element {later} repeats element {earlier}, with nodes "
+            f"{cells[earlier].tolist()}; remove duplicate elements in the mesher (a volume in two "
+            "groups, or copied)"
+        )
 
 
 def _check_elements(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> None:

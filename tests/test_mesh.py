@@ -154,6 +154,15 @@ def test_an_element_of_one_point_is_flat() -> None:
         Mesh(CUBE, [TWO_CELLS[0], [3] * 8], "hexahedron")
 
 
+def test_elements_that_are_there_twice_are_counted() -> None:
+    turned = TWO_CELLS[0, [1, 2, 3, 0, 5, 6, 7, 4]]  # the same cube, begun at another corner
+    cells = np.vstack([TWO_CELLS, turned, TWO_CELLS[:1]])
+    with pytest.raises(MeshError, match=r"2 of 4 elements are there twice.* 2 repeats element 0"):
+        read_mesh(solid(TWO, cells))
+    with pytest.raises(MeshError, match="1 of 3 elements are there twice"):
+        Mesh(TWO, cells[:3], "hexahedron")
+
+
 @pytest.mark.parametrize("factor", [1e-9, 1e-3, 1e6])
 def test_shape_of_elements_is_judged_at_any_scale(factor: float) -> None:
     thin = TWO * [1.0, 1.0, 1e-3] * factor  # thin, but not flat
