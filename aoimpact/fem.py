@@ -124,10 +124,12 @@ class FEModel:
             raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
         solid = read_mesh(mesh)
         free = free_dofs(solid.nodes, fixed, solid.node_sets)
-        K, M = stiffness_mass(solid, material)
         translations = _translations(np.arange(3 * solid.n_nodes))
-        momentum = M @ translations
-        mass = float(momentum[:, 0] @ translations[:, 0])
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            K, M = stiffness_mass(solid, material)
+            momentum = M @ translations
+            mass = float(momentum[:, 0] @ translations[:, 0])
+        _check_reach(mass, K, solid, material)
         _warn_of_units(mass, solid.size)
         if len(free) < len(momentum):
             K, M, momentum = K[free][:, free], M[free][:, free], momentum[free]
@@ -284,6 +286,16 @@ def _checked_total(total: FloatArray) -> float:
             "rows in the order 3·node + component?"
         )
     return mass
+
+
+def _check_reach(mass: float, K: Any, mesh: Mesh, material: Material) -> None:
+    """Refuse what leaves the range of doubles, so that no nan or zero mass is computed with."""
+    if not (0.0 < mass < np.inf and np.isfinite(K.data).all() and K.data.any()):
+        raise InputError(
+            f"the body is {mesh.size:.3g} m long, of {material}: its mass ({mass:g} kg) or "
+            "stiffness overflows or vanishes; give coordinates in metres and the material in Pa "
+            "and kg/m³"
+        )
 
 
 def _warn_of_units(mass: float, size: float) -> None:

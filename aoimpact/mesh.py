@@ -28,6 +28,9 @@ IntArray = npt.NDArray[np.int64]
 # det J below this fraction of the cube of the element's size: no volume to speak of.
 _FLAT = 1e-12
 
+# Coordinates and sizes, m, whose cubes and fourth powers stay far from what doubles can hold.
+_LARGEST, _SMALLEST = 1e50, 1e-50
+
 # Nodes closer than this fraction of the mesh's size are at the same place.
 _COINCIDENT = 1e-9
 
@@ -73,6 +76,7 @@ class Mesh:
                 f"nodes: {len(unused)} of {len(nodes)} belong to no element, the first is "
                 f"{unused[0]}; leave them out, or let read_mesh do so"
             )
+        _check_reach(nodes)
         _check_duplicates(cells, element)
         _check_elements(nodes, cells, element)
         sets = {
@@ -131,14 +135,14 @@ def read_mesh(source: str | os.PathLike[str] | Any, *, scale: float = 1.0) -> Me
     if isinstance(source, Mesh):
         if factor == 1.0:
             return source
-        return Mesh(source.nodes * factor, source.cells, source.kind, source.node_sets)
+        return Mesh(_scaled(source.nodes, factor), source.cells, source.kind, source.node_sets)
     raw = load(source) if isinstance(source, (str, os.PathLike)) else source
     if not all(hasattr(raw, name) for name in ("points", "cells", "point_sets", "cell_sets")):
         raise InputTypeError(
             f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
         )
     kind, cells = _volume_cells(raw)
-    nodes = _coordinates(raw.points) * factor
+    nodes = _scaled(_coordinates(raw.points), factor)
     element = reference_element(kind)
     cells = _checked_cells(cells, element, len(nodes))
     nodes, cells, sets = _drop_unused(nodes, cells, named_nodes(raw))
@@ -147,6 +151,29 @@ def read_mesh(source: str | os.PathLike[str] | Any, *, scale: float = 1.0) -> Me
     mesh = Mesh(nodes, cells, kind, sets)
     _warn_of_pieces(mesh)
     return mesh
+
+
+def _scaled(nodes: FloatArray, factor: float) -> FloatArray:
+    with np.errstate(over="ignore", under="ignore"):  # what overflows is out of reach
+        scaled = nodes * factor
+    _check_reach(scaled)
+    return scaled
+
+
+def _check_reach(nodes: FloatArray) -> None:
+    """Refuse sizes that no body has: volumes would overflow, or vanish."""
+    farthest = float(np.abs(nodes).max())
+    if farthest > _LARGEST:
+        raise MeshError(
+            f"coordinates reach {farthest:.3g} m, and volumes of that size cannot be computed; "
+            "give coordinates in metres (is scale right?)"
+        )
+    size = float(np.ptp(nodes, axis=0).max())
+    if 0.0 < size < _SMALLEST or farthest == 0.0:
+        raise MeshError(
+            f"the mesh is {size:.3g} m long, and volumes of that size cannot be computed; "
+            "give coordinates in metres (is scale right?)"
+        )
 
 
 def _coordinates(points: Any) -> FloatArray:
@@ -229,7 +256,7 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, element: ReferenceE
     expected = between @ corners
     size = np.ptp(corners, axis=1).max(axis=1)
     gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
-    size = np.where(size > 0.0, size, 1.0)
+    size = np.where(size > _SMALLEST, size, 1.0)
     misfit = np.einsum("eabi,e->ab", gaps**2, size**-2.0)
     _, order = linear_sum_assignment(misfit)
     if np.array_equal(order, np.arange(len(order))):
@@ -294,7 +321,7 @@ def _jacobian_range(
         corners = nodes[cells[part]]
         det, _ = cofactors(jacobians(corners, gradient))
         size = np.ptp(corners, axis=1).max(axis=1)
-        det /= np.where(size > 0.0, size, 1.0)[:, None] ** 3
+        det /= np.where(size > _SMALLEST, size, 1.0)[:, None] ** 3
         lowest[part], highest[part] = det.min(axis=1), det.max(axis=1)
     return lowest, highest
 

@@ -557,6 +557,14 @@ def test_millimetres_are_noticed() -> None:
         FEModel.from_mesh(sphere_mesh(10.0, 10.0), STEEL)
 
 
+@pytest.mark.parametrize(("E", "rho"), [(1e300, 1.0), (1.0, 1e300), (1.0, 1e-310), (1e-310, 1.0)])
+def test_a_body_beyond_the_range_of_numbers_is_refused(E: float, rho: float) -> None:
+    large = 1e40 if max(E, rho) > 1.0 else 1e-40
+    block = Mesh(large * BLOCK.nodes, BLOCK.cells, BLOCK.kind)
+    with pytest.raises(InputError, match=r"overflows or vanishes; .* metres .* Pa and kg/m³"):
+        FEModel.from_mesh(block, Material(E=E, nu=0.3, rho=rho))
+
+
 def test_bad_meshes_and_materials_are_refused() -> None:
     with pytest.raises(MeshError, match="does not exist"):
         FEModel.from_mesh("nowhere.msh", STEEL)

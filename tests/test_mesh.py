@@ -169,6 +169,31 @@ def test_shape_of_elements_is_judged_at_any_scale(factor: float) -> None:
     assert read_mesh(solid(thin)).size == pytest.approx(2.0 * factor)
 
 
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1e200, r"reach 2e\+200 m, .* metres"),
+        (1e308, "coordinates .* metres"),
+        (1e-120, "is 2e-120 m long, .* metres"),
+        (1e-320, "m long, .* metres"),
+    ],
+)
+def test_coordinates_whose_volumes_cannot_be_computed(factor: float, words: str) -> None:
+    with pytest.raises(MeshError, match=words):
+        read_mesh(solid(TWO * min(factor, 8e307)))
+    with pytest.raises(MeshError, match=words):
+        read_mesh(solid(), scale=factor)
+    with pytest.raises(MeshError, match=words):
+        read_mesh(Mesh(TWO, TWO_CELLS, "hexahedron"), scale=factor)
+
+
+def test_an_element_as_small_as_nothing_is_flat() -> None:
+    corner = np.vstack([np.zeros(3), np.eye(3)])
+    small = np.vstack([corner, 1e-120 * corner])
+    with pytest.raises(MeshError, match="1 of 2 elements are flat"):
+        Mesh(small, [[0, 1, 2, 3], [4, 5, 6, 7]], "tetra")
+
+
 def test_scale_turns_millimetres_into_metres() -> None:
     mesh = read_mesh(solid(1000.0 * TWO), scale=1e-3)
     assert mesh.nodes == pytest.approx(TWO, rel=1e-15)
