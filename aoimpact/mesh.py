@@ -142,9 +142,9 @@ def read_mesh(source: str | os.PathLike[str] | Any, *, scale: float = 1.0) -> Me
             f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
         )
     kind, cells = _volume_cells(raw)
-    nodes = _scaled(_coordinates(raw.points), factor)
     element = reference_element(kind)
-    cells = _checked_cells(cells, element, len(nodes))
+    cells = _checked_cells(cells, element, len(raw.points))
+    nodes = _scaled(_coordinates(raw.points, cells), factor)
     nodes, cells, sets = _drop_unused(nodes, cells, named_nodes(raw))
     cells = _order_midside_nodes(nodes, cells, element)
     cells = _make_right_handed(nodes, cells, element)
@@ -176,10 +176,16 @@ def _check_reach(nodes: FloatArray) -> None:
         )
 
 
-def _coordinates(points: Any) -> FloatArray:
+def _coordinates(points: Any, cells: IntArray) -> FloatArray:
+    """Return checked coordinates; those of nodes that no cell uses may be anything."""
     array = np.asarray(points)
     if array.ndim == 2 and array.shape[1] == 2:
         raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
+    unused = np.ones(len(array), dtype=bool)
+    unused[cells] = False
+    if unused.any() and array.dtype.kind == "f":
+        points = np.array(points, subok=True)  # a masked array stays one, and is refused
+        points[unused] = 0.0
     return finite_array("coordinates of the mesh", points, shape=(None, 3), unit="m")
 
 

@@ -231,6 +231,15 @@ def test_cells_that_cannot_be_computed_with(cells: list[object], words: str) -> 
         read_mesh(meshio.Mesh(TWO, cells))
 
 
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e200])
+def test_nodes_of_no_element_may_have_any_coordinates(bad: float) -> None:
+    points = np.vstack([[[bad, 0.0, bad]], TWO])
+    with pytest.warns(AOImpactWarning, match="1 of 13 nodes belong to no volume element"):
+        mesh = read_mesh(solid(points, TWO_CELLS + 1))
+    assert np.array_equal(mesh.nodes, TWO)
+    assert np.array_equal(points[0], [bad, 0.0, bad], equal_nan=True)
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_coordinates_that_are_no_numbers(bad: float) -> None:
     points = TWO.copy()
