@@ -2,7 +2,7 @@
 
 Each function draws on the axes given, or on those of a new figure, and returns them; keywords go to
 ``Axes.plot``. Units get the prefix that suits the numbers, and a second curve on the same axes
-keeps the prefix of the first.
+keeps the prefix of the first. An ``ax`` that is no Axes raises InputTypeError.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .checks import choice
+from .errors import InputTypeError
 from .events import FloatArray
 from .units import Scale, scale_for, scale_of
 
@@ -107,10 +108,15 @@ def _draw(
     kwargs: dict[str, Any],
 ) -> Axes:
     """Draw curves over (values, name, unit) `across`, on axes labelled with units."""
+    import matplotlib.axes
     import matplotlib.pyplot as plt
 
     if ax is None:
         ax = plt.subplots(layout="constrained")[1]
+    elif not isinstance(ax, matplotlib.axes.Axes):
+        raise InputTypeError(
+            f"ax must be the Axes to draw on, such as plt.subplots()[1], got {type(ax).__name__}"
+        )
     x, x_name, x_unit = across
     largest = max(float(np.max(np.abs(y), initial=0.0)) for y, _ in curves)
     scales = _axis_scales(ax, x_unit, unit)

@@ -38,6 +38,14 @@ def test_draws_on_the_axes_given_and_returns_them(method: str) -> None:
         assert re.search(r"\[\S+\]$", label), "an axis without unit"
 
 
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("ax", [3, "red", plt.Figure(), np.empty(2, dtype=object)])
+def test_what_is_no_axes_is_refused(method: str, ax: Any) -> None:
+    words = f"ax must be the Axes to draw on, .* got {type(ax).__name__}"
+    with pytest.raises(ao.InputTypeError, match=words):
+        getattr(HalfSine().result(), method)(ax)
+
+
 def test_force_is_drawn_in_its_units() -> None:
     hit = HalfSine()  # 54.8 N over 31.4 ms
     result = hit.result()
