@@ -39,7 +39,8 @@ check_that(int holds, const char *file, int line, const char *condition, const c
 }
 
 /* CHECK(condition, what it means in physics, printf arguments) */
-#define CHECK(condition, ...) check_that((condition) != 0, __FILE__, __LINE__, #condition, __VA_ARGS__)
+#define CHECK(condition, ...)                                                                      \
+    check_that((condition) != 0, __FILE__, __LINE__, #condition, __VA_ARGS__)
 
 /* The closing line, and main's return value. */
 static inline int check_report(void)

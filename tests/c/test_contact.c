@@ -15,9 +15,20 @@ static aoi_law power_law(double k, double n)
 /* Starts of the search: right, nearly right, absurd. */
 static double guess_number(int i, double x, double free_end)
 {
-    const double guesses[] = {0.0,     -1.0,      x,           x * (1.0 + 1e-9), 0.999 * x,
-                              1.001 * x, 1e-10 * x, free_end,  0.5 * free_end,   1e3 * free_end,
-                              DBL_MIN, (double)NAN, (double)INFINITY, -(double)INFINITY};
+    const double guesses[] = {0.0,
+                              -1.0,
+                              x,
+                              x * (1.0 + 1e-9),
+                              0.999 * x,
+                              1.001 * x,
+                              1e-10 * x,
+                              free_end,
+                              0.5 * free_end,
+                              1e3 * free_end,
+                              DBL_MIN,
+                              (double)NAN,
+                              (double)INFINITY,
+                              -(double)INFINITY};
     return i < (int)(sizeof guesses / sizeof guesses[0]) ? guesses[i] : (double)NAN;
 }
 
@@ -36,7 +47,8 @@ static void solves(double n, double x, double stiff)
                                                guess_number(i, x, free_end)};
         double force = -1.0, indentation = -1.0;
         const int status = aoi_contact_solve(&law, &equation, &force, &indentation);
-        CHECK(status == AOI_OK, "n %g, x %g, compliance k %g, guess %d: status %d", n, x, stiff, i, status);
+        CHECK(status == AOI_OK, "n %g, x %g, compliance k %g, guess %d: status %d", n, x, stiff, i,
+              status);
         CHECK(near(indentation, x, 5.0 * DBL_EPSILON), "n %g: %.17g, not %.17g", n, indentation, x);
         CHECK(near(force, value.force, (8.0 + 5.0 * n) * DBL_EPSILON),
               "n %g, x %g, compliance k %g, guess %d: force off by %g", n, x, stiff, i,
@@ -67,7 +79,8 @@ static void random_equations(void)
     int failures = 0;
     double worst = 0.0;
     for (int i = 0; i < 200000; i++) {
-        const aoi_law law = power_law(decades(&seed, -10.0, 14.0), i % 3 ? 1.5 : 1.0 + uniform(&seed));
+        const aoi_law law =
+            power_law(decades(&seed, -10.0, 14.0), i % 3 ? 1.5 : 1.0 + uniform(&seed));
         const double free_end = decades(&seed, -15.0, 3.0);
         const aoi_contact_equation equation = {free_end, decades(&seed, -20.0, 4.0), 0.0, 0.0,
                                                free_end * 2.0 * (uniform(&seed) - 0.25)};
@@ -86,7 +99,8 @@ static void no_contact_no_force(void)
     for (size_t i = 0; i < sizeof apart / sizeof apart[0]; i++) {
         const aoi_contact_equation equation = {apart[i], 1e-6, -3.0, 1.0, 1.0};
         double force = 5.0, x = 5.0;
-        CHECK(aoi_contact_solve(&law, &equation, &force, &x) == AOI_OK && force == 0.0 && x == apart[i],
+        CHECK(aoi_contact_solve(&law, &equation, &force, &x) == AOI_OK && force == 0.0 &&
+                  x == apart[i],
               "%g m apart", apart[i]);
     }
     /* The lightest touch there is, and an indentation that nothing resists. */
@@ -187,10 +201,11 @@ static void laws_with_kinks_and_damping(void)
         const aoi_law law = {laws[l].force, NULL, {laws[l].parameter[0], laws[l].parameter[1]}};
         int failures = 0, wrong = 0;
         for (int i = 0; i < 20000; i++) {
-            const double free_end = decades(&seed, -8.0, 1.0), compliance = decades(&seed, -8.0, 3.0);
-            const aoi_contact_equation equation = {free_end, compliance, 4.0 * (uniform(&seed) - 0.5),
-                                                   i % 2 ? compliance / DT : 0.0,
-                                                   free_end * uniform(&seed)};
+            const double free_end = decades(&seed, -8.0, 1.0),
+                         compliance = decades(&seed, -8.0, 3.0);
+            const aoi_contact_equation equation = {
+                free_end, compliance, 4.0 * (uniform(&seed) - 0.5), i % 2 ? compliance / DT : 0.0,
+                free_end * uniform(&seed)};
             double force = 0.0, x = 0.0;
             failures += aoi_contact_solve(&law, &equation, &force, &x) != AOI_OK;
             wrong += !is_root(&law, &equation, x);
@@ -208,12 +223,15 @@ static void what_is_not_finite_is_said(void)
         const aoi_contact_equation place = {bad[i], 1e-6, 0.0, 1.0, 0.0};
         const aoi_contact_equation rate = {1e-6, 1e-6, bad[i], 1.0, 0.0};
         double force, x;
-        CHECK(aoi_contact_solve(&law, &place, &force, &x) == AOI_ERROR_NOT_FINITE, "indentation %g", bad[i]);
-        CHECK(aoi_contact_solve(&law, &rate, &force, &x) == AOI_ERROR_NOT_FINITE, "rate %g", bad[i]);
+        CHECK(aoi_contact_solve(&law, &place, &force, &x) == AOI_ERROR_NOT_FINITE, "indentation %g",
+              bad[i]);
+        CHECK(aoi_contact_solve(&law, &rate, &force, &x) == AOI_ERROR_NOT_FINITE, "rate %g",
+              bad[i]);
     }
     const aoi_contact_equation compliance = {1e-6, (double)NAN, 0.0, 1.0, 0.0};
     double force, x;
-    CHECK(aoi_contact_solve(&law, &compliance, &force, &x) == AOI_ERROR_NOT_FINITE, "compliance NaN");
+    CHECK(aoi_contact_solve(&law, &compliance, &force, &x) == AOI_ERROR_NOT_FINITE,
+          "compliance NaN");
 }
 
 int main(void)

@@ -1,5 +1,6 @@
-/* Newmark's rule on finite elements: the two-mass star written as matrices is the same body, whether
- * seen through a unit vector or a scaled functional; a bar of many elements against its own modes. */
+/* Newmark's rule on finite elements: the two-mass star written as matrices is the same body,
+ * whether seen through a unit vector or a scaled functional; a bar of many elements against its own
+ * modes. */
 #include "check.h"
 
 #include <string.h>
@@ -18,7 +19,8 @@ typedef struct chain_body {
     double b[MOST], centre[MOST], u0[MOST], v0[MOST], work[6 * MOST];
 } chain_body;
 
-static void chain_body_fill(chain_body *c, int32_t n, double k_first, const double *k, const double *m)
+static void chain_body_fill(chain_body *c, int32_t n, double k_first, const double *k,
+                            const double *m)
 {
     int32_t stored = 0;
     double total = 0.0;
@@ -68,7 +70,8 @@ static void chain_body_factorise(chain_body *c, aoi_newmark rule, const double *
     const size_t panels = aoi_factors_find_panels((size_t)n, c->l_start, c->l_rows, c->panel);
     c->factors = (aoi_factors){(size_t)n, c->l_start, c->l_rows, c->l_values,       c->pivots,
                                c->place,  c->panel,   panels,    c->work + 5 * MOST};
-    CHECK(aoi_factors_check(&c->factors, (size_t)(n - 1)) == AOI_OK, "factors of a chain of %d", (int)n);
+    CHECK(aoi_factors_check(&c->factors, (size_t)(n - 1)) == AOI_OK, "factors of a chain of %d",
+          (int)n);
 }
 
 static int chain_body_start(chain_body *c, aoi_newmark rule)
@@ -79,7 +82,8 @@ static int chain_body_start(chain_body *c, aoi_newmark rule)
 
 static const double M_STAR[] = {0.3}, K_STAR[] = {4e8};
 
-/* One oscillator on a contact mass: m0, k0 and (m, k) are a chain of two masses, struck at the first. */
+/* One oscillator on a contact mass: m0, k0 and (m, k) are a chain of two masses, struck at the
+ * first. */
 static void star_and_its_matrices_are_one_body(double k0, aoi_newmark rule, double scale)
 {
     static chain_body c;
@@ -92,7 +96,8 @@ static void star_and_its_matrices_are_one_body(double k0, aoi_newmark rule, doub
     c.b[0] = scale;
     c.v0[0] = c.v0[1] = 1.5;
     CHECK(chain_body_start(&c, rule) == AOI_OK, "finite elements start");
-    CHECK(aoi_body_start_star(&of_star, &star, &rule, centre, u0, v0, work) == AOI_OK, "the star starts");
+    CHECK(aoi_body_start_star(&of_star, &star, &rule, centre, u0, v0, work) == AOI_OK,
+          "the star starts");
     CHECK(near(c.body.compliance, scale * scale * of_star.compliance, 1e-14), "one compliance");
     CHECK(near(c.body.rate_compliance, scale * scale * of_star.rate_compliance, 1e-14), "and rate");
     double size = 0.0, speed = 0.0, worst = 0.0, worst_speed = 0.0, worst_energy = 0.0;
@@ -117,8 +122,9 @@ static void star_and_its_matrices_are_one_body(double k0, aoi_newmark rule, doub
         /* u K u of a body that flies loses what its stretches are smaller than its places. */
         worst_energy = fmax(worst_energy, fabs(b.elastic - a.elastic) / energy);
     }
-    CHECK(worst < 1e-12 * size && worst_speed < 1e-11 * speed, "k0 %g, scale %g: off by %g m of %g, %g m/s of %g",
-          k0, scale, worst, size, worst_speed, speed);
+    CHECK(worst < 1e-12 * size && worst_speed < 1e-11 * speed,
+          "k0 %g, scale %g: off by %g m of %g, %g m/s of %g", k0, scale, worst, size, worst_speed,
+          speed);
     CHECK(worst_energy < 1e-9, "k0 %g: energies differ by %g", k0, worst_energy);
 }
 
@@ -139,8 +145,11 @@ static void same_impact_on_both(double k0)
         double work[16], ball_work[8], *row[AOI_ROW_COUNT];
         aoi_body target, projectile;
         size_t done;
-        CHECK(aoi_body_start_star(&projectile, &ball, &rule, &own, rest, &speed, ball_work) == AOI_OK, "ball");
-        CHECK(aoi_body_start_star(&target, &star, &rule, centre, rest, rest, work) == AOI_OK, "star");
+        CHECK(aoi_body_start_star(&projectile, &ball, &rule, &own, rest, &speed, ball_work) ==
+                  AOI_OK,
+              "ball");
+        CHECK(aoi_body_start_star(&target, &star, &rule, centre, rest, rest, work) == AOI_OK,
+              "star");
         chain_body_fill(&c, 2, k0, K_STAR, masses);
         chain_body_factorise(&c, rule, K_STAR, k0);
         c.b[0] = 1.0;
@@ -150,7 +159,8 @@ static void same_impact_on_both(double k0)
         }
         aoi_impact impact = {&projectile, full ? &c.body : &target, &law, 0.0, 0.0, 0.0};
         CHECK(aoi_impact_start(&impact, row) == AOI_OK, "starts");
-        CHECK(aoi_impact_run(&impact, row, 1, RECORDED, &done) == AOI_OK && done == RECORDED, "runs");
+        CHECK(aoi_impact_run(&impact, row, 1, RECORDED, &done) == AOI_OK && done == RECORDED,
+              "runs");
     }
     for (int i = 0; i < AOI_ROW_COUNT; i++) {
         double worst = 0.0, size = 0.0;
@@ -158,9 +168,11 @@ static void same_impact_on_both(double k0)
             worst = fmax(worst, fabs(record[0][i][j] - record[1][i][j]));
             size = fmax(size, fabs(record[0][i][j]));
         }
-        CHECK(worst <= 1e-11 * size, "k0 %g, row %d: the records differ by %g of %g", k0, i, worst, size);
+        CHECK(worst <= 1e-11 * size, "k0 %g, row %d: the records differ by %g of %g", k0, i, worst,
+              size);
     }
-    CHECK(record[0][AOI_ROW_FORCE][1] > 0.0 && record[0][AOI_ROW_FORCE][RECORDED] == 0.0, "hit and parted");
+    CHECK(record[0][AOI_ROW_FORCE][1] > 0.0 && record[0][AOI_ROW_FORCE][RECORDED] == 0.0,
+          "hit and parted");
 }
 
 /* A chain in one of its modes keeps its shape and turns by Newmark's angle each step. */
@@ -168,7 +180,8 @@ static void mode_keeps_its_shape(int32_t n, int mode)
 {
     static chain_body c;
     double k[MOST] = {0.0}, m[MOST] = {0.0};
-    const double angle = (2 * mode - 1) * PI / (2 * n + 1), w2 = 4.0 * sin(0.5 * angle) * sin(0.5 * angle);
+    const double angle = (2 * mode - 1) * PI / (2 * n + 1),
+                 w2 = 4.0 * sin(0.5 * angle) * sin(0.5 * angle);
     const aoi_newmark rule = {0.4, 0.25, 0.5};
     for (int32_t i = 0; i < n; i++) {
         k[i] = m[i] = 1.0;
@@ -204,7 +217,8 @@ static void mode_keeps_its_shape(int32_t n, int mode)
     const double scale_u = aoi_vector_dot((size_t)n, c.b, u) / norm;
     const double scale_v = aoi_vector_dot((size_t)n, c.b, v) / norm;
     for (int32_t i = 0; i < n; i++) {
-        CHECK(fabs(u[i] - scale_u * c.b[i]) < 1e-13 / sqrt(w2) && fabs(v[i] - scale_v * c.b[i]) < 1e-13,
+        CHECK(fabs(u[i] - scale_u * c.b[i]) < 1e-13 / sqrt(w2) &&
+                  fabs(v[i] - scale_v * c.b[i]) < 1e-13,
               "mode %d of %d keeps its shape at %d", mode, (int)n, (int)i);
     }
 }
@@ -229,8 +243,9 @@ static void bad_bodies_and_solvers(void)
     static chain_body c;
     const double masses[] = {0.02, 0.3};
     const aoi_newmark rule = {1e-6, 0.25, 0.5};
-    const aoi_newmark bad[] = {{0.0, 0.25, 0.5},  {-1.0, 0.25, 0.5}, {(double)NAN, 0.25, 0.5},
-                               {(double)INFINITY, 0.25, 0.5}, {1e-6, 0.0, 0.5},  {1e-6, 0.25, 0.4},
+    const aoi_newmark bad[] = {{0.0, 0.25, 0.5},         {-1.0, 0.25, 0.5},
+                               {(double)NAN, 0.25, 0.5}, {(double)INFINITY, 0.25, 0.5},
+                               {1e-6, 0.0, 0.5},         {1e-6, 0.25, 0.4},
                                {1e-6, (double)NAN, 0.5}, {1e-6, 0.25, (double)NAN}};
     chain_body_fill(&c, 2, 0.0, K_STAR, masses);
     chain_body_factorise(&c, rule, K_STAR, 0.0);
@@ -246,11 +261,13 @@ static void bad_bodies_and_solvers(void)
     calls_left = 3;
     CHECK(chain_body_start(&c, rule) == AOI_OK, "the solver works three times");
     double u, v;
-    CHECK(c.body.predict(&c.body, &u, &v) == AOI_OK && c.body.predict(&c.body, &u, &v) == AOI_OK, "twice");
+    CHECK(c.body.predict(&c.body, &u, &v) == AOI_OK && c.body.predict(&c.body, &u, &v) == AOI_OK,
+          "twice");
     CHECK(c.body.predict(&c.body, &u, &v) == AOI_ERROR_SOLVER, "and then fails");
     double factor = -1.0;
     c.full.solver = (aoi_solver){solver_that_lies, &factor};
-    CHECK(chain_body_start(&c, rule) == AOI_ERROR_NOT_POSITIVE, "a body that comes towards the force");
+    CHECK(chain_body_start(&c, rule) == AOI_ERROR_NOT_POSITIVE,
+          "a body that comes towards the force");
     factor = (double)NAN;
     CHECK(chain_body_start(&c, rule) == AOI_ERROR_NOT_FINITE, "a solver that returns NaN");
     factor = 1.0;

@@ -1,6 +1,6 @@
 /* Impacts known in closed form: half sines of linear springs, Hertz's rigid pair, a mass behind a
- * spring; second order in dt; momentum, symmetry, the frame of reference; and that nothing, from the
- * lightest touch to an absurd step, makes a step fail. */
+ * spring; second order in dt; momentum, symmetry, the frame of reference; and that nothing, from
+ * the lightest touch to an absurd step, makes a step fail. */
 #include "check.h"
 
 #include <string.h>
@@ -68,13 +68,16 @@ static const aoi_newmark AVERAGE = {1e-6, 0.25, 0.5};
 
 static aoi_newmark average(double dt) { return (aoi_newmark){dt, 0.25, 0.5}; }
 
-static double *row_of(run *r, int body, int which) { return r->record[AOI_ROW_BODY + 6 * body + which]; }
+static double *row_of(run *r, int body, int which)
+{
+    return r->record[AOI_ROW_BODY + 6 * body + which];
+}
 
 /* A spring k between undeformed bodies: F = K V/w sin(w t) with K the stiffness of all springs in
- * series. Newmark's amplitude is exact and its period longer by (w dt)^2/12, so that at the end of the
- * half sine the force is off by pi times that. */
-static double half_sine_error(const aoi_star *projectile, const aoi_star *target, double w, double series,
-                              int steps)
+ * series. Newmark's amplitude is exact and its period longer by (w dt)^2/12, so that at the end of
+ * the half sine the force is off by pi times that. */
+static double half_sine_error(const aoi_star *projectile, const aoi_star *target, double w,
+                              double series, int steps)
 {
     const double dt = PI / w / steps, velocity = 2.0, peak = series * velocity / w;
     double worst = 0.0;
@@ -99,7 +102,8 @@ static void half_sines_are_met_to_second_order(void)
     } cases[] = {
         {&mass, &WALL, sqrt(k / m), k, "a mass against a wall"},
         {&mass, &other, sqrt(k / (0.75 * m)), k, "two masses"},
-        {&sprung, &WALL, sqrt(series / behind_m), series, "a mass behind a spring, no mass at the contact"},
+        {&sprung, &WALL, sqrt(series / behind_m), series,
+         "a mass behind a spring, no mass at the contact"},
     };
     run_law(&one, "linear", k);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -108,9 +112,11 @@ static void half_sines_are_met_to_second_order(void)
             error[level] = half_sine_error(cases[i].projectile, cases[i].target, cases[i].w,
                                            cases[i].series, 100 << level);
         }
-        CHECK(near(error[0], PI * PI * PI / 12e4, 0.05), "%s: the force is off by %g", cases[i].what, error[0]);
+        CHECK(near(error[0], PI * PI * PI / 12e4, 0.05), "%s: the force is off by %g",
+              cases[i].what, error[0]);
         CHECK(fabs(error[0] / error[1] - 4.0) < 0.2 && fabs(error[1] / error[2] - 4.0) < 0.1,
-              "%s: halving dt quarters the error: %g, %g, %g", cases[i].what, error[0], error[1], error[2]);
+              "%s: halving dt quarters the error: %g, %g, %g", cases[i].what, error[0], error[1],
+              error[2]);
     }
 }
 
@@ -123,8 +129,8 @@ static double largest(const double *row, size_t count)
     return most;
 }
 
-/* Hertz: all the kinetic energy of the relative motion is in 2/5 k d^(5/2) at the deepest point, the
- * contact lasts 2.9432751 d/V, and equal masses exchange their velocities. */
+/* Hertz: all the kinetic energy of the relative motion is in 2/5 k d^(5/2) at the deepest point,
+ * the contact lasts 2.9432751 d/V, and equal masses exchange their velocities. */
 static void rigid_spheres_follow_hertz(void)
 {
     const double k = 1.0878566e10, m = 0.0326725636, dt = 2e-9;
@@ -135,10 +141,14 @@ static void rigid_spheres_follow_hertz(void)
         run_law(&one, "hertz", k);
         CHECK(run_all(&one, STEPS) == AOI_OK, "spheres at %g m/s", velocity);
         const double peak = largest(one.record[AOI_ROW_FORCE], STEPS + 1);
-        CHECK(near(peak, k * deepest * sqrt(deepest), 1e-7), "peak %.12g at %g m/s", peak, velocity);
-        CHECK(velocity != 1.0 || near(peak, 1001.536, 5e-7), "the paper's rigid pair: %.9g N", peak);
-        CHECK(near(largest(one.record[AOI_ROW_INDENTATION], STEPS + 1), deepest, 1e-7), "indentation");
-        CHECK(near(largest(one.record[AOI_ROW_CONTACT_ENERGY], STEPS + 1), 0.25 * m * velocity * velocity, 1e-6),
+        CHECK(near(peak, k * deepest * sqrt(deepest), 1e-7), "peak %.12g at %g m/s", peak,
+              velocity);
+        CHECK(velocity != 1.0 || near(peak, 1001.536, 5e-7), "the paper's rigid pair: %.9g N",
+              peak);
+        CHECK(near(largest(one.record[AOI_ROW_INDENTATION], STEPS + 1), deepest, 1e-7),
+              "indentation");
+        CHECK(near(largest(one.record[AOI_ROW_CONTACT_ENERGY], STEPS + 1),
+                   0.25 * m * velocity * velocity, 1e-6),
               "a quarter of m V^2 is stored at the deepest point");
         size_t touching = 0;
         while (touching < STEPS && one.record[AOI_ROW_FORCE][touching + 1] > 0.0) {
@@ -153,8 +163,8 @@ static void rigid_spheres_follow_hertz(void)
     }
 }
 
-/* One anti-oscillator each, with the paper's k1 and 0.1 % of the mass at the contact: values from an
- * integration to twelve digits by others' codes. */
+/* One anti-oscillator each, with the paper's k1 and 0.1 % of the mass at the contact: values from
+ * an integration to twelve digits by others' codes. */
 static void pair_with_one_oscillator_each(void)
 {
     const double mass = 0.0326725636, m[] = {0.999 * mass}, k1[] = {275.7e6}, dt = 2e-9;
@@ -189,9 +199,9 @@ static double no_potential(const aoi_law *law, double d)
     return 0.0 * d;
 }
 
-/* It leaves the restitution e with c V (1 + e) = ln((1 + c V)/(1 - c e V)), whatever k and the masses
- * (integrate v dv/(1 + c v) = -k/m d^(3/2) dd from touch to parting); so the rate that the law is given
- * is that of the two bodies against each other. */
+/* It leaves the restitution e with c V (1 + e) = ln((1 + c V)/(1 - c e V)), whatever k and the
+ * masses (integrate v dv/(1 + c v) = -k/m d^(3/2) dd from touch to parting); so the rate that the
+ * law is given is that of the two bodies against each other. */
 static void damped_contact_has_its_restitution(void)
 {
     const aoi_star mass = {0, 0.02, 0.0, NULL, NULL}, other = {0, 0.05, 0.0, NULL, NULL};
@@ -202,7 +212,8 @@ static void damped_contact_has_its_restitution(void)
     CHECK(one.record[AOI_ROW_FORCE][STEPS] == 0.0, "they have parted");
     const double e = (row_of(&one, 1, 1)[STEPS] - row_of(&one, 0, 1)[STEPS]) / velocity;
     CHECK(e > 0.3 && e < 0.9, "restitution %g", e);
-    const double left = c * velocity * (1.0 + e), right = log((1.0 + c * velocity) / (1.0 - c * e * velocity));
+    const double left = c * velocity * (1.0 + e),
+                 right = log((1.0 + c * velocity) / (1.0 - c * e * velocity));
     CHECK(near(left, right, 1e-6), "restitution %g: %.9g and %.9g", e, left, right);
 }
 
@@ -236,10 +247,14 @@ static void momentum_is_kept_and_impulse_is_its_change(void)
         for (int j = 0; j <= STEPS; j++) {
             const double p_a = mass_a * row_of(&one, 0, 3)[j], p_b = mass_b * row_of(&one, 1, 3)[j];
             worst = fmax(worst, fabs((p_a + p_b) / mass_a - 1.0));
-            impulse += j == 0 ? 0.0 : 0.5 * dt * (one.record[AOI_ROW_FORCE][j] + one.record[AOI_ROW_FORCE][j - 1]);
+            impulse +=
+                j == 0
+                    ? 0.0
+                    : 0.5 * dt * (one.record[AOI_ROW_FORCE][j] + one.record[AOI_ROW_FORCE][j - 1]);
             off = fmax(off, fabs(p_b - impulse) / mass_a);
         }
-        CHECK(largest(one.record[AOI_ROW_FORCE], STEPS) > 0.0 && impulse > 0.1 * mass_a, "they hit");
+        CHECK(largest(one.record[AOI_ROW_FORCE], STEPS) > 0.0 && impulse > 0.1 * mass_a,
+              "they hit");
         CHECK(worst < 1e-12, "dt %g: momentum changes by %g", dt, worst);
         CHECK(off < 1e-12, "dt %g: impulse and momentum differ by %g", dt, off);
     }
@@ -308,7 +323,8 @@ static void gap_is_crossed_first(void)
     CHECK(run_all(&one, 200) == AOI_OK, "with a gap");
     for (int j = 0; j <= 100; j++) {
         CHECK(one.record[AOI_ROW_FORCE][j] == 0.0, "no force before the touch, step %d", j);
-        CHECK(one.record[AOI_ROW_INDENTATION][j] == velocity * dt * j - gap, "the distance to go, step %d", j);
+        CHECK(one.record[AOI_ROW_INDENTATION][j] == velocity * dt * j - gap,
+              "the distance to go, step %d", j);
     }
     CHECK(one.record[AOI_ROW_FORCE][101] > 0.0, "the touch is at step 101");
 }
@@ -334,7 +350,8 @@ static void record_is_what_was_asked_for(void)
         CHECK(run_all(&two, steps) == AOI_OK, "row %d alone", only);
         for (int i = 0; i < AOI_ROW_COUNT; i++) {
             const double *wanted = one.record[i], *got = two.record[i];
-            CHECK(i != only || memcmp(wanted, got, (steps + 1) * sizeof *got) == 0, "row %d alone is the same", i);
+            CHECK(i != only || memcmp(wanted, got, (steps + 1) * sizeof *got) == 0,
+                  "row %d alone is the same", i);
             CHECK(got[steps + 1] == 77.0 && (i == only || (got[0] == 77.0 && got[steps] == 77.0)),
                   "nothing is written to row %d but what was asked for, with row %d", i, only);
         }
@@ -344,10 +361,12 @@ static void record_is_what_was_asked_for(void)
     CHECK(aoi_impact_start(&two.impact, two.row) == AOI_OK, "in pieces");
     for (size_t piece = 1; done < steps; piece = 3 * piece + 1) {
         const size_t last = done + piece < steps ? done + piece : steps;
-        CHECK(aoi_impact_run(&two.impact, two.row, done + 1, last, &done) == AOI_OK && done == last, "piece");
+        CHECK(aoi_impact_run(&two.impact, two.row, done + 1, last, &done) == AOI_OK && done == last,
+              "piece");
     }
     for (int i = 0; i < AOI_ROW_COUNT; i++) {
-        CHECK(memcmp(one.record[i], two.record[i], (steps + 1) * sizeof(double)) == 0, "row %d in pieces", i);
+        CHECK(memcmp(one.record[i], two.record[i], (steps + 1) * sizeof(double)) == 0,
+              "row %d in pieces", i);
     }
 }
 
@@ -360,10 +379,13 @@ static void no_step_fails(void)
     int failures = 0, pulls = 0, endless = 0;
     for (int trial = 0; trial < 1500; trial++) {
         const aoi_star mass = {0, decades(&seed, -6.0, 6.0), 0.0, NULL, NULL};
-        const aoi_newmark rule = {decades(&seed, -12.0, 0.0), trial % 3 ? 0.25 : 0.3025, trial % 3 ? 0.5 : 0.6};
+        const aoi_newmark rule = {decades(&seed, -12.0, 0.0), trial % 3 ? 0.25 : 0.3025,
+                                  trial % 3 ? 0.5 : 0.6};
         const double m0 = trial % 5 ? decades(&seed, -9.0, 2.0) : 0.0;
-        random_star_make(&target, 1 + (size_t)trial % 28, seed, m0, trial % 2 ? decades(&seed, 2.0, 9.0) : 0.0);
-        run_make(&one, &mass, trial % 7 ? &target.star : &WALL, rule, decades(&seed, -6.0, 3.0), 0.0);
+        random_star_make(&target, 1 + (size_t)trial % 28, seed, m0,
+                         trial % 2 ? decades(&seed, 2.0, 9.0) : 0.0);
+        run_make(&one, &mass, trial % 7 ? &target.star : &WALL, rule, decades(&seed, -6.0, 3.0),
+                 0.0);
         run_law(&one, trial % 4 ? "hertz" : "linear", decades(&seed, 4.0, 15.0));
         one.impact.gap = trial % 11 ? 0.0 : decades(&seed, -9.0, 0.0);
         failures += run_all(&one, 300) != AOI_OK;
@@ -402,7 +424,16 @@ static void observe_nothing(const aoi_body *body, int energies, aoi_observation 
 static void failures_say_where(void)
 {
     const aoi_star mass = {0, 0.1, 0.0, NULL, NULL};
-    aoi_body failing = {predict_or_fail, correct_nothing, observe_nothing, NULL, 1e-9, 1e-3, NULL, NULL, NULL, {4.0}};
+    aoi_body failing = {predict_or_fail,
+                        correct_nothing,
+                        observe_nothing,
+                        NULL,
+                        1e-9,
+                        1e-3,
+                        NULL,
+                        NULL,
+                        NULL,
+                        {4.0}};
     size_t done = 99;
     run_make(&one, &mass, &mass, AVERAGE, 1.0, 0.0);
     run_law(&one, "hertz", 1e10);
@@ -419,7 +450,8 @@ static void failures_say_where(void)
         run_make(&one, &mass, &mass, AVERAGE, 1.0, 0.0);
         one.impact.gap = bad_gap[i];
         one.record[0][0] = 77.0;
-        CHECK(aoi_impact_start(&one.impact, one.row) == AOI_ERROR_ARGUMENT && one.record[0][0] == 77.0,
+        CHECK(aoi_impact_start(&one.impact, one.row) == AOI_ERROR_ARGUMENT &&
+                  one.record[0][0] == 77.0,
               "gap %g", bad_gap[i]);
     }
     run_make(&one, &WALL, &WALL, AVERAGE, 0.0, 0.0);

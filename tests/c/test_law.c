@@ -69,9 +69,11 @@ static void stiffness_is_the_slope(void)
             aoi_law_value value, moving;
             law.force(&law, d, 0.0, &value);
             law.force(&law, d, -123.0, &moving);
-            CHECK(near(value.stiffness, laws[i].n * value.force / d, 1e-15), "%s at %g m", laws[i].name, d);
+            CHECK(near(value.stiffness, laws[i].n * value.force / d, 1e-15), "%s at %g m",
+                  laws[i].name, d);
             CHECK(value.damping == 0.0 && moving.damping == 0.0, "no damping");
-            CHECK(moving.force == value.force && moving.stiffness == value.stiffness, "whatever the rate");
+            CHECK(moving.force == value.force && moving.stiffness == value.stiffness,
+                  "whatever the rate");
         }
     }
 }
@@ -86,7 +88,8 @@ static void no_force_without_contact(void)
             aoi_law_value value;
             laws[i].force(&laws[i], apart[j], -5.0, &value);
             CHECK(value.force == 0.0 && value.damping == 0.0, "law %zu pulls at %g m", i, apart[j]);
-            CHECK(laws[i].potential(&laws[i], apart[j]) == 0.0, "law %zu stores at %g m", i, apart[j]);
+            CHECK(laws[i].potential(&laws[i], apart[j]) == 0.0, "law %zu stores at %g m", i,
+                  apart[j]);
         }
     }
 }
@@ -109,7 +112,8 @@ static void laws_that_cannot_be(void)
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         aoi_law law;
-        CHECK(aoi_law_create(&law, bad[i].name, bad[i].count, bad[i].parameter) == AOI_ERROR_ARGUMENT,
+        CHECK(aoi_law_create(&law, bad[i].name, bad[i].count, bad[i].parameter) ==
+                  AOI_ERROR_ARGUMENT,
               "%s of %zu parameters %g, %g", bad[i].name, bad[i].count, bad[i].parameter[0],
               bad[i].parameter[1]);
     }

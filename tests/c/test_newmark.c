@@ -61,8 +61,10 @@ static void rigid_mass_flies_and_falls(void)
     start(&s, &mass, (aoi_newmark){h, 0.25, 0.5}, 2.0);
     for (int j = 1; j <= 1000; j++) {
         const aoi_observation seen = step(&s.body, 0.0);
-        CHECK(seen.displacement == 2.0 * h * j && seen.velocity == 2.0, "uniform motion, step %d", j);
-        CHECK(seen.centre_displacement == seen.displacement && seen.kinetic == 6.0, "of its centre too");
+        CHECK(seen.displacement == 2.0 * h * j && seen.velocity == 2.0, "uniform motion, step %d",
+              j);
+        CHECK(seen.centre_displacement == seen.displacement && seen.kinetic == 6.0,
+              "of its centre too");
         CHECK(seen.elastic == 0.0, "no energy but kinetic");
     }
     /* A constant force, from rest: the first step begins at a = 0 and ends at f/m. */
@@ -82,12 +84,13 @@ static void wall_stands(void)
     CHECK(s.body.compliance == 0.0 && s.body.rate_compliance == 0.0, "a wall gives way to nothing");
     for (int j = 0; j < 10; j++) {
         const aoi_observation seen = step(&s.body, -1e9);
-        CHECK(seen.displacement == 0.0 && seen.velocity == 0.0 && seen.kinetic == 0.0, "a wall stands");
+        CHECK(seen.displacement == 0.0 && seen.velocity == 0.0 && seen.kinetic == 0.0,
+              "a wall stands");
     }
 }
 
-/* A mass on its ground spring: u_j = u_1 sin(j a)/sin(a) with u_1 = h V/(1 + beta W), W = (w h)^2 and
- * tan^2(a/2) = W/4/(1 + (beta - 1/4) W): exact for any beta at gamma = 1/2. */
+/* A mass on its ground spring: u_j = u_1 sin(j a)/sin(a) with u_1 = h V/(1 + beta W), W = (w h)^2
+ * and tan^2(a/2) = W/4/(1 + (beta - 1/4) W): exact for any beta at gamma = 1/2. */
 static void oscillator_turns_by_a_fixed_angle(double beta, double step_angle)
 {
     const double k = 5e7, m = 0.2, w2 = k / m, h = step_angle / sqrt(w2), velocity = 3.0;
@@ -99,14 +102,15 @@ static void oscillator_turns_by_a_fixed_angle(double beta, double step_angle)
     start(&s, &star, (aoi_newmark){h, beta, 0.5}, velocity);
     for (int j = 1; j <= 2000; j++) {
         const aoi_observation seen = step(&s.body, 0.0);
-        worst = fmax(worst, fabs(seen.displacement - first * sin(j * angle) / sin(angle)) * sin(angle) / first);
+        worst = fmax(worst, fabs(seen.displacement - first * sin(j * angle) / sin(angle)) *
+                                sin(angle) / first);
     }
-    CHECK(worst < 2000.0 * 8.0 * DBL_EPSILON * (step_angle + 1.0 / step_angle), "beta %g, w h = %g: off by %g", beta,
-          step_angle, worst);
+    CHECK(worst < 2000.0 * 8.0 * DBL_EPSILON * (step_angle + 1.0 / step_angle),
+          "beta %g, w h = %g: off by %g", beta, step_angle, worst);
 }
 
-/* gamma > 1/2 damps: over a step the determinant of the map is (1 + (beta - gamma + 1/2) W)/(1 + beta W)
- * for an oscillator; here by the peaks of u over whole turns. */
+/* gamma > 1/2 damps: over a step the determinant of the map is (1 + (beta - gamma + 1/2) W)/(1 +
+ * beta W) for an oscillator; here by the peaks of u over whole turns. */
 static void numerical_damping_is_newmarks(void)
 {
     const double gamma = 0.6, beta = 0.3025, big = 0.04, h = 1e-5;
@@ -120,8 +124,8 @@ static void numerical_damping_is_newmarks(void)
     for (int j = 2; j < 500; j++) {
         u[2] = step(&s.body, 0.0).displacement;
         /* Newmark's recurrence in displacements alone. */
-        CHECK(fabs(u[2] - trace * u[1] + determinant * u[0]) < 1e-14 * h * 10.0, "step %d: off by %g h", j,
-              (u[2] - trace * u[1] + determinant * u[0]) / h);
+        CHECK(fabs(u[2] - trace * u[1] + determinant * u[0]) < 1e-14 * h * 10.0,
+              "step %d: off by %g h", j, (u[2] - trace * u[1] + determinant * u[0]) / h);
         u[0] = u[1];
         u[1] = u[2];
     }
@@ -141,7 +145,8 @@ static void random_star_make(random_star *r, size_t n, uint64_t *seed, double m0
     r->star = (aoi_star){n, m0, k0, r->m, r->k};
 }
 
-/* A body may have mass that its star does not see: the weights of its centre then add up to less. */
+/* A body may have mass that its star does not see: the weights of its centre then add up to less.
+ */
 static void centre_is_the_weighted_mean(void)
 {
     random_star r;
@@ -153,7 +158,8 @@ static void centre_is_the_weighted_mean(void)
     for (int i = 0; i < 5; i++) {
         s.centre[i] = 0.1 * (i + 1) - 0.2;
     }
-    const int status = aoi_body_start_star(&s.body, &r.star, &AVERAGE, s.centre, s.u0, s.v0, s.work);
+    const int status =
+        aoi_body_start_star(&s.body, &r.star, &AVERAGE, s.centre, s.u0, s.v0, s.work);
     CHECK(status == AOI_OK, "with weights of its own");
     for (int j = 0; j < 100; j++) {
         const aoi_observation seen = step(&s.body, 0.0);
@@ -168,7 +174,8 @@ static void centre_is_the_weighted_mean(void)
     }
 }
 
-/* The same rule on the dense matrices, straight from its definition and with no elimination by hand. */
+/* The same rule on the dense matrices, straight from its definition and with no elimination by
+ * hand. */
 typedef struct dense {
     size_t size;
     double m[MOST], k[MOST][MOST], u[MOST], v[MOST], a[MOST];
@@ -250,18 +257,20 @@ static void star_steps_as_its_matrices(size_t n, double k0, aoi_newmark rule)
         }
         size = fmax(size, fabs(d.u[0]));
         speed = fmax(speed, fabs(d.v[0]));
-        worst = fmax(worst, fmax(fabs(seen.displacement - d.u[0]), fabs(seen.centre_displacement - centre)));
+        worst = fmax(
+            worst, fmax(fabs(seen.displacement - d.u[0]), fabs(seen.centre_displacement - centre)));
         worst_velocity = fmax(worst_velocity, fabs(seen.velocity - d.v[0]));
         CHECK(near(seen.kinetic, kinetic, 1e-9), "kinetic energy 1/2 v M v, step %d", j);
-        CHECK(fabs(seen.elastic - elastic) <= 1e-9 * elastic + 1e-14 * terms, "elastic energy 1/2 u K u, step %d", j);
+        CHECK(fabs(seen.elastic - elastic) <= 1e-9 * elastic + 1e-14 * terms,
+              "elastic energy 1/2 u K u, step %d", j);
     }
     CHECK(worst < 1e-11 * size && worst_velocity < 1e-10 * speed,
           "%zu oscillators, beta %g: %g and %g off the dense matrices", n, rule.beta, worst / size,
           worst_velocity / speed);
 }
 
-/* Average acceleration keeps the energy of a linear system: 1e5 steps of free vibration, of bodies held
- * and of bodies that meanwhile fly a tenth of a metre. */
+/* Average acceleration keeps the energy of a linear system: 1e5 steps of free vibration, of bodies
+ * held and of bodies that meanwhile fly a tenth of a metre. */
 static void energy_is_kept(size_t n, double k0, double h)
 {
     random_star r;
@@ -318,12 +327,14 @@ static void massless_contact_is_statics(void)
         const aoi_observation seen = step(&s.body, force);
         const double mass_at = 0.5 * force / m * h * h * (j * (j - 1.0) + 0.5);
         CHECK(near(seen.centre_displacement, mass_at, 1e-12), "the mass falls freely, step %d", j);
-        CHECK(near(seen.displacement, mass_at + force / k, 1e-12), "the contact leads by f/k, step %d", j);
+        CHECK(near(seen.displacement, mass_at + force / k, 1e-12),
+              "the contact leads by f/k, step %d", j);
     }
     /* k0 alone beside it: the force is shared, at rest f/k0. */
     start(&s, &star, (aoi_newmark){h, 0.25, 0.5}, 1.0);
     const aoi_observation seen = step(&s.body, 0.0);
-    CHECK(near(seen.displacement, h, 1e-14) && near(seen.velocity, 1.0, 1e-14), "free flight at 1 m/s");
+    CHECK(near(seen.displacement, h, 1e-14) && near(seen.velocity, 1.0, 1e-14),
+          "free flight at 1 m/s");
 }
 
 /* m0 = 0 is the limit of small m0, not a case of its own. */
@@ -357,7 +368,8 @@ static void state_can_be_taken_up_again(double m0)
     one.body.copy_state(&one.body, u, v);
     CHECK(memcmp(u, one.u0, sizeof u) == 0, "the initial displacements");
     for (int i = 0; i < 7; i++) {
-        CHECK(near(v[i], one.v0[i], 4.0 * DBL_EPSILON), "initial velocity %d: %g, not %g", i, v[i], one.v0[i]);
+        CHECK(near(v[i], one.v0[i], 4.0 * DBL_EPSILON), "initial velocity %d: %g, not %g", i, v[i],
+              one.v0[i]);
     }
     double energy = 0.0;
     for (int j = 0; j < 200; j++) {
@@ -368,7 +380,8 @@ static void state_can_be_taken_up_again(double m0)
     double kinetic, elastic, worst = 0.0, size = 0.0;
     aoi_star_energy(&r.star, u, v, &kinetic, &elastic);
     CHECK(near(kinetic + elastic, energy, 1e-11), "its energy by the star's own formula");
-    CHECK(aoi_body_start_star(&two.body, &r.star, &AVERAGE, one.centre, u, v, two.work) == AOI_OK, "on");
+    CHECK(aoi_body_start_star(&two.body, &r.star, &AVERAGE, one.centre, u, v, two.work) == AOI_OK,
+          "on");
     for (int j = 0; j < 200; j++) {
         const aoi_observation a = step(&one.body, 0.0), b = step(&two.body, 0.0);
         worst = fmax(worst, fmax(fabs(a.displacement - b.displacement),
@@ -381,9 +394,9 @@ static void state_can_be_taken_up_again(double m0)
 static void rules_that_cannot_be(void)
 {
     const double nan = (double)NAN, inf = (double)INFINITY;
-    const aoi_newmark bad[] = {{0.0, 0.25, 0.5}, {-1e-6, 0.25, 0.5}, {nan, 0.25, 0.5},  {inf, 0.25, 0.5},
-                               {1e-6, 0.0, 0.5}, {1e-6, -0.1, 0.5},  {1e-6, nan, 0.5},  {1e-6, 0.25, 0.49},
-                               {1e-6, 0.25, nan}};
+    const aoi_newmark bad[] = {{0.0, 0.25, 0.5}, {-1e-6, 0.25, 0.5}, {nan, 0.25, 0.5},
+                               {inf, 0.25, 0.5}, {1e-6, 0.0, 0.5},   {1e-6, -0.1, 0.5},
+                               {1e-6, nan, 0.5}, {1e-6, 0.25, 0.49}, {1e-6, 0.25, nan}};
     const aoi_star mass = {0, 1.0, 0.0, NULL, NULL}, none = {0, -1.0, 0.0, NULL, NULL};
     double zero[1] = {0.0}, work[8];
     aoi_body body;
@@ -391,10 +404,12 @@ static void rules_that_cannot_be(void)
         work[i] = 77.0;
     }
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        CHECK(aoi_body_start_star(&body, &mass, &bad[i], zero, zero, zero, work) == AOI_ERROR_ARGUMENT,
+        CHECK(aoi_body_start_star(&body, &mass, &bad[i], zero, zero, zero, work) ==
+                  AOI_ERROR_ARGUMENT,
               "dt %g, beta %g, gamma %g", bad[i].dt, bad[i].beta, bad[i].gamma);
     }
-    CHECK(aoi_body_start_star(&body, &none, &AVERAGE, zero, zero, zero, work) == AOI_ERROR_NOT_POSITIVE,
+    CHECK(aoi_body_start_star(&body, &none, &AVERAGE, zero, zero, zero, work) ==
+              AOI_ERROR_NOT_POSITIVE,
           "a negative mass");
     for (size_t i = 0; i < 8; i++) {
         CHECK(work[i] == 77.0, "what is refused writes nothing");

@@ -19,7 +19,8 @@ static void held_chain_is_two_springs(void)
             CHECK(aoi_static_held(N, b, x, &stiffness) == AOI_OK, "struck at %d", at);
             CHECK(near(stiffness, (1.0 / near_end + 1.0 / far_end) / (scale * scale), 1e-14),
                   "k0 of springs 1/%g and 1/%g, not %g", near_end, far_end, stiffness);
-            CHECK(near(aoi_vector_dot(N, b, x), 1.0, 1e-15), "the static mode has b phi = 1, eq. (3)");
+            CHECK(near(aoi_vector_dot(N, b, x), 1.0, 1e-15),
+                  "the static mode has b phi = 1, eq. (3)");
         }
     }
 }
@@ -31,7 +32,8 @@ static void static_mode_of_no_held_body(void)
     CHECK(aoi_static_held(0, NULL, NULL, &stiffness) == AOI_ERROR_UNREACHED, "no dofs");
     b[0] = 1.0;
     x[0] = -1.0;
-    CHECK(aoi_static_held(2, b, x, &stiffness) == AOI_ERROR_NOT_POSITIVE, "it moves against the force");
+    CHECK(aoi_static_held(2, b, x, &stiffness) == AOI_ERROR_NOT_POSITIVE,
+          "it moves against the force");
     x[0] = 0.0;
     CHECK(aoi_static_held(2, b, x, &stiffness) == AOI_ERROR_NOT_POSITIVE, "it does not move");
     x[0] = (double)NAN;
@@ -65,7 +67,8 @@ static void struck_bar_has_its_effective_mass(void)
         }
         CHECK(worst < 1e-14, "the bar turns about its centre of percussion, off by %g", worst);
     }
-    /* A couple of forces moves the bar's ends against each other: the translation does not feel it. */
+    /* A couple of forces moves the bar's ends against each other: the translation does not feel it.
+     */
     memset(b, 0, sizeof b);
     b[0] = -1.0;
     b[N - 1] = 1.0;
@@ -92,7 +95,8 @@ static void rounding_reaches_nothing(void)
     for (int i = 0; i < N; i++) {
         b[i] -= sum / N;
     }
-    CHECK(aoi_static_free(N, 1, rigid, b, phi, &mass) == AOI_ERROR_UNREACHED, "sum of b is rounding");
+    CHECK(aoi_static_free(N, 1, rigid, b, phi, &mass) == AOI_ERROR_UNREACHED,
+          "sum of b is rounding");
     b[0] += 1e-4;
     CHECK(aoi_static_free(N, 1, rigid, b, phi, &mass) == AOI_OK, "a net force of 1e-4 is not");
     CHECK(near(mass, N * 1e8, 1e-8), "it feels the whole mass, %.17g", mass);
@@ -104,11 +108,13 @@ static void constrained_solution_keeps_the_constraint(void)
     double a[N], b[N], f[N], x[N], z[N];
     uint64_t seed = 11;
     for (int trial = 0; trial < 50; trial++) {
-        const double softness = decades(&seed, -12.0, 12.0), along = trial % 2 ? 1e9 / softness : 0.0;
+        const double softness = decades(&seed, -12.0, 12.0),
+                     along = trial % 2 ? 1e9 / softness : 0.0;
         for (int i = 0; i < N; i++) {
             a[i] = decades(&seed, -1.0, 1.0);
             b[i] = softness * (uniform(&seed) - 0.5);
-            f[i] = uniform(&seed) - 0.5 + along * b[i]; /* most of it may be taken up by the constraint */
+            f[i] = uniform(&seed) - 0.5 +
+                   along * b[i]; /* most of it may be taken up by the constraint */
             x[i] = f[i] / a[i];
             z[i] = b[i] / a[i];
         }
@@ -123,14 +129,15 @@ static void constrained_solution_keeps_the_constraint(void)
         for (int i = 0; i < N; i++) {
             worst = fmax(worst, fabs(a[i] * x[i] + mu * b[i] - f[i]));
         }
-        CHECK(worst < 1e-13 * (1.0 + fabs(along) * softness), "the constraint's force is along b, off by %g",
-              worst);
+        CHECK(worst < 1e-13 * (1.0 + fabs(along) * softness),
+              "the constraint's force is along b, off by %g", worst);
     }
     memset(b, 0, sizeof b);
     CHECK(aoi_constraint_project(N, b, z, x) == AOI_ERROR_NOT_POSITIVE, "b = 0");
     b[0] = -1.0;
     z[0] = 1.0;
-    CHECK(aoi_constraint_project(N, b, z, x) == AOI_ERROR_NOT_POSITIVE, "A is not positive definite");
+    CHECK(aoi_constraint_project(N, b, z, x) == AOI_ERROR_NOT_POSITIVE,
+          "A is not positive definite");
     z[0] = (double)NAN;
     CHECK(aoi_constraint_project(N, b, z, x) == AOI_ERROR_NOT_POSITIVE, "z is NaN");
 }
@@ -150,7 +157,8 @@ static void reflector_check(size_t n, const double *b, const char *what)
 
 static void reflection_takes_b_to_the_first_axis(void)
 {
-    const double along[] = {2.0, 0.0, 0.0}, against[] = {-2.0, 0.0, 0.0}, across[] = {0.0, 3.0, -4.0};
+    const double along[] = {2.0, 0.0, 0.0}, against[] = {-2.0, 0.0, 0.0},
+                 across[] = {0.0, 3.0, -4.0};
     const double nearly[] = {1.0, 1e-9, -1e-17}, tiny[] = {1e-120, -2e-120}, one[] = {-5.0};
     const double small_first[] = {1e-20, 1.0};
     reflector_check(3, along, "b along e_1");
@@ -210,7 +218,8 @@ static void congruence_is_the_dense_product(void)
 }
 
 /* Eqs. (6), (9), (10), (12) from the constraint modes of a chain, against the closed forms. All the
- * anti-oscillators leave m0 = 1/(b M^-1 b), here the struck mass itself, and k0 + sum k_i = K_bb. */
+ * anti-oscillators leave m0 = 1/(b M^-1 b), here the struck mass itself, and k0 + sum k_i = K_bb.
+ */
 static void chain_becomes_its_star(int n, int held)
 {
     static double phi[CHAIN_MOST * CHAIN_MOST], omega2[CHAIN_MOST], modal_mass[CHAIN_MOST];
@@ -227,18 +236,23 @@ static void chain_becomes_its_star(int n, int held)
         const double angle = chain_antiresonance_angle(n, held, j), norm = j % 2 ? 3.0 : -1e-3;
         double *mode = phi + (size_t)(j - 1) * dofs;
         for (int i = 0; i < n; i++) {
-            mode[i] = i == n - 1 ? 0.0 : norm * (held ? sin(angle * (i + 1)) : cos(angle * (i + 0.5)));
+            mode[i] =
+                i == n - 1 ? 0.0 : norm * (held ? sin(angle * (i + 1)) : cos(angle * (i + 0.5)));
         }
         omega2[j - 1] = square(2.0 * sin(0.5 * angle));
         modal_mass[j - 1] = aoi_vector_dot(dofs, mode, mode);
     }
-    const int status = aoi_oscillators_project(dofs, count, phi, modal_mass, omega2, static_mode, c, m, k);
+    const int status =
+        aoi_oscillators_project(dofs, count, phi, modal_mass, omega2, static_mode, c, m, k);
     CHECK(status == AOI_OK, "chain of %d", n);
     double residual = static_mass, stiffness = exact.star.k0;
     for (size_t j = 0; j < count; j++) {
-        const double allowed = 1e-14 * n * n; /* the mode's sum with phi_st loses up to its own size */
-        CHECK(near(m[j], exact.m[j], allowed), "m_%zu of %d is %g, not %g", j + 1, n, exact.m[j], m[j]);
-        CHECK(near(k[j], exact.k[j], allowed), "k_%zu of %d is %g, not %g", j + 1, n, exact.k[j], k[j]);
+        const double allowed =
+            1e-14 * n * n; /* the mode's sum with phi_st loses up to its own size */
+        CHECK(near(m[j], exact.m[j], allowed), "m_%zu of %d is %g, not %g", j + 1, n, exact.m[j],
+              m[j]);
+        CHECK(near(k[j], exact.k[j], allowed), "k_%zu of %d is %g, not %g", j + 1, n, exact.k[j],
+              k[j]);
         CHECK(near(c[j] * c[j] * modal_mass[j], m[j], 1e-14), "m = c^2 phi M phi, eq. (9)");
         residual -= m[j];
         stiffness += k[j];
@@ -267,7 +281,8 @@ static void oscillators_that_cannot_be(void)
         omega2[0] = 1.0;
     }
     phi[0] = (double)INFINITY;
-    CHECK(aoi_oscillators_project(2, 1, phi, mass, omega2, of_static, c, m, k) == AOI_ERROR_NOT_FINITE,
+    CHECK(aoi_oscillators_project(2, 1, phi, mass, omega2, of_static, c, m, k) ==
+              AOI_ERROR_NOT_FINITE,
           "an infinite mode");
 }
 

@@ -14,7 +14,8 @@ static void two_poles_balance(void)
             for (int width = -6; width <= 9; width += 3) {
                 const double pole[] = {origins[o], origins[o] + pow(10.0, width)};
                 const double gap = pole[1] - pole[0];
-                const double weight[] = {pow(10.0, ratio < 0 ? ratio : 0), pow(10.0, ratio > 0 ? -ratio : 0)};
+                const double weight[] = {pow(10.0, ratio < 0 ? ratio : 0),
+                                         pow(10.0, ratio > 0 ? -ratio : 0)};
                 const double total = weight[0] + weight[1];
                 const aoi_secular s = {2, pole, weight, 0.0, 0.0, 0};
                 size_t nearest;
@@ -51,7 +52,8 @@ static void one_pole_with_a_constant(void)
         const double root = pole * c / (weight + c);
         CHECK(near(nearest == 0 ? -offset : offset,
                    nearest == 0 ? pole * weight / (weight + c) : root, 1e-14),
-              "spring 1e%d: root %.17g from %s, not %.17g", e, offset, nearest ? "zero" : "the pole", root);
+              "spring 1e%d: root %.17g from %s, not %.17g", e, offset,
+              nearest ? "zero" : "the pole", root);
     }
 }
 
@@ -68,8 +70,8 @@ static void chain_interlaces(int n, int held)
         CHECK(nearest == (size_t)j || nearest == (size_t)(j - 1), "of its own gap");
         const double wanted = square(2.0 * sin(0.5 * chain_antiresonance_angle(n, held, j)));
         const double root = c.omega2[nearest] + offset;
-        CHECK(fabs(root - wanted) < 4e-15 * n, "antiresonance %d of %d: %.17g, not %.17g", j, n, root,
-              wanted);
+        CHECK(fabs(root - wanted) < 4e-15 * n, "antiresonance %d of %d: %.17g, not %.17g", j, n,
+              root, wanted);
     }
 }
 
@@ -79,7 +81,8 @@ static double backward_error(const aoi_secular *s, size_t nearest, double offset
     const long double origin = nearest < s->n ? (long double)s->pole[nearest] : 0.0L;
     long double sum = (long double)s->linear, size = fabsl((long double)s->linear);
     for (size_t j = 0; j < s->n; j++) {
-        const long double term = (long double)s->weight[j] / (((long double)s->pole[j] - origin) - (long double)offset);
+        const long double term =
+            (long double)s->weight[j] / (((long double)s->pole[j] - origin) - (long double)offset);
         sum += term;
         size += fabsl(term);
     }
@@ -153,8 +156,10 @@ static void impossible_gaps_are_refused(void)
     double offset = 77.0;
     CHECK(aoi_secular_root(&s, -2, 9.0, &nearest, &offset) == AOI_ERROR_ARGUMENT, "gap -2");
     CHECK(aoi_secular_root(&s, 2, 9.0, &nearest, &offset) == AOI_ERROR_ARGUMENT, "gap n");
-    CHECK(aoi_secular_root(&s, 1, 2.0, &nearest, &offset) == AOI_ERROR_ARGUMENT, "ceiling on the pole");
-    CHECK(aoi_secular_root(&s, 1, (double)NAN, &nearest, &offset) == AOI_ERROR_ARGUMENT, "ceiling NaN");
+    CHECK(aoi_secular_root(&s, 1, 2.0, &nearest, &offset) == AOI_ERROR_ARGUMENT,
+          "ceiling on the pole");
+    CHECK(aoi_secular_root(&s, 1, (double)NAN, &nearest, &offset) == AOI_ERROR_ARGUMENT,
+          "ceiling NaN");
     s.pole = equal;
     CHECK(aoi_secular_root(&s, 0, 9.0, &nearest, &offset) == AOI_ERROR_ARGUMENT, "equal poles");
     s.pole = falling;
@@ -164,7 +169,8 @@ static void impossible_gaps_are_refused(void)
     CHECK(nearest == 77 && offset == 77.0, "what is refused writes nothing");
     s.pole = pole;
     s.weight = bad;
-    CHECK(aoi_secular_root(&s, 0, 9.0, &nearest, &offset) == AOI_ERROR_NOT_FINITE, "a weight is NaN");
+    CHECK(aoi_secular_root(&s, 0, 9.0, &nearest, &offset) == AOI_ERROR_NOT_FINITE,
+          "a weight is NaN");
 }
 
 int main(void)

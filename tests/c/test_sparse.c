@@ -47,8 +47,10 @@ static void chain_has_its_eigenvectors(void)
             for (int i = 0; i < n; i++) {
                 worst = fmax(worst, fabs(y[i] - eigenvalue * x[i]));
             }
-            const double rounding = 4.0 * DBL_EPSILON * angle * (n + 1); /* of the sine's argument */
-            CHECK(worst < rounding, "mode %d of %d: K x = omega2 x, off by %g", mode, (int)n, worst);
+            const double rounding =
+                4.0 * DBL_EPSILON * angle * (n + 1); /* of the sine's argument */
+            CHECK(worst < rounding, "mode %d of %d: K x = omega2 x, off by %g", mode, (int)n,
+                  worst);
             const double energy = aoi_sparse_quadratic(&c.matrix, x);
             CHECK(fabs(energy - eigenvalue * 0.5 * (n + 1)) < 1e-13 * (n + 1),
                   "mode %d of %d: x K x = omega2 x.x, %g", mode, (int)n, energy);
@@ -224,8 +226,8 @@ static void dense_matrices_solve_as_elimination_does(void)
     }
 }
 
-/* A dense matrix is one panel, whatever its width leaves over when swept four columns at a time; cut
- * into any other panels it has the same inverse. */
+/* A dense matrix is one panel, whatever its width leaves over when swept four columns at a time;
+ * cut into any other panels it has the same inverse. */
 static void panels_do_not_change_the_solution(void)
 {
     static double a[MOST][MOST];
@@ -252,14 +254,16 @@ static void panels_do_not_change_the_solution(void)
             for (int32_t i = 0; i + 1 < n; i++) {
                 worst = fmax(worst, fabs(x[i]));
             }
-            CHECK(worst < 1e-13, "%d columns in %zu panels: off by %g", (int)n, f.factors.panel_count, worst);
+            CHECK(worst < 1e-13, "%d columns in %zu panels: off by %g", (int)n,
+                  f.factors.panel_count, worst);
             f.factors.panel_count = 0;
             for (int32_t j = 1; j <= n; j++) {
                 if (j == n || cut == 0 || uniform(&seed) < 0.15 * cut) {
                     f.panel[++f.factors.panel_count] = j;
                 }
             }
-            CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_OK, "cut %d of %d", cut, (int)n);
+            CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_OK, "cut %d of %d", cut,
+                  (int)n);
         }
     }
 }
@@ -282,8 +286,8 @@ static void panels_that_do_not_fit_are_refused(void)
     static factored f;
     const int32_t n = 6, place[] = {0, 1, 2, 3, 4, 5};
     const int32_t bad[][4] = {/* panel_count, then panel[1], [2], [3] */
-                              {0, 6, 6, 6}, {1, 5, 6, 6},  {1, 7, 6, 6},   {2, 0, 6, 6},
-                              {2, 6, 6, 6}, {2, -1, 6, 6}, {2, 100000, 6, 6}, {3, 4, 3, 6},
+                              {0, 6, 6, 6}, {1, 5, 6, 6},        {1, 7, 6, 6},      {2, 0, 6, 6},
+                              {2, 6, 6, 6}, {2, -1, 6, 6},       {2, 100000, 6, 6}, {3, 4, 3, 6},
                               {2, 7, 6, 6}, {2, INT32_MAX, 6, 6}};
     for (int32_t i = 0; i < n; i++) {
         for (int32_t j = 0; j < n; j++) {
@@ -303,12 +307,14 @@ static void panels_that_do_not_fit_are_refused(void)
         f.factors.panel_count = (size_t)bad[i][0];
         memcpy(f.panel + 1, bad[i] + 1, 3 * sizeof(int32_t));
         CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_ERROR_ARGUMENT,
-              "%d panels to %d, %d, %d", (int)bad[i][0], (int)bad[i][1], (int)bad[i][2], (int)bad[i][3]);
+              "%d panels to %d, %d, %d", (int)bad[i][0], (int)bad[i][1], (int)bad[i][2],
+              (int)bad[i][3]);
     }
     free(exact);
     factored_make(&f, n, a, place);
     f.panel[0] = 1;
-    CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_ERROR_ARGUMENT, "not from column 0");
+    CHECK(aoi_factors_check(&f.factors, (size_t)f.start[n]) == AOI_ERROR_ARGUMENT,
+          "not from column 0");
     for (int32_t i = 0; i < n; i++) { /* a chain: no two columns alike but the last */
         for (int32_t j = 0; j < n; j++) {
             a[i][j] = i == j ? 3.0 : i == j + 1 || j == i + 1 ? -1.0 : 0.0;
@@ -336,10 +342,14 @@ static void unusable_factors_are_refused(void)
         int32_t value;
         const char *what;
     } broken[] = {
-        {&f.rows[0], 0, "an entry on the diagonal"}, {&f.rows[3], 0, "an entry above it"},
-        {&f.rows[2], 4, "row n"},                    {&f.rows[2], -1, "negative row"},
-        {&f.place[1], 4, "place n"},                 {&f.place[1], -1, "negative place"},
-        {&f.start[0], 1, "does not start at 0"},     {&f.start[2], 2, "starts fall"},
+        {&f.rows[0], 0, "an entry on the diagonal"},
+        {&f.rows[3], 0, "an entry above it"},
+        {&f.rows[2], 4, "row n"},
+        {&f.rows[2], -1, "negative row"},
+        {&f.place[1], 4, "place n"},
+        {&f.place[1], -1, "negative place"},
+        {&f.start[0], 1, "does not start at 0"},
+        {&f.start[2], 2, "starts fall"},
         {&f.start[4], 7, "beyond the entries"},
     };
     for (size_t i = 0; i < sizeof broken / sizeof broken[0]; i++) {

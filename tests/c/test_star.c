@@ -1,4 +1,5 @@
-/* The star of Fig. 2: its receptance, energies and modes against closed forms, and there and back. */
+/* The star of Fig. 2: its receptance, energies and modes against closed forms, and there and back.
+ */
 #include "chain.h"
 
 static void bad_stars_are_named(void)
@@ -18,13 +19,13 @@ static void bad_stars_are_named(void)
         double value;
         int status;
     } broken[] = {
-        {&star.m0, nan, AOI_ERROR_NOT_FINITE},     {&star.m0, inf, AOI_ERROR_NOT_FINITE},
+        {&star.m0, nan, AOI_ERROR_NOT_FINITE},       {&star.m0, inf, AOI_ERROR_NOT_FINITE},
         {&star.m0, -1e-300, AOI_ERROR_NOT_POSITIVE}, {&star.m0, -inf, AOI_ERROR_NOT_FINITE},
-        {&star.k0, nan, AOI_ERROR_NOT_FINITE},     {&star.k0, inf, AOI_ERROR_NOT_FINITE},
-        {&star.k0, -1.0, AOI_ERROR_NOT_POSITIVE},  {&m[1], nan, AOI_ERROR_NOT_FINITE},
-        {&m[1], inf, AOI_ERROR_NOT_FINITE},        {&m[1], 0.0, AOI_ERROR_NOT_POSITIVE},
-        {&m[0], -1.0, AOI_ERROR_NOT_POSITIVE},     {&k[0], nan, AOI_ERROR_NOT_FINITE},
-        {&k[1], inf, AOI_ERROR_NOT_FINITE},        {&k[1], 0.0, AOI_ERROR_NOT_POSITIVE},
+        {&star.k0, nan, AOI_ERROR_NOT_FINITE},       {&star.k0, inf, AOI_ERROR_NOT_FINITE},
+        {&star.k0, -1.0, AOI_ERROR_NOT_POSITIVE},    {&m[1], nan, AOI_ERROR_NOT_FINITE},
+        {&m[1], inf, AOI_ERROR_NOT_FINITE},          {&m[1], 0.0, AOI_ERROR_NOT_POSITIVE},
+        {&m[0], -1.0, AOI_ERROR_NOT_POSITIVE},       {&k[0], nan, AOI_ERROR_NOT_FINITE},
+        {&k[1], inf, AOI_ERROR_NOT_FINITE},          {&k[1], 0.0, AOI_ERROR_NOT_POSITIVE},
         {&k[0], -1.0, AOI_ERROR_NOT_POSITIVE},
     };
     for (size_t i = 0; i < sizeof broken / sizeof broken[0]; i++) {
@@ -49,7 +50,8 @@ static void receptance_of_one_oscillator(void)
     CHECK(near(u[0], 1.0 / 3.0, 1e-16), "static compliance 1/k0, not %g", u[0]);
     CHECK(near(u[1], 1.0 / (3.0 - 1.0 - 8.0 / 3.0), 1e-15), "at w = 1, not %g", u[1]);
     CHECK(u[2] == 0.0, "an antiresonance at w^2 = k/m, not %g", u[2]);
-    CHECK(near(u[3], 1.0 / (3.0 - 16.0 + 2.0 * 16.0 * 4.0 / 12.0), 1e-15), "at w = 4, not %g", u[3]);
+    CHECK(near(u[3], 1.0 / (3.0 - 16.0 + 2.0 * 16.0 * 4.0 / 12.0), 1e-15), "at w = 4, not %g",
+          u[3]);
     aoi_star_receptance(&free_star, 1, omega, u);
     CHECK(isinf(u[0]), "a free body gives way without end, not %g", u[0]);
     const aoi_star rigid = {0, 2.0, 0.0, NULL, NULL}, wall = {0, (double)INFINITY, 0.0, NULL, NULL};
@@ -64,7 +66,8 @@ static void star_of_a_chain_answers_like_the_chain(int n, int held)
     static chain c;
     chain_make(&c, n, held);
     double total = held ? (n + 1.0) * (2.0 * n + 1.0) / (6.0 * n) : n;
-    CHECK(near(aoi_star_static_mass(&c.star), total, 1e-14 * n), "static mass of %d is %g", n, total);
+    CHECK(near(aoi_star_static_mass(&c.star), total, 1e-14 * n), "static mass of %d is %g", n,
+          total);
     for (double omega = 0.013; omega < 3.0; omega += 0.0717) {
         double u;
         const double wanted = chain_receptance(n, held, omega);
@@ -85,15 +88,15 @@ static void star_of_a_chain_has_its_modes(int n, int held)
     CHECK(aoi_star_to_modal(&c.star, omega2, r, &modes, m) == AOI_OK, "chain of %d", n);
     CHECK(modes == (size_t)n, "n+1 modes, not %zu", modes);
     for (int j = 0; j < n; j++) {
-        CHECK(fabs(omega2[j] - c.omega2[j]) < 4e-15 * n, "mode %d of %d: omega2 %.17g, not %.17g", j, n,
-              omega2[j], c.omega2[j]);
+        CHECK(fabs(omega2[j] - c.omega2[j]) < 4e-15 * n, "mode %d of %d: omega2 %.17g, not %.17g",
+              j, n, omega2[j], c.omega2[j]);
         CHECK(fabs(r[j] * r[j] - c.weight[j]) < 2e-14, "mode %d of %d: r^2 %.17g, not %.17g", j, n,
               r[j] * r[j], c.weight[j]);
     }
     CHECK(held || omega2[0] == 0.0, "the rigid mode of a free chain is exactly zero");
     CHECK(aoi_star_from_modal((size_t)n, c.omega2, c.weight, &m0, &k0, m, k) == AOI_OK, "and back");
-    CHECK(near(m0, 1.0, 1e-14) && near(k0, c.star.k0, 1e-14 * n), "m0 = 1, k0 = %g, not %.17g, %.17g",
-          c.star.k0, m0, k0);
+    CHECK(near(m0, 1.0, 1e-14) && near(k0, c.star.k0, 1e-14 * n),
+          "m0 = 1, k0 = %g, not %.17g, %.17g", c.star.k0, m0, k0);
     for (int j = 0; j < n - 1; j++) {
         CHECK(fabs(m[j] - c.m[j]) < 1e-13 * c.m[0] && fabs(k[j] - c.k[j]) < 2e-14,
               "oscillator %d of %d: %.17g kg, not %.17g", j, n, m[j], c.m[j]);
@@ -119,7 +122,8 @@ static void random_star_make(random_star *s, size_t n, uint64_t *seed, int held,
 static void there_and_back(size_t n, uint64_t *seed, int held)
 {
     static random_star s;
-    static double omega2[CHAIN_MOST], r[CHAIN_MOST], weight[CHAIN_MOST], m[CHAIN_MOST], k[CHAIN_MOST];
+    static double omega2[CHAIN_MOST], r[CHAIN_MOST], weight[CHAIN_MOST], m[CHAIN_MOST],
+        k[CHAIN_MOST];
     size_t modes;
     double m0, k0, worst = 0.0;
     random_star_make(&s, n, seed, held, 0);
@@ -168,7 +172,8 @@ static void modes_add_up_to_the_receptance(size_t n, uint64_t *seed, int held, i
             sum += term;
             size += fabs(term);
         }
-        CHECK(fabs(u - sum) < 1e-11 * size, "at %g rad/s: %.17g, the modes give %.17g", omega, u, sum);
+        CHECK(fabs(u - sum) < 1e-11 * size, "at %g rad/s: %.17g, the modes give %.17g", omega, u,
+              sum);
     }
 }
 
@@ -179,17 +184,21 @@ static void lone_masses_and_their_modes(void)
     const aoi_star wall = {0, (double)INFINITY, 0.0, NULL, NULL};
     double found[2], r[2], m0, k0, m, k;
     size_t modes;
-    CHECK(aoi_star_to_modal(&rigid, found, r, &modes, NULL) == AOI_OK && modes == 1, "a rigid mass");
+    CHECK(aoi_star_to_modal(&rigid, found, r, &modes, NULL) == AOI_OK && modes == 1,
+          "a rigid mass");
     CHECK(found[0] == 0.0 && r[0] == 0.5, "moves as one: 0 and 1/sqrt(m)");
-    CHECK(aoi_star_to_modal(&sprung, found, r, &modes, NULL) == AOI_OK && modes == 1, "on a spring");
+    CHECK(aoi_star_to_modal(&sprung, found, r, &modes, NULL) == AOI_OK && modes == 1,
+          "on a spring");
     CHECK(found[0] == 9.0 && r[0] == 0.5, "k/m and 1/sqrt(m)");
-    CHECK(aoi_star_to_modal(&wall, found, r, &modes, NULL) == AOI_ERROR_ARGUMENT, "a wall has no modes");
+    CHECK(aoi_star_to_modal(&wall, found, r, &modes, NULL) == AOI_ERROR_ARGUMENT,
+          "a wall has no modes");
     CHECK(aoi_star_from_modal(1, omega2, weight, &m0, &k0, NULL, NULL) == AOI_OK, "one mode");
     CHECK(m0 == 4.0 && near(k0, 36.0, 1e-15), "is a mass on a spring");
     CHECK(aoi_star_from_modal(2, omega2, weight, &m0, &k0, &m, &k) == AOI_OK, "two modes of 4 kg");
     /* The antiresonance lies midway, k/m = 12.5; m0 = 2; m k from the slope there. */
     CHECK(m0 == 2.0 && near(k0, 1.0 / (0.25 / 9.0 + 0.25 / 16.0), 1e-15), "m0 and k0 of two modes");
-    CHECK(near(k, 3.5 * 3.5 / (0.5 * 12.5), 1e-14) && near(k / m, 12.5, 1e-14), "its oscillator: %g", k);
+    CHECK(near(k, 3.5 * 3.5 / (0.5 * 12.5), 1e-14) && near(k / m, 12.5, 1e-14),
+          "its oscillator: %g", k);
 }
 
 static void modes_that_cannot_be(void)
@@ -199,19 +208,25 @@ static void modes_that_cannot_be(void)
         double omega2[2], weight[2];
         int status;
     } bad[] = {
-        {{-1.0, 1.0}, {1.0, 1.0}, AOI_ERROR_ARGUMENT},     {{1.0, 1.0}, {1.0, 1.0}, AOI_ERROR_ARGUMENT},
-        {{2.0, 1.0}, {1.0, 1.0}, AOI_ERROR_ARGUMENT},      {{nan, 1.0}, {1.0, 1.0}, AOI_ERROR_NOT_FINITE},
-        {{0.0, nan}, {1.0, 1.0}, AOI_ERROR_NOT_FINITE},    {{0.0, inf}, {1.0, 1.0}, AOI_ERROR_NOT_FINITE},
-        {{0.0, 1.0}, {nan, 1.0}, AOI_ERROR_NOT_FINITE},    {{0.0, 1.0}, {1.0, nan}, AOI_ERROR_NOT_FINITE},
-        {{0.0, 1.0}, {inf, 1.0}, AOI_ERROR_NOT_FINITE},    {{0.0, 1.0}, {0.0, 1.0}, AOI_ERROR_NOT_POSITIVE},
-        {{0.0, 1.0}, {1.0, -1.0}, AOI_ERROR_NOT_POSITIVE}, {{0.0, 1.0}, {1.0, 0.0}, AOI_ERROR_NOT_POSITIVE},
+        {{-1.0, 1.0}, {1.0, 1.0}, AOI_ERROR_ARGUMENT},
+        {{1.0, 1.0}, {1.0, 1.0}, AOI_ERROR_ARGUMENT},
+        {{2.0, 1.0}, {1.0, 1.0}, AOI_ERROR_ARGUMENT},
+        {{nan, 1.0}, {1.0, 1.0}, AOI_ERROR_NOT_FINITE},
+        {{0.0, nan}, {1.0, 1.0}, AOI_ERROR_NOT_FINITE},
+        {{0.0, inf}, {1.0, 1.0}, AOI_ERROR_NOT_FINITE},
+        {{0.0, 1.0}, {nan, 1.0}, AOI_ERROR_NOT_FINITE},
+        {{0.0, 1.0}, {1.0, nan}, AOI_ERROR_NOT_FINITE},
+        {{0.0, 1.0}, {inf, 1.0}, AOI_ERROR_NOT_FINITE},
+        {{0.0, 1.0}, {0.0, 1.0}, AOI_ERROR_NOT_POSITIVE},
+        {{0.0, 1.0}, {1.0, -1.0}, AOI_ERROR_NOT_POSITIVE},
+        {{0.0, 1.0}, {1.0, 0.0}, AOI_ERROR_NOT_POSITIVE},
     };
     double m0 = 7.0, k0 = 7.0, m = 7.0, k = 7.0;
     CHECK(aoi_star_from_modal(0, NULL, NULL, &m0, &k0, &m, &k) == AOI_ERROR_ARGUMENT, "no modes");
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         const int status = aoi_star_from_modal(2, bad[i].omega2, bad[i].weight, &m0, &k0, &m, &k);
-        CHECK(status == bad[i].status, "omega2 %g, %g with weights %g, %g: status %d", bad[i].omega2[0],
-              bad[i].omega2[1], bad[i].weight[0], bad[i].weight[1], status);
+        CHECK(status == bad[i].status, "omega2 %g, %g with weights %g, %g: status %d",
+              bad[i].omega2[0], bad[i].omega2[1], bad[i].weight[0], bad[i].weight[1], status);
     }
     CHECK(m == 7.0 && k == 7.0, "no oscillator is written");
     CHECK(aoi_star_from_modal(1, &nan, bad[0].weight, &m0, &k0, NULL, NULL) == AOI_ERROR_NOT_FINITE,
@@ -230,7 +245,8 @@ static void energies_of_a_star(void)
     const aoi_star star = {2, 4.0, 11.0, m, k}, wall = {0, (double)INFINITY, 0.0, NULL, NULL};
     double kinetic, elastic;
     aoi_star_energy(&star, u, v, &kinetic, &elastic);
-    CHECK(near(kinetic, 0.5 * (4.0 + 2.0 * 4.0 + 3.0 * 0.25), 1e-15), "1/2 sum m v^2, not %g", kinetic);
+    CHECK(near(kinetic, 0.5 * (4.0 + 2.0 * 4.0 + 3.0 * 0.25), 1e-15), "1/2 sum m v^2, not %g",
+          kinetic);
     CHECK(near(elastic, 0.5 * (11.0 * 0.01 + 5.0 * 0.04 + 7.0 * 0.09), 1e-14),
           "1/2 k0 u0^2 + 1/2 sum k (u0 - u_i)^2, not %g", elastic);
     aoi_star_energy(&wall, u, v, &kinetic, &elastic);

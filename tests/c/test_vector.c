@@ -13,7 +13,8 @@ static void sums_of_whole_numbers_are_exact(void)
     for (size_t n = 0; n <= LONGEST; n++) {
         const double whole = (double)n;
         CHECK(aoi_vector_dot(n, ones, rising) == whole * (whole + 1.0) / 2.0, "1 + ... + %zu", n);
-        CHECK(aoi_vector_dot(n, rising, rising) == whole * (whole + 1.0) * (2.0 * whole + 1.0) / 6.0,
+        CHECK(aoi_vector_dot(n, rising, rising) ==
+                  whole * (whole + 1.0) * (2.0 * whole + 1.0) / 6.0,
               "sum of the first %zu squares", n);
     }
 }
