@@ -60,7 +60,7 @@ def check_stiffness(K: sp.csr_array) -> None:
     Raises
     ------
     InputError
-        If a diagonal entry is negative, a principal minor of order 2 is, or (up to 30 000 dofs)
+        If a diagonal entry is negative, a principal minor of order 2 is, or (up to 10 000 dofs)
         an eigenvalue.
     """
     diagonal = K.diagonal()
@@ -98,7 +98,7 @@ def check_mass(M: sp.csr_array) -> None:
     ------
     InputError
         If a diagonal entry is not positive (a dof without mass), a principal minor of order 2 is
-        not, or (up to 30 000 dofs) an eigenvalue is not.
+        not, or (up to 10 000 dofs) an eigenvalue is not.
     """
     diagonal = M.diagonal()
     bad = np.flatnonzero(diagonal <= 0.0)

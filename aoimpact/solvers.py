@@ -22,7 +22,7 @@ FloatArray = npt.NDArray[np.float64]
 _SINGULAR = 2e-15
 
 # Up to here the signs of the pivots are looked at; SciPy copies all factors to show them.
-CHECKED_DOFS = 30_000
+CHECKED_DOFS = 10_000
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:
     Raises
     ------
     SingularError
-        If the matrix is singular to rounding, or (up to 30 000 dofs) has negative eigenvalues.
+        If the matrix is singular to rounding, or (up to 10 000 dofs) has negative eigenvalues.
     """
     csc = sp.csc_matrix(matrix)
     try:
