@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import graphlib
+import re
 import subprocess
 import sys
 from importlib import metadata
@@ -93,6 +94,19 @@ def test_promised_results_are_there() -> None:
     assert hasattr(hit.error, "time")
     for name in ("plot_force", "plot_indentation", "plot_energy", "plot_displacement", "to_csv"):
         assert callable(getattr(hit, name))
+
+
+@pytest.mark.slow
+def test_example_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    readme = Path(__file__).parent.parent / "README.md"
+    blocks = re.findall(r"^```python\n(.*?)^```$", readme.read_text("utf-8"), re.M | re.S)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in blocks:
+        exec(compile(block, str(readme), "exec"), names)
+    hit = names["hit"]
+    assert isinstance(hit, ao.Result)
+    assert hit.peak_force > 0.0
 
 
 # ------------------------------------------------------------------------------------- imports
