@@ -98,41 +98,43 @@ MUTANTS = [
 ]
 
 
-def build(compiler: str, core: Path, out: Path, only: str | None = None) -> None:
-    """Compile the core (or one file of it) and link every test program."""
+def compile_file(compiler: str, source: Path, core: Path, out: Path) -> None:
     flags = ["-std=c99", "-O1", "-w", f"-I{core}", f"-I{HERE}"]
-    files = [core / only] if only else [p for p in core.glob("*.c") if p.name != "python.c"]
-    for source in files:
-        subprocess.run([compiler, *flags, "-c", source, "-o", out / f"{source.stem}.o"], check=True)
-    objects = sorted(path for path in out.glob("*.o") if not path.stem.startswith("test_"))
-    for source in sorted(HERE.glob("test_*.c")):
-        compiled = out / f"{source.stem}.o"
-        if not compiled.exists():
-            subprocess.run([compiler, *flags, "-c", source, "-o", compiled], check=True)
-        subprocess.run([compiler, compiled, *objects, "-lm", "-o", out / source.stem], check=True)
+    command = [compiler, *flags, "-c", source, "-o", out / f"{source.stem}.o"]
+    subprocess.run(command, check=True)
 
 
-def survives(out: Path) -> bool:
-    """Whether every test program passes."""
-    for source in sorted(HERE.glob("test_*.c")):
-        try:
-            done = subprocess.run([out / source.stem], capture_output=True, timeout=60)
-        except subprocess.TimeoutExpired:
-            return False
-        if done.returncode != 0:
-            return False
-    return True
+def passes(compiler: str, test: str, out: Path) -> bool:
+    """Whether a test program, linked with the core as it is now, passes."""
+    objects = [path for path in out.glob("*.o") if not path.stem.startswith("test_")]
+    program = out / test
+    command = [compiler, out / f"{test}.o", *sorted(objects), "-lm", "-o", program]
+    subprocess.run(command, check=True)
+    try:
+        return subprocess.run([program], capture_output=True, timeout=60).returncode == 0
+    except subprocess.TimeoutExpired:
+        return False
+
+
+def survives(compiler: str, tests: list[str], own: str, out: Path) -> bool:
+    """Whether every test program passes; the file's own is asked first."""
+    in_turn = sorted(tests, key=lambda test: test != f"test_{own}")
+    return all(passes(compiler, test, out) for test in in_turn)
 
 
 def main() -> int:
     compiler = sys.argv[1] if len(sys.argv) > 1 else "cc"
+    tests = sorted(path.stem for path in HERE.glob("test_*.c"))
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
         core, out = Path(folder, "csrc"), Path(folder, "build")
         shutil.copytree(CORE, core)
         out.mkdir()
-        build(compiler, core, out)
-        if not survives(out):
+        for source in [p for p in core.glob("*.c") if p.name != "python.c"]:
+            compile_file(compiler, source, core, out)
+        for test in tests:
+            compile_file(compiler, HERE / f"{test}.c", core, out)
+        if not survives(compiler, tests, "", out):
             print("the tests fail as it is")
             return 1
         for name, old, new in MUTANTS:
@@ -144,8 +146,8 @@ def main() -> int:
             compiled = (out / name).with_suffix(".o")
             sound = compiled.read_bytes()
             (core / name).write_text(text.replace(old, new))
-            build(compiler, core, out, name)
-            if survives(out):
+            compile_file(compiler, core / name, core, out)
+            if survives(compiler, tests, Path(name).stem, out):
                 print(f"{name}: no test notices '{new}' for '{old}'")
                 failed += 1
             compiled.write_bytes(sound)
