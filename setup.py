@@ -18,7 +18,7 @@ core = Extension(
     include_dirs=["csrc"],
     define_macros=[("Py_LIMITED_API", "0x030B0000")] if LIMITED else [],
     py_limited_api=LIMITED,
-    extra_compile_args=["/std:c11", "/O2"] if MSVC else ["-std=c99", "-O3", "-fvisibility=hidden"],
+    extra_compile_args=["/std:c11", "/O2"] if MSVC else ["-std=c99", "-O3", "-ffp-contract=off", "-fvisibility=hidden"],
 )
 
 setup(

@@ -27,6 +27,9 @@ FloatArray = npt.NDArray[np.float64]
 _DENSE_QUICK = 1500
 _DENSE_MOST = 6000
 
+# Slack of the masses in a proof.
+_ROUNDING = 1e-12
+
 # An oscillator with less than this share of the static mass carries none: it is rounding.
 _NO_MASS = 1e-13
 
@@ -133,7 +136,8 @@ def _enough(found: _Oscillators, mass_of_all: float, n: int, order: str) -> bool
     if order == "frequency" or n == 0:
         return True
     # What no mode found so far carries bounds the mass of each one not found.
-    return mass_of_all - math.fsum(found.m) <= float(found.m[n - 1])
+    rest = mass_of_all - math.fsum(found.m) + _ROUNDING * mass_of_all
+    return rest <= float(found.m[n - 1])
 
 
 def _wanted_oscillators(tip: ContactPoint, static: StaticMode, n: int, order: str) -> _Oscillators:

@@ -24,8 +24,8 @@ __all__ = ["simulate"]
 
 FloatArray = npt.NDArray[np.float64]
 
-# Up to as many contacts an adaptive run keeps its tolerance without being asked twice.
-_CONTACTS_TRUSTED = 2
+# One contact keeps its tolerance; from the second on the run is asked twice.
+_CONTACTS_TRUSTED = 1
 
 # Squares and energies of speeds beyond these overflow, or vanish.
 _SLOWEST, _FASTEST = 1e-60, 1e60

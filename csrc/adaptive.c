@@ -84,8 +84,13 @@ static int touch(aoi_adaptive *run)
     }
     /* The motion starts like t + t^(7/2): the first step resolves that to rtol. */
     const double first = 3.0 * reach / rate * pow(run->rtol, 1.0 / 3.5);
-    run->level = (int)ceil(log2(run->base / first));
-    run->last_length = 0.0;
+    const double levels = log2(run->base / first);
+    if (!(fabs(levels) < DEEPEST_LEVEL)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
+    run->level = (int)ceil(levels);
+    run->touched = run->time;
+    run->elapsed = run->last_length = run->start = run->without_force = 0.0;
     run->in_contact = 1;
     return AOI_OK;
 }
@@ -120,15 +125,13 @@ typedef struct attempt {
 
 static void try_step(const aoi_adaptive *run, const aoi_collocation *step, attempt *made)
 {
-    double homogeneous[AOI_STAGES], slope, scale = 0.0;
+    double homogeneous[AOI_STAGES], scale = 0.0;
     aoi_collocation_error error;
     made->growth = 0.0;
     made->largest = 0.0;
-    /* Not the modes' sum: a residual compliance is held back by the force. */
-    made->start = run->last_length > 0.0
-                      ? aoi_legendre_evaluate(AOI_STAGES + 1, run->last, 1.0, &slope)
-                      : 0.0;
-    aoi_collocation_homogeneous(step, run->relative, run->x, run->v, homogeneous);
+    made->start = run->start;
+    aoi_collocation_homogeneous(step, run->relative, run->without_force, run->x, run->v,
+                                homogeneous);
     aoi_collocation_guess(step, run->last_length, run->last, homogeneous, made->indentation);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         scale = fmax(scale, fabs(made->indentation[i]));
@@ -151,15 +154,20 @@ static void try_step(const aoi_adaptive *run, const aoi_collocation *step, attem
     const double tail_share =
         fmax(TAIL_SHARE * (bends ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
     const double step_share = fmax(STEP_SHARE * end_share * run->rtol, 2.0 * DBL_EPSILON);
-    const double within = error.tail / (tail_share * reach);
+    /* A law of a high power makes more of an error of the indentation than Hertz's. */
+    aoi_law_value value;
+    run->law->force(run->law, made->largest, 0.0, &value);
+    const double steepness =
+        value.force > 0.0 ? value.stiffness * made->largest / (1.5 * value.force) : 1.0;
+    const double within = fmax(steepness, 1.0) * error.tail / (tail_share * reach);
     const double handed_on =
         (fabs(error.impulse) / run->impulse_scale + fabs(error.indentation) / reach) / step_share;
     made->growth = 0.9 * fmin(pow(within, -1.0 / (AOI_STAGES + 1)),
                               pow(handed_on, -1.0 / (2 * AOI_STAGES)));
-    if (within > 1.0 || handed_on > 1.0) {
-        made->growth = fmin(made->growth, 0.9);
-    } else {
+    if (within <= 1.0 && handed_on <= 1.0) {
         made->growth = fmax(made->growth, 1.0);
+    } else { /* NaN, too, is no success */
+        made->growth = made->growth < 0.9 ? made->growth : (isnan(within + handed_on) ? 0.0 : 0.9);
     }
 }
 
@@ -218,11 +226,16 @@ static void accept(aoi_adaptive *run, const aoi_collocation *step, const attempt
     run->impulse_scale = fmax(run->impulse_scale, run->impulse);
     run->indentation_scale = fmax(run->indentation_scale, made->largest);
     aoi_collocation_propagate(step, run->relative, made->force, run->x, run->v);
+    run->start = made->indentation[AOI_STAGES - 1];
+    run->without_force =
+        run->start + (run->relative->residual[0] + run->relative->residual[1]) *
+                         made->force[AOI_STAGES - 1];
     if (release >= 0.0) {
-        row[AOI_TRACK_RELEASE] = run->time + release * step->h;
+        row[AOI_TRACK_RELEASE] = run->touched + (run->elapsed + release * step->h);
         run->in_contact = 0;
     }
-    run->time = step->h < run->end - run->time ? run->time + step->h : run->end;
+    run->time = step->h < run->end - run->time ? run->touched + (run->elapsed + step->h) : run->end;
+    run->elapsed += step->h;
     run->last_length = step->h;
     run->steps++;
     const int longer = (made->growth >= 2.0) + (made->growth >= 4.0) + (made->growth >= 8.0);
@@ -233,7 +246,7 @@ static int contact_step(aoi_adaptive *run, double *row)
 {
     while (run->level < DEEPEST_LEVEL) {
         const aoi_collocation *step = table_of_level(run);
-        if (!(run->time + step->h > run->time)) {
+        if (!(run->elapsed + step->h > run->elapsed)) {
             break; /* shorter than the clock can tell */
         }
         attempt made;

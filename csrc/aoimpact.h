@@ -342,7 +342,7 @@ int aoi_relative_next_touch(const aoi_relative *relative, const size_t *order, d
                             size_t most, double *x, double *v, double *flown, int *touches);
 
 /* i^-l e^(iz/2) j_l(z/2) for l < count, as sine (imaginary) and cosine (real) parts: the integrals of
- * sin z(1-x) and cos z(1-x) against the shifted Legendre polynomials on [0, 1]. z > 0, count <= 16. */
+ * sin z(1-x) and cos z(1-x) against the shifted Legendre polynomials on [0, 1]. z > 0, 2 <= count <= 16. */
 void aoi_bessel_trigonometric(double z, size_t count, double *sine, double *cosine);
 
 /* ------------------------------------------------------- collocation on the force: collocation.c */
@@ -356,7 +356,7 @@ typedef struct aoi_collocation {
     double influence[AOI_STAGES][AOI_STAGES]; /* -d delta(node) / d F(node)                     */
     double defect[2][AOI_STAGES];             /* of a force error at the extra points: its effect */
                                               /* on delta and on its rate at the end of the step  */
-    double *cosine, *sine; /* [stage][n]: cos(omega c h), sin(omega c h) / omega             */
+    double *cosine, *sine; /* [stage][n]: cos(omega c h) - 1, sin(omega c h) / omega         */
     double *to_x, *to_v;   /* [stage][n]: integrals of sine and cosine against l_stage       */
 } aoi_collocation;
 
@@ -367,9 +367,11 @@ size_t aoi_collocation_size(size_t n);
 void aoi_collocation_make(aoi_collocation *step, const aoi_relative *relative, double h,
                           double *block);
 
-/* The indentation without force at the nodes. */
+/* The indentation without force at the nodes. start: what it is at the start of the step; the modes
+ * only give its change, since their sum has the rounding of the bodies' places. */
 void aoi_collocation_homogeneous(const aoi_collocation *step, const aoi_relative *relative,
-                                 const double *x, const double *v, double *indentation);
+                                 double start, const double *x, const double *v,
+                                 double *indentation);
 
 /* Solves delta = homogeneous - influence F, F = law(delta) at the nodes by Newton's method, to
  * 1e-13 of scale. indentation: a guess in, the solution out; force out.
@@ -448,6 +450,8 @@ typedef struct aoi_adaptive {
 
     int in_contact, level; /* steps are base 2^-level long */
     double base, indentation_scale, impulse_scale;
+    double touched, elapsed;      /* time is their sum in contact: short steps of a late contact */
+    double start, without_force; /* delta now, and what it would be without F: residual F more */
     double peak_force, peak_time, impulse;
     double last_length, last[AOI_STAGES + 1]; /* the last step's indentation, to guess the next */
     aoi_collocation table[AOI_TABLES];

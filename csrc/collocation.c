@@ -60,7 +60,8 @@ static void mode_tables(aoi_collocation *step, const aoi_relative *relative, siz
     double sine_scale = h * h;
     for (size_t i = 0; i < AOI_STAGES; i++) {
         const double z = omega * h * node[i];
-        step->cosine[i * relative->n + j] = cos(z);
+        const double half = sin(0.5 * z);
+        step->cosine[i * relative->n + j] = -2.0 * half * half; /* cos z - 1 */
         step->sine[i * relative->n + j] = z > 0.0 ? sin(z) / omega : h * node[i];
     }
     if (omega * h > DBL_EPSILON) {
@@ -113,7 +114,8 @@ void aoi_collocation_make(aoi_collocation *step, const aoi_relative *relative, d
 }
 
 void aoi_collocation_homogeneous(const aoi_collocation *step, const aoi_relative *relative,
-                                 const double *x, const double *v, double *indentation)
+                                 double start, const double *x, const double *v,
+                                 double *indentation)
 {
     const size_t n = relative->n;
     double acceleration = 0.0;
@@ -122,9 +124,9 @@ void aoi_collocation_homogeneous(const aoi_collocation *step, const aoi_relative
     }
     for (size_t i = 0; i < AOI_STAGES; i++) {
         const double time = step->h * node[i];
-        indentation[i] = aoi_vector_dot(n, step->cosine + i * n, x) +
-                         aoi_vector_dot(n, step->sine + i * n, v) +
-                         0.5 * acceleration * time * time - relative->gap;
+        indentation[i] = start + (aoi_vector_dot(n, step->cosine + i * n, x) +
+                                  aoi_vector_dot(n, step->sine + i * n, v) +
+                                  0.5 * acceleration * time * time);
     }
 }
 
@@ -215,10 +217,10 @@ void aoi_collocation_propagate(const aoi_collocation *step, const aoi_relative *
             kick += step->to_v[k * n + j] * force[k];
         }
         const double load = omega > 0.0 ? 0.0 : relative->load[j];
-        x[j] = step->cosine[end + j] * x0 + step->sine[end + j] * v0 +
-               0.5 * load * step->h * step->h - relative->weight[j] * push;
-        v[j] = step->cosine[end + j] * v0 - omega * omega * step->sine[end + j] * x0 +
-               load * step->h - relative->weight[j] * kick;
+        x[j] = x0 + (step->cosine[end + j] * x0 + step->sine[end + j] * v0 +
+                     0.5 * load * step->h * step->h - relative->weight[j] * push);
+        v[j] = v0 + (step->cosine[end + j] * v0 - omega * omega * step->sine[end + j] * x0 +
+                     load * step->h - relative->weight[j] * kick);
     }
 }
 
@@ -268,6 +270,9 @@ static double zero_between(const double *legendre, int of_slope, double low, dou
     value_low = of_slope ? slope : value_low;
     value_high = aoi_legendre_evaluate(AOI_STAGES + 1, legendre, high, &slope);
     value_high = of_slope ? slope : value_high;
+    if ((value_low > 0.0) == (value_high > 0.0)) { /* rounding has taken the change of sign */
+        return fabs(value_low) < fabs(value_high) ? low : high;
+    }
     int side = 0;
     for (int i = 0; i < 60 && high - low > DBL_EPSILON && value_high != value_low; i++) {
         const double at = low - value_low * (high - low) / (value_high - value_low);

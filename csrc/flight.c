@@ -35,7 +35,7 @@ void aoi_relative_fly(const aoi_relative *relative, double time, double *x, doub
  * positive; with c = 0 (just let go) where it does so again. */
 static double first_root(double c, double b, double a)
 {
-    if (c > 0.0 || (c == 0.0 && b > 0.0)) {
+    if (c > 0.0 || (c == 0.0 && (b > 0.0 || (b == 0.0 && a > 0.0)))) {
         return 0.0;
     }
     if (a == 0.0) {

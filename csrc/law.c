@@ -7,9 +7,9 @@
 /* hertz: k. F = k d^(3/2), eqs. (13)-(15). A square root is ten times cheaper than pow. */
 static void hertz_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
 {
-    const double root = indentation > 0.0 ? sqrt(indentation) : 0.0;
+    const double d = indentation > 0.0 ? indentation : 0.0, root = sqrt(d);
     (void)rate;
-    value->force = law->parameter[0] * root * indentation;
+    value->force = law->parameter[0] * root * d;
     value->stiffness = 1.5 * law->parameter[0] * root;
     value->damping = 0.0;
 }
@@ -41,10 +41,10 @@ static double power_potential(const aoi_law *law, double indentation)
 /* linear: k. F = k d. */
 static void linear_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
 {
-    const double k = indentation > 0.0 ? law->parameter[0] : 0.0;
+    const double d = indentation > 0.0 ? indentation : 0.0;
     (void)rate;
-    value->force = k * indentation;
-    value->stiffness = k;
+    value->force = law->parameter[0] * d;
+    value->stiffness = d > 0.0 ? law->parameter[0] : 0.0;
     value->damping = 0.0;
 }
 

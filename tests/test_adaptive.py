@@ -362,6 +362,48 @@ def test_a_run_without_end_is_refused_before_memory_is_full():
         hit(1e-3, projectile=swing, target=WALL, law=ao.Hertz(k=1e10), duration=1e5)
 
 
+@pytest.mark.parametrize("gap", [1.0, 30.0, 1e4])
+def test_the_way_to_the_first_touch_costs_no_digits_of_the_contact(gap):
+    """A place of 30 m is rounded by 4e-15 m, an indentation of 20 µm must not be."""
+    sphere = ao.AOModel(m0=0.001 * MASS, m=[0.999 * MASS], k=[275.7e6])
+    near = hit(1e-10, projectile=sphere, target=sphere)
+    far = hit(1e-10, projectile=sphere, target=sphere, gap=gap, duration=gap + 200e-6)
+    assert far.peak_force == pytest.approx(near.peak_force, rel=1e-10)
+    assert far.contact_duration == pytest.approx(near.contact_duration, abs=1e-15 * gap + 1e-14)
+
+
+@pytest.mark.parametrize("n", [5.0, 10.0, 20.0])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9])
+def test_steep_laws_keep_the_tolerance_of_the_force(n, rtol):
+    law = ao.PowerLaw(k=10.0 ** (5.0 * n), n=n)
+    peak, time = rigid_power(law.k, n, 0.3, 0.5)
+    result = hit(
+        rtol,
+        projectile=ao.rigid(mass=0.3),
+        target=WALL,
+        law=law,
+        velocity=0.5,
+        duration=2.0 * time,
+    )
+    assert max(relative_errors(result, peak, time, -0.5, 0.5)) <= rtol
+
+
+def test_many_contacts_with_a_ringing_beam_admit_what_they_do_not_know():
+    """A heavy ball bouncing on a beam: each contact enlarges the errors of those before."""
+    K, M = beam(8, fixed=[0, 16])
+    target = ao.antioscillators(ao.FEModel(K=K, M=M).contact(dof=7))
+    options = {"law": ao.Hertz(k=1e6), "velocity": 0.01, "duration": 1.0}
+    ball = ao.rigid(mass=30.0)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        rough = hit(1e-3, projectile=ball, target=target, **options)
+        fine = hit(1e-9, projectile=ball, target=target, **options)
+    true = abs(rough.peak_force / fine.peak_force - 1)
+    assert len(fine.contacts) > 5
+    assert true <= rough.error.time
+    assert rough.error.time == 1e-3 or any("is not kept" in str(w.message) for w in said)
+
+
 def test_a_scene_too_sensitive_for_its_tolerance_says_so():
     """Hundreds of contacts of a light swing with a ringing body."""
     light = ao.AOModel(m0=3.2e-7, k0=2.8e3)
