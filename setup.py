@@ -11,6 +11,10 @@ from setuptools import Extension, setup
 LIMITED = not sysconfig.get_config_var("Py_GIL_DISABLED") and sys.implementation.name == "cpython"
 MSVC = sys.platform == "win32" and "GCC" not in sys.version
 
+# No contraction: a fused multiply-add on some machines only would give them other bits.
+UNIX = ["-std=c99", "-O3", "-ffp-contract=off", "-fvisibility=hidden"]
+FLAGS = ["/std:c11", "/O2"] if MSVC else UNIX
+
 core = Extension(
     "aoimpact._core",
     sources=sorted(path.as_posix() for path in Path("csrc").glob("*.c")),
@@ -18,7 +22,7 @@ core = Extension(
     include_dirs=["csrc"],
     define_macros=[("Py_LIMITED_API", "0x030B0000")] if LIMITED else [],
     py_limited_api=LIMITED,
-    extra_compile_args=["/std:c11", "/O2"] if MSVC else ["-std=c99", "-O3", "-ffp-contract=off", "-fvisibility=hidden"],
+    extra_compile_args=FLAGS,
 )
 
 setup(
