@@ -36,6 +36,13 @@ static void *held_take(held *buffers, PyObject *object, const char *name, char t
         return NULL;
     }
     buffers->failed = 1;
+    if (PyErr_Occurred()) {
+        return NULL; /* from the conversion of a number before */
+    }
+    if (buffers->count == MOST_BUFFERS) {
+        PyErr_SetString(PyExc_SystemError, "a call with more buffers than it can hold");
+        return NULL;
+    }
     if (PyObject_GetBuffer(object, view,
                            PyBUF_C_CONTIGUOUS | PyBUF_FORMAT | (writable ? PyBUF_WRITABLE : 0)) != 0) {
         return NULL;
@@ -673,11 +680,11 @@ static int grow(growing *track)
     return 1;
 }
 
-enum { ROWS_BETWEEN_SIGNALS = 4096 };
-
 /* Runs without the GIL, in pieces between which signals are heard. */
 static int run_to_end(aoi_adaptive *run, growing *track)
 {
+    /* A row costs some 0.2 us a mode: pieces of a tenth of a second at most. */
+    const size_t between_signals = 1 + 400000 / (run->relative->n + 100);
     int status = aoi_adaptive_start(run);
     while (status == AOI_OK && run->time < run->end) {
         size_t written = 0;
@@ -688,7 +695,7 @@ static int run_to_end(aoi_adaptive *run, growing *track)
             break;
         }
         const size_t left = track->capacity - track->count;
-        const size_t piece = left < ROWS_BETWEEN_SIGNALS ? left : ROWS_BETWEEN_SIGNALS;
+        const size_t piece = left < between_signals ? left : between_signals;
         Py_BEGIN_ALLOW_THREADS
         status = aoi_adaptive_run(run, piece, track->rows + track->count * track->width, &written);
         Py_END_ALLOW_THREADS
