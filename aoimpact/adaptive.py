@@ -95,7 +95,7 @@ class Track:
         start, length = self.table[:, _START], self.table[:, _LENGTH]
         touching = self.table[:, _CONTACT] == 1.0
         fractions = np.arange(_PER_STEP) / _PER_STEP
-        inside = np.add.outer(start[touching], 0.0)[:, None] + np.outer(length[touching], fractions)
+        inside = start[touching][:, None] + np.outer(length[touching], fractions)
         parts = [np.array([0.0, self.duration, self.events.peak_time]), inside.ravel()]
         parts.append(np.array(self.events.contacts).ravel())
         for begin, time in zip(start[~touching], length[~touching], strict=True):
@@ -135,8 +135,6 @@ def adaptive_run(
         relative.for_core(), *law.for_core(), rtol, duration, x, v
     )
     table = np.frombuffer(raw).reshape(rows, _FIXED + 2 * len(x))
-    if peak_time > duration:  # the last step of a contact may reach beyond the record
-        peak_time = duration
     events = Events(peak_force, peak_time, _contacts(table, duration), impulse)
     return Track(relative, law, duration, table, events, steps, rejected, x, v)
 

@@ -118,7 +118,7 @@ static const aoi_collocation *table_of_level(aoi_adaptive *run)
 
 /* One try at a step. */
 typedef struct attempt {
-    double start, indentation[AOI_STAGES], force[AOI_STAGES], legendre[AOI_STAGES + 1];
+    double indentation[AOI_STAGES], force[AOI_STAGES], legendre[AOI_STAGES + 1];
     double largest; /* indentation */
     double growth; /* by which the step could be longer; below 1 it has failed */
 } attempt;
@@ -129,18 +129,17 @@ static void try_step(const aoi_adaptive *run, const aoi_collocation *step, attem
     aoi_collocation_error error;
     made->growth = 0.0;
     made->largest = 0.0;
-    made->start = run->start;
     aoi_collocation_homogeneous(step, run->relative, run->without_force, run->x, run->v,
                                 homogeneous);
     aoi_collocation_guess(step, run->last_length, run->last, homogeneous, made->indentation);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         scale = fmax(scale, fabs(made->indentation[i]));
     }
-    if (aoi_collocation_solve(step, run->relative, run->law, homogeneous, scale, made->indentation,
+    if (aoi_collocation_solve(step, run->law, homogeneous, scale, made->indentation,
                               made->force) != AOI_OK) {
         return;
     }
-    aoi_collocation_estimate(step, run->law, made->start, made->indentation, made->force,
+    aoi_collocation_estimate(step, run->law, run->start, made->indentation, made->force,
                              made->legendre, &error);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         made->largest = fmax(made->largest, made->indentation[i]);
@@ -194,7 +193,7 @@ static void note_peak(aoi_adaptive *run, const attempt *made, double h)
 }
 
 /* Writes the row of what happens next: state, start, kind. */
-static double *begin_row(const aoi_adaptive *run, double *row, double contact)
+static void begin_row(const aoi_adaptive *run, double *row, double contact)
 {
     const size_t n = run->relative->n;
     row[AOI_TRACK_START] = run->time;
@@ -207,13 +206,12 @@ static double *begin_row(const aoi_adaptive *run, double *row, double contact)
         row[AOI_TRACK_FIXED + j] = run->x[j];
         row[AOI_TRACK_FIXED + n + j] = run->v[j];
     }
-    return row;
 }
 
 static void accept(aoi_adaptive *run, const aoi_collocation *step, const attempt *made,
                    double release, double *row)
 {
-    (void)begin_row(run, row, 1.0);
+    begin_row(run, row, 1.0);
     row[AOI_TRACK_LENGTH] = step->h;
     for (size_t i = 0; i < AOI_STAGES; i++) {
         row[AOI_TRACK_FORCE + i] = made->force[i];
@@ -254,7 +252,7 @@ static int contact_step(aoi_adaptive *run, double *row)
         try_step(run, step, &made);
         if (made.growth >= 1.0) {
             const int changes =
-                aoi_collocation_release(made.start, made.indentation, made.legendre, &release);
+                aoi_collocation_release(made.indentation, made.legendre, &release);
             /* More than one end, or an end before the first node: look closer. */
             if (changes == 0 || (changes == 1 && made.indentation[0] > 0.0)) {
                 accept(run, step, &made, release, row);
@@ -272,7 +270,7 @@ static int flight(aoi_adaptive *run, double *row)
 {
     double flown;
     int touches;
-    (void)begin_row(run, row, 0.0);
+    begin_row(run, row, 0.0);
     int status =
         aoi_relative_next_touch(run->relative, run->order, run->end - run->time, MOST_STRIDES,
                                 run->x, run->v, &flown, &touches);

@@ -354,8 +354,7 @@ enum { AOI_STAGES = 8 };
 typedef struct aoi_collocation {
     double h;
     double influence[AOI_STAGES][AOI_STAGES]; /* -d delta(node) / d F(node)                     */
-    double defect[2][AOI_STAGES];             /* of a force error at the extra points: its effect */
-                                              /* on delta and on its rate at the end of the step  */
+    double defect[AOI_STAGES]; /* of a force error at the extra points: delta at the step's end */
     double *cosine, *sine; /* [stage][n]: cos(omega c h) - 1, sin(omega c h) / omega         */
     double *to_x, *to_v;   /* [stage][n]: integrals of sine and cosine against l_stage       */
 } aoi_collocation;
@@ -376,9 +375,9 @@ void aoi_collocation_homogeneous(const aoi_collocation *step, const aoi_relative
 /* Solves delta = homogeneous - influence F, F = law(delta) at the nodes by Newton's method, to
  * 1e-13 of scale. indentation: a guess in, the solution out; force out.
  * AOI_ERROR_NO_CONVERGENCE where the guess was too far: take a shorter step. */
-int aoi_collocation_solve(const aoi_collocation *step, const aoi_relative *relative,
-                          const aoi_law *law, const double *homogeneous, double scale,
-                          double *indentation, double *force);
+int aoi_collocation_solve(const aoi_collocation *step, const aoi_law *law,
+                          const double *homogeneous, double scale, double *indentation,
+                          double *force);
 
 /* Takes x, v to the end of the step under the force. */
 void aoi_collocation_propagate(const aoi_collocation *step, const aoi_relative *relative,
@@ -389,10 +388,9 @@ void aoi_collocation_propagate(const aoi_collocation *step, const aoi_relative *
 void aoi_collocation_guess(const aoi_collocation *step, double last_length, const double *last,
                            const double *homogeneous, double *indentation);
 
-/* The first place in (0, 1] where the indentation, legendre from start on, goes to zero or below:
- * bodies let go. Returns how often it changes sign between the nodes; 0 leaves place alone. */
-int aoi_collocation_release(double start, const double *indentation, const double *legendre,
-                            double *place);
+/* The first place in (0, 1] of a step that starts in contact where the indentation, of these Legendre
+ * coefficients, goes to zero or below: bodies let go. Returns how often it changes sign between the nodes; 0 leaves place alone. */
+int aoi_collocation_release(const double *indentation, const double *legendre, double *place);
 
 /* Where in (0, 1) the indentation has its largest maximum, if it has one inside. Returns 1 then. */
 int aoi_collocation_deepest(const double *legendre, double *place, double *indentation);
@@ -406,11 +404,10 @@ void aoi_collocation_push(double h, const aoi_relative *relative, const double *
                           double *x, double *v);
 
 /* What the collocation solution leaves undone: the law's force minus the polynomial's between the
- * nodes gives the leading error of the impulse, of delta and of its rate at the end of the step;
- * tail is the last two Legendre coefficients' share of delta. legendre: AOI_STAGES+1 coefficients of
+ * nodes gives the leading error of the impulse and of delta at the end of the step; tail is the last two Legendre coefficients' share of delta. legendre: AOI_STAGES+1 coefficients of
  * delta out. start: delta at the start of the step. */
 typedef struct aoi_collocation_error {
-    double impulse, indentation, rate, tail;
+    double impulse, indentation, tail;
 } aoi_collocation_error;
 void aoi_collocation_estimate(const aoi_collocation *step, const aoi_law *law, double start,
                               const double *indentation, const double *force, double *legendre,

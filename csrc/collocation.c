@@ -79,18 +79,16 @@ static void mode_tables(aoi_collocation *step, const aoi_relative *relative, siz
     }
 }
 
-static void defect_tables(aoi_collocation *step, const aoi_relative *relative)
+static void defect_table(aoi_collocation *step, const aoi_relative *relative)
 {
     for (size_t i = 0; i < AOI_STAGES; i++) {
         const double left = step->h * (1.0 - extra[i]);
-        double displacement = 0.0, velocity = 0.0;
+        double displacement = 0.0;
         for (size_t j = 0; j < relative->n; j++) {
             const double z = relative->omega[j] * left;
             displacement += relative->weight[j] * (z > 0.0 ? sin(z) / relative->omega[j] : left);
-            velocity += relative->weight[j] * cos(z);
         }
-        step->defect[0][i] = displacement * step->h * extra_weight[i];
-        step->defect[1][i] = velocity * step->h * extra_weight[i];
+        step->defect[i] = displacement * step->h * extra_weight[i];
     }
 }
 
@@ -110,7 +108,7 @@ void aoi_collocation_make(aoi_collocation *step, const aoi_relative *relative, d
     for (size_t j = 0; j < relative->n; j++) {
         mode_tables(step, relative, j);
     }
-    defect_tables(step, relative);
+    defect_table(step, relative);
 }
 
 void aoi_collocation_homogeneous(const aoi_collocation *step, const aoi_relative *relative,
@@ -180,12 +178,11 @@ static double newton(const aoi_collocation *step, const aoi_law *law, const doub
     return largest;
 }
 
-int aoi_collocation_solve(const aoi_collocation *step, const aoi_relative *relative,
-                          const aoi_law *law, const double *homogeneous, double scale,
-                          double *indentation, double *force)
+int aoi_collocation_solve(const aoi_collocation *step, const aoi_law *law,
+                          const double *homogeneous, double scale, double *indentation,
+                          double *force)
 {
     double before = HUGE_VAL;
-    (void)relative;
     for (int i = 0; i < MOST_ITERATIONS; i++) {
         const double change = newton(step, law, homogeneous, indentation, force);
         if (!isfinite(change)) {
@@ -229,7 +226,7 @@ void aoi_collocation_estimate(const aoi_collocation *step, const aoi_law *law, d
                               aoi_collocation_error *error)
 {
     double values[AOI_STAGES + 1] = {start};
-    *error = (aoi_collocation_error){0.0, 0.0, 0.0, 0.0};
+    *error = (aoi_collocation_error){0.0, 0.0, 0.0};
     for (size_t i = 0; i < AOI_STAGES; i++) {
         values[i + 1] = indentation[i];
     }
@@ -238,8 +235,7 @@ void aoi_collocation_estimate(const aoi_collocation *step, const aoi_law *law, d
         law->force(law, aoi_vector_dot(AOI_STAGES + 1, indentation_at_extra[i], values), 0.0, &value);
         const double defect = value.force - aoi_vector_dot(AOI_STAGES, force_at_extra[i], force);
         error->impulse += step->h * extra_weight[i] * defect;
-        error->indentation += step->defect[0][i] * defect;
-        error->rate += step->defect[1][i] * defect;
+        error->indentation += step->defect[i] * defect;
     }
     for (size_t k = 0; k <= AOI_STAGES; k++) {
         legendre[k] = aoi_vector_dot(AOI_STAGES + 1, to_legendre_0[k], values);
@@ -296,11 +292,9 @@ static double zero_between(const double *legendre, int of_slope, double low, dou
     return fabs(value_low) < fabs(value_high) ? low : high;
 }
 
-int aoi_collocation_release(double start, const double *indentation, const double *legendre,
-                            double *place)
+int aoi_collocation_release(const double *indentation, const double *legendre, double *place)
 {
     int changes = 0, in_touch = 1;
-    (void)start;
     for (size_t i = 0; i < AOI_STAGES; i++) {
         const int touches = indentation[i] > 0.0;
         if (touches != in_touch) {
