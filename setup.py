@@ -18,7 +18,7 @@ FLAGS = ["/std:c11", "/O2"] if MSVC else UNIX
 core = Extension(
     "aoimpact._core",
     sources=sorted(path.as_posix() for path in Path("csrc").glob("*.c")),
-    depends=["csrc/aoimpact.h", "csrc/collocation_data.inc"],
+    depends=sorted(path.as_posix() for path in Path("csrc").glob("*.h")),
     include_dirs=["csrc"],
     define_macros=[("Py_LIMITED_API", "0x030B0000")] if LIMITED else [],
     py_limited_api=LIMITED,

@@ -6,6 +6,7 @@ import argparse
 import io
 import sys
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from . import __version__
 from .errors import AOImpactError, InputError
@@ -42,6 +43,8 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", metavar="<command>", required=True)
     _add_paper(commands)
     _add_study(commands)
+    _add_run(commands)
+    _add_compare(commands)
     return parser
 
 
@@ -107,6 +110,95 @@ def _study(options: argparse.Namespace) -> None:
         study, files = report(scene, options.out, scipy=options.scipy)
         print(study)
         print(f"{', '.join(file.name for file in files)} in {files[0].parent}\n")
+
+
+def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    command = commands.add_parser(
+        "run",
+        help="run a scene file",
+        description=(
+            "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
+            "comes of it: peak force, contact time, rebound, and how wrong they may be."
+        ),
+    )
+    command.add_argument("scene", metavar="SCENE.toml", help="the scene file")
+    command.add_argument(
+        "--out",
+        metavar="DIR",
+        help="folder for histories (CSV), figures (PNG) and fields of meshed bodies (VTU), made if "
+        "there is none (default: nothing is written)",
+    )
+    command.add_argument("--json", action="store_true", help="print JSON, for machines")
+    command.set_defaults(command=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    from .errors import held_warnings
+    from .run_files import as_json, numbers, write_files
+    from .scenefile import read_scene
+
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
+    scene = read_scene(options.scene)
+    with held_warnings() as warnings:
+        result = scene.simulate()
+    files = write_files(scene, result, options.out) if options.out else ()
+    for warning in warnings:
+        print(f"aoimpact: warning: {warning}", file=sys.stderr)
+    if options.json:
+        report: dict[str, Any] = {"scene": str(scene.path), "title": scene.title}
+        report |= numbers(result, scene.reported)
+        report |= {"warnings": warnings, "files": [str(file) for file in files]}
+        print(as_json(report))
+        return
+    print(f"{scene.title}\n{result}")
+    if files:
+        print(f"{', '.join(file.name for file in files)} in {files[0].parent}")
+
+
+def _add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    command = commands.add_parser(
+        "compare",
+        help="compare models of a scene file's impact, from rigid to full",
+        description=(
+            "Run the impact that a TOML file describes with rigid bodies, with more and more "
+            "anti-oscillators, with natural modes and in full, and print what each costs and how "
+            "wrong it is."
+        ),
+    )
+    command.add_argument("scene", metavar="SCENE.toml", help="the scene file")
+    command.add_argument("--out", metavar="DIR", help="folder for the table (CSV) and figure (PNG)")
+    command.add_argument(
+        "--no-full",
+        action="store_true",
+        help="leave out the full model; errors are then relative to the most anti-oscillators",
+    )
+    command.set_defaults(command=_compare)
+
+
+def _compare(options: argparse.Namespace) -> None:
+    from pathlib import Path
+
+    from .compare import compare
+    from .scenefile import read_scene
+
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
+    scene = read_scene(options.scene)
+    if scene.kind != "impact":
+        raise InputError(f"{scene.path}: compare needs an [impact] of two bodies, not a [scene]")
+    case = scene.case()
+    for name in ("solver", "quantity", "rtol"):  # every model is run by what suits it, in full
+        case.pop(name, None)
+    table = compare(**case, full=not options.no_full)
+    print(f"{scene.title}\n{table}")
+    if options.out:
+        folder = Path(options.out)
+        folder.mkdir(parents=True, exist_ok=True)
+        table.to_csv(folder / "comparison.csv")
+        axes: Any = table.plot()
+        axes.figure.savefig(folder / "comparison.png")
+        print(f"comparison.csv, comparison.png in {folder}")
 
 
 if __name__ == "__main__":

@@ -1,19 +1,24 @@
 """The C core; csrc/aoimpact.h is its specification. Arrays are C-contiguous, outputs written."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 _F = npt.NDArray[np.float64]
 _I = npt.NDArray[np.int32]
+_S = npt.NDArray[np.float32]
+_Blocks = tuple[_I, _I, _S, _S]
 _Sparse = tuple[_I, _I, _F]
 _Factors = tuple[_I, _I, _F, _F, _I, _I]
-_Relative = tuple[_F, _F, _F, int, _F, float]
-_Star = tuple[str, float, float, _F, _F, _F, _F, _F]
-_Full = tuple[str, _Sparse, _Sparse, _F, _Factors, _F, _F, _F]
+_Law = tuple[Any, ...]
+_Modes = tuple[_F | None, ...]  # aoi_modes, as ModalBody.for_core makes it
+_Joint = tuple[int, int, int, int, float, _Law]  # body and port of each side, gap
+_Body = tuple[Any, ...]  # as python_newmark.c says
 
 def law_force(
-    name: str,
-    parameters: _F,
+    law: _Law,
     indentation: _F,
     rate: _F,
     force: _F,
@@ -21,7 +26,7 @@ def law_force(
     damping: _F,
     /,
 ) -> None: ...
-def law_potential(name: str, parameters: _F, indentation: _F, energy: _F, /) -> None: ...
+def law_potential(law: _Law, indentation: _F, energy: _F, /) -> None: ...
 def static_held(b: _F, x: _F, /) -> float: ...
 def static_free(rigid: _F, b: _F, phi_st: _F, /) -> float: ...
 def constraint_project(b: _F, z: _F, x: _F, /) -> None: ...
@@ -30,19 +35,39 @@ def constraint_congruence(h: _F, a: _F, work: _F, /) -> None: ...
 def oscillators_project(
     phi: _F, modal_masses: _F, omega2: _F, m_phi_st: _F, c: _F, m: _F, k: _F, /
 ) -> None: ...
+def krylov_extend(
+    K: _Sparse,
+    M: _Sparse,
+    s2: float,
+    solve: Callable[[memoryview], object],
+    b: _F,
+    basis: _F,
+    stiffness: _F,
+    rigid_count: int,
+    count: int,
+    next: int,
+    wanted: int,
+    /,
+) -> tuple[int, int]: ...
 def star_receptance(m0: float, k0: float, m: _F, k: _F, omega: _F, receptance: _F, /) -> None: ...
+def modal_receptance(
+    omega: _F, decay: _F, weight: _F, residual: float, frequency: _F, real: _F, imaginary: _F, /
+) -> None: ...
 def star_to_modal(
     m0: float, k0: float, m: _F, k: _F, omega2: _F, participation: _F, work: _F, /
 ) -> int: ...
 def star_from_modal(omega2: _F, weight: _F, m: _F, k: _F, /) -> tuple[float, float]: ...
+def blocks_subtract(matrix: _Blocks, x: _S, r: _S, /) -> None: ...
+def blocks_smooth(
+    matrix: _Blocks, steps: int, low: float, high: float, finish: bool, x: _S, r: _S, work: _S, /
+) -> None: ...
+def graph_aggregate(start: _I, indices: _I, aggregate: _I, /) -> int: ...
 def factors_find_panels(start: _I, rows: _I, panel: _I, /) -> int: ...
 def factors_solve(factors: _Factors, work: _F, x: _F, /) -> None: ...
-def impact(
-    projectile: _Star | _Full,
-    target: _Star | _Full,
-    law: str,
-    parameters: _F,
-    gap: float,
+def newmark_scene(
+    bodies: tuple[_Body, ...],
+    contacts: tuple[tuple[int, int, int, int, _Law, float], ...],
+    loads: tuple[tuple[int, int, _F, _F], ...],
     dt: float,
     beta: float,
     gamma: float,
@@ -51,24 +76,40 @@ def impact(
     /,
 ) -> None: ...
 def adaptive(
-    relative: _Relative,
-    law: str,
-    parameters: _F,
+    bodies: tuple[_Modes, ...],
+    joints: tuple[_Joint, ...],
     rtol: float,
     duration: float,
     x: _F,
     v: _F,
     /,
-) -> tuple[bytes, int, float, float, float, int, int]: ...
+) -> tuple[bytes, bytes, bytes, tuple[tuple[float, float, float, float], ...], int, int]: ...
 def track_sample(
-    relative: _Relative,
-    law: str,
-    parameters: _F,
-    centre: _F,
-    centre_residual: _F,
+    bodies: tuple[_Modes, ...],
+    joints: tuple[_Joint, ...],
     track: _F,
+    index: bytes,
     times: _F,
     record: _F,
+    energies: bool,
     /,
 ) -> None: ...
-def record_rows() -> int: ...
+def track_states(
+    bodies: tuple[_Modes, ...],
+    joints: tuple[_Joint, ...],
+    track: _F,
+    index: bytes,
+    times: _F,
+    body: int,
+    states: _F,
+    /,
+) -> None: ...
+def briefs(
+    bodies: tuple[Any, ...],
+    moving: tuple[_F, ...],
+    laws: tuple[Any, ...],
+    which: _I,
+    numbers: _F,
+    answers: _F,
+    /,
+) -> None: ...

@@ -1,12 +1,14 @@
 """A tolerance instead of a step: contact by collocation on the force, flight in closed form.
 
-The force over a step is a polynomial through eight Radau nodes. What it does to the bodies is exact
-in modes, so only the force has to be resolved; between contacts nothing is stepped at all.
+The forces over a step are polynomials through eight Radau nodes. What they do to the bodies is
+exact in modes, so only the forces have to be resolved; between contacts nothing is stepped.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,22 +17,25 @@ from . import _core
 from .checks import positive
 from .errors import InputError
 from .events import Events
-from .laws import ContactLaw
-from .relative import Relative
 
 __all__ = ["TIGHTEST", "Adaptive", "Track", "adaptive_run"]
 
 FloatArray = npt.NDArray[np.float64]
+CoreBody = tuple[Any, ...]  # as ModalBody.for_core makes it
+CoreJoint = tuple[int, int, int, int, float, tuple[Any, ...]]
 
 # Double precision carries no more digits.
 TIGHTEST = 1e-13
 
-# Columns of a row of the track (enum aoi_track), before the modes.
-_START, _LENGTH, _CONTACT, _RELEASE, _FIXED = 0, 1, 2, 3, 21
+# Columns of a row of the track (enum aoi_track).
+_START, _LENGTH, _CONTACTS = 0, 1, 3
 
 # Samples for curves: within each step of contact, and in flight over the whole record.
 _PER_STEP = 8
 _IN_FLIGHT = 240
+
+# Curves of more values than these fill the memory, not the screen.
+_MOST_VALUES = 2e7
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,92 +71,142 @@ class Track:
 
     Attributes
     ----------
-    relative : Relative
-    law : ContactLaw
+    bodies, joints : tuples
+        The scene, as the core takes it.
     duration : float
         s.
-    table : ndarray, shape (rows, 21 + 2 n)
-        As ``enum aoi_track``.
-    events : Events
+    events : tuple of Events
+        Of each contact.
     steps, rejected : int
         Steps of contact taken, and tried in vain.
-    x, v : ndarrays, shape (n,)
-        The modes where the last row ends.
+    x, v : ndarrays
+        The modes of all bodies where the last row ends.
     """
 
-    relative: Relative
-    law: ContactLaw
+    bodies: tuple[CoreBody, ...]
+    joints: tuple[CoreJoint, ...]
     duration: float
-    table: FloatArray
-    events: Events
+    events: tuple[Events, ...]
     steps: int
     rejected: int
     x: FloatArray = field(repr=False)
     v: FloatArray = field(repr=False)
+    _table: bytes = field(repr=False)
+    _index: bytes = field(repr=False)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of a record."""
+        ports = sum(len(body[2]) for body in self.bodies)
+        return 4 * len(self.joints) + 6 * len(self.bodies) + 2 * ports
+
+    @property
+    def marks(self) -> FloatArray:
+        """When steps end: what the run hands on from one to the next is most exact there."""
+        table, index = np.frombuffer(self._table), np.frombuffer(self._index, dtype=np.uintp)
+        start = table[index + _START]
+        most = max(1000, int(_MOST_VALUES / self.rows))
+        return np.unique(np.append(start[:: 1 + len(start) // most], self.duration))
 
     @property
     def times(self) -> FloatArray:
-        """Times that draw smooth curves and hold the peak and the ends of contacts."""
-        start, length = self.table[:, _START], self.table[:, _LENGTH]
-        touching = self.table[:, _CONTACT] == 1.0
-        fractions = np.arange(_PER_STEP) / _PER_STEP
-        inside = start[touching][:, None] + np.outer(length[touching], fractions)
-        parts = [np.array([0.0, self.duration, self.events.peak_time]), inside.ravel()]
-        parts.append(np.array(self.events.contacts).ravel())
-        for begin, time in zip(start[~touching], length[~touching], strict=True):
-            count = max(2, round(_IN_FLIGHT * time / self.duration))
-            parts.append(np.linspace(begin, begin + time, count))
-        times = np.unique(np.concatenate(parts))
+        """Times that draw smooth curves and hold the peaks and the ends of contacts."""
+        table, index = np.frombuffer(self._table), np.frombuffer(self._index, dtype=np.uintp)
+        start, length = table[index + _START], table[index + _LENGTH]
+        touching = table[index + _CONTACTS] > 0.0
+        begin, lasting = start[touching], length[touching]
+        most = max(1000, int(_MOST_VALUES / self.rows))
+        per_step = min(_PER_STEP, max(1, most // max(1, len(begin))))
+        inside = np.add.outer(begin, np.zeros(per_step)) + np.outer(
+            lasting, np.arange(per_step) / per_step
+        )
+        inside = inside.ravel()
+        inside = inside[:: 1 + len(inside) // most]
+        parts = [np.array([0.0, self.duration]), inside]
+        parts += [np.array([event.peak_time]) for event in self.events]
+        for event in self.events:
+            ends = np.array(event.contacts).ravel()
+            parts.append(ends[:: 1 + len(ends) // most])
+        known = np.unique(np.concatenate(parts))
+        wide = np.flatnonzero(np.diff(known) > self.duration / _IN_FLIGHT)
+        gaps = [
+            np.linspace(known[i], known[i + 1], 2 + int(_IN_FLIGHT * gap / self.duration))
+            for i in wide
+            if (gap := known[i + 1] - known[i])
+        ]
+        times = np.unique(np.concatenate([known, *gaps]))
         return times[times <= self.duration]
 
-    def sample(self, times: FloatArray) -> FloatArray:
-        """Return the rows of ``enum aoi_row``, shape (15, len(times)), at ascending times, s."""
-        record = np.empty((_core.record_rows(), len(times)))
-        centre, residual = self.relative.centre
+    def sample(self, times: FloatArray, *, energies: bool = True) -> FloatArray:
+        """Return the rows of a record, shape (rows, len(times)), at ascending times, s."""
+        record = np.zeros((self.rows, len(times)))
         _core.track_sample(
-            self.relative.for_core(),
-            *self.law.for_core(),
-            centre,
-            residual,
-            self.table,
+            self.bodies,
+            self.joints,
+            np.frombuffer(self._table),
+            self._index,
             np.ascontiguousarray(times),
             record,
+            energies,
         )
         return record
 
+    def states(self, times: FloatArray, body: int) -> tuple[FloatArray, FloatArray]:
+        """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
+        wanted = np.ascontiguousarray(times, dtype=np.float64)
+        found = np.empty((len(wanted), 2, len(self.bodies[body][0])))
+        _core.track_states(
+            self.bodies,
+            self.joints,
+            np.frombuffer(self._table),
+            self._index,
+            wanted,
+            body,
+            found,
+        )
+        return found[:, 0].T, found[:, 1].T
+
 
 def adaptive_run(
-    relative: Relative, law: ContactLaw, *, rtol: float, velocity: float, duration: float
+    bodies: Sequence[CoreBody],
+    joints: Sequence[CoreJoint],
+    x: FloatArray,
+    v: FloatArray,
+    *,
+    rtol: float,
+    duration: float,
 ) -> Track:
-    """Run the core to a tolerance.
+    """Run the core to a tolerance, from modes x and rates v of all bodies (left as they are).
 
     Raises
     ------
     ConvergenceError
         If the tolerance cannot be met; with the time.
     """
-    x, v = relative.start(velocity)
-    raw, rows, peak_force, peak_time, impulse, steps, rejected = _core.adaptive(
-        relative.for_core(), *law.for_core(), rtol, duration, x, v
+    scene = tuple(bodies), tuple(joints)
+    x, v = x.copy(), v.copy()
+    table, index, raw, contacts, steps, rejected = _core.adaptive(*scene, rtol, duration, x, v)
+    intervals = _intervals(np.frombuffer(raw).reshape(-1, 3), len(scene[1]), duration)
+    events = tuple(
+        Events(peak, time, tuple(of), impulse)
+        for (peak, time, impulse, _), of in zip(contacts, intervals, strict=True)
     )
-    table = np.frombuffer(raw).reshape(rows, _FIXED + 2 * len(x))
-    events = Events(peak_force, peak_time, _contacts(table, duration), impulse)
-    return Track(relative, law, duration, table, events, steps, rejected, x, v)
+    return Track(*scene, duration, events, steps, rejected, x, v, table, index)
 
 
-def _contacts(table: FloatArray, duration: float) -> tuple[tuple[float, float], ...]:
-    """Start and end of each contact; one that the record cuts off ends with it."""
-    touching = table[:, _CONTACT] == 1.0
-    release = table[:, _RELEASE]
-    released = touching & (release >= 0.0)
-    # A contact starts with a step that follows a flight, a release, or nothing.
-    follows = np.concatenate([[True], ~touching[:-1] | released[:-1]])
-    starts = table[touching & follows, _START]
-    ends = np.minimum(release[released], duration)
-    if len(ends) < len(starts):
-        ends = np.append(ends, duration)
-    return tuple(
-        (float(start), float(end))
-        for start, end in zip(starts, ends, strict=True)
-        if start < duration
-    )
+def _intervals(raw: FloatArray, count: int, duration: float) -> list[list[tuple[float, float]]]:
+    """Start and end of each interval of each contact; one that the record cuts off ends with it."""
+    found: list[list[tuple[float, float]]] = [[] for _ in range(count)]
+    start: list[float | None] = [None] * count
+    for contact, time, begins in raw.tolist():
+        joint = int(contact)
+        begun = start[joint]
+        if begins:
+            start[joint] = time
+        elif begun is not None:
+            found[joint].append((begun, time))
+            start[joint] = None
+    for joint, begun in enumerate(start):
+        if begun is not None and begun < duration:
+            found[joint].append((begun, duration))
+    return found

@@ -18,6 +18,7 @@ import scipy.sparse as sp
 from .elements import ReferenceElement, cofactors, jacobians, reference_element
 from .material import Material
 from .mesh import Mesh
+from .progress import bar
 
 __all__ = ["stiffness_mass"]
 
@@ -75,12 +76,14 @@ def stiffness_mass(mesh: Mesh, material: Material) -> tuple[sp.csr_array, sp.csr
     pattern = _pattern(mesh)
     stiffness = np.zeros((len(_PAIRS), pattern.n_pairs))
     mass = np.zeros(pattern.n_pairs)
-    for batch in _batches(mesh, element):
-        places = pattern.place[batch].reshape(-1)
-        nodes = mesh.nodes[mesh.cells[batch]]
-        for block, values in zip(stiffness, _stiffness(element, nodes, material), strict=True):
-            np.add.at(block, places, values.reshape(-1))
-        np.add.at(mass, places, material.rho * _mass(element, nodes).reshape(-1))
+    with bar("assembly", mesh.n_cells, unit="element") as progress:
+        for batch in _batches(mesh, element):
+            places = pattern.place[batch].reshape(-1)
+            nodes = mesh.nodes[mesh.cells[batch]]
+            for block, values in zip(stiffness, _stiffness(element, nodes, material), strict=True):
+                np.add.at(block, places, values.reshape(-1))
+            np.add.at(mass, places, material.rho * _mass(element, nodes).reshape(-1))
+            progress.update(len(nodes))
     return _expand_stiffness(pattern, stiffness), _expand_mass(pattern, mass)
 
 

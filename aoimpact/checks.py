@@ -27,6 +27,7 @@ __all__ = [
     "nearest",
     "node_ids",
     "nonnegative",
+    "plain",
     "positive",
     "real",
     "unit_vector",
@@ -190,6 +191,12 @@ def unit_vector(name: str, value: Any) -> FloatArray:
     scaled = vector / scale
     unit: FloatArray = scaled / np.linalg.norm(scaled)
     return unit
+
+
+def plain(vector: FloatArray) -> str:
+    """Return a place or direction as text, "(0.01, 0, 0)"; rounding noise is shown as 0."""
+    noise = 1e-9 * np.abs(vector).max()
+    return f"({', '.join(f'{x if abs(x) > noise else 0.0:.6g}' for x in vector)})"
 
 
 def node_ids(name: str, value: Any, n_nodes: int) -> IntArray:

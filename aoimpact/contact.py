@@ -1,6 +1,7 @@
 """The contact functional: the one displacement u = bᵀX by which a body is seen from its contact.
 
-The paper takes the unit vector of a dof i₀ (eq. 1); any other vector b serves as well.
+The paper takes the unit vector of a dof i₀ (eq. 1); any other vector b serves as well: a point
+inside a face, by that face's shape functions, or a patch of the surface under Hertz's pressure.
 """
 
 from __future__ import annotations
@@ -11,18 +12,26 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from .checks import finite_array, integer, nonnegative, unit_vector
+from .checks import choice, finite_array, integer, nonnegative, plain, positive, unit_vector
+from .damping import Damping
 from .errors import InputError, InputTypeError, warn
+from .material import Material
+from .mesh import Mesh
+from .patch import Patch
+from .solvers import LinearSolver, Solver
+from .surface import Surface
+from .touch import Touch, automatic_radius, touched, warn_if_coarse
 
-__all__ = ["Body", "ContactPoint", "contact_point"]
+__all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-_COMPONENTS = "xyz"
-
 # A point closer to a node than this fraction of the body's size is that node.
 _AT_NODE = 1e-6
+
+# Shares of the force that a support takes over; below, they are rounding.
+_HELD = 1e-12
 
 
 class Body(Protocol):
@@ -39,9 +48,18 @@ class Body(Protocol):
     @property
     def free(self) -> IntArray | None: ...
     @property
+    def mesh(self) -> Mesh | None: ...
+    @property
+    def material(self) -> Material | None: ...
+    @property
+    def surface(self) -> Surface | None: ...
+    @property
     def mass(self) -> float | None: ...
     @property
+    def damping(self) -> Damping | None: ...
+    @property
     def rigid_modes(self) -> FloatArray: ...
+    def inverse(self, s2: float = 0.0, *, solver: Solver = "auto") -> LinearSolver: ...
     def translation(self, direction: npt.ArrayLike) -> FloatArray: ...
     def com_functional(self, direction: npt.ArrayLike) -> FloatArray: ...
 
@@ -61,9 +79,11 @@ class ContactPoint:
     direction : ndarray, shape (3,), or None
         Unit vector of the projectile's direction of travel; None for a body without nodes.
     point : ndarray, shape (3,), or None
-        Where, m.
+        Where, m; on the surface of the mesh.
     node : int or None
-        The node touched.
+        The node touched; None where the contact is spread over several.
+    patch : Patch or None
+        The disc that carries the contact; None for a node or a point.
     """
 
     body: Body
@@ -71,13 +91,47 @@ class ContactPoint:
     direction: FloatArray | None
     point: FloatArray | None
     node: int | None
+    patch: Patch | None = None
+
+    @property
+    def resultant(self) -> FloatArray:
+        """Sum of the nodes' forces for a unit contact force, shape (3,): the direction."""
+        forces: FloatArray = self._nodal_forces.sum(axis=0)
+        return forces
+
+    @property
+    def moment(self) -> FloatArray:
+        """Moment of the nodes' forces about the point for a unit contact force, m, shape (3,).
+
+        Zero along the surface's normal; an oblique force acts where the patch is, which on a curved
+        surface lies a little below the point.
+        """
+        forces = self._nodal_forces
+        assert self.body.nodes is not None
+        assert self.point is not None
+        moment: FloatArray = np.cross(self.body.nodes - self.point, forces).sum(axis=0)
+        return moment
+
+    @property
+    def _nodal_forces(self) -> FloatArray:
+        if self.body.nodes is None or self.body.free is None:
+            raise InputError(
+                "a resultant needs nodes: make the model with FEModel.from_mesh(...) or "
+                "FEModel(K=, M=, nodes=)"
+            )
+        forces = np.zeros(3 * len(self.body.nodes))
+        forces[self.body.free] = self.b
+        return forces.reshape(-1, 3)
 
     def __repr__(self) -> str:
         if self.point is None or self.direction is None:
             return f"ContactPoint(dof {int(np.argmax(np.abs(self.b)))} of {self.body!r})"
         where = ", ".join(f"{x:g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
-        return f"ContactPoint(node {self.node} at ({where}) m along ({along}) of {self.body!r})"
+        what = "point" if self.node is None else f"node {self.node}"
+        if self.patch is not None:
+            what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
+        return f"ContactPoint({what} at ({where}) m along ({along}) of {self.body!r})"
 
 
 def contact_point(
@@ -86,48 +140,97 @@ def contact_point(
     point: npt.ArrayLike | None = None,
     direction: npt.ArrayLike | None = None,
     dof: int | None = None,
-    radius: float = 0.0,
+    radius: float | str = 0.0,
+    expected: float | None = None,
 ) -> ContactPoint:
-    """Return the functional of a node in a direction, or of a single dof.
+    """Return the functional of a place on a body in a direction, or of a single dof.
 
     Parameters
     ----------
     body : FEModel
     point : array_like, shape (3,), optional
-        A node's place, m. A contact is at a node: a point off the nodes goes, with a warning, to
-        the nearest one within half the distance between nodes there.
+        m: a node, or any place on the surface. Of a body without a mesh, a node; a point off the
+        nodes goes, with a warning, to the nearest one within half the distance between nodes there.
     direction : array_like, shape (3,), optional
-        Direction of travel; any length but zero.
+        Direction of travel; any length but zero. By default the surface's inward normal, which
+        suits a target; a projectile travels outward.
     dof : int, optional
         Row of K, in place of `point` and `direction`.
-    radius : float, optional
-        Of the patch that carries the contact, m; 0, a single node, is what there is.
+    radius : float or "auto", optional
+        Of the patch that carries the contact under Hertz's pressure, m; 0 is a single point, whose
+        indentation follows the mesh. "auto" takes twice the `expected` contact radius, or what the
+        mesh resolves if that is more.
+    expected : float, optional
+        For "auto": the largest radius of the contact itself, m, √(Rδ) for Hertz's law.
 
     Raises
     ------
     InputError
-        If the place is not on the body, or cannot move in the direction.
+        If the place is not on the body, cannot move in the direction, has no normal (an edge), or
+        the patch reaches beyond the surface.
 
     Warns
     -----
     AOImpactWarning
-        If the point is not the node's place.
+        If the point taken is not the one given; if the mesh is too coarse for the patch; with
+        "auto", if the body is too small about the patch for a half-space.
     """
-    if nonnegative("radius", radius, unit="m") > 0.0:
-        raise InputError(
-            f"radius={radius:g} m: contact spread over a patch is not in this version; use radius=0"
-        )
+    if isinstance(radius, str):
+        choice("radius", radius, ("auto",))
+    else:
+        radius = nonnegative("radius", radius, unit="m")
+    if expected is not None:
+        if radius != "auto":
+            raise InputError(f'expected is for radius="auto", but radius={radius!r} was given')
+        expected = positive("expected", expected, unit="m")
     if dof is not None:
         if point is not None or direction is not None:
             raise InputError("give either dof, or point and direction, not both")
+        if radius != 0.0:
+            raise InputError(f"radius={radius}: a single dof has no patch; give point, or radius=0")
         return _at_dof(body, integer("dof", dof, low=0, high=body.n_dofs - 1))
-    if point is None or direction is None:
-        raise InputTypeError("contact needs dof, or both point and direction")
+    if point is None:
+        raise InputTypeError("contact needs dof, or point and direction")
     if body.nodes is None or body.free is None:
         raise InputError(
             "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"
         )
-    return _at_node(body, finite_array("point", point, shape=(3,), unit="m"), direction)
+    where = finite_array("point", point, shape=(3,), unit="m")
+    along = None if direction is None else unit_vector("direction", direction)
+    if body.surface is None or body.material is None:
+        return _without_faces(body, where, along, radius)
+    node, gap = _closest(body.nodes, where)
+    if along is not None and radius == 0.0 and _at_a_node(body.nodes, gap):
+        return _at_node(body, node, along)
+    if isinstance(radius, str):
+        radius = automatic_radius(body.surface, where, expected)
+    touch = touched(body.surface, body.material, where, along, radius)
+    if touch.patch is not None:
+        warn_if_coarse(body.surface, touch.patch)
+    return _at_touch(body, touch)
+
+
+def contact_at(tip: ContactPoint, radius: float) -> ContactPoint:
+    """Return the same contact with a patch of another radius, m."""
+    body = tip.body
+    assert body.surface is not None
+    assert body.material is not None
+    assert tip.point is not None
+    return _at_touch(body, touched(body.surface, body.material, tip.point, tip.direction, radius))
+
+
+def _without_faces(
+    body: Body, point: FloatArray, along: FloatArray | None, radius: float | str
+) -> ContactPoint:
+    assert body.nodes is not None
+    if radius != 0.0:
+        raise InputError(
+            f"radius={radius}: a patch needs the faces of a mesh; make the body with "
+            "FEModel.from_mesh(mesh, material), or give radius=0"
+        )
+    if along is None:
+        raise InputTypeError("contact needs direction: a body without a mesh has no normal")
+    return _at_node(body, _nearest_node(body.nodes, point), along)
 
 
 def _at_dof(body: Body, dof: int) -> ContactPoint:
@@ -140,45 +243,67 @@ def _at_dof(body: Body, dof: int) -> ContactPoint:
     return ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node)
 
 
-def _at_node(body: Body, point: FloatArray, direction: npt.ArrayLike) -> ContactPoint:
+def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
     assert body.nodes is not None
     assert body.free is not None
-    along = unit_vector("direction", direction)
-    node = _nearest_node(body.nodes, point)
     b = np.zeros(3 * len(body.nodes))
     b[3 * node : 3 * node + 3] = along
     b = b[body.free]
     if np.linalg.norm(b) < 1e-12:
         raise InputError(
-            f"point {_plain(point)} m with direction {_plain(along)}: node {node} is held by the "
-            "supports in that direction, so no impact there can move it; choose another node or "
-            "direction, or release the node in fixed"
+            f"point {plain(body.nodes[node])} m with direction {plain(along)}: node {node} is "
+            "held by the supports in that direction, so no impact there can move it; choose "
+            "another node or direction, or release the node in fixed"
         )
     b.flags.writeable = False
     return ContactPoint(body, b, along, body.nodes[node], node)
 
 
-def _nearest_node(nodes: FloatArray, point: FloatArray) -> int:
+def _at_touch(body: Body, touch: Touch) -> ContactPoint:
+    """Put the touch's shares of a unit force on the dofs that are free."""
+    assert body.free is not None
+    forces = np.outer(touch.weights, touch.direction).reshape(-1)
+    b = forces[body.free]
+    held = np.ones(len(forces), dtype=bool)
+    held[body.free] = False
+    if np.abs(forces[held]).max(initial=0.0) > _HELD:
+        nodes = np.flatnonzero(np.abs(forces * held).reshape(-1, 3).any(axis=1))
+        raise InputError(
+            f"point {plain(touch.point)} m with direction {plain(touch.direction)}: the contact "
+            f"rests on nodes held by the supports in that direction, the first is {nodes[0]}; "
+            "choose another point or direction, a smaller radius, or release the nodes in fixed"
+        )
+    b.flags.writeable = False
+    node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - _AT_NODE else None
+    return ContactPoint(body, b, touch.direction, touch.point, node, touch.patch)
+
+
+def _closest(nodes: FloatArray, point: FloatArray) -> tuple[int, float]:
     distance = np.linalg.norm(nodes - point, axis=1)
     node = int(np.argmin(distance))
-    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    if distance[node] <= _AT_NODE * size:
+    return node, float(distance[node])
+
+
+def _at_a_node(nodes: FloatArray, gap: float) -> bool:
+    return gap <= _AT_NODE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+
+
+def _nearest_node(nodes: FloatArray, point: FloatArray) -> int:
+    """Return the node that is meant by a point of a body without faces."""
+    node, gap = _closest(nodes, point)
+    if _at_a_node(nodes, gap):
         return node
     around = np.linalg.norm(nodes - nodes[node], axis=1)
     spacing = float(np.sort(around)[1]) if len(nodes) > 1 else 0.0
-    if distance[node] > 0.5 * spacing:
+    if gap > 0.5 * spacing:
         raise InputError(
-            f"point {_plain(point)} m is {distance[node]:.3g} m from the nearest "
-            f"node ({node}, at {_plain(nodes[node])} m), where nodes are "
+            f"point {plain(point)} m is {gap:.3g} m from the nearest "
+            f"node ({node}, at {plain(nodes[node])} m), where nodes are "
             f"{spacing:.3g} m apart: give the coordinates of a node (are they in metres?)"
         )
     warn(
-        f"point {_plain(point)} m is no node; in this version a contact is at a node, and node "
-        f"{node} at {_plain(nodes[node])} m, {distance[node]:.3g} m off, is taken: give its "
-        "coordinates if it is meant, or mesh the body with a node at the point"
+        f"point {plain(point)} m is no node; this body has no mesh, so a contact is at a node, and "
+        f"node {node} at {plain(nodes[node])} m, {gap:.3g} m off, is taken: give its "
+        "coordinates if it is meant, or make the body with FEModel.from_mesh(...)"
     )
     return node
-
-
-def _plain(vector: FloatArray) -> str:
-    return f"({', '.join(f'{x:.6g}' for x in vector)})"

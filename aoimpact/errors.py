@@ -6,8 +6,13 @@ works for whoever has never heard of `AOImpactError`.
 
 from __future__ import annotations
 
+import math
+import reprlib
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 __all__ = [
     "AOImpactError",
@@ -15,10 +20,17 @@ __all__ = [
     "ConvergenceError",
     "InputError",
     "InputTypeError",
+    "LawLimitError",
+    "MemoryLimitError",
     "MeshError",
     "MissingFileError",
+    "MissingPackageError",
+    "SceneFileError",
     "SingularError",
+    "WorkerError",
     "core_error",
+    "held_warnings",
+    "law_answer_error",
     "warn",
 ]
 
@@ -35,12 +47,24 @@ class InputTypeError(AOImpactError, TypeError):
     """An argument is of a type that cannot be used."""
 
 
+class MemoryLimitError(AOImpactError, MemoryError):
+    """A computation would need more memory than there is."""
+
+
 class MeshError(InputError):
     """A mesh cannot be read or cannot be computed with."""
 
 
+class LawLimitError(InputError):
+    """A contact goes deeper than its law stands for: beyond its patch, or its table."""
+
+
 class MissingFileError(MeshError, FileNotFoundError):
     """A mesh file is not there."""
+
+
+class SceneFileError(InputError):
+    """A scene file is wrong; the message has its lines."""
 
 
 class SingularError(AOImpactError, RuntimeError):
@@ -51,12 +75,38 @@ class ConvergenceError(AOImpactError, RuntimeError):
     """An iteration did not reach its tolerance."""
 
 
+class WorkerError(AOImpactError, RuntimeError):
+    """A worker of a sweep was lost, or could not be given its cases."""
+
+
+class MissingPackageError(AOImpactError, ImportError):
+    """An optional package that this needs is not installed."""
+
+
 class AOImpactWarning(UserWarning):
     """Something looks wrong, but may be meant."""
 
 
+_held: ContextVar[list[str] | None] = ContextVar("aoimpact_held_warnings", default=None)
+
+
+@contextmanager
+def held_warnings() -> Iterator[list[str]]:
+    """Hold this thread's warnings back and list them, for someone else to issue."""
+    messages: list[str] = []
+    token = _held.set(messages)
+    try:
+        yield messages
+    finally:
+        _held.reset(token)
+
+
 def warn(message: str) -> None:
     """Issue an `AOImpactWarning` that points at the line outside this package that led to it."""
+    held = _held.get()
+    if held is not None:
+        held.append(message)
+        return
     package = __name__.partition(".")[0]
     level = 2
     frame = sys._getframe(1)
@@ -83,10 +133,18 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
         "the run fills a GiB of steps; take a shorter duration, a larger rtol, fewer stiff "
         "oscillators, or Newmark(dt=...)",
     ),
+    9: (
+        LawLimitError,
+        "the indentation goes beyond what the contact law stands for; with a patch, take a larger "
+        "radius, with a table, give deeper values",
+    ),
+    10: (ConvergenceError, "the contact law gave NaN"),
 }
 
 
-def core_error(code: int, what: str, time: float) -> AOImpactError:
+def core_error(
+    code: int, what: str, time: float, indentation: float = math.nan, rate: float = math.nan
+) -> AOImpactError:
     """Return the exception for a status of the C core (``aoi_status``).
 
     Parameters
@@ -97,7 +155,20 @@ def core_error(code: int, what: str, time: float) -> AOImpactError:
         What the core was doing.
     time : float
         Simulated time of the failing step, s; negative where time has no meaning.
+    indentation, rate : float, optional
+        Where a contact law gave NaN, m and m/s; NaN: not known.
     """
     kind, text = _CORE.get(code, (AOImpactError, f"unknown status {code} of the core"))
     when = f" at t = {time:.6g} s" if time >= 0.0 else ""
+    if not math.isnan(indentation):
+        text += f", at indentation = {indentation:.6g} m and rate = {rate:.6g} m/s"
     return kind(f"{what}{when}: {text}")
+
+
+def law_answer_error(answer: object, indentation: float, rate: float) -> InputTypeError:
+    """Return the exception for a law written in Python that does not answer with a number."""
+    return InputTypeError(
+        f"the contact law's function must return a real number, but at indentation = "
+        f"{indentation:.6g} m and rate = {rate:.6g} m/s it returned {reprlib.repr(answer)} of type "
+        f"{type(answer).__name__}"
+    )

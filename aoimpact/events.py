@@ -99,7 +99,7 @@ def find_contacts(
     law lets go while there is still indentation, the end is where the falling force, extrapolated,
     reaches zero. Contacts or gaps shorter than a step cannot be seen.
     """
-    closed = force > 0.0
+    closed = force != 0.0  # a law that pulls is in contact while it does
     change = np.diff(closed.astype(np.int8))
     starts = [_crossing(t, indentation, rate, int(i)) for i in np.flatnonzero(change == 1)]
     ends = [_release(t, force, indentation, rate, int(i)) for i in np.flatnonzero(change == -1)]

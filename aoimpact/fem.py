@@ -12,15 +12,19 @@ import numpy as np
 import numpy.typing as npt
 
 from .assembly import stiffness_mass
-from .checks import finite_array, integer, unit_vector
+from .checks import finite_array, integer, nonnegative, unit_vector
 from .contact import ContactPoint, contact_point
+from .damping import Damping, damping_or_none
 from .errors import InputError, InputTypeError, warn
+from .halfspace import warn_of_room
 from .material import Material
 from .matrices import check_mass, check_stiffness, symmetric_csr
 from .mesh import Mesh, read_mesh
 from .rigidity import every_motion, rigid_motions, unresisted_motions
+from .solvers import LinearSolver, Pencil, Solver, linear_solver
 from .spectra import lowest, null_space
 from .supports import Support, free_dofs
+from .surface import Surface, boundary
 
 __all__ = ["FEModel"]
 
@@ -33,7 +37,7 @@ _HEAVY, _LONG = 1e5, 100.0
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class FEModel:
-    """A linear elastic body: M ẍ + K x = f over its free degrees of freedom.
+    """A linear elastic body: M ẍ + C ẋ + K x = f over its free degrees of freedom.
 
     Parameters
     ----------
@@ -45,6 +49,8 @@ class FEModel:
     free : array_like of int, shape (n_dofs,), optional
         For each row of K its dof 3·node + component among those of all nodes; all, in this order,
         if left out.
+    damping : Rayleigh or ModalDamping, optional
+        Inherited by the models made from this one.
 
     Attributes
     ----------
@@ -64,6 +70,7 @@ class FEModel:
     M: Any
     nodes: FloatArray | None = None
     free: IntArray | None = None
+    damping: Damping | None = None
     mesh: Mesh | None = field(init=False, default=None)
     material: Material | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
@@ -81,7 +88,8 @@ class FEModel:
         if nodes is not None and K.shape[0] == 3 * len(nodes):
             momentum = M @ _translations(free)
             mass = _checked_total(momentum.T @ _translations(free))
-        self._set(K=K, M=M, nodes=nodes, free=free, mass=mass, _momentum=momentum)
+        damping = damping_or_none(self.damping)
+        self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
 
     def _set(self, **fields: Any) -> None:
         for name, value in fields.items():
@@ -95,6 +103,8 @@ class FEModel:
         mesh: str | os.PathLike[str] | Mesh | Any,
         material: Material,
         fixed: Sequence[Support] | None = None,
+        *,
+        damping: Damping | None = None,
     ) -> FEModel:
         """Return the model of a meshed solid.
 
@@ -107,6 +117,8 @@ class FEModel:
             Supports: node numbers, the name of a node set of the mesh, or a function of the nodes'
             coordinates (n_nodes, 3) that returns one bool for each; and the components held there,
             of "x", "y", "z". None leaves the body free.
+        damping : Rayleigh or ModalDamping, optional
+            Inherited by the models made from this one.
 
         Warns
         -----
@@ -122,6 +134,7 @@ class FEModel:
         """
         if not isinstance(material, Material):
             raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
+        damped = damping_or_none(damping)
         solid = read_mesh(mesh)
         free = free_dofs(solid.nodes, fixed, solid.node_sets)
         translations = _translations(np.arange(3 * solid.n_nodes))
@@ -136,7 +149,7 @@ class FEModel:
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
-        model._set(mesh=solid, material=material)
+        model._set(mesh=solid, material=material, damping=damped)
         return model
 
     @property
@@ -204,6 +217,20 @@ class FEModel:
         modes.flags.writeable = False
         return modes
 
+    def inverse(self, s2: float = 0.0, *, solver: Solver = "auto") -> LinearSolver:
+        """Return the solver of (K + s²M) x = f, set up.
+
+        Parameters
+        ----------
+        s2 : float, optional
+            s², (rad/s)²; positive for a body that is free.
+        solver : str or callable, optional
+            See `linear_solver`.
+        """
+        shift = nonnegative("s2", s2, unit="(rad/s)²")
+        pencil = Pencil(self.K, self.M, shift, self.nodes, self.free, self.mesh)
+        return linear_solver(pencil, solver)
+
     def frequencies(self, n: int) -> FloatArray:
         """Return the `n` lowest natural frequencies, Hz, rigid-body modes included as 0.
 
@@ -213,7 +240,7 @@ class FEModel:
             1 … n_dofs.
         """
         count = integer("n", n, low=1, high=self.n_dofs)
-        omega2, _ = lowest(self.K, self.M, count, known=self.rigid_modes)
+        omega2, _ = lowest(self.K, self.M, count, known=self.rigid_modes, invert=self.inverse)
         return np.sqrt(omega2) / (2.0 * np.pi)
 
     def contact(
@@ -222,22 +249,37 @@ class FEModel:
         point: npt.ArrayLike | None = None,
         direction: npt.ArrayLike | None = None,
         dof: int | None = None,
-        radius: float = 0.0,
+        radius: float | str = 0.0,
+        expected: float | None = None,
     ) -> ContactPoint:
         """Return the place where this body is touched; see `contact_point`.
 
         Parameters
         ----------
         point : array_like, shape (3,), optional
-            m.
+            m; a node, or any place on the surface of the mesh.
         direction : array_like, shape (3,), optional
-            The projectile's direction of travel, for the projectile and for the target.
+            The projectile's direction of travel, for the projectile and for the target; by default
+            the surface's inward normal, which suits a target.
         dof : int, optional
             Row of K, in place of `point` and `direction`.
-        radius : float, optional
-            Of the patch that carries the contact, m; 0 is a single node.
+        radius : float or "auto", optional
+            Of the patch that carries the contact, m. 0 is a single point, with which the force
+            follows the mesh; with a patch that the mesh resolves, it does not.
+        expected : float, optional
+            For "auto": the largest radius of the contact itself, m; √(Rδ) for Hertz's law.
         """
-        return contact_point(self, point=point, direction=direction, dof=dof, radius=radius)
+        tip = contact_point(
+            self, point=point, direction=direction, dof=dof, radius=radius, expected=expected
+        )
+        if radius == "auto":
+            warn_of_room(tip, expected)
+        return tip
+
+    @cached_property
+    def surface(self) -> Surface | None:
+        """The faces of the mesh that no other element shares; None without a mesh."""
+        return None if self.mesh is None else boundary(self.mesh)
 
 
 def _translations(dofs: IntArray | None) -> FloatArray:

@@ -10,7 +10,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from .errors import InputError, InputTypeError, SingularError
-from .solvers import CHECKED_DOFS, factorize
+from .superlu import CHECKED_DOFS, factorize
 
 __all__ = ["check_mass", "check_stiffness", "symmetric_csr"]
 

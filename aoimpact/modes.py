@@ -13,6 +13,7 @@ from . import _core
 from .checks import integer
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError
+from .patch import Patch
 from .spectra import EQUAL, lowest
 from .star import AOModel
 from .statics import StaticMode, origin_of
@@ -51,6 +52,17 @@ class ModalModel:
         return len(self.omega2)
 
     @property
+    def patch(self) -> Patch | None:
+        """The patch over which the body is touched, or None."""
+        return self.tip.patch
+
+    @property
+    def angular_frequencies(self) -> FloatArray:
+        """ω, rad/s, ascending, shape (n,)."""
+        omega: FloatArray = np.sqrt(self.omega2)
+        return omega
+
+    @property
     def frequencies(self) -> FloatArray:
         """Natural frequencies, Hz, ascending, shape (n,)."""
         return np.sqrt(self.omega2) / (2.0 * np.pi)
@@ -73,30 +85,55 @@ class ModalModel:
         Modes of one frequency act as one; those that b does not excite are left out. It is
         exact: both have the same receptance Σ r_j²/(ω_j² - ω²).
         """
-        weight = self.participation**2
-        rounding = 1e-12 * np.linalg.norm(self.tip.b) * np.linalg.norm(self.modes, axis=0)
-        excited = (weight > _SILENT * weight.sum()) & (weight > rounding**2)
-        if not excited.any():
-            raise InputError(f"none of the {self.n} modes moves the contact: take more modes")
-        omega2, weight = self.omega2[excited], weight[excited]
-        shapes = self.modes[:, excited] * self.participation[excited]
-        starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
-        weight = np.add.reduceat(weight, starts)
-        return self._star(omega2[starts], weight, np.add.reduceat(shapes, starts, axis=1))
+        return star_of_modes(self.tip, self.omega2, self.modes, "modal")
 
-    def _star(self, omega2: FloatArray, weight: FloatArray, r_phi: FloatArray) -> AOModel:
-        """Star of distinct modes; column j of `r_phi` is r_j φ_j."""
-        m, k = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
-        m0, k0 = _core.star_from_modal(omega2, weight, m, k)
-        kept = m > _SILENT * (m0 + m.sum())
-        m, k = m[kept], k[kept]
-        # In modal coordinates φ_st is r_j k0/ω_j² or the rigid mode, Ψ_i is -r_j k_i/(ω_j² - μ_i).
-        static = r_phi @ (k0 / omega2) if k0 > 0.0 else r_phi[:, 0] / weight[0]
-        shapes = r_phi @ -(k / np.subtract.outer(omega2, k / m))
-        mass = m0 + math.fsum(m)
-        phi = StaticMode(static, k0, self.tip.body.M @ static, mass, np.empty((len(static), 0)))
-        origin = origin_of(self.tip, phi, shapes, "modal")
-        return AOModel(m0=m0, k0=k0, m=m, k=k, origin=origin)
+
+def star_of_modes(
+    tip: ContactPoint, omega2: FloatArray, modes: FloatArray, label: str, *, solver: str = ""
+) -> AOModel:
+    """Return the star of M-orthonormal modes: its antiresonances by the secular equation.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    omega2 : ndarray, shape (n,)
+        ω², (rad/s)², ascending; zero for rigid modes.
+    modes : ndarray, shape (n_dofs, n)
+    label : str
+        What made the modes: "modal" or "AO".
+    solver : str, optional
+        The linear solver they were made with.
+    """
+    participation = modes.T @ tip.b
+    weight = participation**2
+    rounding = 1e-12 * np.linalg.norm(tip.b) * np.linalg.norm(modes, axis=0)
+    excited = (weight > _SILENT * weight.sum()) & (weight > rounding**2)
+    if not excited.any():
+        raise InputError(f"none of the {len(omega2)} modes moves the contact: take more modes")
+    omega2, weight = omega2[excited], weight[excited]
+    shapes = modes[:, excited] * participation[excited]
+    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
+    weight = np.add.reduceat(weight, starts)
+    shapes = np.add.reduceat(shapes, starts, axis=1)
+    m0, k0, m, k, static, shapes = _of_distinct(omega2[starts], weight, shapes)
+    mass = m0 + math.fsum(m)
+    phi = StaticMode(static, k0, tip.body.M @ static, mass, np.empty((len(static), 0)))
+    origin = origin_of(tip, phi, shapes, label, solver=solver)
+    return AOModel(m0=m0, k0=k0, m=m, k=k, origin=origin, damping=tip.body.damping)
+
+
+def _of_distinct(
+    omega2: FloatArray, weight: FloatArray, r_phi: FloatArray
+) -> tuple[float, float, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """m0, k0, m, k, φ_st, Ψ of distinct modes; column j of `r_phi` is r_j φ_j."""
+    m, k = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
+    m0, k0 = _core.star_from_modal(omega2, weight, m, k)
+    kept = m > _SILENT * (m0 + m.sum())
+    m, k = m[kept], k[kept]
+    # In modal coordinates φ_st is r_j k0/ω_j² or the rigid mode, Ψ_i is -r_j k_i/(ω_j² - μ_i).
+    static = r_phi @ (k0 / omega2) if k0 > 0.0 else r_phi[:, 0] / weight[0]
+    shapes = r_phi @ -(k / np.subtract.outer(omega2, k / m))
+    return m0, k0, m, k, static, shapes
 
 
 def modal(tip: ContactPoint, n: int) -> ModalModel:
@@ -116,5 +153,7 @@ def modal(tip: ContactPoint, n: int) -> ModalModel:
     if not isinstance(tip, ContactPoint):
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
     wanted = integer("n", n, low=1, high=tip.body.n_dofs)
-    omega2, modes = lowest(tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes)
+    omega2, modes = lowest(
+        tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes, invert=tip.body.inverse
+    )
     return ModalModel(tip, omega2, modes)

@@ -1,15 +1,31 @@
-"""What a result holds of each body, and of the energies: read-only histories over time."""
+"""What a run holds of each body, each contact and the energies: read-only histories over time."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from .events import FloatArray
+from .errors import InputError
+from .events import Events, FloatArray
+from .fields import Field, Probe
+from .response import Response
 
-__all__ = ["BodyEnergy", "BodyInfo", "BodyResult", "Energy", "ErrorEstimate", "Frozen"]
+__all__ = [
+    "BodyEnergy",
+    "BodyInfo",
+    "BodyResult",
+    "ContactResult",
+    "Energy",
+    "ErrorEstimate",
+    "Frozen",
+]
 
 
 class Frozen:
@@ -33,10 +49,14 @@ class BodyEnergy(Frozen):
     ----------
     kinetic, elastic : (n,) arrays
         Kinetic energy, and strain energy of the body itself: the paper's nonlocal energy.
+    dissipated, work : (n,) arrays
+        Lost in its damping, and work of gravity and applied forces on it, since t = 0.
     """
 
     kinetic: FloatArray
     elastic: FloatArray
+    dissipated: FloatArray
+    work: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,14 +66,16 @@ class Energy(Frozen):
     Attributes
     ----------
     kinetic, elastic : arrays
-        Of both bodies together; `elastic` is the paper's nonlocal deformation energy.
+        Of all bodies together; `elastic` is the paper's nonlocal deformation energy.
     contact : array
-        Stored in the contact law: the paper's local deformation energy.
+        Stored in the contact laws: the paper's local deformation energy.
     dissipated : array
-        Lost in the contact law and in the bodies' damping since t = 0.
+        Lost in the contact laws and in the bodies' damping since t = 0.
+    work : array
+        Of gravity and applied forces since t = 0.
     total : array
-        kinetic + elastic + contact + dissipated − work of applied loads: constant in an exact run.
-    projectile, target : BodyEnergy
+        kinetic + elastic + contact + dissipated − work: constant in an exact run.
+    bodies : tuple of BodyEnergy
         The shares of the bodies.
     """
 
@@ -61,14 +83,24 @@ class Energy(Frozen):
     elastic: FloatArray
     contact: FloatArray
     dissipated: FloatArray
+    work: FloatArray
     total: FloatArray
-    projectile: BodyEnergy
-    target: BodyEnergy
+    bodies: tuple[BodyEnergy, ...]
+
+    @property
+    def projectile(self) -> BodyEnergy:
+        """The share of the first body."""
+        return self.bodies[0]
+
+    @property
+    def target(self) -> BodyEnergy:
+        """The share of the second body."""
+        return self.bodies[1]
 
 
 @dataclass(frozen=True, eq=False)
-class BodyInfo(Frozen):
-    """What a result has to know of a body beside its histories.
+class BodyInfo:
+    """What a run has to know of a body beside its histories.
 
     Attributes
     ----------
@@ -78,15 +110,20 @@ class BodyInfo(Frozen):
         Total mass [kg]; None where it is not known.
     held : bool
         Whether supports or a ground spring hold it.
-    coordinates, rates : arrays
-        Its state at the end of the record, in its own coordinates.
+    state : callable
+        Gives its coordinates and their rates at the end of the record.
+    ports : int
+        Number of places where it may be touched.
+    response : callable
+        Makes what all of the body does be known; None from it if the body has no finite elements.
     """
 
     label: str
     mass: float | None
     held: bool
-    coordinates: FloatArray
-    rates: FloatArray
+    state: Callable[[], tuple[FloatArray, FloatArray]]
+    ports: int = 1
+    response: Callable[[], Response | None] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +135,11 @@ class BodyResult(Frozen):
     label, mass, held
         As in :class:`BodyInfo`.
     displacement, velocity : (n,) arrays
-        Of the contact coordinate [m, m/s].
+        Of the contact coordinate (the first one) [m, m/s].
     centre_displacement, centre_velocity : (n,) arrays
         Of the centre of mass [m, m/s].
+    port_displacements, port_velocities : (p, n) arrays
+        Of all contact coordinates [m, m/s].
     energy : BodyEnergy or None
         None if the run was made with ``energies=False``.
     coordinates, rates : arrays
@@ -117,11 +156,129 @@ class BodyResult(Frozen):
     energy: BodyEnergy | None
     coordinates: FloatArray
     rates: FloatArray
+    port_displacements: FloatArray
+    port_velocities: FloatArray
+    _times: FloatArray = field(repr=False)
+    _respond: Callable[[], Response | None] | None = field(default=None, repr=False)
 
     @property
     def fixed(self) -> bool:
         """Whether it cannot fly off: held by supports, or of infinite mass."""
         return self.held or (self.mass is not None and bool(np.isinf(self.mass)))
+
+    def probe(
+        self,
+        point: npt.ArrayLike | None = None,
+        direction: npt.ArrayLike | None = None,
+        *,
+        nodes: Any = None,
+        times: npt.ArrayLike | None = None,
+    ) -> Probe:
+        """Return the motion, and the stress, of a point or of a set of nodes over time.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,) or (p, 3), optional
+            Of the undeformed body, m; anywhere in it or on its surface.
+        direction : array_like, shape (3,), optional
+            Along which to measure, any length but zero; all three components if left out.
+        nodes : str, callable or array_like, optional
+            In place of `point`: the name of a node set, a function of all coordinates that returns
+            one bool for each, or numbers.
+        times : array_like, optional
+            Ascending, within the record, s; those of the result if left out.
+
+        Raises
+        ------
+        InputError
+            If the point is off the body, no node is selected, a time is outside the record, or the
+            model was given by numbers.
+        """
+        return self._responding.probe(
+            point, direction, nodes, self._times if times is None else times
+        )
+
+    def field(self, times: npt.ArrayLike | None = None) -> Field:
+        """Return the whole body at some times: displacement, velocity, stress, files, a picture.
+
+        Parameters
+        ----------
+        times : float or array_like, optional
+            Ascending, within the record, s; when the force is largest, if left out.
+
+        Raises
+        ------
+        InputError
+            If a time is outside the record, or the model was given by numbers.
+        """
+        return self._responding.field(times)
+
+    def to_vtu(self, path: str | os.PathLike[str], times: npt.ArrayLike | None = None) -> Path:
+        """Write the body at some times for ParaView; see `field` and `Field.to_vtu`."""
+        return self.field(times).to_vtu(path)
+
+    def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
+        """Return functionalᵀX at `times`, s, by the model's own shapes; of a wall, its place.
+
+        `probe` gives places better, at the price of a factorisation.
+        """
+        response = None if self._respond is None else self._respond()
+        if response is None:
+            return np.interp(times, self._times, self.displacement)
+        return response.displacement_of(functional, times)
+
+    @cached_property
+    def _responding(self) -> Response:
+        response = None if self._respond is None else self._respond()
+        if response is None:
+            raise InputError(
+                f"the body {self.label!r} was given by numbers and has no finite elements: make "
+                "the model with antioscillators(tip, n) or modal(tip, n), or give tip itself, with "
+                "tip = FEModel.from_mesh(...).contact(...)"
+            )
+        return response
+
+
+@dataclass(frozen=True, eq=False)
+class ContactResult(Frozen):
+    """One contact over time.
+
+    Attributes
+    ----------
+    force, indentation : (n,) arrays
+        Contact force, ≥ 0 in compression [N]; first body's minus second body's contact coordinate
+        minus the gap [m].
+    elastic, dissipated : (n,) arrays or None
+        Energy stored in its law, and lost in it since t = 0 [J]; None without energies.
+    events : Events
+        Its intervals, peak and impulse.
+    """
+
+    force: FloatArray
+    indentation: FloatArray
+    elastic: FloatArray | None
+    dissipated: FloatArray | None
+    events: Events
+
+    @property
+    def intervals(self) -> list[tuple[float, float]]:
+        """Start and end [s] of every interval in which the force acts."""
+        return list(self.events.contacts)
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force of the record [N]; 0.0 without contact."""
+        return self.events.peak_force
+
+    @property
+    def peak_time(self) -> float:
+        """When it acts [s]."""
+        return self.events.peak_time
+
+    @property
+    def impulse(self) -> float:
+        """Integral of the force over the record [N s]."""
+        return self.events.impulse
 
 
 @dataclass(frozen=True)
@@ -131,12 +288,13 @@ class ErrorEstimate:
     Attributes
     ----------
     reduction : float or None
-        Of the peak force, from representing the bodies by fewer degrees of freedom.
+        Of the quantity that was asked for, from representing the bodies by fewer degrees of
+        freedom.
     time : float or None
         Of the peak force, from integrating in time: an estimate, or the tolerance that was kept.
     energy : float or None
-        Range of the total energy over the record, relative to the initial one: an independent check
-        on the run, since no solver uses it.
+        Range of the total energy over the record, relative to the largest kinetic and elastic
+        energy in it: an independent check on the run, since no solver uses it.
     """
 
     reduction: float | None = None

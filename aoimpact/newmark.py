@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,12 +15,15 @@ from .checks import boolean, positive, real
 from .errors import ConvergenceError, InputError
 from .laws import ContactLaw
 
-__all__ = ["Newmark", "Stepped", "newmark_run"]
+__all__ = ["Contact", "CoreBody", "Load", "Newmark", "Record", "newmark_scene"]
 
 FloatArray = npt.NDArray[np.float64]
 
 # A record larger than this is a mistake in dt more often than a wish.
 _MOST_BYTES = 4 * 2**30
+
+# AOI_CONTACT_ROWS, AOI_BODY_ROWS and AOI_PORT_ROWS of aoimpact.h.
+_CONTACT_ROWS, _BODY_ROWS, _PORT_ROWS = 4, 6, 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,36 +71,61 @@ class Newmark:
             raise InputError(f"rtol must be below 1, got {self.rtol:g}")
 
 
-class Stepped(Protocol):
-    """A body that can be handed to the core for a step of a given size."""
-
-    def for_core(self, rule: Newmark, dt: float) -> tuple[Any, ...]:
-        """Return the core's tuple; its last two arrays are u and v, overwritten by the run."""
-        ...
+CoreBody = tuple[Any, ...]  # as python_newmark.c says; its last two arrays are u and v
+Contact = tuple[int, int, int, int, ContactLaw, float]  # body, port, body, port, law, gap
+Load = tuple[int, int, FloatArray, FloatArray]  # body, port, times, forces
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """What the core wrote: times, rows of ``enum aoi_row``, each body's final (u, v)."""
+    """What the core wrote.
+
+    Attributes
+    ----------
+    t : ndarray, shape (times,)
+        s.
+    rows : ndarray, shape (rows, times)
+        As aoimpact.h says over ``AOI_CONTACT_ROWS``: 4 for each contact, then 6 and 2 for each port
+        of each body.
+    final : tuple of (u, v)
+        Each body's coordinates and rates at the end, as the core steps them.
+    dt : float
+        s.
+    """
 
     t: FloatArray
     rows: FloatArray
-    final: tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+    final: tuple[tuple[FloatArray, FloatArray], ...]
     dt: float
 
 
-def newmark_run(
-    projectile: Stepped,
-    target: Stepped,
-    law: ContactLaw,
+def newmark_scene(
+    bodies: Sequence[CoreBody],
+    contacts: Sequence[Contact],
+    loads: Sequence[Load] = (),
     *,
     rule: Newmark,
     dt: float,
     duration: float,
-    gap: float,
-    energies: bool,
+    energies: bool = True,
 ) -> Record:
     """Run the core once: the least whole number of steps of `dt` that covers `duration`.
+
+    Parameters
+    ----------
+    bodies : sequence of tuples
+        From ``for_core`` of each body, for this rule and `dt`. Their u and v, the initial state,
+        are overwritten by the final one.
+    contacts : sequence of (body, port, body, port, law, gap)
+        δ = u of the first port - u of the second - gap; ordered so that those that share a body are
+        near each other.
+    loads : sequence of (body, port, times, forces), optional
+        Forces, N, that run straight between times, s.
+    rule : Newmark
+    dt, duration : float
+        s.
+    energies : bool, optional
+        Whether to record them.
 
     Raises
     ------
@@ -106,20 +135,39 @@ def newmark_run(
         If the solution leaves the range of numbers; with the time.
     """
     steps = max(1, math.ceil(duration / dt * (1.0 - 1e-12)))
-    needed = 8.0 * _core.record_rows() * (steps + 1.0)
+    count = _rows(bodies, contacts)
+    needed = 8.0 * count * (steps + 1.0)
     if needed > _MOST_BYTES:
         raise InputError(
             f"dt={dt:g} s over duration={duration:g} s makes {steps:.3g} steps and a record of "
             f"{needed / 2**30:.3g} GiB: take a larger dt or a shorter duration"
         )
-    rows = np.zeros((_core.record_rows(), steps + 1))
-    first, second = projectile.for_core(rule, dt), target.for_core(rule, dt)
-    name, parameters = law.for_core()
-    _core.impact(first, second, name, parameters, gap, dt, rule.beta, rule.gamma, rows, energies)
-    final = ((first[-2], first[-1]), (second[-2], second[-1]))
+    rows = np.zeros((count, steps + 1))
+    _core.newmark_scene(
+        tuple(bodies),
+        tuple((a, p, b, q, law.for_core(), gap) for a, p, b, q, law, gap in contacts),
+        tuple(loads),
+        dt,
+        rule.beta,
+        rule.gamma,
+        rows,
+        energies,
+    )
+    final = tuple((body[-2], body[-1]) for body in bodies)
     if not all(np.isfinite(values).all() for pair in final for values in pair):
         raise ConvergenceError(
             f"Newmark step: the solution grew without bound (dt={dt:g} s, beta={rule.beta:g}, "
             f"gamma={rule.gamma:g}); take 2 beta >= gamma, or a smaller dt"
         )
     return Record(dt * np.arange(steps + 1, dtype=np.float64), rows, final, dt)
+
+
+def _rows(bodies: Sequence[CoreBody], contacts: Sequence[Contact]) -> int:
+    """Rows of the record."""
+    ports = sum(_ports(body) for body in bodies)
+    return _CONTACT_ROWS * len(contacts) + _BODY_ROWS * len(bodies) + _PORT_ROWS * ports
+
+
+def _ports(body: CoreBody) -> int:
+    functionals = {"star": None, "modal": body[3], "full": body[3]}[body[0]]
+    return 1 if functionals is None else functionals.size // len(body[-1])

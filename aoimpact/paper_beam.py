@@ -23,7 +23,7 @@ from .paper_sphere import BALL_MASS, RADIUS, STEEL, VELOCITY, SphereStudy
 from .paper_table import Row, Table
 from .reduction import antioscillators
 from .result import Result
-from .scene import simulate
+from .simulate import simulate
 from .star import AOModel, rigid
 
 ALUMINIUM = Material(E=70e9, nu=0.3, rho=2400.0)

@@ -6,6 +6,7 @@ in other coordinates), and the finite-element model itself.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -14,22 +15,32 @@ import numpy as np
 import numpy.typing as npt
 
 from .contact import ContactPoint
-from .errors import InputTypeError
-from .modes import ModalModel
-from .newmark import Newmark
+from .damping import ModalDamping, Rayleigh
+from .errors import InputError, InputTypeError
+from .interface import InterfaceModel
+from .modalbody import ModalBody, modal_body
+from .modes import ModalModel, modal
+from .newmark import CoreBody, Newmark
 from .reduction import antioscillators
-from .solvers import factorize
 from .star import AOModel
+from .starmodes import StarModes, star_modes
 from .statics import moves_rigidly, static_mode, translates
+from .superlu import factorize
 
-__all__ = ["FullPlayer", "Player", "StarPlayer", "player"]
+__all__ = ["FullPlayer", "InterfacePlayer", "Player", "StarPlayer", "player"]
 
 FloatArray = npt.NDArray[np.float64]
+State = tuple[FloatArray, FloatArray]
+
+# All modes of a body of that many dofs take some ten seconds and a third of a GiB.
+_MODAL_MOST = 3000
 
 
 class Player(Protocol):
     """A body with an initial velocity, about to take part in an impact."""
 
+    @property
+    def velocity(self) -> float: ...
     @property
     def label(self) -> str: ...
     @property
@@ -44,11 +55,48 @@ class Player(Protocol):
         ...
 
     @property
-    def star(self) -> AOModel:
-        """The body as a star: as it is, or with all of its anti-oscillators."""
+    def ports(self) -> int:
+        """Number of places where it may be touched."""
         ...
 
-    def for_core(self, rule: Newmark, dt: float) -> tuple[Any, ...]: ...
+    @property
+    def modal(self) -> ModalBody:
+        """The body in its natural modes; a full model in all of them."""
+        ...
+
+    def weight(self, gravity: float) -> FloatArray | None:
+        """Return the forces of gravity, m/s², on the coordinates that `for_core` takes them for."""
+        ...
+
+    def pressed(self, x: FloatArray) -> State:
+        """Return the state, as `for_core` takes it, moving from modes `x` with its velocity."""
+        ...
+
+    def for_core(
+        self,
+        rule: Newmark,
+        dt: float,
+        *,
+        gravity: FloatArray | None = None,
+        state: State | None = None,
+    ) -> CoreBody:
+        """Return the body as `newmark_scene` takes it.
+
+        Parameters
+        ----------
+        rule : Newmark
+        dt : float
+            s.
+        gravity : ndarray, optional
+            Constant forces on the model's coordinates, N.
+        state : (u, v), optional
+            The model's coordinates and rates at the start; moving undeformed if not given.
+        """
+        ...
+
+    def coordinates(self, values: FloatArray) -> FloatArray:
+        """Return the model's coordinates (or rates) from those that the core steps."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +123,22 @@ class StarPlayer:
         return self.model.static_mass
 
     @property
-    def star(self) -> AOModel:
-        return self.model
+    def ports(self) -> int:
+        return 1
+
+    @property
+    def modal(self) -> ModalBody:
+        return modal_body(self.model)
+
+    def weight(self, gravity: float) -> FloatArray | None:
+        star = self.model
+        if math.isinf(star.m0) or (star.origin is None and star.held):
+            return None
+        forces: FloatArray = gravity * star.mass * star.centre_weights
+        return forces
+
+    def pressed(self, x: FloatArray) -> State:
+        return self.modal.coordinates(x), np.full(self.model.n + 1, self.velocity)
 
     @property
     def unseen(self) -> tuple[float, float]:
@@ -86,18 +148,62 @@ class StarPlayer:
         seen = float(self.model.centre_weights.sum())
         return 1.0 - seen, self.model.mass - self.model.static_mass
 
-    def for_core(self, rule: Newmark, dt: float) -> tuple[Any, ...]:
+    @cached_property
+    def _modes(self) -> StarModes | None:
+        """Its natural modes, where the core cannot step the star itself."""
         star = self.model
+        if star.damping is None or (isinstance(star.damping, Rayleigh) and star.m0 > 0.0):
+            return None
+        return star_modes(star)
+
+    def for_core(
+        self,
+        rule: Newmark,
+        dt: float,
+        *,
+        gravity: FloatArray | None = None,
+        state: State | None = None,
+    ) -> CoreBody:
+        star = self.model
+        u, v = (
+            (np.zeros(star.n + 1), np.full(star.n + 1, self.velocity)) if state is None else state
+        )
+        if self._modes is not None:
+            return _modal_core(self._modes, gravity, u, v)
+        damping = star.damping if isinstance(star.damping, Rayleigh) else Rayleigh()
         return (
             "star",
             star.m0,
             star.k0,
             star.m,
             star.k,
+            damping.alpha,
+            damping.beta,
+            gravity,
             np.ascontiguousarray(star.centre_weights),
-            np.zeros(star.n + 1),
-            np.full(star.n + 1, self.velocity),
+            u.copy(),
+            v.copy(),
         )
+
+    def coordinates(self, values: FloatArray) -> FloatArray:
+        modes = self._modes
+        return values if modes is None else modes.coordinates(modes.participation * values)
+
+
+def _modal_core(
+    modes: StarModes, gravity: FloatArray | None, u: FloatArray, v: FloatArray
+) -> CoreBody:
+    return (
+        "modal",
+        modes.omega,
+        modes.decay,
+        modes.participation,
+        np.array([modes.residual]),
+        None if gravity is None else modes.force(gravity),
+        modes.participation * modes.centre[0],
+        modes.project(u),
+        modes.project(v),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,9 +229,26 @@ class FullPlayer:
     def static_mass(self) -> float:
         return static_mode(self.tip).mass
 
+    @property
+    def ports(self) -> int:
+        return 1
+
     @cached_property
-    def star(self) -> AOModel:
+    def _star(self) -> AOModel:
         return antioscillators(self.tip)
+
+    @property
+    def modal(self) -> ModalBody:
+        return modal_body(self._star)
+
+    def weight(self, gravity: float) -> FloatArray | None:
+        if self.mass is None or self.tip.direction is None:
+            raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")
+        forces: FloatArray = gravity * self.mass * self._centre
+        return forces
+
+    def pressed(self, x: FloatArray) -> State:
+        return self._star.expand(self.modal.coordinates(x)), self._start()
 
     @property
     def unseen(self) -> tuple[float, float]:
@@ -149,18 +272,138 @@ class FullPlayer:
     def _matrices(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         return _rows(self.tip.body.K), _rows(self.tip.body.M)
 
-    def for_core(self, rule: Newmark, dt: float) -> tuple[Any, ...]:
+    @cached_property
+    def _modes(self) -> ModalModel | None:
+        """All natural modes, where damping is given by them."""
         body = self.tip.body
-        factors = factorize(body.M + rule.beta * dt**2 * body.K, what="M + β dt² K")
+        if not isinstance(body.damping, ModalDamping):
+            return None
+        if body.n_dofs > _MODAL_MOST:
+            raise InputError(
+                f"damping={body.damping!r} on the full model of {body.n_dofs} dofs needs all of "
+                f"its modes, which are computed up to {_MODAL_MOST} dofs; give Rayleigh(alpha=, "
+                "beta=), or simulate a reduced model: antioscillators(tip) or modal(tip, n)"
+            )
+        return modal(self.tip, body.n_dofs)
+
+    def for_core(
+        self,
+        rule: Newmark,
+        dt: float,
+        *,
+        gravity: FloatArray | None = None,
+        state: State | None = None,
+    ) -> CoreBody:
+        body = self.tip.body
+        u, v = (np.zeros(body.n_dofs), self._start()) if state is None else state
+        if self._modes is not None:
+            return self._in_modes(self._modes, gravity, u, v)
+        damping = body.damping if isinstance(body.damping, Rayleigh) else Rayleigh()
+        of_mass = 1.0 + damping.alpha * rule.gamma * dt
+        of_stiffness = rule.beta * dt**2 + damping.beta * rule.gamma * dt
+        matrix = of_mass * body.M + of_stiffness * body.K
+        factors = factorize(matrix, what="M + γ dt C + β dt² K")
         return (
             "full",
             *self._matrices,
             np.ascontiguousarray(self.tip.b),
+            damping.alpha,
+            damping.beta,
             factors.for_core(),
+            gravity,
             self._centre,
-            np.zeros(body.n_dofs),
-            self._start(),
+            u.copy(),
+            v.copy(),
         )
+
+    def _in_modes(
+        self, modes: ModalModel, gravity: FloatArray | None, u: FloatArray, v: FloatArray
+    ) -> CoreBody:
+        phi, mass = modes.modes, self.tip.body.M
+        omega = modes.angular_frequencies
+        damping = self.tip.body.damping
+        return (
+            "modal",
+            omega,
+            np.zeros_like(omega) if damping is None else damping.decay(omega),
+            np.ascontiguousarray(modes.participation),
+            np.zeros(1),
+            None if gravity is None else phi.T @ gravity,
+            phi.T @ self._centre,
+            phi.T @ (mass @ u),
+            phi.T @ (mass @ v),
+        )
+
+    def coordinates(self, values: FloatArray) -> FloatArray:
+        return values if self._modes is None else self._modes.modes @ values
+
+
+@dataclass(frozen=True, eq=False)
+class InterfacePlayer:
+    """A body touched in several places, in the modes that they excite."""
+
+    model: InterfaceModel
+    velocity: float
+
+    @property
+    def label(self) -> str:
+        return self.model.label
+
+    @property
+    def mass(self) -> float | None:
+        return self.model.mass
+
+    @cached_property
+    def held(self) -> bool:
+        return not bool((self.model.omega == 0.0).any())
+
+    @cached_property
+    def static_mass(self) -> float:
+        inverse = (self.model.participation**2).sum(axis=1).max()
+        return float(1.0 / inverse)
+
+    @property
+    def ports(self) -> int:
+        return len(self.model.tips)
+
+    @property
+    def modal(self) -> ModalBody:
+        return modal_body(self.model)
+
+    @property
+    def unseen(self) -> tuple[float, float]:
+        return 0.0, 0.0
+
+    def weight(self, gravity: float) -> FloatArray | None:
+        return gravity * self.modal.weight
+
+    def pressed(self, x: FloatArray) -> State:
+        return x, self.velocity * self.modal.moving
+
+    def for_core(
+        self,
+        rule: Newmark,
+        dt: float,
+        *,
+        gravity: FloatArray | None = None,
+        state: State | None = None,
+    ) -> CoreBody:
+        modal = self.modal
+        u, v = self.pressed(np.zeros(modal.n)) if state is None else state
+        return (
+            "modal",
+            modal.omega,
+            np.zeros(modal.n) if modal.decay is None else modal.decay,
+            modal.shape,
+            np.zeros((self.ports, self.ports)) if modal.residual is None else modal.residual,
+            gravity,
+            modal.centre,
+            u.copy(),
+            v.copy(),
+        )
+
+    def coordinates(self, values: FloatArray) -> FloatArray:
+        return values
 
 
 def _rows(matrix: Any) -> tuple[Any, ...]:
@@ -174,7 +417,7 @@ def player(name: str, body: Any, velocity: float) -> Player:
     Raises
     ------
     InputTypeError
-        If `body` is none of AOModel, ModalModel and ContactPoint.
+        If `body` is no model of a body.
     """
     if isinstance(body, AOModel):
         return StarPlayer(body, velocity)
@@ -182,7 +425,9 @@ def player(name: str, body: Any, velocity: float) -> Player:
         return StarPlayer(body.star, velocity)
     if isinstance(body, ContactPoint):
         return FullPlayer(body, velocity)
+    if isinstance(body, InterfaceModel):
+        return InterfacePlayer(body, velocity)
     raise InputTypeError(
-        f"{name} must be an AOModel (antioscillators, rigid), a modal model, or a ContactPoint "
-        f"(body.contact(...), the full model), got {body!r}"
+        f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
+        f"or a ContactPoint (body.contact(...), the full model), got {body!r}"
     )

@@ -7,6 +7,7 @@ keeps the prefix of the first. An ``ax`` that is no Axes raises InputTypeError.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -14,13 +15,15 @@ import numpy as np
 from .checks import choice
 from .errors import InputTypeError
 from .events import FloatArray
+from .patchlaw import own_law
+from .table import body_names
 from .units import Scale, scale_for, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .motion import BodyEnergy, Energy
-    from .seen import Seen
+    from .seen import Seen, SeenRun
 
 Curve = tuple[FloatArray, dict[str, Any]]
 
@@ -37,7 +40,7 @@ def plot_indentation(result: Seen, ax: Axes | None = None, **kwargs: Any) -> Axe
 
 
 def plot_energy(
-    result: Seen,
+    result: Seen | SeenRun,
     ax: Axes | None = None,
     *,
     body: Literal["projectile", "target"] | None = None,
@@ -90,13 +93,34 @@ def plot_interaction(result: Seen, ax: Axes | None = None, **kwargs: Any) -> Axe
     across = (result.approach[shown], "approach of the centres of mass", "m")
     curves: list[Curve] = [(result.force[shown], {"label": "modified law"})]
     ax = _draw(ax, across, "contact force", "N", curves, kwargs)
-    law = getattr(result.law, "force", None)
+    law = getattr(own_law(result.law), "force", None)
     if touching.size and callable(law):
         depth = np.linspace(0.0, float(result.indentation.max()), 200)
         style = {"color": "0.4", "linestyle": "--", "label": "contact law", "zorder": 1}
         _curve(ax, _axis_scales(ax, "m", "N"), depth, np.asarray(law(depth)), style)
         ax.legend()
     return ax
+
+
+def plot_forces(run: SeenRun, ax: Axes | None = None, **kwargs: Any) -> Axes:
+    """Draw the force of each contact of a scene over time."""
+    several = len(run.contacts) > 1
+    curves: list[Curve] = [
+        (contact.force, {"label": f"contact {i}"} if several else {})
+        for i, contact in enumerate(run.contacts)
+    ]
+    return _draw(ax, (run.t, "time", "s"), "contact force", "N", curves, kwargs)
+
+
+def plot_places(
+    run: SeenRun, ax: Axes | None = None, *, names: Sequence[str] | None = None, **kwargs: Any
+) -> Axes:
+    """Draw the displacements of the contact coordinates of a scene's bodies over time."""
+    curves: list[Curve] = [
+        (body.displacement, {"label": name})
+        for name, body in zip(body_names(len(run.bodies), names), run.bodies, strict=True)
+    ]
+    return _draw(ax, (run.t, "time", "s"), "displacement", "m", curves, kwargs)
 
 
 def _draw(

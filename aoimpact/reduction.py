@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -13,8 +14,9 @@ import scipy.sparse.linalg as spla
 from . import _core
 from .checks import choice, integer
 from .contact import ContactPoint
-from .errors import InputError, SingularError, warn
-from .solvers import factorize
+from .errors import InputError, InputTypeError, SingularError, warn
+from .krylov import KrylovSpace
+from .solvers import Solver, SolverBook, checked_solver
 from .spectra import EQUAL, lowest_sparse, shifted
 from .star import AOModel
 from .statics import StaticMode, origin_of, static_mode
@@ -89,7 +91,9 @@ def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:
     return _oscillators(tip, static, omega2, phi)
 
 
-def _lowest_oscillators(tip: ContactPoint, static: StaticMode, count: int) -> _Oscillators:
+def _lowest_oscillators(
+    tip: ContactPoint, static: StaticMode, count: int, solvers: SolverBook
+) -> _Oscillators:
     """The oscillators among the `count` lowest constraint modes, by shift-and-invert on bᵀφ = 0.
 
     The iteration starts from φ_st, so that of each multiple eigenvalue it meets the one mode that
@@ -97,18 +101,19 @@ def _lowest_oscillators(tip: ContactPoint, static: StaticMode, count: int) -> _O
     """
     K, M, b = tip.body.K, tip.body.M, tip.b
     if tip.body.rigid_modes.shape[1] == 0:
-        factors, s2 = factorize(K, what="the stiffness matrix"), 0.0
+        base = solvers(0.0)
     else:
-        base = shifted(K, M, rigid=tip.body.rigid_modes)
-        factors, s2 = base.factors, base.s2
-    z = factors.solve(b)
+        base = shifted(K, M, rigid=tip.body.rigid_modes, invert=solvers)
+    z = base.solve(b)
 
     def inverse(f: FloatArray) -> FloatArray:
-        x = np.ascontiguousarray(factors.solve(f))
+        x = np.ascontiguousarray(base.solve(f))
         _core.constraint_project(b, z, x)
         return x
 
-    omega2, phi = lowest_sparse(M, inverse, s2, count, away_from=static.silent, start=static.phi)
+    omega2, phi = lowest_sparse(
+        M, inverse, base.s2, count, away_from=static.silent, start=static.phi
+    )
     return _oscillators(tip, static, omega2, phi)
 
 
@@ -140,14 +145,16 @@ def _enough(found: _Oscillators, mass_of_all: float, n: int, order: str) -> bool
     return rest <= float(found.m[n - 1])
 
 
-def _wanted_oscillators(tip: ContactPoint, static: StaticMode, n: int, order: str) -> _Oscillators:
+def _wanted_oscillators(
+    tip: ContactPoint, static: StaticMode, n: int, order: str, solvers: SolverBook
+) -> _Oscillators:
     dofs = tip.body.n_dofs
     small = dofs <= _DENSE_MOST
     most = dofs // 20 if small else max(64, 4 * n)
     count = max(2 * n, n + 8)
     mass_of_all = _mass_of_all(tip, static) if order == "mass" else static.mass
     while dofs > _DENSE_QUICK and count <= most:
-        found = _ordered(_lowest_oscillators(tip, static, count), order)
+        found = _ordered(_lowest_oscillators(tip, static, count, solvers), order)
         if _enough(found, mass_of_all, n, order):
             return found
         if count == most:
@@ -166,7 +173,14 @@ def _wanted_oscillators(tip: ContactPoint, static: StaticMode, n: int, order: st
 
 
 def antioscillators(
-    tip: ContactPoint, n: int | None = None, *, method: str = "eigen", order: str | None = None
+    tip: ContactPoint,
+    n: int | None = None,
+    *,
+    method: str = "eigen",
+    order: str | None = None,
+    contact_time: float | None = None,
+    duration: float | None = None,
+    solver: Solver = "auto",
 ) -> AOModel:
     """Return the anti-oscillator model of a body at its contact, eqs. (1)-(12).
 
@@ -175,12 +189,21 @@ def antioscillators(
     tip : ContactPoint
         From `FEModel.contact`.
     n : int, optional
-        How many oscillators that carry mass; all of them if not given. The others' mass stays in
-        m0, eq. (10).
-    method : {"eigen"}
-        "eigen": the constraint modes of the paper.
+        How many oscillators that carry mass; all of them if not given ("eigen" only). The others'
+        mass stays in m0, eq. (10).
+    method : {"eigen", "krylov"}
+        "eigen": the constraint modes of the paper, right at every time scale in the end. "krylov":
+        those of the body projected on the motions that a blow excites, of which few give its force;
+        a held body's motion long after it, and its static stiffness, need `duration` or many.
     order : {"mass", "frequency"}, optional
-        Which come first: those of the largest mass (default) or of the lowest frequency.
+        Which come first: those of the largest mass ("eigen"'s default) or of the lowest frequency
+        ("krylov"'s only one).
+    contact_time : float, optional
+        How long the blow lasts, s, roughly ("krylov" only); else estimated, see `KrylovSpace`.
+    duration : float, optional
+        How long the motion is to be right, s, if much longer than the blow ("krylov" only).
+    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
 
     Returns
     -------
@@ -194,9 +217,22 @@ def antioscillators(
     SingularError
         If part of the body is a mechanism.
     """
-    static = static_mode(tip)
-    choice("method", method, ("eigen",))
+    if not isinstance(tip, ContactPoint):
+        raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
+    if choice("method", method, ("eigen", "krylov")) == "krylov":
+        if order is not None:
+            choice("order", order, ("frequency",))
+        if n is None:
+            raise InputError("n=None: method='krylov' makes a given number of oscillators; give n")
+        space = KrylovSpace(tip, contact_time=contact_time, duration=duration, solver=solver)
+        return space.antioscillators(n)
+    solvers = SolverBook(partial(tip.body.inverse, solver=checked_solver(solver)))
+    static = static_mode(tip, invert=solvers)
     by = choice("order", "mass" if order is None else order, ("mass", "frequency"))
+    if contact_time is not None or duration is not None:
+        raise InputError(
+            "contact_time and duration are for method='krylov'; method='eigen' fits no scene"
+        )
     dofs = tip.body.n_dofs
     if n is None and dofs > _DENSE_MOST:
         raise InputError(
@@ -206,14 +242,16 @@ def antioscillators(
     if n is None:
         found = _ordered(_all_oscillators(tip, static), by)
     else:
-        found = _wanted_oscillators(tip, static, integer("n", n, low=0, high=dofs - 1), by)
+        found = _wanted_oscillators(tip, static, integer("n", n, low=0, high=dofs - 1), by, solvers)
         if len(found.m) < n:
             warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
         found = found.take(np.arange(min(n, len(found.m))))
-    return _model(tip, static, found, "AO")
+    return _model(tip, static, found, "AO", solvers.name)
 
 
-def _model(tip: ContactPoint, static: StaticMode, found: _Oscillators, label: str) -> AOModel:
+def _model(
+    tip: ContactPoint, static: StaticMode, found: _Oscillators, label: str, solver: str
+) -> AOModel:
     """Put the star together; what its oscillators do not hold is the residual mass, eq. (10)."""
     residual = static.mass - math.fsum(found.m)
     if residual < 0.0 and residual > -1e-11 * static.mass:
@@ -223,5 +261,6 @@ def _model(tip: ContactPoint, static: StaticMode, found: _Oscillators, label: st
         k0=static.k0,
         m=found.m,
         k=found.k,
-        origin=origin_of(tip, static, found.shapes, label),
+        origin=origin_of(tip, static, found.shapes, label, solver=solver),
+        damping=tip.body.damping,
     )

@@ -1,4 +1,4 @@
-"""What an impact gave: histories over time, and the numbers that sum them up.
+"""What an impact of two bodies gave: a run's histories, and the numbers that sum them up.
 
 Histories are read-only arrays over `Result.t`. Displacements, velocities and centres of mass are
 measured along the direction of travel, from where the bodies were at t = 0.
@@ -7,8 +7,7 @@ measured along the direction of travel, from where the bodies were at t = 0.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,71 +15,66 @@ import numpy as np
 import numpy.typing as npt
 
 from . import plot
-from .checks import finite_array
-from .errors import InputError
-from .events import Events, FloatArray, find_events
-from .motion import BodyEnergy, BodyInfo, BodyResult, Energy, ErrorEstimate, Frozen
+from .events import Events, FloatArray
+from .motion import BodyEnergy, BodyInfo, BodyResult, Energy, ErrorEstimate
+from .run import Run
 from .summary import summary_html, summary_text
-from .table import write_csv
+from .table import columns, write_csv
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = [
-    "BodyEnergy",
-    "BodyInfo",
-    "BodyResult",
-    "Energy",
-    "ErrorEstimate",
-    "Result",
-    "result_from_record",
-]
-
-# The record of the C core (enum aoi_row): force, indentation and contact energy, then six rows a
-# body.
-_BODY_FIRST_ROW = 3
-_BODY_ROWS = 6
-_ROW_COUNT = _BODY_FIRST_ROW + 2 * _BODY_ROWS
+__all__ = ["BodyEnergy", "BodyInfo", "BodyResult", "Energy", "ErrorEstimate", "Result"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Result(Frozen):
-    """An impact of a projectile on a target.
+class Result:
+    """An impact of a projectile on a target; curves are computed when they are asked for.
 
     Attributes
     ----------
-    t : (n,) array
-        Times [s].
-    force, indentation : (n,) arrays
-        Contact force, ≥ 0 in compression [N]; projectile's minus target's contact coordinate
-        minus the initial gap [m].
-    projectile, target : BodyResult
-        The bodies' motions.
-    error : ErrorEstimate
-        What is known of the error of the peak force.
+    run : Run
+        The scene of the two bodies.
     velocity, gap : float
         Initial velocity of the projectile [m/s] and initial gap [m].
-    law : object
+    law : ContactLaw
         The contact law.
-    solver : str
-        How time was integrated.
+    models : tuple of (AOModel, AOModel), or None
+        The projectile's and the target's model, where `simulate` was left to choose them.
     """
 
-    t: FloatArray
-    force: FloatArray
-    indentation: FloatArray
-    projectile: BodyResult
-    target: BodyResult
-    error: ErrorEstimate
+    run: Run = field(repr=False)
     velocity: float
     gap: float
     law: Any
-    solver: str
-    _energy: Energy | None = field(default=None)
-    _events: Events | None = field(default=None)
-    _dense: Callable[[FloatArray], Result] | None = field(default=None)
+    models: tuple[Any, Any] | None = None
 
     # ------------------------------------------------------------------- histories
+
+    @property
+    def t(self) -> FloatArray:
+        """Times [s], shape (n,)."""
+        return self.run.t
+
+    @property
+    def force(self) -> FloatArray:
+        """Contact force, ≥ 0 in compression [N]."""
+        return self.run.contacts[0].force
+
+    @property
+    def indentation(self) -> FloatArray:
+        """Projectile's minus target's contact coordinate minus the initial gap [m]."""
+        return self.run.contacts[0].indentation
+
+    @property
+    def projectile(self) -> BodyResult:
+        """The projectile's motion."""
+        return self.run.bodies[0]
+
+    @property
+    def target(self) -> BodyResult:
+        """The target's motion."""
+        return self.run.bodies[1]
 
     @property
     def energy(self) -> Energy:
@@ -91,12 +85,17 @@ class Result(Frozen):
         InputError
             If the run did not record them.
         """
-        if self._energy is None:
-            raise InputError(
-                "this run has no energies: it was made with energies=False; "
-                "call simulate(..., energies=True)"
-            )
-        return self._energy
+        return self.run.energy
+
+    @property
+    def error(self) -> ErrorEstimate:
+        """What is known of the error of the peak force."""
+        return self.run.error
+
+    @property
+    def solver(self) -> str:
+        """How time was integrated."""
+        return self.run.solver
 
     @property
     def approach(self) -> FloatArray:
@@ -123,30 +122,14 @@ class Result(Frozen):
             If the run was made with fixed steps, between which nothing is known, or the times do
             not ascend within the record.
         """
-        if self._dense is None:
-            raise InputError(
-                "this run has fixed steps, with nothing known between them; "
-                "call simulate(..., solver=Adaptive(...)) for dense output"
-            )
-        wanted = np.atleast_1d(finite_array("times", times, unit="s"))
-        if wanted.ndim != 1 or wanted.size == 0 or (np.diff(wanted) < 0.0).any():
-            raise InputError(f"times must be a flat ascending list, got shape {wanted.shape}")
-        if wanted[0] < 0.0 or wanted[-1] > self.t[-1]:
-            raise InputError(
-                f"times must lie within the record, 0 to {self.t[-1]:g} s, got "
-                f"{wanted[0]:g} to {wanted[-1]:g} s"
-            )
-        return self._dense(wanted)
+        return replace(self, run=self.run.at(times))
 
     # ---------------------------------------------------------------------- events
 
-    @cached_property
+    @property
     def events(self) -> Events:
         """The events: the solver's own where it locates them, else found between the steps."""
-        if self._events is not None:
-            return self._events
-        rate = self.projectile.velocity - self.target.velocity
-        return find_events(self.t, self.force, self.indentation, rate)
+        return self.run.events[0]
 
     @property
     def peak_force(self) -> float:
@@ -182,7 +165,7 @@ class Result(Frozen):
     @property
     def in_contact_at_end(self) -> bool:
         """Whether the record ends in contact: its numbers are then not yet final."""
-        return bool(self.force[-1] > 0.0)
+        return self.run.in_contact_at_end
 
     @property
     def rebound_velocity(self) -> float:
@@ -190,33 +173,36 @@ class Result(Frozen):
 
         At the end of the record, if that is still in contact; the initial one without contact.
         """
-        return float(self.projectile.centre_velocity[self._released])
+        return self._parting[0]
 
     @property
     def restitution(self) -> float:
         """Coefficient of restitution, by the centres of mass after the last contact.
 
         (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is held or
-        of infinite mass. −1 if the bodies have not met; 0.0 if there was no initial velocity.
+        of infinite mass. −1 if the bodies have not met.
         """
-        if self.velocity == 0.0:
-            return 0.0
-        recoil = 0.0 if self.target.fixed else self.target.centre_velocity[self._released]
-        return float((recoil - self.projectile.centre_velocity[self._released]) / self.velocity)
+        ours, theirs = self._parting
+        info = self.run.infos[1]
+        fixed = info.held or (info.mass is not None and bool(np.isinf(info.mass)))
+        return ((0.0 if fixed else theirs) - ours) / self.velocity
 
-    @property
-    def _released(self) -> int:
-        """Index of the first sample at or after the end of the last contact, or of the last one."""
-        last = len(self.t) - 1
-        if not self.events.contacts:
-            return last
-        return min(int(np.searchsorted(self.t, self.events.contacts[-1][1])), last)
+    @cached_property
+    def _parting(self) -> tuple[float, float]:
+        """Velocities of the centres of mass at the end of the last contact, or of the record."""
+        end = self.events.contacts[-1][1] if self.events.contacts else self.run.duration
+        if self.run.recorder.dense:
+            run, at = self.run.at([min(end, self.run.duration)]), 0
+        else:
+            run, at = self.run, min(int(np.searchsorted(self.t, end)), len(self.t) - 1)
+        ours, theirs = (body.centre_velocity[at] for body in run.bodies)
+        return float(ours), float(theirs)
 
     # ---------------------------------------------------------------------- output
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write all histories, one row a time, under a header line with names and units."""
-        write_csv(self, path)
+        write_csv(columns(self), path)
 
     def plot_force(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
         """Draw the force over time; keywords go to ``Axes.plot``. Returns the axes."""
@@ -249,84 +235,3 @@ class Result(Frozen):
 
     def _repr_html_(self) -> str:
         return summary_html(self)
-
-
-def result_from_record(
-    *,
-    t: FloatArray,
-    record: FloatArray,
-    projectile: BodyInfo,
-    target: BodyInfo,
-    law: Any,
-    velocity: float,
-    gap: float,
-    solver: str,
-    error: ErrorEstimate,
-    energies: bool,
-    events: Events | None = None,
-    dense: Callable[[FloatArray], Result] | None = None,
-) -> Result:
-    """Build a result from the record that the C core has written.
-
-    Parameters
-    ----------
-    t : (n,) array
-        Times [s].
-    record : (15, n) array
-        Rows in the order of ``enum aoi_row``; it becomes read-only. The rows of energies are not
-        looked at unless `energies`.
-    events : Events, optional
-        From a solver that locates them; else they are found between the samples.
-    dense : callable, optional
-        Gives the result at other times.
-    """
-    if record.shape != (_ROW_COUNT, len(t)):
-        raise InputError(f"record must have shape ({_ROW_COUNT}, {len(t)}), got {record.shape}")
-    record.flags.writeable = False
-    first_target_row = _BODY_FIRST_ROW + _BODY_ROWS
-    bodies = (
-        _body_result(projectile, record[_BODY_FIRST_ROW:first_target_row], energies),
-        _body_result(target, record[first_target_row:], energies),
-    )
-    return Result(
-        t=t,
-        force=record[0],
-        indentation=record[1],
-        projectile=bodies[0],
-        target=bodies[1],
-        error=error,
-        velocity=float(velocity),
-        gap=float(gap),
-        law=law,
-        solver=str(solver),
-        _energy=_energy(record[2], *bodies) if energies else None,
-        _events=events,
-        _dense=dense,
-    )
-
-
-def _body_result(info: BodyInfo, rows: FloatArray, energies: bool) -> BodyResult:
-    displacement, velocity, centre_displacement, centre_velocity, kinetic, elastic = rows
-    return BodyResult(
-        label=info.label,
-        mass=info.mass,
-        held=info.held,
-        displacement=displacement,
-        velocity=velocity,
-        centre_displacement=centre_displacement,
-        centre_velocity=centre_velocity,
-        energy=BodyEnergy(kinetic, elastic) if energies else None,
-        coordinates=info.coordinates,
-        rates=info.rates,
-    )
-
-
-def _energy(contact: FloatArray, projectile: BodyResult, target: BodyResult) -> Energy:
-    # Bodies without damping, laws without loss: nothing is dissipated, and no load does work.
-    assert projectile.energy is not None
-    assert target.energy is not None
-    kinetic = projectile.energy.kinetic + target.energy.kinetic
-    elastic = projectile.energy.elastic + target.energy.elastic
-    dissipated = np.zeros_like(contact)
-    total = kinetic + elastic + contact + dissipated
-    return Energy(kinetic, elastic, contact, dissipated, total, projectile.energy, target.energy)

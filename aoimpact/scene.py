@@ -1,339 +1,327 @@
-"""An impact of two bodies: `simulate`."""
+"""Scenes of any number of bodies and contacts along one direction of travel."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import uuid
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.optimize
 
-from .adaptive import TIGHTEST, Adaptive, Track, adaptive_run
-from .checks import boolean, nonnegative, positive, real
-from .errors import ConvergenceError, InputError, InputTypeError, warn
-from .events import Events, find_peak
+from .adaptive import Adaptive
+from .checks import boolean, finite_array, positive, real
+from .errors import InputError, InputTypeError, LawLimitError, warn
+from .interface import InterfaceModel
 from .laws import ContactLaw
-from .newmark import Newmark, Record, newmark_run
-from .players import Player, StarPlayer, player
-from .relative import relative
-from .result import BodyInfo, ErrorEstimate, Result, result_from_record
+from .newmark import Newmark
+from .patchlaw import effective_law, wide_enough
+from .plan import Joint, Load, Plan
+from .players import FullPlayer, Player, StarPlayer, player
+from .run import Handle, Run
+from .solve_adaptive import solve_adaptive
+from .solve_newmark import solve_newmark
 
-__all__ = ["simulate"]
+__all__ = ["Scene", "Solver", "solve"]
 
 FloatArray = npt.NDArray[np.float64]
-
-# One contact keeps its tolerance; from the second on the run is asked twice.
-_CONTACTS_TRUSTED = 1
+Solver = Adaptive | Newmark
 
 # Squares and energies of speeds beyond these overflow, or vanish.
-_SLOWEST, _FASTEST = 1e-60, 1e60
-
-# The steps of a first attempt within a contact, when the caller leaves dt to us.
-_FIRST_STEPS = 100
-
-# Above this relative change between two steps, second order is not in sight yet.
-_NOT_ASYMPTOTIC = 0.2
-
-# Share of the peak force above which the force is compared between two steps.
-_AROUND_PEAK = 0.9
+SLOWEST, FASTEST = 1e-60, 1e60
 
 
-def simulate(
-    *,
-    projectile: Any,
-    target: Any,
-    law: ContactLaw,
-    velocity: float,
-    duration: float,
-    solver: Adaptive | Newmark | None = None,
-    gap: float = 0.0,
-    energies: bool = True,
-) -> Result:
-    """Simulate the impact of a moving projectile on a target at rest.
+class Scene:
+    """Bodies, the contacts between them, and what acts on them.
 
-    Both bodies are undeformed at t = 0, the projectile moving with `velocity` towards the target.
+    All displacements are measured along one direction of travel. Bodies are added, connected and
+    loaded, then the scene is simulated; and again, with more bodies or other solvers.
 
     Parameters
     ----------
-    projectile, target : AOModel, ModalModel or ContactPoint
-        A ContactPoint (``body.contact(...)``) stands for the full finite-element model.
-    law : ContactLaw
-        Force of the indentation δ = x_projectile - x_target - gap.
-    velocity : float
-        Of the projectile along the direction of travel, m/s, not zero.
-    duration : float
-        Length of the record, s.
-    solver : Adaptive or Newmark, optional
-        ``Adaptive(rtol=...)`` for a tolerance, ``Newmark(dt=...)`` for a given step. By default
-        ``Adaptive()``; with a full finite-element model, whose modes would have to be computed
-        first, ``Newmark()`` with a step of its own choice.
-    gap : float, optional
-        Distance to go before the bodies touch, m, not negative.
-    energies : bool, optional
-        Whether to record energies as well.
+    gravity : float, optional
+        Acceleration of every finite mass along the direction of travel, m/s². A body held by
+        supports takes its true share where it has nodes; a held star given by numbers takes none.
 
-    Returns
-    -------
-    Result
+    Examples
+    --------
+    >>> scene = Scene()
+    >>> ball = scene.add(rigid(mass=0.03), velocity=1.0)
+    >>> wall = scene.add(rigid(mass=math.inf))
+    >>> scene.connect(ball, wall, Hertz(k=1e10))
+    >>> run = scene.simulate(duration=1e-3)
+    >>> run.contacts[0].peak_force, run[ball].velocity[-1]
+    """
+
+    def __init__(self, *, gravity: float = 0.0) -> None:
+        self.gravity = real("gravity", gravity, unit="m/s²")
+        self._bodies: list[Any] = []
+        self._players: list[Player] = []
+        self._velocities: list[float] = []
+        self._positions: list[float] = []
+        self._names: list[str] = []
+        self._joints: list[Joint] = []
+        self._loads: list[Load] = []
+        # Copies and pickles keep it: their handles are as good.
+        self._mark = uuid.uuid4().hex
+
+    def __repr__(self) -> str:
+        labels = ", ".join(player.label for player in self._players[:6])
+        more = ", …" if len(self._players) > 6 else ""
+        return (
+            f"Scene(gravity={self.gravity:g}): {len(self._players)} bodies ({labels}{more}), "
+            f"{len(self._joints)} contacts, {len(self._loads)} loads"
+        )
+
+    # ------------------------------------------------------------------- building
+
+    def add(
+        self, body: Any, *, velocity: float = 0.0, position: float = 0.0, name: str = ""
+    ) -> Handle:
+        """Add a body, undeformed and moving as a whole.
+
+        Parameters
+        ----------
+        body : AOModel, ModalModel, InterfaceModel or ContactPoint
+            A ContactPoint (``body.contact(...)``) stands for the full finite-element model, a
+            `rigid` body of infinite mass for a wall.
+        velocity : float, optional
+            m/s.
+        position : float, optional
+            Of its contact coordinate (of all of them) at t = 0, m.
+        name : str, optional
+            For messages.
+
+        Returns
+        -------
+        Handle
+            To connect, load and read it by.
+        """
+        if not isinstance(name, str):
+            raise InputTypeError(f"name must be a str, got {name!r}")
+        speed = checked_speed("velocity", velocity)
+        self._players.append(player("body", body, speed))
+        self._bodies.append(body)
+        self._velocities.append(speed)
+        self._positions.append(real("position", position, unit="m"))
+        self._names.append(name)
+        return Handle(len(self._players) - 1, name=name, scene=self._mark)
+
+    def connect(self, a: Handle, b: Handle, law: ContactLaw, *, gap: float = 0.0) -> int:
+        """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
+
+        Parameters
+        ----------
+        a, b : Handle
+            Of `add`; ``handle.port(i)`` for another place of a body touched in several.
+        law : ContactLaw
+        gap : float, optional
+            m; may be negative where positions are given.
+
+        Returns
+        -------
+        int
+            Its place in ``run.contacts``.
+
+        Raises
+        ------
+        InputError
+            For a body with itself, two walls, or an unknown handle.
+        """
+        first, second = self._known("a", a), self._known("b", b)
+        if first.body == second.body:
+            raise InputError(
+                f"a and b are both {self._called(first)}: a body cannot touch itself; connect it "
+                "to another"
+            )
+        if not isinstance(law, ContactLaw):
+            raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
+        if all(math.isinf(self._players[end.body].static_mass) for end in (first, second)):
+            raise InputError(
+                f"{self._called(first)} and {self._called(second)} are both of infinite mass: "
+                "nothing can give way between them"
+            )
+        apart = real("gap", gap, unit="m")
+        apart += self._positions[second.body] - self._positions[first.body]
+        ends = self._touched(first), self._touched(second)
+        between = effective_law(law, ends)
+        joint = Joint(first.body, first.at, second.body, second.at, between, apart, ends)
+        for number, other in enumerate(self._joints):
+            if (other.ends_at, other.law, other.gap) == (joint.ends_at, joint.law, joint.gap):
+                raise InputError(
+                    f"contact {number} is the same: {self._called(first)} and "
+                    f"{self._called(second)} under the same law and gap; leave this one out, or "
+                    "double the law's stiffness"
+                )
+        self._joints.append(joint)
+        return len(self._joints) - 1
+
+    def apply(self, body: Handle, *, force: Any) -> None:
+        """Apply a force to a body's contact coordinate, along the direction of travel.
+
+        Parameters
+        ----------
+        body : Handle
+        force : float or (times, forces)
+            N; constant, or straight between times, s, that ascend, and constant outside them.
+        """
+        end = self._known("body", body)
+        if isinstance(force, tuple):
+            if len(force) != 2:
+                raise InputError(f"force must be a number or (times, forces), got {force!r}")
+            times = finite_array("times", force[0], ndim=1, unit="s")
+            forces = finite_array("forces", force[1], ndim=1, unit="N")
+            if len(times) != len(forces) or len(times) == 0 or (np.diff(times) <= 0.0).any():
+                raise InputError(
+                    f"force=(times, forces) needs as many forces as times, and times that ascend; "
+                    f"got {len(times)} times and {len(forces)} forces"
+                )
+        else:
+            times, forces = np.zeros(1), np.array([real("force", force, unit="N")])
+        if math.isinf(self._players[end.body].static_mass):
+            raise InputError(f"{self._called(end)} is a wall: no force moves it; load another body")
+        self._loads.append(Load(end.body, end.at, times.copy(), forces.copy()))
+
+    def _known(self, name: str, handle: Any) -> Handle:
+        if not isinstance(handle, Handle):
+            raise InputTypeError(f"{name} must be a handle that scene.add returned, got {handle!r}")
+        if handle.scene != self._mark or handle.body >= len(self._players):
+            raise InputError(
+                f"{name}={handle!r} is of another scene; add the body to this one and take the "
+                "handle that scene.add returns"
+            )
+        ports = self._players[handle.body].ports
+        if not 0 <= handle.at < ports:
+            raise InputError(
+                f"{name}: {self._called(handle)} may be touched in {ports} place(s), there is no "
+                f"port {handle.at}"
+            )
+        return handle
+
+    def _touched(self, handle: Handle) -> Any:
+        """What has the patch over which a body is touched there."""
+        body = self._bodies[handle.body]
+        return body.tips[handle.at] if isinstance(body, InterfaceModel) else body
+
+    def _called(self, handle: Handle) -> str:
+        name = self._names[handle.body]
+        return f"body {handle.body}" + (f" ({name})" if name else "")
+
+    # ------------------------------------------------------------------- running
+
+    def simulate(
+        self,
+        *,
+        duration: float,
+        solver: Solver | None = None,
+        energies: bool = True,
+        preload: bool = False,
+    ) -> Run:
+        """Simulate the scene.
+
+        Parameters
+        ----------
+        duration : float
+            Length of the record, s.
+        solver : Adaptive or Newmark, optional
+            By default ``Adaptive()``; with a full finite-element model ``Newmark()``.
+        energies : bool, optional
+            Whether to record energies as well.
+        preload : bool, optional
+            Whether to start from rest under gravity and the loads at t = 0, bodies pressed on each
+            other, found by a static solve; velocities are then added.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            For an argument that makes no sense, an empty scene, or bodies that overlap at the start
+            without `preload`.
+        ConvergenceError
+            If the tolerance cannot be met, or bodies find no rest.
+
+        Warns
+        -----
+        AOImpactWarning
+            If gravity has no effect on a held star given by numbers.
+        """
+        length = positive("duration", duration, unit="s")
+        boolean("energies", energies)
+        boolean("preload", preload)
+        if not self._players:
+            raise InputError("the scene is empty: add bodies with scene.add(...)")
+        if not preload:
+            self._refuse_overlap()
+        for body in self._players:
+            if self.gravity and isinstance(body, StarPlayer) and _weightless(body):
+                warn(
+                    f"gravity has no effect on {body.label}: what holds a star given by numbers is "
+                    "not known; make it by antioscillators(...) of a body with nodes"
+                )
+        plan = Plan(
+            tuple(self._players),
+            tuple(self._velocities),
+            tuple(self._joints),
+            tuple(self._loads),
+            self.gravity,
+            length,
+            energies,
+            preload,
+        )
+        return solve(plan, solver)
+
+    def _refuse_overlap(self) -> None:
+        for number, joint in enumerate(self._joints):
+            if joint.gap < 0.0:
+                first, second = Handle(joint.first), Handle(joint.second)
+                raise InputError(
+                    f"contact {number}: {self._called(first)} and {self._called(second)} overlap "
+                    f"by {-joint.gap:g} m at the start; change position or gap, or start with "
+                    "preload=True from the rest that gravity and loads press them to"
+                )
+
+
+def _weightless(body: StarPlayer) -> bool:
+    star = body.model
+    return star.held and star.origin is None and not math.isinf(star.m0)
+
+
+def checked_speed(name: str, value: Any) -> float:
+    """Return a speed, m/s, whose square is a number.
 
     Raises
     ------
-    InputError, InputTypeError
-        For an argument that makes no sense.
-    ConvergenceError
-        If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
-
-    Warns
-    -----
-    AOImpactWarning
-        If the record ends in contact, or the step is too large for any digit to be right.
+    InputError
     """
-    speed = real("velocity", velocity, unit="m/s")
-    if speed == 0.0:
-        raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
-    if not _SLOWEST <= abs(speed) <= _FASTEST:
+    speed = real(name, value, unit="m/s")
+    if speed != 0.0 and not SLOWEST <= abs(speed) <= FASTEST:
         raise InputError(
-            f"velocity={speed:g} m/s: its square is beyond the range of numbers; give a speed from "
-            f"{_SLOWEST:g} to {_FASTEST:g} m/s"
+            f"{name}={speed:g} m/s: its square is beyond the range of numbers; give a speed from "
+            f"{SLOWEST:g} to {FASTEST:g} m/s"
         )
-    length = positive("duration", duration, unit="s")
-    distance = nonnegative("gap", gap, unit="m")
-    boolean("energies", energies)
-    if not isinstance(law, ContactLaw):
-        raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-    bodies = player("projectile", projectile, speed), player("target", target, 0.0)
-    rule = default_solver(bodies) if solver is None else solver
-    if not isinstance(rule, (Newmark, Adaptive)):
+    return speed
+
+
+def solve(plan: Plan, solver: Solver | None) -> Run:
+    """Run a scene by a solver, or by the one that suits its bodies.
+
+    Raises
+    ------
+    InputTypeError
+        If `solver` is none.
+    LawLimitError
+        If a contact grows wider than its patches.
+    """
+    if solver is None:
+        full = any(isinstance(body, FullPlayer) for body in plan.players)
+        solver = Newmark() if full else Adaptive()
+    if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
-    if all(math.isinf(body.static_mass) for body in bodies):
-        raise InputError("projectile and target are both of infinite mass: nothing can give way")
-    if isinstance(rule, Adaptive):
-        return _adaptive(bodies, law, rule, speed, length, distance, energies)
-    run = _Run(bodies, law, speed, rule, length, distance, energies)
-    record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
-    return _finish(run, record, error)
-
-
-def default_solver(bodies: tuple[Player, Player]) -> Adaptive | Newmark:
-    """Return Adaptive where the bodies are stars already."""
-    return Adaptive() if all(isinstance(body, StarPlayer) for body in bodies) else Newmark()
-
-
-@dataclass(frozen=True, eq=False)
-class _Sampled:
-    """An adaptive run, to be seen at any times."""
-
-    track: Track
-    bodies: tuple[BodyInfo, BodyInfo]
-    unseen: tuple[float, float]
-    rtol: float
-    time_error: float
-    velocity: float
-    energies: bool
-
-    def __call__(self, times: FloatArray) -> Result:
-        rows = self.track.sample(times)
-        _add_unseen(rows, times, self.unseen, self.velocity)
-        energy = _energy_range(rows) if self.energies else None
-        return result_from_record(
-            t=times,
-            record=rows,
-            projectile=self.bodies[0],
-            target=self.bodies[1],
-            law=self.track.law,
-            velocity=self.velocity,
-            gap=self.track.relative.gap,
-            solver=f"Adaptive(rtol={self.rtol:g}), {self.track.steps} steps in contact",
-            error=ErrorEstimate(time=self.time_error, energy=energy),
-            energies=self.energies,
-            events=self.track.events,
-            dense=self,
-        )
-
-
-def _adaptive(
-    bodies: tuple[Player, Player],
-    law: ContactLaw,
-    rule: Adaptive,
-    velocity: float,
-    duration: float,
-    gap: float,
-    energies: bool,
-) -> Result:
-    modes = relative(bodies[0].star, bodies[1].star, gap)
-    track = adaptive_run(modes, law, rtol=rule.rtol, velocity=velocity, duration=duration)
-    error = rule.rtol
-    if len(track.events.contacts) > _CONTACTS_TRUSTED and rule.rtol > 10.0 * TIGHTEST:
-        # Errors grow from contact to contact, in a chattering scene without bound: look how far.
-        first, tighter = track, 0.1 * rule.rtol
-        track = adaptive_run(modes, law, rtol=tighter, velocity=velocity, duration=duration)
-        error = max(error, _difference(first.events, track.events))
-        if error > rule.rtol:
-            warn(
-                f"rtol={rule.rtol:g} is not kept over {len(track.events.contacts)} contacts, each "
-                f"of which enlarges the errors before: with rtol={tighter:g} the run differs "
-                f"by {error:.2g}; take a smaller rtol, or trust the first contacts only"
-            )
-    coordinates, rates = modes.coordinates(track.x), modes.coordinates(track.v)
-    projectile, target = (
-        BodyInfo(body.label, body.mass, body.held, coordinates[i], rates[i])
-        for i, body in enumerate(bodies)
-    )
-    seen = _Sampled(
-        track, (projectile, target), bodies[0].unseen, rule.rtol, error, velocity, energies
-    )
-    result = seen(track.times)
-    _warn(result, None)
-    return result
-
-
-def _difference(one: Events, other: Events) -> float:
-    """Relative difference of peak force and impulse; 1 where the number of contacts differs."""
-    if len(one.contacts) != len(other.contacts):
-        return 1.0
-    return max(abs(one.peak_force / other.peak_force - 1.0), abs(one.impulse / other.impulse - 1.0))
-
-
-def _energy_range(rows: FloatArray) -> float | None:
-    """Range of the total energy relative to the initial one; None where a wall brings it all."""
-    total = rows[2] + rows[7] + rows[8] + rows[13] + rows[14]
-    return float(np.ptp(total) / total[0]) if total[0] > 0.0 else None
-
-
-def _add_unseen(rows: FloatArray, t: FloatArray, unseen: tuple[float, float], speed: float) -> None:
-    """What a star leaves out moves on with the initial velocity, untouched (a target's is zero)."""
-    share, mass = unseen
-    rows[5] += share * speed * t
-    rows[6] += share * speed
-    rows[7] += 0.5 * mass * speed**2
-
-
-class _Run:
-    """One impact, to be run with different steps."""
-
-    def __init__(
-        self,
-        bodies: tuple[Player, Player],
-        law: ContactLaw,
-        velocity: float,
-        rule: Newmark,
-        duration: float,
-        gap: float,
-        energies: bool,
-    ) -> None:
-        self.bodies, self.law, self.velocity, self.rule = bodies, law, velocity, rule
-        self.duration, self.gap, self.energies = duration, gap, energies
-
-    def once(self, dt: float, *, energies: bool) -> Record:
-        return newmark_run(
-            *self.bodies,
-            self.law,
-            rule=self.rule,
-            dt=dt,
-            duration=self.duration,
-            gap=self.gap,
-            energies=energies,
-        )
-
-    def with_step(self, dt: float) -> tuple[Record, float | None]:
-        """Run with a given step, and with twice that step for the error estimate."""
-        record = self.once(dt, energies=self.energies)
-        if not self.rule.estimate:
-            return record, None
-        return record, step_error(record, self.once(2.0 * dt, energies=False))
-
-    def with_tolerance(self) -> tuple[Record, float]:
-        """Halve the step until two successive ones agree."""
-        dt = self.first_step()
-        coarse = self.once(dt, energies=False)
-        for _ in range(16):
-            dt *= 0.5
-            fine = self.once(dt, energies=self.energies)
-            error = step_error(fine, coarse)
-            if error <= self.rule.rtol:
-                return fine, error
-            coarse = fine
-        raise ConvergenceError(
-            f"Newmark: with dt={dt:.3g} s the estimated error of the peak force is still "
-            f"{error:.2g}, above rtol={self.rule.rtol:g}; give dt, or a larger rtol"
-        )
-
-    def first_step(self) -> float:
-        """A hundredth of the contact time that rigid bodies would have."""
-        inverse = sum(1.0 / body.static_mass for body in self.bodies)
-        time = rigid_contact_time(self.law, 1.0 / inverse, abs(self.velocity))
-        return min(time / _FIRST_STEPS, self.duration / 20.0)
-
-
-def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
-    """Estimate how long a contact of a rigid `mass`, kg, at `velocity`, m/s, lasts, s.
-
-    Three times the largest indentation over the velocity: 2.94 for Hertz, π for a linear law.
-    """
-    energy = 0.5 * mass * velocity**2
-
-    def excess(log_indentation: float) -> float:
-        return math.log(max(law.potential(math.exp(log_indentation)), 1e-300) / energy)
-
-    low, high = -70.0, 10.0
-    if not excess(low) < 0.0 < excess(high):
-        raise InputError(
-            f"law={law!r} with velocity={velocity:g} m/s: no contact time can be estimated; give dt"
-        )
-    return 3.0 * math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-6)) / velocity
-
-
-def step_error(fine: Record, coarse: Record) -> float:
-    """Richardson's estimate of the relative error of the peak force from steps dt and 2dt.
-
-    A third of the largest change of the force around its peak, not only of the peak itself: where
-    light masses ring, two peaks may agree by chance. Where the change is more than a fifth, second
-    order is not in sight, and no digit is claimed.
-    """
-    shared = min(len(coarse.t), (len(fine.t) + 1) // 2)
-    ours, theirs = fine.rows[0][: 2 * shared : 2], coarse.rows[0][:shared]
-    (peak, _), (coarse_peak, _) = find_peak(fine.t, fine.rows[0]), find_peak(coarse.t, theirs)
-    largest = max(peak, coarse_peak)
-    if largest == 0.0:
-        return 0.0
-    around = np.maximum(ours, theirs) >= _AROUND_PEAK * largest
-    change = float(np.abs(ours - theirs)[around].max(initial=abs(peak - coarse_peak))) / largest
-    return change / 3.0 if change <= _NOT_ASYMPTOTIC else 1.0
-
-
-def _finish(run: _Run, record: Record, error: float | None) -> Result:
-    rows, speed = record.rows, run.velocity
-    _add_unseen(rows, record.t, run.bodies[0].unseen, speed)
-    infos = [
-        BodyInfo(body.label, body.mass, body.held, *final)
-        for body, final in zip(run.bodies, record.final, strict=True)
-    ]
-    result = result_from_record(
-        t=record.t,
-        record=rows,
-        projectile=infos[0],
-        target=infos[1],
-        law=run.law,
-        velocity=speed,
-        gap=run.gap,
-        solver=f"Newmark(dt={record.dt:.6g}, beta={run.rule.beta:g}, gamma={run.rule.gamma:g})",
-        error=ErrorEstimate(time=error, energy=_energy_range(rows) if run.energies else None),
-        energies=run.energies,
-    )
-    _warn(result, record.dt)
-    return result
-
-
-def _warn(result: Result, dt: float | None) -> None:
-    if result.in_contact_at_end:
-        warn(
-            f"the record of {result.t[-1]:.4g} s ends in contact: rebound, impulse and the last "
-            "contact's end are those so far; take a longer duration"
-        )
-    if dt is not None and result.error.time == 1.0:
-        warn(
-            f"dt={dt:g} s is far too large: with 2dt the peak force changes by more than a fifth; "
-            "take a smaller dt"
-        )
+    try:
+        if isinstance(solver, Adaptive):
+            return solve_adaptive(plan, solver)
+        return solve_newmark(plan, solver)
+    except LawLimitError as error:
+        joint = next(joint for joint in plan.joints if joint.patched)
+        masses = (plan.players[body].static_mass for body in (joint.first, joint.second))
+        mass = 1.0 / sum(1.0 / mass for mass in masses)
+        raise wide_enough(error, joint.law, joint.ends, mass, plan.fastest) from None

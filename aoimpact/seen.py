@@ -5,12 +5,26 @@ They are drawn from a result and are also its methods; this protocol keeps the i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 from .events import FloatArray
-from .motion import BodyResult, Energy, ErrorEstimate
+from .motion import BodyResult, ContactResult, Energy, ErrorEstimate
 
-__all__ = ["Seen"]
+__all__ = ["Seen", "SeenRun"]
+
+
+class SeenRun(Protocol):
+    """The readable side of `Run`."""
+
+    @property
+    def t(self) -> FloatArray: ...
+    @property
+    def contacts(self) -> Sequence[ContactResult]: ...
+    @property
+    def bodies(self) -> Sequence[BodyResult]: ...
+    @property
+    def energy(self) -> Energy: ...
 
 
 class Seen(Protocol):

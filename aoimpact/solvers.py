@@ -1,114 +1,251 @@
-"""Sparse direct solution of symmetric positive definite systems."""
+"""Linear solvers of K + s²M behind one interface: chosen by size and by what is installed.
+
+Whichever solves, it is the residual that vouches for the answer.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
-from . import _core
-from .errors import SingularError
+from . import pardiso
+from .checks import choice
+from .errors import ConvergenceError, InputTypeError
+from .fill import factor_entries
+from .memory import available, require
+from .multigrid import BYTES_PER_ENTRY, Multigrid
+from .pencil import Pencil
+from .superlu import factorize
 
-__all__ = ["CHECKED_DOFS", "Factorization", "factorize"]
+__all__ = [
+    "SOLVERS",
+    "LinearSolver",
+    "Pencil",
+    "Solver",
+    "SolverBook",
+    "checked_solver",
+    "linear_solver",
+]
 
 FloatArray = npt.NDArray[np.float64]
+Inverse = Callable[[FloatArray], FloatArray]
 
-# 1/condition below which a factorised matrix is taken for singular: the rounding of its entries
-# alone could have made it so.
-_SINGULAR = 2e-15
+# What `solver=` may be: a name, or a function that takes the sparse matrix K + s²M and returns one
+# that takes f and returns (K + s²M)⁻¹ f, as scipy.sparse.linalg.factorized does.
+Solver = str | Callable[[Any], Inverse]
 
-# Up to here the signs of the pivots are looked at; SciPy copies all factors to show them.
-CHECKED_DOFS = 10_000
+SOLVERS = ("auto", "superlu", "pardiso", "multigrid")
+
+# ‖f - A x‖ / ‖f‖ that is asked for where rounding allows it, and how often a solution is refined.
+_TOLERANCE = 1e-10
+_REFINEMENTS = 5
+
+# ‖f - A x‖ / (max A_ii ‖x‖) that no solver can be asked to beat: some hundred roundings.
+_ROUNDING = 2e-14
+
+# Entries of the factors up to which SuperLU, always at hand, takes less than a second.
+_SUPERLU_QUICK = 2e7
+
+# Bytes per entry: SuperLU holds L and U with an index each, PARDISO values by supernodes. The rest
+# is what the factorisation works in, measured as part of the whole.
+_BYTES = {"superlu": 16.0, "pardiso": 10.0}
+
+# Seconds, to compare and nothing more: of a factorisation per entries²/dofs, of a solution per
+# entry; of ten solutions by multigrid with its set-up per dof, and without nodes.
+_FACTOR, _SWEEP = 6e-11, 2e-9
+_MULTIGRID, _WITHOUT_NODES = 5e-5, 1e-3
+
+# Solutions that a factorisation serves: those of a model of some oscillators.
+_SOLUTIONS = 10
 
 
-@dataclass(frozen=True)
-class Factorization:
-    """Factors of a sparse symmetric positive definite matrix.
+@dataclass(frozen=True, eq=False)
+class LinearSolver:
+    """(K + s²M)⁻¹, by whatever method, with its residual checked at every solution.
 
     Attributes
     ----------
-    matrix : scipy.sparse.csc_matrix, shape (n, n)
-        What was factorised.
+    name : str
+        "superlu", "pardiso", or the name of the user's own function.
+    pencil : Pencil
+    tolerance : float
+        ‖f - (K + s²M) x‖ / ‖f‖ of every solution, unless rounding alone makes more.
+    precondition : callable or None
+        About (K + s²M)⁻¹, symmetric and much cheaper, where the solver has such a thing.
     """
 
-    matrix: Any
-    _lu: Any
+    name: str
+    pencil: Pencil
+    _inverse: Inverse
+    tolerance: float = _TOLERANCE
+    precondition: Inverse | None = None
+
+    @property
+    def s2(self) -> float:
+        """The shift s², (rad/s)²."""
+        return self.pencil.s2
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
-        solution: FloatArray = self._lu.solve(rhs)
-        return solution
+        """Return x with (K + s²M) x = `rhs`; `rhs` of shape (n,) or (n, m).
 
-    def negative_pivots(self) -> int:
-        """Return how many eigenvalues are negative: as many as pivots are (Sylvester's law)."""
-        return int(np.count_nonzero(self._lu.U.diagonal() <= 0.0))
+        Raises
+        ------
+        ConvergenceError
+            If the residual stays above the tolerance after refinement, or x is not finite.
+        """
+        x, before = self._answer(rhs), np.inf
+        for _ in range(_REFINEMENTS + 1):
+            residual = rhs - self.pencil.product(x)
+            excess = self._excess(residual, rhs, x)
+            if excess <= 1.0:
+                return x
+            if not excess < 0.5 * before:
+                break
+            before = excess
+            x = x + self._answer(residual)
+        raise ConvergenceError(
+            f"solver {self.name!r} leaves {excess:.2g} times the residual allowed "
+            f"({self.tolerance:g} of the right-hand side) for {self.pencil.what} of "
+            f"{self.pencil.n} dofs: the matrix is singular or nearly so (a mechanism, missing "
+            "supports), or this solver fails on it; take another one by solver="
+        )
 
-    def for_core(self) -> tuple[Any, ...]:
-        """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
-        place = self._lu.perm_r.astype(np.int32)
-        if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
-            raise SingularError("the matrix needed pivoting, so it is not positive definite")
-        lower = sp.tril(self._lu.L, k=-1, format="csc")
-        lower.sort_indices()
-        pivots = np.ascontiguousarray(self._lu.U.diagonal())
-        start, rows = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
-        panel = np.empty(len(start), dtype=np.int32)
-        count = _core.factors_find_panels(start, rows, panel)
-        return start, rows, np.ascontiguousarray(lower.data), pivots, place, panel[: count + 1]
+    def _excess(self, residual: FloatArray, rhs: FloatArray, x: FloatArray) -> float:
+        """The largest residual of all columns, over what is allowed; nan where x is too large."""
+        rounding = _ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
+        allowed = np.maximum(self.tolerance * np.linalg.norm(rhs, axis=0), rounding)
+        size = np.linalg.norm(residual, axis=0)
+        return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
+
+    def _answer(self, rhs: FloatArray) -> FloatArray:
+        answer = np.asarray(self._inverse(rhs))
+        if answer.shape != rhs.shape or answer.dtype.kind != "f":
+            raise InputTypeError(
+                f"solver {self.name!r} must return a real array of shape {rhs.shape}, as its "
+                f"right-hand side has, got {answer.dtype} {answer.shape}"
+            )
+        if not np.isfinite(answer).all():
+            raise ConvergenceError(
+                f"solver {self.name!r} returned nan or infinity for {self.pencil.what} "
+                f"({self.pencil.n} dofs); take another one by solver="
+            )
+        return answer
 
 
-def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:
-    """Factorise a sparse symmetric positive definite matrix with SuperLU.
+@dataclass(eq=False)
+class SolverBook:
+    """Solvers of one body as they are needed: the last one is kept, and what they were is noted.
 
-    Without pivoting and ordered by minimum degree of A + Aᵀ, SuperLU computes L D Lᵀ (as L U).
+    Attributes
+    ----------
+    make : callable
+        s² ↦ LinearSolver, e.g. `FEModel.inverse`.
+    name : str
+        The solver that was used; empty as long as none was.
+    """
+
+    make: Callable[[float], LinearSolver]
+    name: str = ""
+    _last: LinearSolver | None = None
+
+    def __call__(self, s2: float) -> LinearSolver:
+        """Return the solver of K + s²M; not set up again if it was the last one asked for."""
+        if self._last is None or self._last.s2 != s2:
+            self._last = None  # its memory is free before the next one is made
+            self._last = self.make(s2)
+            self.name = self._last.name
+        return self._last
+
+
+def checked_solver(solver: Solver) -> Solver:
+    """Refuse what is neither the name of a solver nor a function, before any work is done."""
+    return solver if callable(solver) else choice("solver", solver, SOLVERS)
+
+
+def linear_solver(pencil: Pencil, solver: Solver = "auto") -> LinearSolver:
+    """Set up the solution of (K + s²M) x = f.
 
     Parameters
     ----------
-    matrix : scipy.sparse matrix, shape (n, n)
-    what : str
-        Its name in error messages.
+    pencil : Pencil
+    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        "superlu" comes with SciPy; "pardiso", with ``pip install aoimpact[direct]``, is several
+        times faster and takes half the memory; "multigrid" goes on where factors grow too large,
+        at its best with the mesh, well with nodes, slowly without. "auto" takes what will be
+        quickest and fits into memory. A callable gets K + s²M (`scipy.sparse.csc_array`) and
+        returns a callable that solves for a right-hand side (n,), e.g.
+        ``scipy.sparse.linalg.factorized``.
 
     Raises
     ------
     SingularError
-        If the matrix is singular to rounding, or (up to 10 000 dofs) has negative eigenvalues.
+        If the matrix is singular to rounding or not positive definite.
+    MemoryLimitError
+        If there is not enough memory, by an estimate; nothing is computed then.
+    InputError, InputTypeError
+        If the name is unknown, its package not installed, or the callable does not return one.
     """
-    csc = sp.csc_matrix(matrix)
-    try:
-        lu = spla.splu(
-            csc,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
+    if callable(solver):
+        return _users_own(pencil, solver)
+    name = str(checked_solver(solver))
+    needs = _needs(pencil)
+    if name == "auto":
+        name = _quickest(pencil, needs)
+    require(needs[name], f"solver {name!r} of {pencil.what} ({pencil.n} dofs)", _cure(name, needs))
+    if name == "multigrid":
+        # Half of it, since the residual in its own right comes out slightly larger.
+        multigrid = Multigrid(pencil, 0.5 * _TOLERANCE)
+        return LinearSolver(name, pencil, multigrid.solve, precondition=multigrid.precondition)
+    if name == "pardiso":
+        return LinearSolver(name, pencil, pardiso.inverse(pencil.matrix(), pencil.what))
+    return LinearSolver(name, pencil, factorize(pencil.matrix(), what=pencil.what).solve)
+
+
+def _needs(pencil: Pencil) -> dict[str, float]:
+    """Bytes that each solver would need beside K and M."""
+    needs = {name: _BYTES[name] * factor_entries(pencil.K, name) for name in _BYTES}
+    return needs | {"multigrid": BYTES_PER_ENTRY * float(pencil.K.nnz)}
+
+
+def _quickest(pencil: Pencil, needs: dict[str, float]) -> str:
+    """The solver that will be quickest of those that there are and that fit into memory."""
+    entries = {name: needs[name] / _BYTES[name] for name in _BYTES}
+    if entries["superlu"] <= _SUPERLU_QUICK:
+        return "superlu"
+    seconds = {
+        name: _FACTOR * count**2 / pencil.n + _SOLUTIONS * _SWEEP * count
+        for name, count in entries.items()
+    }
+    seconds["multigrid"] = (_WITHOUT_NODES if pencil.nodes is None else _MULTIGRID) * pencil.n
+    if not pardiso.is_installed():
+        del seconds["pardiso"]
+    free = available()
+    fitting = [name for name in seconds if needs[name] <= free] or ["multigrid"]
+    return min(fitting, key=seconds.__getitem__)
+
+
+def _cure(name: str, needs: dict[str, float]) -> str:
+    if name != "multigrid":
+        return f"solver='multigrid' takes {needs['multigrid'] / 2.0**30:.2g} GiB"
+    return "take a coarser mesh, free memory, or give a solver of your own by solver="
+
+
+def _users_own(pencil: Pencil, solver: Callable[[Any], Inverse]) -> LinearSolver:
+    name = getattr(solver, "__name__", type(solver).__name__)
+    inverse = solver(pencil.matrix().T)  # of a symmetric CSR matrix that is the CSC one, no copy
+    if not callable(inverse):
+        raise InputTypeError(
+            f"solver {name!r} must return a function that takes a right-hand side and returns the "
+            f"solution, got {inverse!r}"
         )
-    except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
-        raise SingularError(f"{what} is singular ({error})") from None
-    factors = Factorization(csc, lu)
-    if not _reciprocal_condition(factors) > _SINGULAR:
-        raise SingularError(f"{what} is singular to rounding")
-    if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
-        raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")
-    return factors
 
+    def by_columns(rhs: FloatArray) -> FloatArray:
+        if rhs.ndim == 1:
+            return inverse(rhs)
+        return np.column_stack([inverse(column) for column in rhs.T])
 
-def _reciprocal_condition(factors: Factorization) -> float:
-    """Estimate λ_min / λ_max by three inverse iterations and the largest row sum."""
-    n = factors.matrix.shape[0]
-    scale = np.sqrt(np.abs(factors.matrix.diagonal()))
-    if not (scale > 0.0).all():
-        return 0.0
-    # Scaled by its diagonal, so that elements of very different size do not count as singular.
-    x = np.random.default_rng(0).standard_normal(n)
-    inverse = 0.0
-    for _ in range(3):
-        x /= np.linalg.norm(x)
-        x = scale * factors.solve(scale * x)
-        inverse = float(np.linalg.norm(x))
-        if not np.isfinite(inverse):
-            return 0.0
-    row_sums = abs(factors.matrix) @ (1.0 / scale) / scale
-    return 1.0 / (inverse * float(row_sums.max()))
+    return LinearSolver(name, pencil, by_columns)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,9 @@ import numpy.typing as npt
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
+from .davidson import davidson
 from .errors import ConvergenceError
-from .solvers import Factorization, factorize
+from .solvers import LinearSolver, Pencil, linear_solver
 
 __all__ = ["DENSE_DOFS", "EQUAL", "lowest", "lowest_sparse", "null_space", "shifted"]
 
@@ -29,16 +29,15 @@ EQUAL = 1e-9
 _RIGID = 1e-12
 
 
-@dataclass(frozen=True)
-class Shifted:
-    """K + s²M and its factors; `s2` in (rad/s)²."""
-
-    factors: Factorization
-    s2: float
-
-
-def shifted(K: Any, M: Any, *, rigid: FloatArray | None = None) -> Shifted:
-    """Factorise K + s²M with s² beside the lowest elastic eigenvalue.
+def shifted(
+    K: Any,
+    M: Any,
+    *,
+    rigid: FloatArray | None = None,
+    invert: Callable[[float], LinearSolver] | None = None,
+    first: LinearSolver | None = None,
+) -> LinearSolver:
+    """Return the solver of K + s²M with s² beside the lowest elastic eigenvalue.
 
     A free K has no factors; K + s²M always has. s² far below the first elastic eigenvalue costs
     digits, far above it iterations, so it is put right once the eigenvalue is known roughly.
@@ -48,24 +47,33 @@ def shifted(K: Any, M: Any, *, rigid: FloatArray | None = None) -> Shifted:
     K, M : scipy.sparse matrices, shape (n, n)
     rigid : ndarray, shape (n, r), optional
         M-orthonormal basis of the null space of K; without it s² stays at its first guess.
+    invert : callable, optional
+        s² ↦ the solver of K + s²M, such as `FEModel.inverse`, which knows more of the body.
+    first : LinearSolver, optional
+        That of the first guess of s², if it is there already.
     """
-    s2 = 1e-4 * float(K.diagonal().sum() / M.diagonal().sum())
-    for _ in range(4):
-        current = Shifted(factorize(K + s2 * M, what="K + s²M"), s2)
-        if rigid is None:
-            return current
-        first = _first_elastic(K, M, current, rigid)
-        if 1e-3 * s2 <= first <= 1e5 * s2:
-            return current
-        s2 = first
+    solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
+    current = first or solver_at(_first_shift(K, M))
+    if rigid is None:
+        return current
+    for _ in range(3):
+        elastic = _first_elastic(K, M, current, rigid)
+        if 1e-3 * current.s2 <= elastic <= 1e5 * current.s2:
+            break
+        current = solver_at(elastic)
     return current
 
 
-def _first_elastic(K: Any, M: Any, current: Shifted, rigid: FloatArray) -> float:
+def _first_shift(K: Any, M: Any) -> float:
+    """A guess of s² that makes K + s²M definite and leaves K its say, (rad/s)²."""
+    return 1e-4 * float(K.diagonal().sum() / M.diagonal().sum())
+
+
+def _first_elastic(K: Any, M: Any, current: LinearSolver, rigid: FloatArray) -> float:
     """An upper bound of the first elastic ω² that is right in its order of magnitude."""
     x = np.random.default_rng(1).standard_normal(K.shape[0])
     for _ in range(4):
-        x = current.factors.solve(M @ x)
+        x = current.solve(M @ x)
         x -= rigid @ (rigid.T @ (M @ x))
         x /= np.sqrt(x @ (M @ x))
     return float(x @ (K @ x))
@@ -93,15 +101,20 @@ def _without_strain(K: Any, M: Any, modes: FloatArray) -> FloatArray:
     if modes.shape[1]:
         # Each pass leaves s²/(ω² + s²) of the strain, so s² lies far below any elastic ω².
         s2 = 1e-10 * float(K.diagonal().sum() / M.diagonal().sum())
-        factors = factorize(K + s2 * M, what="K + s²M")
+        near_k = linear_solver(Pencil(K, M, s2))
         for _ in range(3):
-            modes = modes - factors.solve(K @ modes)
+            modes = modes - near_k.solve(K @ modes)
         modes = la.solve_triangular(la.cholesky(modes.T @ (M @ modes)), modes.T, trans="T").T
     return np.ascontiguousarray(modes)
 
 
 def lowest(
-    K: Any, M: Any, n: int, *, known: FloatArray | None = None
+    K: Any,
+    M: Any,
+    n: int,
+    *,
+    known: FloatArray | None = None,
+    invert: Callable[[float], LinearSolver] | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the `n` lowest eigenpairs, none missed.
 
@@ -113,6 +126,8 @@ def lowest(
         How many, 1 … dofs.
     known : ndarray, shape (dofs, r), optional
         M-orthonormal basis of the null space of K; its modes come first, with ω² exactly 0.
+    invert : callable, optional
+        s² ↦ the solver of K + s²M, such as `FEModel.inverse`.
 
     Returns
     -------
@@ -131,8 +146,13 @@ def lowest(
         omega2[:count] = 0.0
         modes[:, :count] = rigid
         return np.maximum(omega2, 0.0), modes
-    base = shifted(K, M, rigid=known)
-    omega2, modes = lowest_sparse(M, base.factors.solve, base.s2, n - count, away_from=rigid)
+    solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
+    near = solver_at(_first_shift(K, M))
+    if near.precondition is not None and known is not None:
+        omega2, modes = davidson(K, M, near.precondition, n - count, away_from=rigid)
+    else:
+        base = shifted(K, M, rigid=known, invert=solver_at, first=near)
+        omega2, modes = lowest_sparse(M, base.solve, base.s2, n - count, away_from=rigid)
     return (
         np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
         np.column_stack([rigid, modes])[:, :n],

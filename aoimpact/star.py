@@ -11,7 +11,9 @@ import numpy.typing as npt
 
 from . import _core
 from .checks import finite_array, integer, nonnegative, positive
+from .damping import Damping, damping_or_none
 from .errors import InputError, SingularError
+from .patch import Patch
 
 __all__ = ["AOModel", "Origin", "rigid"]
 
@@ -37,6 +39,8 @@ class Origin:
         Of the whole body, kg; more than the static mass where part of it never feels the contact.
     translates : bool
         Whether the body is free to translate along the direction of travel.
+    solver : str
+        The linear solver that the model was made with; empty where dense matrices served.
     """
 
     label: str
@@ -46,6 +50,7 @@ class Origin:
     centre: FloatArray
     mass: float
     translates: bool
+    solver: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,6 +68,8 @@ class AOModel:
         Masses, kg, eq. (9), and stiffnesses, N/m, eq. (12), of the anti-oscillators, all positive.
     origin : Origin, optional
         The body that the numbers came from; set by `antioscillators` and `modal`.
+    damping : Rayleigh or ModalDamping, optional
+        Of the star's natural modes.
 
     Raises
     ------
@@ -75,11 +82,13 @@ class AOModel:
     m: FloatArray = field(default_factory=lambda: np.zeros(0))
     k: FloatArray = field(default_factory=lambda: np.zeros(0))
     origin: Origin | None = field(default=None, repr=False)
+    damping: Damping | None = None
 
     def __post_init__(self) -> None:
         set_field = object.__setattr__
         set_field(self, "m0", nonnegative("m0", self.m0, unit="kg", infinite=True))
         set_field(self, "k0", nonnegative("k0", self.k0, unit="N/m"))
+        set_field(self, "damping", damping_or_none(self.damping))
         for name, unit in (("m", "kg"), ("k", "N/m")):
             values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
             if (values <= 0.0).any():
@@ -136,6 +145,12 @@ class AOModel:
         return self.static_mass if self.origin is None else self.origin.mass
 
     @property
+    def patch(self) -> Patch | None:
+        """The patch over which the body is touched; None for a node, or a star given by numbers."""
+        found: Patch | None = None if self.origin is None else self.origin.tip.patch
+        return found
+
+    @property
     def mass_fractions(self) -> FloatArray:
         """m_i / m_st, shape (n,)."""
         return self.m / self.static_mass
@@ -178,14 +193,27 @@ class AOModel:
             return np.ones(1)
         if self.origin is None:
             return np.concatenate([[self.m0], self.m]) / self.static_mass
-        of_oscillators = self.origin.centre @ self.origin.shapes
-        of_contact = self.origin.centre @ self.origin.static_mode - of_oscillators.sum()
+        return self.weights(self.origin.centre)
+
+    def weights(self, functional: FloatArray) -> FloatArray:
+        """Return w, shape (n+1,), with functionalᵀX = w λ: a place's share in the coordinates.
+
+        Parameters
+        ----------
+        functional : ndarray, shape (n_dofs,)
+        """
+        if self.origin is None:
+            raise InputError("weights: this model was given by numbers and has no body")
+        of_oscillators = functional @ self.origin.shapes
+        of_contact = functional @ self.origin.static_mode - of_oscillators.sum()
         return np.concatenate([[of_contact], of_oscillators])
 
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return displacement over force at the contact coordinate.
 
-        1/(k0 - ω² m0 - Σ m_i ω² ω_i²/(ω_i² - ω²)): infinite at a resonance, 0 at an antiresonance.
+        Without damping 1/(k0 - ω² m0 - Σ m_i ω² ω_i²/(ω_i² - ω²)): infinite at a resonance, 0 at an
+        antiresonance. With damping Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, and what
+        compliance a massless contact leaves.
 
         Parameters
         ----------
@@ -195,12 +223,24 @@ class AOModel:
         Returns
         -------
         float or ndarray
-            m/N, of the shape of `omega`; real, since there is no damping.
+            m/N, of the shape of `omega`; complex where there is damping, real without.
         """
         frequency = finite_array("omega", omega, unit="rad/s")
+        if self.damping is not None and not math.isinf(self.m0):
+            return self._damped_receptance(self.damping, frequency)
         result = np.empty(frequency.shape)
         _core.star_receptance(self.m0, self.k0, self.m, self.k, frequency, result)
         return result if result.ndim else float(result)
+
+    def _damped_receptance(self, damping: Damping, frequency: FloatArray) -> Any:
+        omega2, participation = self.to_modal()
+        omega = np.sqrt(omega2)
+        residual = 0.0 if self.m0 > 0.0 else 1.0 / (self.k0 + math.fsum(self.k))
+        real, imaginary = np.empty(frequency.shape), np.empty(frequency.shape)
+        weight, decay = participation**2, damping.decay(omega)
+        _core.modal_receptance(omega, decay, weight, residual, frequency, real, imaginary)
+        result = real + 1j * imaginary
+        return result if result.ndim else complex(result)
 
     def truncated(self, n: int) -> AOModel:
         """Return the model of the first `n` oscillators; the others' mass joins m0, eq. (10)."""
@@ -215,6 +255,7 @@ class AOModel:
             m=self.m[:kept],
             k=self.k[:kept],
             origin=origin,
+            damping=self.damping,
         )
 
     def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
@@ -282,7 +323,7 @@ def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, 
     return np.add.reduceat(m, starts), np.add.reduceat(k, starts)
 
 
-def rigid(*, mass: float) -> AOModel:
+def rigid(mass: float) -> AOModel:
     """Return a rigid mass: an anti-oscillator model without oscillators.
 
     Parameters

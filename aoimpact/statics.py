@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,12 +10,19 @@ import numpy.typing as npt
 import scipy.linalg as la
 
 from . import _core
-from .contact import ContactPoint
+from .contact import Body, ContactPoint
 from .errors import ConvergenceError, InputTypeError, SingularError
-from .solvers import factorize
+from .solvers import LinearSolver
 from .star import Origin
 
-__all__ = ["StaticMode", "moves_rigidly", "origin_of", "static_mode", "translates"]
+__all__ = [
+    "StaticMode",
+    "elastic_compliance",
+    "moves_rigidly",
+    "origin_of",
+    "static_mode",
+    "translates",
+]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -44,8 +52,16 @@ class StaticMode:
     silent: FloatArray
 
 
-def static_mode(tip: ContactPoint) -> StaticMode:
+def static_mode(
+    tip: ContactPoint, *, invert: Callable[[float], LinearSolver] | None = None
+) -> StaticMode:
     """Return the static mode; for a body that b can move rigidly, that rigid motion.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    invert : callable, optional
+        s² ↦ the solver of K + s²M of its body; `FEModel.inverse` if left out.
 
     Raises
     ------
@@ -61,7 +77,7 @@ def static_mode(tip: ContactPoint) -> StaticMode:
         mass = _core.static_free(np.ascontiguousarray(rigid.T), b, phi)
         across = la.qr(reach[:, None])[0][:, 1:]
         return StaticMode(phi, 0.0, tip.body.M @ phi, mass, rigid @ across)
-    phi = np.ascontiguousarray(_static_displacement(tip, rigid))
+    phi = np.ascontiguousarray(_displacement(tip.body, b, invert or tip.body.inverse))
     k0 = _core.static_held(b, phi)
     m_phi = tip.body.M @ phi
     return StaticMode(phi, k0, m_phi, float(phi @ m_phi), rigid)
@@ -74,12 +90,29 @@ def moves_rigidly(tip: ContactPoint) -> bool:
     return reach > 1e-10 * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
 
 
-def _static_displacement(tip: ContactPoint, rigid: FloatArray) -> FloatArray:
+def elastic_compliance(
+    tip: ContactPoint, *, invert: Callable[[float], LinearSolver] | None = None
+) -> float:
+    """Return how far the contact gives way to a steady unit force, rigid motion not counted, m/N.
+
+    A free body accelerates as a whole under the force; in that motion its inertia holds it.
+
+    Parameters
+    ----------
+    invert : callable, optional
+        As for `static_mode`.
+    """
+    rigid, M, b = tip.body.rigid_modes, tip.body.M, tip.b
+    load = b - M @ (rigid @ (rigid.T @ b))
+    return float(load @ _displacement(tip.body, load, invert or tip.body.inverse))
+
+
+def _displacement(body: Body, b: FloatArray, invert: Callable[[float], LinearSolver]) -> FloatArray:
     """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them."""
-    K, M, b = tip.body.K, tip.body.M, tip.b
+    K, M, rigid = body.K, body.M, body.rigid_modes
     if rigid.shape[1] == 0:
         try:
-            return factorize(K, what="the stiffness matrix").solve(b)
+            return invert(0.0).solve(b)
         except SingularError as error:
             raise SingularError(
                 f"{error}, though the body has no rigid motion left: part of it is a mechanism "
@@ -87,10 +120,10 @@ def _static_displacement(tip: ContactPoint, rigid: FloatArray) -> FloatArray:
             ) from None
     # Each pass leaves s²/(ω₁² + s²) of the error, so s² lies far below any elastic ω².
     s2 = 1e-9 * float(K.diagonal().sum() / M.diagonal().sum())
-    factors = factorize(K + s2 * M, what="K + s²M")
+    near_k = invert(s2)
     x, before = np.zeros_like(b), np.inf
     for _ in range(200):
-        change = factors.solve(b - K @ x)
+        change = near_k.solve(b - K @ x)
         change -= rigid @ (rigid.T @ (M @ change))
         x += change
         size = float(np.linalg.norm(change) / np.linalg.norm(x))
@@ -103,13 +136,15 @@ def _static_displacement(tip: ContactPoint, rigid: FloatArray) -> FloatArray:
     )
 
 
-def origin_of(tip: ContactPoint, static: StaticMode, shapes: FloatArray, label: str) -> Origin:
+def origin_of(
+    tip: ContactPoint, static: StaticMode, shapes: FloatArray, label: str, *, solver: str = ""
+) -> Origin:
     """Return what a star made from a body keeps of it."""
     centre, mass = static.m_phi / static.mass, static.mass
     if tip.direction is not None and tip.body.mass is not None:
         # Without nodes the mean over the static mode has to stand for the centre of mass.
         centre, mass = tip.body.com_functional(tip.direction), tip.body.mass
-    return Origin(label, tip, static.phi, shapes, centre, mass, translates(tip))
+    return Origin(label, tip, static.phi, shapes, centre, mass, translates(tip), solver)
 
 
 def translates(tip: ContactPoint) -> bool:

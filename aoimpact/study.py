@@ -15,7 +15,8 @@ from .laws import ContactLaw
 from .newmark import Newmark
 from .players import Player, StarPlayer, player
 from .result import Result
-from .scene import rigid_contact_time, simulate
+from .simulate import simulate
+from .solve_newmark import rigid_contact_time
 from .study_scipy import METHODS, OdeScene, Outcome, ode_scene
 from .study_table import Measurement, Reference, WorkPrecision
 from .units import quantity
@@ -99,7 +100,7 @@ def work_precision(
     ode = None
     if names:
         ode = ode_scene(
-            (bodies[0].star, bodies[1].star),
+            (bodies[0].model, bodies[1].model),
             law,
             velocity=velocity,
             duration=duration,
@@ -121,7 +122,7 @@ def work_precision(
 _Run = tuple[str, str, Callable[[], Outcome]]
 
 
-def _star_player(name: str, body: Any, velocity: float) -> Player:
+def _star_player(name: str, body: Any, velocity: float) -> StarPlayer:
     made = player(name, body, velocity)
     if not isinstance(made, StarPlayer):
         raise InputTypeError(

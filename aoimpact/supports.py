@@ -11,7 +11,7 @@ import numpy.typing as npt
 from .checks import nearest, node_ids
 from .errors import InputError, InputTypeError
 
-__all__ = ["Support", "free_dofs"]
+__all__ = ["Support", "free_dofs", "selected_nodes"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -43,7 +43,7 @@ def free_dofs(
     for i, entry in enumerate(_entries(fixed)):
         selector, letters = entry
         components = _components(f"fixed[{i}]", letters)
-        selected = _selected(f"fixed[{i}]", selector, nodes, node_sets)
+        selected = selected_nodes(f"fixed[{i}]", selector, nodes, node_sets)
         for component in components:
             held[selected, component] = True
     if held.all():
@@ -71,9 +71,31 @@ def _components(name: str, letters: Any) -> list[int]:
     return sorted({"xyz".index(letter) for letter in letters})
 
 
-def _selected(
+def selected_nodes(
     name: str, selector: Any, nodes: FloatArray, node_sets: Mapping[str, IntArray]
 ) -> IntArray:
+    """Return the nodes that a set's name, a function of all coordinates, or numbers select.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument, for messages.
+    selector : str, callable or array_like
+        As the nodes of `free_dofs`.
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    node_sets : mapping of str to array of int
+
+    Returns
+    -------
+    ndarray of int
+        Ascending, each once.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If it selects nothing, or names an unknown set.
+    """
     if isinstance(selector, str):
         if selector not in node_sets:
             known = ", ".join(map(repr, node_sets)) or "none"

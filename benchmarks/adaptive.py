@@ -40,9 +40,9 @@ from peers import (
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.adaptive import adaptive_run
-from aoimpact.newmark import newmark_run
-from aoimpact.players import StarPlayer
-from aoimpact.relative import relative
+from aoimpact.newmark import newmark_scene
+from aoimpact.plan import Joint, Plan
+from aoimpact.players import StarPlayer, player
 from aoimpact.study_scipy import Outcome, ode_scene
 from aoimpact.units import quantity
 
@@ -55,18 +55,37 @@ def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
         yield Run(f"rtol={rtol:g}", seconds, error_of(case, exact, found))
 
 
+def plan_of(scene: dict[str, Any]) -> Plan:
+    """The scene as `simulate` hands it on."""
+    bodies = (
+        player("projectile", scene["projectile"], scene["velocity"]),
+        player("target", scene["target"], 0.0),
+    )
+    joint = Joint(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
+    speeds = scene["velocity"], 0.0
+    return Plan(bodies, speeds, (joint,), (), 0.0, scene["duration"], True)
+
+
+def core_arguments(plan: Plan) -> tuple[Any, Any, np.ndarray, np.ndarray]:
+    """Bodies, joints and the modes at the start, as the core takes them."""
+    bodies = tuple(body.for_core() for body in plan.modal)
+    (joint,) = plan.joints
+    v = np.concatenate([b.moving * s for b, s in zip(plan.modal, plan.velocities, strict=True)])
+    return bodies, ((0, 0, 1, 0, joint.gap, joint.law.for_core()),), np.zeros(len(v)), v
+
+
 def adaptive_core(case: Case, exact: Outcome) -> Iterator[Run]:
     scene = case.scene
-    modes = relative(*case.stars, 0.0)
-    bodies, law, duration = modes.for_core(), scene["law"].for_core(), scene["duration"]
-    x, v = modes.start(scene["velocity"])
+    bodies, joints, x, v = core_arguments(plan_of(scene))
 
     def start() -> tuple[np.ndarray, np.ndarray]:
         return x.copy(), v.copy()
 
     for rtol in tolerances(1e-2, 1e-12, 2):
         found = ao.simulate(**scene, solver=ao.Adaptive(rtol=rtol))
-        seconds = best_time(lambda r=rtol: _core.adaptive(bodies, *law, r, duration, *start()))
+        seconds = best_time(
+            lambda r=rtol: _core.adaptive(bodies, joints, r, scene["duration"], *start())
+        )
         yield Run(f"rtol={rtol:g}", seconds - best_time(start), error_of(case, exact, found))
 
 
@@ -95,13 +114,12 @@ def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
         rule = ao.Newmark(dt=dt, estimate=False)
 
         def run(dt: float = dt, rule: ao.Newmark = rule) -> None:
-            newmark_run(
-                *players,
-                scene["law"],
+            newmark_scene(
+                [player.for_core(rule, dt) for player in players],
+                [(0, 0, 1, 0, scene["law"], 0.0)],
                 rule=rule,
                 dt=dt,
                 duration=scene["duration"],
-                gap=0.0,
                 energies=False,
             )
 
@@ -191,38 +209,31 @@ def ratio_text(ratio: float) -> str:
 
 
 def print_fixed_cost() -> None:
-    """What a call costs when nothing happens, and where that goes."""
+    """What a call costs when nothing happens."""
     scene = rigid_pair() | {"duration": 1e-5, "gap": 1.0}
-    whole = best_time(lambda: ao.simulate(**scene).t)
-    modes = relative(scene["projectile"], scene["target"], 1.0)
-    options = {"rtol": 1e-8, "velocity": 1.0, "duration": 1e-5}
-    track = adaptive_run(modes, scene["law"], **options)
-    times = track.times
-    parts = {
-        "modes": best_time(lambda: relative(scene["projectile"], scene["target"], 1.0)),
-        "run": best_time(lambda: adaptive_run(modes, scene["law"], **options)),
-        "times of the curves": best_time(lambda: track.times),
-        f"{len(times)} samples": best_time(lambda: track.sample(times)),
-    }
-    words = ", ".join(f"{name} {quantity(seconds, 's', 2)}" for name, seconds in parts.items())
+    whole = best_time(lambda: ao.simulate(**scene).peak_force)
+    drawn = best_time(lambda: ao.simulate(**scene).force)
     verdict = "reached" if whole <= 30e-6 else "short"
     print("\nA call without contact (two rigid bodies, a gap too wide)")
-    print(f"  {quantity(whole, 's', 3)}, of which {words}; aim: 30 µs, {verdict}")
+    print(
+        f"  {quantity(whole, 's', 3)}, with its curves {quantity(drawn, 's', 3)}; "
+        f"aim: 30 µs, {verdict}"
+    )
 
 
 def print_parts(case: Case) -> None:
     """Where the time of one call goes."""
-    scene = case.scene
+    scene, plan = case.scene, plan_of(case.scene)
+    bodies, joints, x, v = core_arguments(plan)
     for rtol in (1e-3, 1e-6, 1e-9):
-        whole = best_time(lambda r=rtol: ao.simulate(**scene, solver=ao.Adaptive(rtol=r)))
-        modes = relative(*case.stars, 0.0)
-        options = {"rtol": rtol, "velocity": scene["velocity"], "duration": scene["duration"]}
-        track = adaptive_run(modes, scene["law"], **options)
+        solver = ao.Adaptive(rtol=rtol)
+        whole = best_time(lambda s=solver: ao.simulate(**scene, solver=s).peak_force)
+        options = {"rtol": rtol, "duration": scene["duration"]}
+        track = adaptive_run(bodies, joints, x, v, **options)
         times = track.times
         parts = {
-            "modes": best_time(lambda: relative(*case.stars, 0.0)),
-            "run": best_time(lambda m=modes, o=options: adaptive_run(m, scene["law"], **o)),
-            f"{len(times)} samples": best_time(lambda t=track, s=times: t.sample(s)),
+            "run": best_time(lambda o=options: adaptive_run(bodies, joints, x, v, **o)),
+            f"if asked for, {len(times)} samples": best_time(lambda t=track, s=times: t.sample(s)),
         }
         words = ", ".join(f"{name} {quantity(value, 's', 3)}" for name, value in parts.items())
         steps = f"{track.steps} steps and {track.rejected} in vain"

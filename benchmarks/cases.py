@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import aoimpact as ao
-from aoimpact.scene import rigid_contact_time
+from aoimpact.solve_newmark import rigid_contact_time
 from aoimpact.study_scenes import SCENES
 from aoimpact.study_scipy import Outcome
 

@@ -1,49 +1,90 @@
-/* The adaptive run: contact by collocation in steps of base 2^-level, flight in closed form.
- *
- * Two errors are kept below rtol in each step. The tail of the indentation's Legendre series says how
- * well the polynomial follows the motion within the step, so the peak; the integrated defect of the
- * force between the nodes says what the step hands on, so impulse, velocities and later times. Radau
- * nodes make the second far smaller than the first, except at the beginning and end of a contact,
- * where the force starts like d^(3/2). */
-#include "aoimpact.h"
+/* The adaptive run: contact by collocation in steps of base 2^-level, flight in closed form, and what
+ * makes the one follow the other. */
+#include "adaptive.h"
 
 #include <float.h>
 #include <math.h>
 
-enum { DEEPEST_LEVEL = 60, HIGHEST_LEVEL = -40, LAST_LEVEL = 1000, MOST_STRIDES = 10000000 };
+enum {
+    DEEPEST_LEVEL = 90,
+    HIGHEST_LEVEL = -40,
+    MOST_STRIDES = 10000000,
+    MOST_TRIMS = 12,
+    MOST_IDLE = 1000
+};
 
-/* Shares of rtol: of the polynomial's tail, and of what one step may hand on. Errors add up over some
- * twenty steps of a contact, and grow from one contact to the next. */
-static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
+/* An event closer to the start than this share of the step happens at the start. */
+static const double AT_START = 1e-9;
 
-/* At the ends of a contact the force is no smooth function of time, and the quadrature of its defect
- * misses part of it. */
-static const double END_SHARE = 0.03;
+/* Beside a contact, bodies that fly and ring are looked at so many steps ahead. */
+static const double STEPS_AHEAD = 64.0;
 
-int aoi_adaptive_start(aoi_adaptive *run)
+/* A rest of a step shorter than this share of it is taken along: over it rates are noise. */
+static const double SLIVER = 1e-6;
+
+/* A step worse than this is so far off that its events are not to be trusted. */
+static const double TRUSTED = 0.1;
+
+/* ------------------------------------------------------------------------------ work space */
+
+/* The largest distance between contacts (in their order) that feel each other through a body. */
+static size_t span_of(const aoi_system *system)
 {
-    if (!(run->rtol > 0.0) || !(run->end > run->time) || run->relative->n == 0) {
-        return AOI_ERROR_ARGUMENT;
+    size_t span = 0;
+    for (size_t c = 0; c < system->joint_count; c++) {
+        for (size_t d = c + span + 1; d < system->joint_count; d++) {
+            const size_t *one = system->joint[c].body, *two = system->joint[d].body;
+            for (int i = 0; i < 4; i++) {
+                const aoi_modes *body = &system->body[one[i / 2]];
+                const int shared = one[i / 2] == two[i % 2];
+                const int felt = shared && (body->residual || aoi_body_yields(body));
+                span = felt && d - c > span ? d - c : span;
+            }
+        }
     }
-    run->in_contact = 0;
-    run->level = 0;
-    run->base = run->indentation_scale = run->impulse_scale = 0.0;
-    run->peak_force = run->impulse = run->last_length = 0.0;
-    run->peak_time = run->time;
-    run->steps = run->rejected = run->uses = 0;
-    for (size_t i = 0; i < AOI_TABLES; i++) {
-        run->table_use[i] = 0;
-    }
-    return AOI_OK;
+    return span;
 }
 
-/* The indentation at which the law holds an energy. */
-static double deepest(const aoi_law *law, double energy)
+static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
+
+static size_t most_modes(const aoi_system *system)
+{
+    size_t most = 1;
+    for (size_t b = 0; b < system->body_count; b++) {
+        most = system->body[b].n > most ? system->body[b].n : most;
+    }
+    return most;
+}
+
+void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *row)
+{
+    size_t ports = 0;
+    *work = 10 * most_modes(system);
+    *row = AOI_TRACK_FIXED + system->joint_count * AOI_TRACK_CONTACT_SIZE;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const aoi_modes *body = &system->body[b];
+        *work += tables_of(body) * aoi_response_size(body);
+        *row += AOI_TRACK_STATE + 2 * body->n;
+        ports += body->ports;
+    }
+    *work += ports * AOI_STAGES + aoi_collocation_size(system->joint_count, span_of(system));
+}
+
+/* ------------------------------------------------------------------------- a contact begins */
+
+/* Work on a contact from the touch on, as a share of force times indentation: 1/(n+1) for a power n. */
+static const double HERTZ_SHARE = 0.4;
+
+/* About the indentation at which the law has taken an energy, and what a steady force adds to it on the
+ * way: by the force, since what a plastic law gives back is only a part of it. */
+static double deepest(const aoi_law *law, const double *memory, double energy, double force)
 {
     double low = -700.0, high = 100.0; /* logarithms */
-    for (int i = 0; i < 40; i++) {
-        const double middle = 0.5 * (low + high);
-        if (law->potential(law, exp(middle)) < energy) {
+    for (int i = 0; i < 50; i++) {
+        const double middle = 0.5 * (low + high), indentation = exp(middle);
+        aoi_law_value value;
+        aoi_law_push(law, memory, indentation, 0.0, &value);
+        if (HERTZ_SHARE * value.force * indentation < energy + force * indentation) {
             low = middle;
         } else {
             high = middle;
@@ -52,247 +93,535 @@ static double deepest(const aoi_law *law, double energy)
     return exp(high);
 }
 
+/* The compliance of both ports to a sudden force, 1/kg, and how far held bodies can swing by
+ * themselves; infinite where they move freely. */
+static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
+{
+    *mobility = *swing = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair->body[side];
+        for (size_t j = 0; j < body->n; j++) {
+            const size_t at = pair->port[side] * body->n + j;
+            const double omega = body->omega[j], v = pair->v[side][j];
+            *mobility += body->shape[at] * body->push[at];
+            *swing += omega > 0.0
+                          ? fabs(body->shape[at]) * hypot(pair->x[side][j], v / omega)
+                          : (v != 0.0 ? HUGE_VAL : 0.0);
+        }
+    }
+}
+
 /* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
  * that the first steps are rather too careful. */
-static int touch(aoi_adaptive *run)
+static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *pair, double rate,
+                            double acceleration)
 {
-    const aoi_relative *relative = run->relative;
-    double indentation, rate, weight = 0.0, amplitude = 0.0;
+    aoi_contact_state *contact = &run->contact[joint];
+    const aoi_law *law = run->system->joint[joint].law;
+    double mobility, swing;
     aoi_law_value value;
-    aoi_relative_indentation(relative, run->x, run->v, &indentation, &rate);
-    for (size_t j = 0; j < relative->n; j++) {
-        weight += relative->weight[j];
-        amplitude += relative->omega[j] > 0.0
-                         ? hypot(run->x[j], run->v[j] / relative->omega[j])
-                         : (run->v[j] != 0.0 ? HUGE_VAL : 0.0);
+    mobility_of(pair, &mobility, &swing);
+    rate = fmax(rate, 0.0);
+    acceleration = fmax(acceleration, 0.0);
+    if (!(mobility > 0.0) || !(rate + acceleration > 0.0)) {
+        return; /* what it will be the contacts beside it decide */
     }
-    const double energy = 0.5 * rate * rate / weight;
-    if (!(energy > 0.0) || !isfinite(energy)) {
-        return AOI_ERROR_NOT_FINITE;
+    double reach = deepest(law, contact->memory, 0.5 * rate * rate / mobility,
+                           acceleration / mobility);
+    if (acceleration == 0.0) { /* under a soft law held bodies turn back by themselves */
+        reach = fmin(reach, swing);
     }
-    /* A soft law lets held bodies swing through: then they turn back by themselves. */
-    const double reach = fmin(deepest(run->law, energy), amplitude);
-    run->law->force(run->law, reach, rate, &value);
-    if (!(reach > 0.0) || !isfinite(value.force) || !isfinite(3.0 * reach / rate)) {
-        return AOI_ERROR_NOT_FINITE;
+    const double time = reach / (rate + sqrt(acceleration * reach));
+    aoi_law_push(law, contact->memory, reach, rate, &value);
+    if (!(reach > 0.0) || !isfinite(3.0 * time) || !(time > 0.0) || !isfinite(value.force)) {
+        return;
     }
-    run->indentation_scale = fmax(run->indentation_scale, reach);
-    run->impulse_scale =
-        fmax(run->impulse_scale, fmin(rate / weight, value.force * reach / rate));
+    contact->indentation_scale = fmax(contact->indentation_scale, reach);
+    contact->impulse_scale = fmax(contact->impulse_scale,
+                                  fmin((rate + acceleration * time) / mobility, value.force * time));
+    contact->rate_scale = fmax(contact->rate_scale, rate + acceleration * time);
     if (run->base == 0.0) {
-        run->base = 3.0 * reach / rate;
+        run->base = 3.0 * time;
+        run->level = HIGHEST_LEVEL;
     }
     /* The motion starts like t + t^(7/2): the first step resolves that to rtol. */
-    const double first = 3.0 * reach / rate * pow(run->rtol, 1.0 / 3.5);
-    const double levels = log2(run->base / first);
-    if (!(fabs(levels) < DEEPEST_LEVEL)) {
-        return AOI_ERROR_NOT_FINITE;
+    const double levels = log2(run->base / (3.0 * time * pow(run->rtol, 1.0 / 3.5)));
+    if (fabs(levels) < DEEPEST_LEVEL && (int)ceil(levels) > run->level) {
+        run->level = (int)ceil(levels);
     }
-    run->level = (int)ceil(levels);
-    run->touched = run->time;
-    run->elapsed = run->last_length = run->start = run->without_force = 0.0;
-    run->in_contact = 1;
+}
+
+/* The residual compliance between the bodies of a joint. */
+static double residual_of(const aoi_system *system, const aoi_joint *joint)
+{
+    double sum = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = &system->body[joint->body[side]];
+        sum += body->residual ? body->residual[joint->port[side] * (body->ports + 1)] : 0.0;
+    }
+    return sum;
+}
+
+void aoi_contact_close(aoi_adaptive *run, size_t joint)
+{
+    aoi_contact_state *contact = &run->contact[joint];
+    const aoi_joint *of = &run->system->joint[joint];
+    const double rest = aoi_law_rest(of->law, contact->memory);
+    double here, rate, acceleration;
+    aoi_flight pair;
+    aoi_law_value value;
+    aoi_body_engage(run, of->body[0], 1);
+    aoi_body_engage(run, of->body[1], 1);
+    aoi_pair_now(run, joint, &pair);
+    aoi_flight_indentation(&pair, &here, &rate, &acceleration);
+    contact->closed = contact->begins = 1;
+    contact->slack = 0.0;
+    contact->start = fmax(here, rest); /* exactly: what is left off here would add up */
+    contact->start_rate = rate;
+    contact->last_length = contact->since_touch = 0.0;
+    contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
+                                   &contact->low, &contact->high);
+    aoi_law_force(of->law, contact->memory, contact->piece, contact->start, rate, &value);
+    contact->force = value.force;
+    if (value.damping > 0.0 && residual_of(run->system, of) > 0.0) {
+        contact->start_rate = contact->force = 0.0; /* a damper stops what has no mass */
+    }
+    estimate_scales(run, joint, &pair, rate, acceleration);
+    run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
+    run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
+}
+
+/* -------------------------------------------------------------------------------- the start */
+
+/* delta with delta + compliance F(delta) = free: what is left of an overlap beside massless contacts. */
+static double shared_overlap(const aoi_law *law, const double *memory, double free, double compliance)
+{
+    double low = 0.0, high = free;
+    for (int i = 0; i < 200 && compliance > 0.0 && high - low > DBL_EPSILON * high; i++) {
+        const double middle = 0.5 * (low + high);
+        aoi_law_value value;
+        aoi_law_push(law, memory, middle, 0.0, &value);
+        if (middle + compliance * value.force < free) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return high;
+}
+
+/* Bodies that press on each other from the start. */
+static void start_closed(aoi_adaptive *run, size_t joint, double overlap)
+{
+    aoi_contact_state *contact = &run->contact[joint];
+    const aoi_joint *of = &run->system->joint[joint];
+    const double delta = shared_overlap(of->law, contact->memory, overlap,
+                                        residual_of(run->system, of));
+    double mobility, swing;
+    aoi_flight pair;
+    aoi_law_value value;
+    aoi_law_remember(of->law, delta, 0.0, contact->memory);
+    aoi_contact_close(run, joint);
+    contact->start = delta;
+    aoi_law_force(of->law, contact->memory, contact->piece, delta, contact->start_rate, &value);
+    contact->force = value.force;
+    aoi_pair_now(run, joint, &pair);
+    mobility_of(&pair, &mobility, &swing);
+    const double time = 1.0 / sqrt(value.stiffness * mobility);
+    contact->indentation_scale = fmax(contact->indentation_scale, delta);
+    contact->impulse_scale = fmax(contact->impulse_scale, value.force * time);
+    if (isfinite(time) && time > 0.0 && run->base == 0.0) {
+        run->base = 3.0 * time;
+        run->level = 0;
+    }
+    run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
+    run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
+}
+
+/* What loads and contacts that press from the start have bent already is no work of this run. */
+static void start_ledger(aoi_adaptive *run)
+{
+    const aoi_system *system = run->system;
+    double *force = run->port_force, rise;
+    for (size_t b = 0; b < system->body_count; b++) {
+        for (size_t p = 0; p < system->body[b].ports; p++) {
+            aoi_modes_load(&system->body[b], p, run->time, &force[system->first_port[b] + p], &rise);
+        }
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        for (int side = 0; side < 2; side++) {
+            const aoi_joint *joint = &system->joint[c];
+            force[system->first_port[joint->body[side]] + joint->port[side]] +=
+                (side == 0 ? -1.0 : 1.0) * run->contact[c].force;
+        }
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        run->body[b].work =
+            -aoi_modes_bent_work(&system->body[b], run->time, force + system->first_port[b]);
+    }
+}
+
+static void lay_out_work(aoi_adaptive *run)
+{
+    const aoi_system *system = run->system;
+    double *work = run->work;
+    for (size_t side = 0; side < 2; side++) {
+        run->flight[side] = work;
+        work += 4 * most_modes(system);
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        aoi_follower *body = &run->body[b];
+        body->time = run->time;
+        body->engaged = 0;
+        body->changed = 1;
+        body->work = body->dissipated = 0.0;
+        body->block = work;
+        body->table_count = tables_of(&system->body[b]);
+        for (size_t i = 0; i < AOI_TABLES; i++) {
+            body->table_use[i] = 0;
+        }
+        work += body->table_count * aoi_response_size(&system->body[b]);
+    }
+    run->scratch = work;
+    work += 2 * most_modes(system);
+    run->port_force = work;
+    run->collocation = work + system->first_port[system->body_count] * AOI_STAGES;
+}
+
+int aoi_adaptive_start(aoi_adaptive *run)
+{
+    if (!(run->rtol > 0.0) || !(run->end > run->time) || !isfinite(run->end) ||
+        aoi_system_check(run->system) != AOI_OK) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    for (size_t j = 0; j < run->system->first[run->system->body_count]; j++) {
+        if (!isfinite(run->x[j]) || !isfinite(run->v[j])) {
+            return AOI_ERROR_NOT_FINITE;
+        }
+    }
+    run->span = span_of(run->system);
+    run->level = 0;
+    run->base = run->indentation_scale = run->impulse_scale = 0.0;
+    run->origin = run->time;
+    run->elapsed = 0.0;
+    run->steps = run->rejected = run->uses = run->culprit = 0;
+    run->closed_count = run->stage_count = 0;
+    size_t work;
+    aoi_adaptive_size(run->system, &work, &run->row_size);
+    lay_out_work(run);
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        run->contact[c] = (aoi_contact_state){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
+        run->contact[c].peak_time = run->time;
+    }
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        aoi_flight pair;
+        double overlap, rate, acceleration;
+        aoi_pair_now(run, c, &pair);
+        aoi_flight_indentation(&pair, &overlap, &rate, &acceleration);
+        if (overlap > 0.0) {
+            start_closed(run, c, overlap);
+        }
+    }
+    start_ledger(run);
     return AOI_OK;
 }
 
-/* The tables of the present level: the one not used for longest makes room. The last step of a record
- * that ends in contact is as long as what is left, on no level. */
-static const aoi_collocation *table_of_level(aoi_adaptive *run)
+/* ---------------------------------------------------------------------------------- flight */
+
+/* Looks when the bodies of an open contact touch, up to limit, on copies of their states. */
+static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *copy)
 {
-    const double left = run->end - run->time, h = ldexp(run->base, -run->level);
-    const int wanted = h > left ? LAST_LEVEL : run->level;
-    size_t oldest = 0;
-    for (size_t i = 0; i < AOI_TABLES; i++) {
-        if (run->table_use[i] > 0 && run->table_level[i] == wanted && wanted != LAST_LEVEL) {
-            run->table_use[i] = ++run->uses;
-            return &run->table[i];
+    const aoi_system *system = run->system;
+    aoi_contact_state *contact = &run->contact[joint];
+    const aoi_joint *of = &system->joint[joint];
+    const double now = aoi_run_now(run);
+    aoi_flight pair;
+    aoi_pair_now(run, joint, &pair);
+    pair.gap += aoi_law_rest(of->law, contact->memory) + contact->slack;
+    for (int side = 0; side < 2; side++) {
+        const size_t b = of->body[side], n = system->body[b].n, first = system->first[b];
+        for (size_t j = 0; j < n; j++) {
+            copy[j] = run->x[first + j];
+            copy[n + j] = run->v[first + j];
         }
-        oldest = run->table_use[i] < run->table_use[oldest] ? i : oldest;
+        aoi_modes_fly(&system->body[b], run->body[b].time, now, copy, copy + n);
+        pair.x[side] = copy;
+        pair.v[side] = copy + n;
+        copy += 2 * n;
     }
-    aoi_collocation_make(&run->table[oldest], run->relative, h > left ? left : h,
-                         run->block + oldest * aoi_collocation_size(run->relative->n));
-    run->table_level[oldest] = wanted;
-    run->table_use[oldest] = ++run->uses;
-    return &run->table[oldest];
-}
-
-/* One try at a step. */
-typedef struct attempt {
-    double indentation[AOI_STAGES], force[AOI_STAGES], legendre[AOI_STAGES + 1];
-    double largest; /* indentation */
-    double growth; /* by which the step could be longer; below 1 it has failed */
-} attempt;
-
-static void try_step(const aoi_adaptive *run, const aoi_collocation *step, attempt *made)
-{
-    double homogeneous[AOI_STAGES], scale = 0.0;
-    aoi_collocation_error error;
-    made->growth = 0.0;
-    made->largest = 0.0;
-    aoi_collocation_homogeneous(step, run->relative, run->without_force, run->x, run->v,
-                                homogeneous);
-    aoi_collocation_guess(step, run->last_length, run->last, homogeneous, made->indentation);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        scale = fmax(scale, fabs(made->indentation[i]));
-    }
-    if (aoi_collocation_solve(step, run->law, homogeneous, scale, made->indentation,
-                              made->force) != AOI_OK) {
-        return;
-    }
-    aoi_collocation_estimate(step, run->law, run->start, made->indentation, made->force,
-                             made->legendre, &error);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        made->largest = fmax(made->largest, made->indentation[i]);
-    }
-    const double reach = fmax(run->indentation_scale, made->largest);
-    /* A massless contact changes its velocity at once where the force ends: a bend to fit. */
-    const int at_an_end = run->last_length == 0.0 || made->indentation[AOI_STAGES - 1] <= 0.0;
-    const int bends = run->relative->residual[0] + run->relative->residual[1] > 0.0;
-    const double end_share = at_an_end ? END_SHARE : 1.0;
-    /* No step can do better than rounding. */
-    const double tail_share =
-        fmax(TAIL_SHARE * (bends ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
-    const double step_share = fmax(STEP_SHARE * end_share * run->rtol, 2.0 * DBL_EPSILON);
-    /* A law of a high power makes more of an error of the indentation than Hertz's. */
-    aoi_law_value value;
-    run->law->force(run->law, made->largest, 0.0, &value);
-    const double steepness =
-        value.force > 0.0 ? value.stiffness * made->largest / (1.5 * value.force) : 1.0;
-    const double within = fmax(steepness, 1.0) * error.tail / (tail_share * reach);
-    const double handed_on =
-        (fabs(error.impulse) / run->impulse_scale + fabs(error.indentation) / reach) / step_share;
-    made->growth = 0.9 * fmin(pow(within, -1.0 / (AOI_STAGES + 1)),
-                              pow(handed_on, -1.0 / (2 * AOI_STAGES)));
-    if (within <= 1.0 && handed_on <= 1.0) {
-        made->growth = fmax(made->growth, 1.0);
-    } else { /* NaN, too, is no success */
-        made->growth = made->growth < 0.9 ? made->growth : (isnan(within + handed_on) ? 0.0 : 0.9);
-    }
-}
-
-static void note_peak(aoi_adaptive *run, const attempt *made, double h)
-{
-    double place = 1.0, indentation = made->indentation[AOI_STAGES - 1];
-    aoi_law_value value;
-    if (made->largest < 0.9 * run->indentation_scale && run->peak_force > 0.0) {
-        run->law->force(run->law, made->largest, 0.0, &value);
-        if (value.force < 0.9 * run->peak_force) {
-            return;
-        }
-    }
-    double inside_place, inside;
-    if (aoi_collocation_deepest(made->legendre, &inside_place, &inside) && inside > indentation) {
-        place = inside_place;
-        indentation = inside;
-    }
-    run->law->force(run->law, indentation, 0.0, &value);
-    if (value.force > run->peak_force) {
-        run->peak_force = value.force;
-        run->peak_time = run->time + place * h;
-    }
-}
-
-/* Writes the row of what happens next: state, start, kind. */
-static void begin_row(const aoi_adaptive *run, double *row, double contact)
-{
-    const size_t n = run->relative->n;
-    row[AOI_TRACK_START] = run->time;
-    row[AOI_TRACK_CONTACT] = contact;
-    row[AOI_TRACK_RELEASE] = -1.0;
-    for (size_t i = AOI_TRACK_FORCE; i < AOI_TRACK_FIXED; i++) {
-        row[i] = 0.0;
-    }
-    for (size_t j = 0; j < n; j++) {
-        row[AOI_TRACK_FIXED + j] = run->x[j];
-        row[AOI_TRACK_FIXED + n + j] = run->v[j];
-    }
-}
-
-static void accept(aoi_adaptive *run, const aoi_collocation *step, const attempt *made,
-                   double release, double *row)
-{
-    begin_row(run, row, 1.0);
-    row[AOI_TRACK_LENGTH] = step->h;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        row[AOI_TRACK_FORCE + i] = made->force[i];
-    }
-    for (size_t i = 0; i <= AOI_STAGES; i++) {
-        row[AOI_TRACK_INDENTATION + i] = run->last[i] = made->legendre[i];
-    }
-    note_peak(run, made, step->h);
-    run->impulse += aoi_collocation_impulse(step, made->force);
-    run->impulse_scale = fmax(run->impulse_scale, run->impulse);
-    run->indentation_scale = fmax(run->indentation_scale, made->largest);
-    aoi_collocation_propagate(step, run->relative, made->force, run->x, run->v);
-    run->start = made->indentation[AOI_STAGES - 1];
-    run->without_force =
-        run->start + (run->relative->residual[0] + run->relative->residual[1]) *
-                         made->force[AOI_STAGES - 1];
-    if (release >= 0.0) {
-        row[AOI_TRACK_RELEASE] = run->touched + (run->elapsed + release * step->h);
-        run->in_contact = 0;
-    }
-    run->time = step->h < run->end - run->time ? run->touched + (run->elapsed + step->h) : run->end;
-    run->elapsed += step->h;
-    run->last_length = step->h;
-    run->steps++;
-    const int longer = (made->growth >= 2.0) + (made->growth >= 4.0) + (made->growth >= 8.0);
-    run->level = run->level - longer > HIGHEST_LEVEL ? run->level - longer : HIGHEST_LEVEL;
-}
-
-static int contact_step(aoi_adaptive *run, double *row)
-{
-    while (run->level < DEEPEST_LEVEL) {
-        const aoi_collocation *step = table_of_level(run);
-        if (!(run->elapsed + step->h > run->elapsed)) {
-            break; /* shorter than the clock can tell */
-        }
-        attempt made;
-        double release = -1.0;
-        try_step(run, step, &made);
-        if (made.growth >= 1.0) {
-            const int changes =
-                aoi_collocation_release(made.indentation, made.legendre, &release);
-            /* More than one end, or an end before the first node: look closer. */
-            if (changes == 0 || (changes == 1 && made.indentation[0] > 0.0)) {
-                accept(run, step, &made, release, row);
-                return AOI_OK;
-            }
-            made.growth = 0.4;
-        }
-        run->rejected++;
-        run->level += 1 + (made.growth < 0.25) + 2 * (made.growth < 0.06);
-    }
-    return AOI_ERROR_TOLERANCE;
-}
-
-static int flight(aoi_adaptive *run, double *row)
-{
-    double flown;
-    int touches;
-    begin_row(run, row, 0.0);
-    int status =
-        aoi_relative_next_touch(run->relative, run->order, run->end - run->time, MOST_STRIDES,
-                                run->x, run->v, &flown, &touches);
-    row[AOI_TRACK_LENGTH] = flown;
-    run->time = touches ? run->time + flown : run->end;
-    if (status == AOI_OK && touches) {
-        status = touch(run);
-    }
+    const int status = aoi_flight_next_touch(&pair, limit, MOST_STRIDES, &contact->touches);
+    contact->free_until = pair.time;
     return status;
 }
 
-int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, double *track, size_t *rows)
+/* The bodies of a joint as look_ahead has left them, at the time now. */
+static void land(aoi_adaptive *run, size_t joint, const double *copy)
 {
-    const size_t width = AOI_TRACK_FIXED + 2 * run->relative->n;
-    *rows = 0;
-    while (run->time < run->end && *rows < capacity) {
-        double *row = track + *rows * width;
-        const int status = run->in_contact ? contact_step(run, row) : flight(run, row);
+    const aoi_system *system = run->system;
+    for (int side = 0; side < 2; side++) {
+        const size_t b = system->joint[joint].body[side];
+        const size_t n = system->body[b].n, first = system->first[b];
+        aoi_body_account(run, b, aoi_run_now(run), copy, copy + n);
+        for (size_t j = 0; j < n; j++) {
+            run->x[first + j] = copy[j];
+            run->v[first + j] = copy[n + j];
+        }
+        run->body[b].time = aoi_run_now(run);
+        copy += 2 * n;
+    }
+}
+
+/* Nothing touches: on to the first touch of all, or to the end. */
+static int flight(aoi_adaptive *run)
+{
+    const size_t none = run->system->joint_count;
+    size_t first = none;
+    double best = run->end;
+    int landed = 0;
+    for (size_t c = 0; c < none; c++) {
+        aoi_contact_state *contact = &run->contact[c];
+        if (!contact->touches && contact->free_until < best) {
+            const int status = look_ahead(run, c, best, run->flight[0]);
+            if (status != AOI_OK) {
+                run->culprit = c;
+                return status;
+            }
+            if (contact->touches) {
+                double *kept = run->flight[0];
+                run->flight[0] = run->flight[1];
+                run->flight[1] = kept;
+                landed = 1;
+                first = c;
+                best = contact->free_until;
+            }
+        } else if (contact->touches && contact->free_until < best) {
+            landed = 0;
+            first = c;
+            best = contact->free_until;
+        }
+    }
+    run->origin = run->time = best;
+    run->elapsed = 0.0;
+    if (first < none) {
+        if (landed) {
+            land(run, first, run->flight[1]);
+        }
+        if (run->base > 0.0) {
+            run->level = HIGHEST_LEVEL; /* the contact itself says how fine */
+        }
+        run->indentation_scale = run->impulse_scale = 0.0;
+        aoi_contact_close(run, first);
+    }
+    return AOI_OK;
+}
+
+/* ------------------------------------------------------------------------- a step of contact */
+
+/* Closes contacts of bodies in flight whose time has come, and finds out how long the others are
+ * certain not to touch. */
+static int watch_flights(aoi_adaptive *run)
+{
+    const double now = aoi_run_now(run), step = ldexp(run->base, -run->level);
+    run->horizon = run->end;
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        aoi_contact_state *contact = &run->contact[c];
+        const aoi_joint *joint = &run->system->joint[c];
+        if (contact->closed || run->body[joint->body[0]].engaged == 2 ||
+            run->body[joint->body[1]].engaged == 2) {
+            continue;
+        }
+        const double rounding = 4.0 * DBL_EPSILON * now;
+        if (!contact->touches && contact->free_until <= now + rounding) {
+            const int simple = run->system->body[joint->body[0]].n == 1 &&
+                               run->system->body[joint->body[1]].n == 1;
+            const double ahead = simple ? run->end : fmin(run->end, now + STEPS_AHEAD * step);
+            const int status = look_ahead(run, c, ahead, run->flight[0]);
+            if (status != AOI_OK) {
+                run->culprit = c;
+                return status;
+            }
+        }
+        if (contact->touches && contact->free_until <= now + rounding) {
+            aoi_contact_close(run, c);
+        } else {
+            run->horizon = fmin(run->horizon, contact->free_until);
+        }
+    }
+    return AOI_OK;
+}
+
+/* Lists who takes part; how long the step may be at most. */
+static int prepare(aoi_adaptive *run, double *limit)
+{
+    size_t closed;
+    do {
+        aoi_step_prepare(run);
+        closed = run->closed_count;
+        const int status = watch_flights(run);
         if (status != AOI_OK) {
             return status;
         }
-        *rows += run->in_contact || row[AOI_TRACK_LENGTH] > 0.0;
+        for (size_t c = run->closed_count = 0; c < run->system->joint_count; c++) {
+            run->closed_count += run->contact[c].closed != 0;
+        }
+    } while (run->closed_count != closed);
+    const double now = aoi_run_now(run);
+    double stop = run->horizon;
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        if (run->body[b].engaged > 0) {
+            stop = fmin(stop, aoi_modes_next_bend(&run->system->body[b], now));
+        }
+    }
+    if (stop < run->end && stop - now <= 4.0 * DBL_EPSILON * stop) {
+        run->elapsed += 8.0 * DBL_EPSILON * stop; /* as good as there */
+        return prepare(run, limit);
+    }
+    *limit = stop - now;
+    return AOI_OK;
+}
+
+/* The level of a step at most half as long as h. */
+static int level_below(const aoi_adaptive *run, double h)
+{
+    const int level = (int)ceil(log2(2.0 * run->base / h));
+    return level > run->level ? level : run->level + 1;
+}
+
+/* What to do after a step that cannot be taken: events at its start, an earlier end, a finer level. */
+static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, int *trims,
+                   double *limit)
+{
+    double growth = attempt->growth;
+    if (attempt->closed) {
+        return prepare(run, limit);
+    }
+    if (growth > TRUSTED && attempt->place < 1.0) {
+        if (attempt->place < AT_START && aoi_step_at_start(run, AT_START)) {
+            return prepare(run, limit);
+        }
+        if (attempt->place >= AT_START && (*trims)++ < MOST_TRIMS) {
+            *trim = attempt->place * attempt->h;
+            return AOI_OK;
+        }
+        growth = 0.4;
+    }
+    run->rejected++;
+    run->level = attempt->h < ldexp(run->base, -run->level)
+                     ? level_below(run, attempt->h)
+                     : run->level + 1;
+    run->level += (growth < 0.25) + 2 * (growth < 0.06);
+    *trim = HUGE_VAL;
+    return AOI_OK;
+}
+
+/* Whether a law gives no number where a closed contact is now. */
+static int law_fails(aoi_adaptive *run)
+{
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        const aoi_law *law = run->system->joint[c].law;
+        if (law->note && !isnan(law->note[0])) {
+            run->culprit = c;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int contact_step(aoi_adaptive *run, double *row, size_t *size)
+{
+    double limit, trim = HUGE_VAL;
+    int trims = 0, idle = 0;
+    if (run->base == 0.0) {
+        run->base = run->end - aoi_run_now(run);
+        run->level = 10;
+    }
+    int status = prepare(run, &limit);
+    while (status == AOI_OK && run->level < DEEPEST_LEVEL && idle++ < MOST_IDLE) {
+        if (run->closed_count == 0) {
+            *size = 0;
+            return AOI_OK;
+        }
+        double h = ldexp(run->base, -run->level);
+        int level = run->level;
+        if (fmin(limit, trim) <= h * (1.0 + SLIVER)) { /* and no sliver is left over */
+            h = fmin(limit, trim);
+            level = AOI_NO_LEVEL;
+        }
+        if (!(run->elapsed + h > run->elapsed)) {
+            break; /* shorter than the clock can tell */
+        }
+        aoi_attempt attempt;
+        aoi_step_try(run, h, level, &attempt);
+        if (attempt.growth >= 1.0 && attempt.place >= 1.0 && !attempt.closed) {
+            status = aoi_step_accept(run, &attempt, row, size);
+            const int longer =
+                (attempt.growth >= 2.0) + (attempt.growth >= 4.0) + (attempt.growth >= 8.0);
+            run->level -= level == AOI_NO_LEVEL || run->level - longer < HIGHEST_LEVEL ? 0 : longer;
+            run->time = aoi_run_now(run);
+            if (run->end - run->time <= 4.0 * DBL_EPSILON * run->end) {
+                run->time = run->end;
+            }
+            return status;
+        }
+        status = go_back(run, &attempt, &trim, &trims, &limit);
+    }
+    return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;
+}
+
+static int any_closed(const aoi_adaptive *run)
+{
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        if (run->contact[c].closed) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int any_changed(const aoi_adaptive *run)
+{
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        if (run->body[b].changed) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Bodies that have not been asked for since fly on to the end. */
+static void bring_all_home(aoi_adaptive *run)
+{
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        const size_t at = run->system->first[b];
+        aoi_modes_fly(&run->system->body[b], run->body[b].time, run->end, run->x + at, run->v + at);
+        run->body[b].time = run->end;
+    }
+}
+
+int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,
+                     size_t *used, size_t *rows)
+{
+    *used = *rows = 0;
+    while (run->time < run->end && capacity - *used >= run->row_size && *rows < most) {
+        size_t size = 0;
+        int status = AOI_OK;
+        if (any_closed(run)) {
+            status = contact_step(run, track + *used, &size);
+        } else if (any_changed(run)) {
+            size = aoi_step_write(run, 0.0, 0, track + *used);
+        } else {
+            status = flight(run);
+        }
+        if (status != AOI_OK) {
+            return status;
+        }
+        if (size > 0) {
+            index[(*rows)++] = *used;
+            *used += size;
+        }
+    }
+    if (!(run->time < run->end)) {
+        bring_all_home(run);
     }
     return AOI_OK;
 }

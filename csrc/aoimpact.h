@@ -31,7 +31,9 @@ typedef enum aoi_status {
     AOI_ERROR_UNREACHED,      /* the contact functional does not move the body at all              */
     AOI_ERROR_SOLVER,         /* the caller's linear solver reported a failure                     */
     AOI_ERROR_TOLERANCE,      /* even the shortest step does not meet the tolerance                */
-    AOI_ERROR_TOO_LONG        /* the run needs more rows than the caller has room for              */
+    AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
+    AOI_ERROR_PATCH,          /* the contact has grown wider than the patch whose law it is        */
+    AOI_ERROR_LAW             /* the contact law gave NaN                                          */
 } aoi_status;
 
 /* ------------------------------------------------------------------------- vectors: vector.c */
@@ -95,6 +97,38 @@ int aoi_factors_check(const aoi_factors *factors, size_t stored_count);
 /* x <- A^-1 x by two triangular sweeps; data is an aoi_factors: it fits aoi_solver.solve. */
 int aoi_factors_solve(void *data, double *x);
 
+/* ------------------------------------------------------------- multigrid: blocks.c, aggregate.c */
+
+/* A symmetric matrix of n x n blocks of size x size, in single precision: it only ever helps a solver
+ * that checks in double. Row i has the blocks indices[p], values[size^2 p ...] (by rows) for
+ * start[i] <= p < start[i+1]. inverse: of each diagonal block, n size^2 values. */
+enum { AOI_BLOCKS_WIDEST = 6 };
+typedef struct aoi_blocks {
+    size_t n, size;
+    const int32_t *start, *indices;
+    const float *values, *inverse;
+} aoi_blocks;
+
+/* Checks that an aoi_blocks of stored_count blocks can be read safely, and is of a size that is
+ * dealt with (1 ... AOI_BLOCKS_WIDEST). */
+int aoi_blocks_check(const aoi_blocks *matrix, size_t stored_count);
+
+/* r -= A x; x and r of n size floats, not overlapping. */
+void aoi_blocks_subtract(const aoi_blocks *matrix, const float *x, float *r);
+
+/* Improves x, for which r = f - A x, by Chebyshev steps that damp the eigenvalues of D^-1 A from low
+ * to high, 0 < low < high, with D the diagonal blocks. With finish, r is f - A x again on return;
+ * without, it is one product with A behind. work: 2 n size floats. */
+int aoi_blocks_smooth(const aoi_blocks *matrix, size_t steps, double low, double high, int finish,
+                      float *x, float *r, float *work);
+
+/* Puts neighbouring nodes of a graph together (Vanek, Mandel and Brezina, Computing 56, 1996): nodes
+ * whose neighbours are all still free make an aggregate with them, those left over join one beside
+ * them. The graph has the edges indices[p] of node i for start[i] <= p < start[i+1], each in both
+ * directions, which must be sound. aggregate: n numbers out, from 0 on. Returns how many there are. */
+size_t aoi_graph_aggregate(size_t n, const int32_t *start, const int32_t *indices,
+                           int32_t *aggregate);
+
 /* -------------------------------------------------- from matrices to a star: reduce.c, section 2 */
 
 /* Static mode of a held body, eqs. (2), (3), (11). In: b, the contact functional (u = b^T X), and
@@ -129,6 +163,40 @@ void aoi_constraint_congruence(size_t n, const double *h, double *a, double *wor
 int aoi_oscillators_project(size_t n, size_t count, const double *phi, const double *modal_mass,
                             const double *omega2, const double *m_phi_st, double *coefficient,
                             double *mass, double *stiffness);
+
+/* --------------------------------------------- a basis that fits the blow: krylov.c, after section 2 */
+
+/* A rational Krylov subspace of a body seen at port_count contact functionals: with A = K + s^2 M, the
+ * vectors A^-1 b, then A^-1 M v of each of them in turn, made M-orthonormal. Its Galerkin model has
+ * the body's receptance at the frequency i s, and as many derivatives of it there as there were
+ * solves, twice over where there is one port. s2 and solver (of A) may change between calls: several
+ * shifts in one space.
+ *   b          n x port_count. Where the body has rigid motions R, they must be in the basis and out of
+ *              b: b - M R R^T b. The space is then as good for the smallest s.
+ *   basis      n x capacity; its first rigid_count columns are R, M-orthonormal, set by the caller,
+ *              and stay. 1 + the vectors wanted are enough for one port.
+ *   stiffness  V^T K V, capacity x capacity; V^T M V is 1. Rows and columns of R must be zero.
+ *   count      columns so far: rigid_count at the start. next: solves so far, 0 at the start.
+ *   work       aoi_krylov_work_size doubles.
+ */
+typedef struct aoi_krylov {
+    aoi_sparse K, M;
+    double s2;
+    aoi_solver solver;
+    size_t port_count, rigid_count, capacity;
+    const double *b;
+    double *basis, *stiffness, *work;
+    size_t count, next;
+} aoi_krylov;
+
+size_t aoi_krylov_work_size(size_t n, size_t capacity);
+
+/* Grows the basis to wanted <= capacity columns, a solve for each, or to where it is invariant: b
+ * excites no more (breakdown); then count stays below wanted for good. A vector that is a combination
+ * of the others is left out and its successors with it. What was grown before is kept, so a larger
+ * order costs one solve. On an error (AOI_ERROR_SOLVER where the solver failed or its residual is
+ * above 1e-5) the columns up to count are sound. */
+int aoi_krylov_extend(aoi_krylov *space, size_t wanted);
 
 /* --------------------------------------------------------- the star: star.c, secular.c, Fig. 2 */
 
@@ -185,9 +253,9 @@ typedef struct aoi_secular {
 int aoi_secular_root(const aoi_secular *s, ptrdiff_t gap, double ceiling, size_t *nearest,
                      double *offset);
 
-/* ------------------------------------------------------------------------ contact laws: law.c */
+/* ------------------------------------------------------------- contact laws: law.c, law_*.c */
 
-enum { AOI_LAW_PARAMETERS = 8 };
+enum { AOI_LAW_PARAMETERS = 8, AOI_LAW_MEMORY = 2 };
 
 typedef struct aoi_law aoi_law;
 
@@ -196,287 +264,695 @@ typedef struct aoi_law_value {
     double force, stiffness, damping;
 } aoi_law_value;
 
-/* F(indentation, rate): zero at and below zero indentation. potential: the elastic energy stored at
- * an indentation. parameter: as the law's own paragraph in law.c says. */
+/* A law written by the caller, as functions of indentation > 0 [m] and rate [m/s]: its force [N],
+ * stiffness [N/m], damping [N s/m] and potential [J] (rate 0). given says which there are: the
+ * force, and of the others what differences and quadrature are not to stand in for. They are C
+ * functions, or all go through call, with data, and which one. */
+enum aoi_user_function {
+    AOI_USER_FORCE = 0,
+    AOI_USER_STIFFNESS,
+    AOI_USER_DAMPING,
+    AOI_USER_POTENTIAL,
+    AOI_USER_FUNCTIONS
+};
+typedef struct aoi_user_law {
+    double (*function[AOI_USER_FUNCTIONS])(double indentation, double rate);
+    double (*call)(void *data, int which, double indentation, double rate);
+    void *data;
+    int given[AOI_USER_FUNCTIONS];
+} aoi_user_law;
+
+/* A contact law: what it is made of. Whoever integrates takes it through aoi_law_push or
+ * aoi_law_piece and aoi_law_force, which take account of compliance; memory is AOI_LAW_MEMORY
+ * doubles of one contact, all zero while it has never been touched (and may be NULL for a law whose
+ * remember is NULL). A caller may fill in a law of his own: force and potential, the rest zero,
+ * limit HUGE_VAL. */
 struct aoi_law {
-    void (*force)(const aoi_law *law, double indentation, double rate, aoi_law_value *value);
-    double (*potential)(const aoi_law *law, double indentation);
-    double parameter[AOI_LAW_PARAMETERS];
+    /* The law on one of its smooth pieces, and a little beyond the ends of the piece, smoothly
+     * continued where that is possible; not cut at zero. */
+    void (*force)(const aoi_law *law, const double *memory, int piece, double indentation,
+                  double rate, aoi_law_value *value);
+    /* The elastic energy that unloading from there would give back, J. */
+    double (*potential)(const aoi_law *law, const double *memory, double indentation);
+    /* NULL: piece 0 is all. Else the piece on which the motion goes on from an indentation, upward
+     * (rising) or downward, and its ends low < high; -+HUGE_VAL where there is none. */
+    int (*piece)(const aoi_law *law, const double *memory, double indentation, int rising,
+                 double *low, double *high);
+    /* NULL: no memory. Else what a contact keeps after it has been at this indentation. */
+    void (*remember)(const aoi_law *law, double indentation, double rate, double *memory);
+    /* NULL: 0. Else the indentation at and below which there is no force. */
+    double (*rest)(const aoi_law *law, const double *memory);
+    double parameter[AOI_LAW_PARAMETERS]; /* as the law's own paragraph in law_*.c says */
+    double compliance;   /* c >= 0 [m/N] taken out: F = law(indentation + c F, rate)             */
+    double limit;        /* deepest indentation at which that stands: then AOI_ERROR_PATCH       */
+    int depends_on_rate; /* the force depends on the rate                                        */
+    int turns;           /* loading and unloading differ: a step must end where the rate turns   */
+    int pulls;           /* negative forces are meant; the contact ends at rest only             */
+    const double *table; /* tabulated law: 4 rows of table_count, see aoi_law_create_table       */
+    size_t table_count;
+    aoi_user_law user;   /* the caller's law                                                     */
+    double *note;        /* NULL, or 2 doubles for indentation and rate where the law gave NaN   */
 };
 
-/* Makes the law of that name from count parameters: "hertz" (k), "power" (k, n >= 1), "linear" (k);
- * k in N/m^n, > 0. AOI_ERROR_ARGUMENT for an unknown name, a wrong count or a value out of range. */
+/* Makes the law of that name from count parameters, k in N/m^n:
+ *   hertz: k; power: k, n >= 1; linear: k;
+ *   hunt_crossley: k, chi [s/m], n >= 1; tsuji: k, alpha sqrt(m k) [N s/m^(5/4)]; kuwabara_kono: k,
+ *   A [s]; kelvin_voigt and kelvin_voigt_pulling: k, c [N s/m];
+ *   thornton: k, yield force [N].
+ * k and the yield force are positive, what damps is not negative. The formulas stand in law_*.c.
+ * AOI_ERROR_ARGUMENT for an unknown name, a wrong count or a value out of range. */
 int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
+
+/* A law through count >= 2 knots: cubics between them, a straight line past the last, which is the
+ * law's limit. table: indentations (ascending, from 0), forces (from 0, never falling), slopes there,
+ * and energies (the integral of the cubics), count each; the caller's, for as long as the law is
+ * used. AOI_ERROR_ARGUMENT where these do not hold. */
+int aoi_law_create_table(aoi_law *law, size_t count, const double *table);
+
+/* The caller's law. AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
+int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
+
+/* The force itself, for fixed steps and plots: on the piece of this indentation and direction; zero
+ * at and below rest; cut at zero unless the law pulls. A NaN (of a caller's law) goes through. */
+void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
+                  aoi_law_value *value);
+
+/* As law->piece, of total indentations (compliance or not), for every law. */
+int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, int rising,
+                  double *low, double *high);
+
+/* As law->force on a given piece, of the total indentation: solves d - c F(d) = indentation for the
+ * law's own d, to rounding. Where c dF/dd comes near 1, so that no law is left, it goes on as a
+ * straight line: that is beyond limit, and only for an iteration on its way. */
+void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
+                   double rate, aoi_law_value *value);
+
+/* As law->potential, of the total indentation: less the c F^2/2 that is the bodies' own. Past the
+ * limit of a law with a compliance, where it has no meaning, it grows on as over a straight line. */
+double aoi_law_potential(const aoi_law *law, const double *memory, double indentation);
+
+/* As law->rest, 0 for a law without. The force is zero there, so compliance plays no part. */
+double aoi_law_rest(const aoi_law *law, const double *memory);
+
+/* As law->remember, of the total indentation; nothing for a law without memory. To be called at the
+ * end of every accepted step, and where the rate turns. */
+void aoi_law_remember(const aoi_law *law, double indentation, double rate, double *memory);
 
 /* --------------------------------------------------------------- the contact equation: contact.c */
 
 /* What linear bodies leave to be solved at the end of a step: indentation = indentation_free -
  * compliance F and rate = rate_free - rate_compliance F, with F the law's force of the two. guess:
- * where to look for the indentation first (any value). */
+ * where to look for the indentation first (any value); for a law that pulls, above rest where the
+ * bodies have been in contact so far. */
 typedef struct aoi_contact_equation {
     double indentation_free, compliance;
     double rate_free, rate_compliance;
     double guess;
 } aoi_contact_equation;
 
-/* Solves it: Newton on the indentation, kept inside the bracket (0, indentation_free] by bisection,
- * to rounding; force 0 where indentation_free <= 0. Converges for every law whose force is zero at
- * zero indentation and continuous. */
-int aoi_contact_solve(const aoi_law *law, const aoi_contact_equation *equation, double *force,
-                      double *indentation);
+/* Solves it: Newton on the indentation, kept inside the bracket (rest, indentation_free] by
+ * bisection, to rounding; force 0 where indentation_free <= rest (for a law that pulls: where it
+ * would no longer hold). Converges for every law that is continuous but at rest: where its force
+ * there at once, by the rate, is more than is needed, the indentation is rest and the force what is
+ * needed. memory: the contact's, as everywhere. AOI_ERROR_LAW where the law gives NaN. */
+int aoi_contact_solve(const aoi_law *law, const double *memory,
+                      const aoi_contact_equation *equation, double *force, double *indentation);
 
-/* ------------------------------------------------- Newmark's rule: newmark.c, full.c, section 3.1 */
+/* -------------------------------- contacts that feel each other through bodies: coupled.c */
+
+/* One contact of a scene. The caller sets the first block; delta = u_a - u_b - gap of the ports a, b
+ * of two bodies, and its force F presses a back and b forward. The rest is its state. */
+typedef struct aoi_contact {
+    size_t body[2], port[2];
+    const aoi_law *law;
+    double gap;
+
+    size_t at[2];                    /* its ports among those of the scene                     */
+    double force, indentation, rate; /* at the end of the last step                            */
+    double last_indentation;         /* a step before                                          */
+    double work, start_energy;       /* of F on delta so far; stored in the law at the start   */
+    double memory[AOI_LAW_MEMORY];
+} aoi_contact;
+
+/* The contact equations of a step: delta = free - compliance F and rate = rate_free -
+ * rate_compliance F, with each F its own law's force. The matrices are count x (2 band + 1) by rows,
+ * row i holding the columns i-band .. i+band: contacts that share a body are at most band apart.
+ * indentation, rate, force: count doubles each, the solution. work: aoi_coupled_size doubles. */
+typedef struct aoi_coupled {
+    size_t count, band;
+    double *compliance, *rate_compliance;
+    double *free, *rate_free;
+    double *indentation, *rate, *force;
+    double *work;
+} aoi_coupled;
+
+size_t aoi_coupled_size(size_t count, size_t band);
+
+/* Solves them. contact: their laws, memories and last indentations. Newton's method on all of them at
+ * once, with a banded elimination (cost linear in count); where that leaves the way, contact by
+ * contact with aoi_contact_solve. One contact is that alone. Errors as there. */
+int aoi_coupled_solve(aoi_coupled *equations, const aoi_contact *contact);
+
+/* -------------------------------- Newmark's rule: newmark.c, modal.c, full.c, section 3.1 */
 
 /* dt > 0, beta > 0, gamma >= 1/2; beta = 1/4, gamma = 1/2 is the average-acceleration rule. */
 typedef struct aoi_newmark {
     double dt, beta, gamma;
 } aoi_newmark;
 
-/* One body, seen by an observer at the end of a step. kinetic and elastic are only computed where
- * they are asked for. */
-typedef struct aoi_observation {
-    double displacement, velocity;               /* of the contact coordinate  */
-    double centre_displacement, centre_velocity; /* of the centre of mass      */
-    double kinetic, elastic;                     /* J                          */
-} aoi_observation;
+/* What a rule does in one step, u = p + reach a' and v = q + correct_v a' with the predictors p = u +
+ * dt (v + predict_u a), q = v + predict_v a; reach = dt correct_u. */
+typedef struct aoi_newmark_step {
+    double dt, predict_u, predict_v, correct_u, correct_v, reach;
+} aoi_newmark_step;
 
-/* A linear body that a rule takes through time. predict() moves it to the end of the step without
- * contact force and gives displacement and velocity of its contact coordinate there; correct() adds
- * a force [N] on that coordinate, constant in sign with it: the displacement changes by compliance
- * times it, the velocity by rate_compliance times it. One predict() then one correct() is a step. */
-typedef struct aoi_body aoi_body;
-struct aoi_body {
-    int (*predict)(aoi_body *body, double *displacement, double *velocity);
-    void (*correct)(aoi_body *body, double force);
-    void (*observe)(const aoi_body *body, int energies, aoi_observation *seen);
-    void (*copy_state)(const aoi_body *body, double *u, double *v); /* all coordinates, velocities */
-    double compliance, rate_compliance;
-    const void *model;    /* the aoi_star or aoi_full                              */
-    const double *centre; /* weights of the centre of mass on the coordinates      */
-    double *state;        /* the work space given at the start, laid out by the body */
-    double scratch[12];   /* the body's own constants                              */
+int aoi_newmark_prepare(const aoi_newmark *rule, aoi_newmark_step *step);
+
+/* Rayleigh's damping: C = alpha M + beta K; alpha [1/s] and beta [s] >= 0. On a star: dashpots
+ * alpha m_i to the ground and beta k_i beside each spring. */
+typedef struct aoi_rayleigh {
+    double alpha, beta;
+} aoi_rayleigh;
+
+/* How a body starts. u, v: its coordinates' initial values; centre: their weights in the centre of
+ * mass; gravity: a constant force on each [N], or NULL. All are kept by the body but u and v. */
+typedef struct aoi_start {
+    const double *u, *v, *centre, *gravity;
+} aoi_start;
+
+/* What a body shows at the end of a step, in this order: displacement and velocity of its centre of
+ * mass; kinetic and elastic energy, what damping took so far (the rule's own sum, dt/4 (v + v')^T C
+ * (v + v') each step) and the work of gravity from u = 0 on, in J; displacement and velocity of each
+ * port. */
+enum aoi_body_row {
+    AOI_BODY_CENTRE = 0,
+    AOI_BODY_CENTRE_VELOCITY,
+    AOI_BODY_KINETIC,
+    AOI_BODY_ELASTIC,
+    AOI_BODY_DISSIPATED,
+    AOI_BODY_WORK,
+    AOI_BODY_ROWS,
+    AOI_PORT_ROWS = 2
 };
 
-/* Doubles of work space for aoi_body_start_star. Coordinates are n+1, the contact's first. */
+/* A linear body with one or more ports (contact functionals) that a rule takes through time. begin()
+ * finds the accelerations of the initial state under a force [N] at each port. predict() moves the
+ * body to the end of the step without forces at the ports and gives their displacements and
+ * velocities there; correct() adds forces: displacements change by compliance times them, velocities
+ * by rate_compliance times them (both ports x ports). One predict() then one correct() is a step.
+ * observe() writes what enum aoi_body_row says, stride apart; the four in J only where energies is
+ * not zero. */
+typedef struct aoi_body aoi_body;
+struct aoi_body {
+    int (*begin)(aoi_body *body, const double *force);
+    int (*predict)(aoi_body *body, double *displacement, double *velocity);
+    void (*correct)(aoi_body *body, const double *force);
+    void (*observe)(const aoi_body *body, int energies, double *row, size_t stride);
+    void (*copy_state)(const aoi_body *body, double *u, double *v); /* all coordinates, velocities */
+    size_t ports;
+    const double *compliance, *rate_compliance;
+    const void *model;              /* the aoi_star, aoi_modal or aoi_full                    */
+    const double *centre, *gravity; /* of aoi_start                                           */
+    double *state;                  /* the work space given at the start, laid out by the body */
+    aoi_newmark_step step;
+    double scratch[16]; /* the body's own constants and sums                      */
+};
+
+/* Doubles of work space for aoi_body_start_star. Coordinates are n+1, the contact's first; one port. */
 size_t aoi_body_star_size(size_t n);
 
-/* A star about to step by rule. u0, v0: n+1 initial values each, in equilibrium with no force (or
- * u0 = 0); centre: n+1 weights. Everything must outlive the body. m0 = 0 is stepped as the
- * algebraic equation that it is. */
-int aoi_body_start_star(aoi_body *body, const aoi_star *star, const aoi_newmark *rule,
-                        const double *centre, const double *u0, const double *v0, double *work);
+/* A star about to step by rule, O(n) a step. damping: NULL for none; a damped star needs m0 > 0.
+ * Without m0 the contact is stepped as the algebraic equation that it is. Everything but start itself
+ * must outlive the body. */
+int aoi_body_start_star(aoi_body *body, const aoi_star *star, const aoi_rayleigh *damping,
+                        const aoi_newmark *rule, const aoi_start *start, double *work);
 
-/* A finite-element body: K, M (n x n), contact functional b and weights of the centre of mass
- * (n doubles), and a solver of M + beta dt^2 K. */
+/* A body in its natural modes, mass-normalised: x_j'' + 2 decay_j x_j' + omega_j^2 x_j = sum_p
+ * participation[p][j] f_p, u_p = sum_j participation[p][j] x_j + sum_q residual[p][q] f_q. decay and
+ * residual (symmetric, m/N) may be NULL: zero. */
+typedef struct aoi_modal {
+    size_t n, ports;
+    const double *omega, *decay;
+    const double *participation; /* [ports][n]     */
+    const double *residual;      /* [ports][ports] */
+} aoi_modal;
+
+/* Doubles of work space for aoi_body_start_modal. Coordinates are the n modes. */
+size_t aoi_body_modal_size(size_t n, size_t ports);
+
+/* As aoi_body_start_star. The residual's velocity is its displacement's change over the step. */
+int aoi_body_start_modal(aoi_body *body, const aoi_modal *modal, const aoi_newmark *rule,
+                         const aoi_start *start, double *work);
+
+/* u/f at a port, as real and imaginary part, for count angular frequencies: sum_j weight_j / (omega_j^2
+ * - w^2 + 2 i decay_j w) + residual; weight_j = participation_j^2. */
+void aoi_modal_receptance(size_t n, const double *omega, const double *decay, const double *weight,
+                          double residual, size_t count, const double *frequency, double *real,
+                          double *imaginary);
+
+/* A finite-element body: K, M (n x n) and C by damping, contact functionals b ([ports][n]), and a
+ * solver of (1 + alpha gamma dt) M + (beta' dt^2 + beta gamma dt) K, beta' being the rule's. */
 typedef struct aoi_full {
     aoi_sparse K, M;
     const double *b;
+    size_t ports;
+    aoi_rayleigh damping;
     aoi_solver solver;
 } aoi_full;
 
 /* Doubles of work space for aoi_body_start_full. */
-size_t aoi_body_full_size(size_t n);
+size_t aoi_body_full_size(size_t n, size_t ports);
 
-/* As aoi_body_start_star, for finite elements: one solve here, one a step. */
+/* As aoi_body_start_star, for finite elements: one solve for each port here, one a step. begin() solves
+ * with M by conjugate gradients; rows without mass get no acceleration. */
 int aoi_body_start_full(aoi_body *body, const aoi_full *full, const aoi_newmark *rule,
-                        const double *centre, const double *u0, const double *v0, double *work);
+                        const aoi_start *start, double *work);
 
-/* ------------------------------------------------------------ two bodies in contact: impact.c */
+/* ------------------------------------------------- bodies, contacts and loads in time: scene.c */
 
-/* Rows of a record: one value a step, the initial state first. */
-enum aoi_row {
-    AOI_ROW_FORCE = 0,      /* N, >= 0 in compression                                       */
-    AOI_ROW_INDENTATION,    /* x_projectile - x_target - gap, m                             */
-    AOI_ROW_CONTACT_ENERGY, /* J, stored in the law                                         */
-    AOI_ROW_BODY,           /* then the six of aoi_observation: projectile's, then target's */
-    AOI_ROW_BODY_COUNT = 6,
-    AOI_ROW_COUNT = AOI_ROW_BODY + 2 * AOI_ROW_BODY_COUNT
-};
+/* Rows of a record, one value a step, the initial state first: for each contact force [N],
+ * indentation [m], elastic [J], dissipated [J] (work of the force less elastic; zero for a law that
+ * has neither rate nor memory); then for each body what enum aoi_body_row says, its work being that
+ * of loads and gravity since the start. */
+enum { AOI_CONTACT_ROWS = 4 };
 
-/* A projectile, a target, the law between them and the initial gap >= 0 [m]. The force F presses
- * the projectile back and the target forward. */
-typedef struct aoi_impact {
-    aoi_body *projectile, *target;
-    const aoi_law *law;
-    double gap;
-    double indentation, last_indentation; /* of the last two steps; aoi_impact_start sets them */
-} aoi_impact;
+/* A force on a port that runs straight between times (ascending; of two equal ones the later counts)
+ * and is constant before the first and after the last. force: count >= 1 values. next: state. */
+typedef struct aoi_load {
+    size_t body, port, count;
+    const double *time, *force;
+    size_t next;
+} aoi_load;
 
-/* Writes the initial state into column 0 of the record. row: AOI_ROW_COUNT pointers, NULL for a row
- * not wanted (energies are not computed where all of a body's rows for them are NULL). */
-int aoi_impact_start(aoi_impact *impact, double *const *row);
+/* The force at a time not before the one of the last call. */
+double aoi_load_at(aoi_load *load, double time);
 
-/* Steps on from column first to column last of the record. done gets the last column written; on an
- * error it is the step before the one that failed. May be called again to go on. */
-int aoi_impact_run(aoi_impact *impact, double *const *row, size_t first, size_t last, size_t *done);
+/* The caller sets the first block: bodies started by one rule with step dt, contacts, loads, whether
+ * energies are recorded (their rows are left alone otherwise); work: aoi_scene_size(scene) doubles,
+ * first_port: body_count + 1. */
+typedef struct aoi_scene {
+    size_t body_count, contact_count, load_count;
+    aoi_body *const *body;
+    aoi_contact *contact;
+    aoi_load *load;
+    double dt;
+    int energies;
+    double *work;
+    size_t *first_port;
 
-/* ------------------------------------------- exact linear response: relative.c, bessel.c, flight.c */
+    aoi_coupled coupled;
+    double *displacement, *free_displacement, *free_velocity; /* of all ports                  */
+    double *push, *load_now, *load_before; /* on all ports; push: of loads and contacts        */
+    double *load_work, *gravity_start;     /* of the bodies                                    */
+    double *column;                        /* some columns of the record, row by row           */
+} aoi_scene;
 
-/* Two linear bodies between which one contact force F acts, as modes of the indentation
- *   delta = sum_j x_j - (residual[0] + residual[1]) F - gap,
- *   x_j'' + omega_j^2 x_j = load_j - weight_j F,
- * x_j being the share of mode j in delta (the target's with a minus sign) and weight_j = r_j^2 >= 0
- * the square of its participation (0: a wall, that moves on whatever happens). The projectile's modes come first, n_projectile of n. load
- * [m/s^2] is only read where omega is zero (elsewhere it is a shift of x); residual [m/N] is the
- * compliance left of the projectile and the target where their contact mass is zero. */
-typedef struct aoi_relative {
-    size_t n, n_projectile;
-    const double *omega, *weight, *load;
-    double residual[2];
-    double gap;
-} aoi_relative;
+/* AOI_ERROR_ARGUMENT where a contact or a load names a body or port that is not there, a gap is not
+ * finite, or a load has no values. To be called before the next two. */
+int aoi_scene_check(const aoi_scene *scene);
 
-/* delta and its rate without force. x, v: the modes' shares and their rates, n each. */
-void aoi_relative_indentation(const aoi_relative *relative, const double *x, const double *v,
-                              double *indentation, double *rate);
+size_t aoi_scene_rows(const aoi_scene *scene);
+size_t aoi_scene_size(const aoi_scene *scene);
 
-/* Takes x, v through a time without force, in place: closed form. */
-void aoi_relative_fly(const aoi_relative *relative, double time, double *x, double *v);
+/* Sets the scene to its beginning, the bodies' accelerations included, and writes column 0. record:
+ * aoi_scene_rows(scene) rows of `columns` values. Errors as aoi_scene_check, and
+ * AOI_ERROR_NOT_POSITIVE for a contact where nothing can give way. */
+int aoi_scene_start(aoi_scene *scene, double *record, size_t columns);
 
-/* Flies (x, v change) until the bodies touch, but not beyond limit: gives the time flown, and
- * whether they touch then (delta = 0, rising). Never steps over a touch: each stride is the root of
- * a quadratic that bounds delta from above, high frequencies by their amplitude, low ones by their
- * acceleration. order: n indices of the modes by ascending omega. AOI_ERROR_NO_CONVERGENCE after
- * most strides (a gap that neither opens nor closes). */
-int aoi_relative_next_touch(const aoi_relative *relative, const size_t *order, double limit,
-                            size_t most, double *x, double *v, double *flown, int *touches);
+/* Steps on from column first to column last. done gets the last column written; on an error it is the
+ * step before the one that failed. May be called again to go on. */
+int aoi_scene_run(aoi_scene *scene, double *record, size_t columns, size_t first, size_t last,
+                  size_t *done);
+
+/* ------------------------------------------------- exact linear motion: oscillator.c, bessel.c */
+
+enum { AOI_STAGES = 8 };
+
+/* What x'' + 2 decay x' + omega^2 x = f does in a time from rest: impulse, the response to a unit
+ * impulse; rate, its derivative; step and ramp, its first two integrals, the responses to f = 1 and
+ * f = t. With x0, v0 at the start and f = load + slope t:
+ *   x = x0 + v0 impulse + (load - omega^2 x0) step + slope ramp,
+ *   x' = v0 rate + (load - omega^2 x0) impulse + slope step. */
+typedef struct aoi_motion {
+    double impulse, rate, step, ramp;
+} aoi_motion;
+
+/* omega, decay >= 0 in any proportion (0 and 0: a free mass), time >= 0; no digits are lost where the
+ * time is short. */
+void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *motion);
+
+/* The integrals over [0, 1] of that impulse response, and of its rate, at h (1 - x) against the shifted
+ * Legendre polynomials P_0 .. P_(count-1) of x; count <= AOI_STAGES. h > 0. */
+void aoi_oscillator_integrals(double omega, double decay, double h, size_t count, double *impulse,
+                              double *rate);
 
 /* i^-l e^(iz/2) j_l(z/2) for l < count, as sine (imaginary) and cosine (real) parts: the integrals of
  * sin z(1-x) and cos z(1-x) against the shifted Legendre polynomials on [0, 1]. z > 0, 2 <= count <= 16. */
 void aoi_bessel_trigonometric(double z, size_t count, double *sine, double *cosine);
 
-/* ------------------------------------------------------- collocation on the force: collocation.c */
+/* e^(-z/2) i_l(z/2) for l < count and complex z with real part >= 0, z not 0: the integrals of e^(-z(1-x)). */
+void aoi_bessel_exponential(double real, double imaginary, size_t count, double *re, double *im);
 
-enum { AOI_STAGES = 8 };
+/* ------------------------------------------------------------ a linear body in modes: modes.c */
 
-/* The response of an aoi_relative to a force that is a polynomial over one step of length h, given
- * by its values at the AOI_STAGES Radau nodes: exact, whatever omega h. */
-typedef struct aoi_collocation {
+/* A body with ports (its contact functionals) in natural modes: x_j'' + 2 decay_j x_j' + omega_j^2 x_j
+ * = gravity_j + sum_p push[p][j] f_p, u_p = sum_j shape[p][j] x_j + sum_q residual[p][q] f_q. The scale
+ * of x_j is free; for mass-normalised modes shape = push = participation. A wall has one mode with
+ * shape 1 and push 0, which moves on whatever happens. decay, residual and gravity may be NULL (zero).
+ * f_p is the contact forces plus a load that runs straight between load_time[i] (ascending), where it
+ * is load_force[i][p], and is constant before the first and after the last. */
+typedef struct aoi_modes {
+    size_t n, ports;
+    const double *omega; /* n, ascending */
+    const double *decay;
+    const double *shape, *push; /* [ports][n] */
+    const double *residual;     /* [ports][ports] */
+    const double *gravity;
+    const double *inertia, *centre; /* n: energy inertia v^2 / 2 (0 for a wall); centre of mass */
+    const double *centre_residual;  /* ports: its displacement per force, beside the modes'; or NULL */
+    size_t load_count;
+    const double *load_time, *load_force;
+} aoi_modes;
+
+/* The first time after `time` at which a load bends; infinite where there is none. */
+double aoi_modes_next_bend(const aoi_modes *body, double time);
+
+/* The load on a port just after a time, N, and its slope, N/s. */
+void aoi_modes_load(const aoi_modes *body, size_t port, double time, double *force, double *slope);
+
+/* Acceleration (but for contact forces, decay and spring) of mode j just after a time, and its slope. */
+void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load, double *slope);
+
+/* Takes x, v (n each) from one time to another without contact forces, in place. */
+void aoi_modes_fly(const aoi_modes *body, double from, double to, double *x, double *v);
+
+/* Displacement and velocity of a port, but for the residual compliance's share. */
+void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const double *v,
+                    double *displacement, double *velocity);
+
+/* ----------------------------------------- bodies and the contacts between them: system.c, flight.c */
+
+/* Contact between ports of two bodies (of the same body twice: not allowed): indentation = u_first -
+ * u_second - gap; its force presses the first back and the second forward. */
+typedef struct aoi_joint {
+    size_t body[2], port[2];
+    double gap;
+    const aoi_law *law;
+} aoi_joint;
+
+/* Bodies and contacts. Body b has the modes first[b] .. first[b+1]-1 of the arrays x, v of all, and of
+ * all ports those from first_port[b] to first_port[b+1]-1. */
+typedef struct aoi_system {
+    size_t body_count, joint_count;
+    const aoi_modes *body;
+    const size_t *first, *first_port;
+    const aoi_joint *joint;
+} aoi_system;
+
+/* AOI_ERROR_ARGUMENT where numbers are not finite, frequencies or load times do not ascend, decays are
+ * negative, or a joint names a body or port that is not there, or one body twice. O(all arrays). */
+int aoi_system_check(const aoi_system *system);
+
+/* Two bodies in flight, x and v at the same time of their own (n each), and one joint of theirs. */
+typedef struct aoi_flight {
+    const aoi_modes *body[2];
+    size_t port[2];
+    double gap;
+    double *x[2], *v[2];
+    double time;
+} aoi_flight;
+
+/* The joint's indentation without contact force, its rate and its acceleration. */
+void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double *rate,
+                            double *acceleration);
+
+/* Flies both (in place) until they touch, but not beyond limit; says whether they touch then
+ * (indentation 0, about to rise). Never steps over a touch: each stride is the root of a quadratic
+ * that bounds the indentation from above, high frequencies by their amplitude, low ones by their
+ * acceleration. AOI_ERROR_NO_CONVERGENCE after most strides (a gap that neither opens nor closes). */
+int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touches);
+
+/* ------------------------------------------------------------- polynomials over a step: polynomial.c */
+
+/* sum of count shifted Legendre coefficients at 0 <= at <= 1 (or a little outside), and its derivative
+ * with respect to at; count <= AOI_STAGES + 1. */
+double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
+
+/* Coefficients from the values at the start and the nodes (AOI_STAGES + 1 in, as many out). */
+void aoi_legendre_fit(const double *values, double *coefficient);
+
+/* The first place in (0, 1] at which a polynomial falls to a level that lies below its value at the start,
+ * as far as a look at the nodes shows; 0 where it does not. values: at the start and the nodes. */
+int aoi_legendre_falls(const double *values, const double *coefficient, double level, double *place);
+
+/* Where in (0, 1) it has its largest maximum, if it has one inside. Returns 1 then. */
+int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value);
+
+/* ------------------------------------------------- a body's answer over one step: response.c */
+
+/* What a body does over a step of length h under forces that are polynomials, given by their values at
+ * the AOI_STAGES Radau nodes: exact, whatever omega h. */
+typedef struct aoi_response {
     double h;
-    double influence[AOI_STAGES][AOI_STAGES]; /* -d delta(node) / d F(node)                     */
-    double defect[AOI_STAGES]; /* of a force error at the extra points: delta at the step's end */
-    double *cosine, *sine; /* [stage][n]: cos(omega c h) - 1, sin(omega c h) / omega         */
-    double *to_x, *to_v;   /* [stage][n]: integrals of sine and cosine against l_stage       */
-} aoi_collocation;
+    int has_rates;                        /* influence_rate is filled                     */
+    double *impulse, *rate, *step, *ramp; /* [n][stage]: aoi_motion at the nodes          */
+    double *to_x, *to_v;                  /* [n][stage]: integrals against l_stage        */
+    double *influence, *influence_rate;   /* [port][port][stage][stage]: of a force at the second */
+    double *answer;                       /* [port][stage]: displacement after a unit impulse */
+    double *scratch;
+} aoi_response;
 
-/* Doubles of the block behind the four arrays. */
-size_t aoi_collocation_size(size_t n);
+/* Doubles of the block behind the arrays. */
+size_t aoi_response_size(const aoi_modes *body);
 
 /* Fills the tables of a step of length h > 0; block as above, kept. */
-void aoi_collocation_make(aoi_collocation *step, const aoi_relative *relative, double h,
-                          double *block);
+void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, int with_rates,
+                       double *block);
 
-/* The indentation without force at the nodes. start: what it is at the start of the step; the modes
- * only give its change, since their sum has the rounding of the bodies' places. */
-void aoi_collocation_homogeneous(const aoi_collocation *step, const aoi_relative *relative,
-                                 double start, const double *x, const double *v,
-                                 double *indentation);
+/* Adds sign times the change of a port's displacement, and its rate (where not NULL), at the nodes, that
+ * is due to the state at the start and to the loads; time: of the start. */
+void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *body, size_t port,
+                              double sign, double time, const double *x, const double *v,
+                              double *displacement, double *rate);
 
-/* Solves delta = homogeneous - influence F, F = law(delta) at the nodes by Newton's method, to
- * 1e-13 of scale. indentation: a guess in, the solution out; force out.
- * AOI_ERROR_NO_CONVERGENCE where the guess was too far: take a shorter step. */
-int aoi_collocation_solve(const aoi_collocation *step, const aoi_law *law,
-                          const double *homogeneous, double scale, double *indentation,
-                          double *force);
+/* Takes x, v to the end of the step under force[port][stage] and the loads. */
+void aoi_response_propagate(const aoi_response *response, const aoi_modes *body, double time,
+                            const double *force, double *x, double *v);
 
-/* Takes x, v to the end of the step under the force. */
-void aoi_collocation_propagate(const aoi_collocation *step, const aoi_relative *relative,
-                               const double *force, double *x, double *v);
+/* Adds what the forces did from the start of a step of length h up to place (0 .. 1) to x, v, which have
+ * flown freely to there. */
+void aoi_response_push(const aoi_modes *body, double h, const double *force, double place, double *x,
+                       double *v);
 
-/* A guess of the indentation: the last step's polynomial (length last_length > 0) drawn on, where it
- * reaches, or the motion without force; never deeper than that. */
-void aoi_collocation_guess(const aoi_collocation *step, double last_length, const double *last,
-                           const double *homogeneous, double *indentation);
+/* ------------------------------------------------- all contacts over one step: collocation.c */
 
-/* The first place in (0, 1] of a step that starts in contact where the indentation, of these Legendre
- * coefficients, goes to zero or below: bodies let go. Returns how often it changes sign between the nodes; 0 leaves place alone. */
-int aoi_collocation_release(const double *indentation, const double *legendre, double *place);
+/* In place of a law's piece: bodies that overlap while the law, which may not pull, gives no force. */
+enum { AOI_SLACK = -1 };
 
-/* Where in (0, 1) the indentation has its largest maximum, if it has one inside. Returns 1 then. */
-int aoi_collocation_deepest(const double *legendre, double *place, double *indentation);
+/* One contact during a step. The caller sets the first block: the piece of the law and its memory;
+ * indentation, rate and force at the start of the step; what counts as large for the indentation; the
+ * motion without contact forces, and a guess of the indentation and its rate. */
+typedef struct aoi_stage {
+    size_t joint;
+    const double *memory;
+    int piece;
+    double start, start_rate, start_force, scale;
+    double homogeneous[AOI_STAGES], homogeneous_rate[AOI_STAGES];
+    double indentation[AOI_STAGES], rate[AOI_STAGES];
 
-/* int F dt over the step. */
-double aoi_collocation_impulse(const aoi_collocation *step, const double *force);
+    double force[AOI_STAGES];
+    double legendre[AOI_STAGES + 1]; /* of the indentation */
+} aoi_stage;
 
-/* Adds what the force did from the start of the step up to place (0 .. 1) to x, v, which have flown
- * freely to there. */
-void aoi_collocation_push(double h, const aoi_relative *relative, const double *force, double place,
-                          double *x, double *v);
+/* Doubles of work space of aoi_collocation_solve for count contacts of which those that share a body
+ * are at most span places apart. */
+size_t aoi_collocation_size(size_t count, size_t span);
 
-/* What the collocation solution leaves undone: the law's force minus the polynomial's between the
- * nodes gives the leading error of the impulse and of delta at the end of the step; tail is the last two Legendre coefficients' share of delta. legendre: AOI_STAGES+1 coefficients of
- * delta out. start: delta at the start of the step. */
+/* Solves F = law(indentation, rate) at all nodes of all contacts together by Newton's method, to rounding
+ * of each one's scale. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
+ * body. AOI_ERROR_NO_CONVERGENCE where the guess was too far: take a shorter step. */
+int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
+                          size_t count, size_t span, aoi_stage *stage, double *work);
+
+/* What the solution leaves undone: the law's force minus the polynomial's between the nodes gives the
+ * leading error of the impulse and of the indentation at the end of the step; tail says how much the
+ * last Legendre coefficients still hold. Fills stage->legendre. */
 typedef struct aoi_collocation_error {
     double impulse, indentation, tail;
 } aoi_collocation_error;
-void aoi_collocation_estimate(const aoi_collocation *step, const aoi_law *law, double start,
-                              const double *indentation, const double *force, double *legendre,
-                              aoi_collocation_error *error);
+void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
+                              aoi_stage *stage, aoi_collocation_error *error);
 
-/* A polynomial of count shifted Legendre coefficients at 0 <= at <= 1 (or a little outside), and its
- * derivative with respect to at. */
-double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
+/* int F dt over the step, and int F d(indentation). */
+double aoi_collocation_impulse(const aoi_stage *stage, double h);
+double aoi_collocation_work(const aoi_stage *stage);
 
-/* -------------------------------------------------- a tolerance instead of a step: adaptive.c */
+/* -------------------------------------------------- a tolerance instead of a step: adaptive.c, step.c */
 
-/* One row of a track, the dense record of an adaptive run: a flight (no force) or a step of contact.
- * AOI_TRACK_FIXED + 2n doubles: when it starts, how long it lasts, whether it is a contact (1.0) or a
- * flight (0.0), when within it the bodies let go (negative: they do not), the force at the Radau
- * nodes, the Legendre coefficients of the indentation, then x and v at its start. */
-enum aoi_track {
-    AOI_TRACK_START = 0,
-    AOI_TRACK_LENGTH,
-    AOI_TRACK_CONTACT,
-    AOI_TRACK_RELEASE,
+/* A row of a track, the dense record of an adaptive run: a step of contact, or a moment from which bodies
+ * fly freely. First these five; then for each of its bodies its number the work done on it and lost in it
+ * before (J), and x, v at the start (3 + 2 n);
+ * then for each of its contacts an aoi_track_contact. A body flies from where its last row leaves it. */
+enum aoi_track { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRACK_CONTACTS,
+                 AOI_TRACK_SIZE, AOI_TRACK_FIXED, AOI_TRACK_STATE = 3 };
+
+/* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0);
+ * piece, memory, work done on it before (J), indentation and rate at the start; the force at the nodes; the
+ * Legendre coefficients of the indentation. One that is in no row any more without having ended, has ended
+ * where its last row does. */
+enum aoi_track_contact {
+    AOI_TRACK_JOINT = 0,
+    AOI_TRACK_BEGINS,
+    AOI_TRACK_ENDS,
+    AOI_TRACK_PIECE,
+    AOI_TRACK_MEMORY,
+    AOI_TRACK_WORK = AOI_TRACK_MEMORY + AOI_LAW_MEMORY,
     AOI_TRACK_FORCE,
     AOI_TRACK_INDENTATION = AOI_TRACK_FORCE + AOI_STAGES,
-    AOI_TRACK_FIXED = AOI_TRACK_INDENTATION + AOI_STAGES + 1
+    AOI_TRACK_CONTACT_SIZE = AOI_TRACK_INDENTATION + AOI_STAGES + 1
 };
 
 enum { AOI_TABLES = 12 };
 
-/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities. The caller
- * sets the first block (x, v: n modes' shares and rates at time; order: their indices by ascending
- * omega; block: AOI_TABLES aoi_collocation_size(n) doubles) and calls aoi_adaptive_start. */
-typedef struct aoi_adaptive {
-    const aoi_relative *relative;
-    const aoi_law *law;
-    double rtol, time, end;
-    double *x, *v, *block;
-    const size_t *order;
-
-    int in_contact, level; /* steps are base 2^-level long */
-    double base, indentation_scale, impulse_scale;
-    double touched, elapsed;      /* time is their sum in contact: short steps of a late contact */
-    double start, without_force; /* delta now, and what it would be without F: residual F more */
-    double peak_force, peak_time, impulse;
-    double last_length, last[AOI_STAGES + 1]; /* the last step's indentation, to guess the next */
-    aoi_collocation table[AOI_TABLES];
+/* What a run knows of a body: since when x, v hold, and the tables of the steps it made last. */
+typedef struct aoi_follower {
+    double time;
+    int engaged; /* in this step: 2 under force, 1 beside such a body, 0 in flight */
+    int changed; /* since its last row */
+    double work, dissipated;
+    double *block;
+    size_t table_count;
+    aoi_response table[AOI_TABLES];
     int table_level[AOI_TABLES];
-    size_t table_use[AOI_TABLES], uses;
-    size_t steps, rejected;
+    size_t table_use[AOI_TABLES];
+} aoi_follower;
+
+/* What a run knows of a contact, and what it has found out about it. */
+typedef struct aoi_contact_state {
+    int closed, begins, piece;
+    double low, high; /* ends of the piece */
+    double memory[AOI_LAW_MEMORY];
+    double start, start_rate, force; /* now, while closed */
+    double indentation_scale, impulse_scale, rate_scale;
+    double free_until; /* while open, and both bodies in flight: no touch before */
+    int touches;       /* but then */
+    double slack;      /* while open: so much deeper than rest is no touch yet */
+    int event;         /* what happens to it in the step being tried, and where */
+    double event_place;
+    double last_length, last[AOI_STAGES + 1]; /* the last step's indentation, to guess the next */
+    double peak_force, peak_time, impulse, since_touch, work;
+} aoi_contact_state;
+
+/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities. The caller
+ * sets the first block: x, v at time, of all bodies; body, contact, stage and response of body_count,
+ * joint_count, joint_count and body_count elements; work of aoi_adaptive_size doubles; and calls
+ * aoi_adaptive_start. Bodies that overlap at the start are in contact from the start. */
+typedef struct aoi_adaptive {
+    const aoi_system *system;
+    double rtol, time, end;
+    double *x, *v;
+    aoi_follower *body;
+    aoi_contact_state *contact;
+    aoi_stage *stage;
+    aoi_response *response;
+    double *work;
+
+    size_t span, row_size;
+    size_t closed_count, stage_count; /* the stages: closed contacts first, then those beside them */
+    int level;                        /* steps are base 2^-level long */
+    double base;
+    double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
+    double origin, elapsed; /* time is their sum: short steps of a late contact */
+    double horizon;         /* no contact between bodies in flight before */
+    double *flight[2], *scratch, *port_force, *collocation;
+    size_t steps, rejected, uses;
+    size_t culprit; /* contact in which an error came up */
 } aoi_adaptive;
 
-/* Sets the rest of the run to its beginning. */
+/* Doubles of work, and the largest row of the track. */
+void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *row);
+
+/* Sets the rest of the run to its beginning. Errors as aoi_system_check, also where rtol or the duration
+ * is not positive; AOI_ERROR_NOT_FINITE for x, v. */
 int aoi_adaptive_start(aoi_adaptive *run);
 
-/* Goes on until time >= end, or capacity rows of the track are written (rows says how many; call
- * again with more). AOI_ERROR_TOLERANCE where even the shortest step does not meet rtol. */
-int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, double *track, size_t *rows);
+/* Goes on until time >= end, or less than a row's room is left of capacity doubles of track or of most
+ * entries of index (where each row starts); used and rows say how many were written; call again with
+ * more. AOI_ERROR_TOLERANCE where even the shortest step does not meet rtol; AOI_ERROR_LAW where a law
+ * gives no number; AOI_ERROR_PATCH where contact goes deeper than the law holds. */
+int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,
+                     size_t *used, size_t *rows);
 
-/* ---------------------------------------------------------------------- dense output: track.c */
+/* ------------------------------------------------------------ energies: energy.c; dense output: track.c */
 
-/* How x and v make the centres of mass: centre[j] times x_j, and of the residual compliance. */
-typedef struct aoi_centres {
-    const double *weight;
-    double residual[2];
-} aoi_centres;
+/* Energies of a body, J. force: of all kinds on its ports, or NULL (the residual compliance stores it). */
+void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, const double *force,
+                      double *kinetic, double *elastic);
 
-/* The record (rows of enum aoi_row, NULL where not wanted) at count ascending times within the
- * track. work: 2n doubles. */
-int aoi_track_sample(const aoi_relative *relative, const aoi_law *law, const aoi_centres *centres,
-                     size_t rows, const double *track, size_t count, const double *times,
-                     double *const *row, double *work);
+/* Work of gravity and loads on a body that has gone from x0, v0 to x1, v1 without contact, and what its
+ * damping has taken meanwhile, J. Under rising loads the damped body's are by quadrature. scratch: 2n. */
+void aoi_modes_flight_work(const aoi_modes *body, double from, double to, const double *x0,
+                           const double *v0, const double *x1, const double *v1, double *scratch,
+                           double *work, double *dissipated);
+
+/* The same for a part of a step under force[port][stage], from its start to place (0 .. 1) of h; x0, v0:
+ * at its start, x1, v1: at place. The work leaves out the change of aoi_modes_bent_work, which knows the
+ * forces of both moments. scratch: 2n doubles. */
+void aoi_modes_step_work(const aoi_modes *body, double from, double h, double place,
+                         const double *force, const double *x0, const double *v0, const double *x1,
+                         const double *v1, double *scratch, double *work, double *dissipated);
+
+/* Loads times what the contact forces of the moment bend the residual compliance at them, J. force: of
+ * all kinds on the ports. Their work since a moment without contact has this in it. */
+double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force);
+
+/* A track to be sampled, at times that ascend from one call to the next. The caller sets the first block;
+ * work: doubles of aoi_sampler_size. */
+typedef struct aoi_sampler {
+    const aoi_system *system;
+    const double *track; /* size */
+    const size_t *index; /* rows */
+    size_t size, rows;
+    size_t *body_row, *body_at;       /* body_count each: the row that holds it, and where */
+    size_t *contact_row, *contact_at; /* joint_count each                                  */
+    double *work;
+
+    size_t row, most_modes;
+    double *port_force, *states;
+} aoi_sampler;
+
+size_t aoi_sampler_size(const aoi_system *system);
+
+/* To the beginning of the track. AOI_ERROR_ARGUMENT for one that does not start with all bodies, or names
+ * what is not in the system, or is not whole; and as aoi_system_check. */
+int aoi_sampler_start(aoi_sampler *sampler);
+
+/* Rows of a record, and the column of one time of it: value i goes to record[i * stride]. energies: 0
+ * leaves their rows alone. */
+size_t aoi_sampler_rows(const aoi_system *system);
+int aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
+                       size_t stride);
+
+/* x, then v, of one body (2n doubles) at that time. */
+int aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
+
+/* ------------------------------------------------------------- an impact in a few numbers: brief.c */
+
+/* What many impacts are compared by. */
+typedef struct aoi_brief {
+    double peak_force, peak_time, impulse;
+    double start, end;  /* of the first touch, and of the last; 0 without any                    */
+    double velocity[2]; /* of the centres of mass when the last touch ends; without any, at the end */
+    size_t touches;
+    int lasting; /* the record ends in contact */
+} aoi_brief;
+
+/* Makes a run of two bodies and one joint from its beginning to its end, and sums it up. run: as for
+ * aoi_adaptive_start. track, index: room for capacity doubles and most rows, overwritten. sampler: its
+ * places and work. record: aoi_sampler_rows doubles, overwritten. Errors as aoi_adaptive_run, and
+ * AOI_ERROR_TOO_LONG where the track has no room for the run. */
+int aoi_brief_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,
+                  aoi_sampler *sampler, double *record, aoi_brief *brief);
 
 #ifdef __cplusplus
 }

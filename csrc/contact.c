@@ -8,50 +8,108 @@
 /* A few from a near guess; far above the root of a steep law, Newton only takes off a share 1/n. */
 enum { MOST_ITERATIONS = 2000 };
 
-int aoi_contact_solve(const aoi_law *law, const aoi_contact_equation *equation, double *force,
-                      double *indentation)
+typedef struct search {
+    const aoi_law *law;
+    const double *memory;
+    const aoi_contact_equation *equation;
+    double rate_per_indentation, rest;
+} search;
+
+/* By how much an indentation is too deep for the force that it makes. */
+static double excess_at(const search *s, double x, aoi_law_value *value)
 {
-    const double free_end = equation->indentation_free, compliance = equation->compliance;
-    if (!isfinite(free_end) || !isfinite(equation->rate_free)) {
-        return AOI_ERROR_NOT_FINITE;
+    const aoi_contact_equation *e = s->equation;
+    const double below = x - e->indentation_free;
+    aoi_law_push(s->law, s->memory, x, e->rate_free + s->rate_per_indentation * below, value);
+    return below + e->compliance * value->force;
+}
+
+/* A force that depends on the rate may be there at once when the bodies touch, and be more than the
+ * bodies need to be kept from moving in: then the indentation is rest, and the force what they need.
+ * Returns 1 where that, or no contact at all, is the solution. */
+static int ends_at_rest(const search *s, double *force, double *indentation)
+{
+    const aoi_contact_equation *e = s->equation;
+    const double above = fmax(s->rest * (1.0 + 2.0 * DBL_EPSILON), s->rest + DBL_MIN);
+    aoi_law_value value;
+    if (!(excess_at(s, above, &value) >= 0.0)) {
+        return 0;
     }
-    *force = 0.0;
-    *indentation = free_end;
-    if (free_end <= 0.0) {
-        return AOI_OK;
+    if (e->indentation_free > s->rest) {
+        *force = (e->indentation_free - s->rest) / e->compliance;
+        *indentation = s->rest;
     }
-    const double rate_per_indentation =
-        compliance > 0.0 ? equation->rate_compliance / compliance : 0.0;
-    double low = 0.0, high = free_end;
-    double x = equation->guess > low && equation->guess < high ? equation->guess : high;
+    return 1;
+}
+
+/* An indentation that is not below the solution. Only a force that pulls leads beyond the free one. */
+static double upper_end(const search *s)
+{
+    const aoi_contact_equation *e = s->equation;
+    double high = e->indentation_free;
+    if (s->law->pulls) {
+        aoi_law_value value;
+        high = high > s->rest ? high : e->guess;
+        while (excess_at(s, high, &value) < 0.0 && high < DBL_MAX / 4.0) {
+            high = s->rest + 2.0 * (high - s->rest);
+        }
+    }
+    return high;
+}
+
+/* Newton's method between low and high, by bisection where it would leave them. */
+static int find_root(const search *s, double low, double high, double *force, double *indentation)
+{
+    const aoi_contact_equation *e = s->equation;
+    double x = e->guess > low && e->guess < high ? e->guess : high;
     for (int i = 0; i < MOST_ITERATIONS; i++) {
         aoi_law_value value;
-        law->force(law, x, equation->rate_free + rate_per_indentation * (x - free_end), &value);
-        const double excess = x - free_end + compliance * value.force;
-        const double slope =
-            1.0 + compliance * (value.stiffness + value.damping * rate_per_indentation);
+        const double excess = excess_at(s, x, &value);
+        const double slope = 1.0 + e->compliance * (value.stiffness +
+                                                    value.damping * s->rate_per_indentation);
         if (isnan(excess)) { /* infinite is merely too deep */
-            return AOI_ERROR_NOT_FINITE;
+            return isnan(value.force) ? AOI_ERROR_LAW : AOI_ERROR_NOT_FINITE;
         }
         if (excess > 0.0) {
             high = x;
         } else {
             low = x;
         }
-        const double newton = excess / slope;
+        const double newton = excess / slope, enough = 4.0 * DBL_EPSILON * x;
         double next = x - newton;
         /* Strictly inside, or Newton could jump from end to end of the bracket for ever. */
-        if (!(fabs(newton) <= 4.0 * DBL_EPSILON * x || (next > low && next < high))) {
+        if (!(fabs(newton) <= enough || (next > low && next < high))) {
             next = 0.5 * (low + high);
         }
-        const double moved = fabs(next - x);
+        const int there = fabs(newton) <= enough || fabs(next - x) <= enough || excess == 0.0;
         x = next;
-        if (moved <= 4.0 * DBL_EPSILON * x || excess == 0.0) {
-            law->force(law, x, equation->rate_free + rate_per_indentation * (x - free_end), &value);
+        if (there) {
+            (void)excess_at(s, x, &value);
             *force = value.force;
             *indentation = x;
             return AOI_OK;
         }
     }
     return AOI_ERROR_NO_CONVERGENCE;
+}
+
+int aoi_contact_solve(const aoi_law *law, const double *memory,
+                      const aoi_contact_equation *equation, double *force, double *indentation)
+{
+    const double free_end = equation->indentation_free, compliance = equation->compliance;
+    const double rest = law->rest ? aoi_law_rest(law, memory) : 0.0;
+    if (!isfinite(free_end) || !isfinite(equation->rate_free)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
+    *force = 0.0;
+    *indentation = free_end;
+    if (free_end <= rest && !(law->pulls && equation->guess > rest)) {
+        return AOI_OK;
+    }
+    const search s = {law, memory, equation,
+                      compliance > 0.0 ? equation->rate_compliance / compliance : 0.0, rest};
+    if ((law->depends_on_rate || law->pulls) && ends_at_rest(&s, force, indentation)) {
+        return AOI_OK;
+    }
+    return find_root(&s, rest, upper_end(&s), force, indentation);
 }

@@ -4,29 +4,31 @@
 #include <float.h>
 #include <math.h>
 
-void aoi_relative_indentation(const aoi_relative *relative, const double *x, const double *v,
-                              double *indentation, double *rate)
+void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double *rate,
+                            double *acceleration)
 {
-    double sum = 0.0, rate_sum = 0.0;
-    for (size_t j = 0; j < relative->n; j++) {
-        sum += x[j];
-        rate_sum += v[j];
-    }
-    *indentation = sum - relative->gap;
-    *rate = rate_sum;
-}
-
-void aoi_relative_fly(const aoi_relative *relative, double time, double *x, double *v)
-{
-    for (size_t j = 0; j < relative->n; j++) {
-        const double omega = relative->omega[j], x0 = x[j], v0 = v[j];
-        if (omega > 0.0) {
-            const double c = cos(omega * time), s = sin(omega * time);
-            x[j] = c * x0 + s / omega * v0;
-            v[j] = c * v0 - omega * s * x0;
-        } else {
-            x[j] = x0 + time * (v0 + 0.5 * time * relative->load[j]);
-            v[j] = v0 + time * relative->load[j];
+    *indentation = -pair->gap;
+    *rate = *acceleration = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair->body[side];
+        const double sign = side == 0 ? 1.0 : -1.0;
+        double displacement, velocity, force, rise;
+        aoi_modes_port(body, pair->port[side], pair->x[side], pair->v[side], &displacement,
+                       &velocity);
+        for (size_t q = 0; body->residual && q < body->ports; q++) {
+            const double compliance = body->residual[pair->port[side] * body->ports + q];
+            aoi_modes_load(body, q, pair->time, &force, &rise);
+            displacement += compliance * force;
+            velocity += compliance * rise;
+        }
+        *indentation += sign * displacement;
+        *rate += sign * velocity;
+        for (size_t j = 0; j < body->n; j++) {
+            double load, slope;
+            aoi_modes_drive(body, j, pair->time, &load, &slope);
+            const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
+            load -= omega * omega * pair->x[side][j] + 2.0 * decay * pair->v[side][j];
+            *acceleration += sign * body->shape[pair->port[side] * body->n + j] * load;
         }
     }
 }
@@ -56,65 +58,142 @@ static double first_root(double c, double b, double a)
     return first;
 }
 
-/* A time within which the bodies cannot touch: the best over all ways of cutting the modes into slow
- * ones, which keep to their parabola within half their largest acceleration, and fast ones, which
- * stay within their amplitude. */
-static double safe_stride(const aoi_relative *relative, const size_t *order, const double *x,
-                          const double *v)
+/* A mode that turns by less than this in all the time there is (rad) is only taken as a slow one: its
+ * place of rest under a load may be very far off. */
+static const double HARDLY_TURNS = 0.1;
+
+/* A mode's share in the indentation, bounded from above for a time: as a slow one by a parabola, as a
+ * fast one by its amplitude about a place of rest that its loads may move. */
+typedef struct bound {
+    double level, rate, bend; /* as a slow one */
+    double rest, drift;       /* as a fast one */
+} bound;
+
+static int only_slow(double omega, double within) { return omega * within < HARDLY_TURNS; }
+
+static bound bound_of(const aoi_flight *pair, int side, size_t j, double within)
 {
-    double level = -relative->gap, rate = 0.0, bend = 0.0, best = 0.0;
-    for (size_t k = 0; k < relative->n; k++) {
-        const size_t j = order[k];
-        level += relative->omega[j] > 0.0
-                     ? hypot(x[j], v[j] / relative->omega[j])
-                     : 0.0;
+    const aoi_modes *body = pair->body[side];
+    const double shape =
+        (side == 0 ? 1.0 : -1.0) * body->shape[pair->port[side] * body->n + j];
+    const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
+    const double x = pair->x[side][j], v = pair->v[side][j];
+    double load, slope;
+    aoi_modes_drive(body, j, pair->time, &load, &slope);
+    bound made = {shape * x, shape * v, 0.0, 0.0, 0.0};
+    if (omega == 0.0) {
+        const double now = shape * (load - 2.0 * decay * v);
+        const double later = decay == 0.0 ? now + shape * slope * (isfinite(within) ? within : 0.0)
+                                          : shape * slope / (2.0 * decay);
+        made.bend = 0.5 * (slope == 0.0 && decay == 0.0 ? now : fmax(now, later));
+        return made;
     }
-    for (size_t k = 0; k <= relative->n; k++) {
-        const size_t j = k < relative->n ? order[k] : 0;
-        const int rigid_ahead = k < relative->n && relative->omega[j] == 0.0;
-        if (!rigid_ahead) {
+    const double drift = slope / (omega * omega);
+    const double rest = load / (omega * omega) - 2.0 * decay * drift / (omega * omega);
+    const double amplitude = fabs(shape) * hypot(x - rest, (v - drift) / omega);
+    made.bend = 0.5 * omega * (omega + 2.0 * decay) * amplitude;
+    if (!only_slow(omega, within)) {
+        made.rest = shape * rest + amplitude;
+        made.drift = shape * drift;
+    }
+    return made;
+}
+
+/* The next mode of both bodies together by ascending omega; which of the sides has it. */
+static int next_side(const aoi_flight *pair, const size_t *at)
+{
+    if (at[0] == pair->body[0]->n || at[1] == pair->body[1]->n) {
+        return at[0] == pair->body[0]->n;
+    }
+    return pair->body[1]->omega[at[1]] < pair->body[0]->omega[at[0]];
+}
+
+/* A time within which the bodies cannot touch: the best over all ways of cutting the modes into slow
+ * ones and fast ones. level, rate: of the bound with all of them fast. */
+static double safe_stride(const aoi_flight *pair, double level, double rate, double within)
+{
+    const size_t count = pair->body[0]->n + pair->body[1]->n;
+    size_t at[2] = {0, 0};
+    double bend = 0.0, best = 0.0;
+    for (size_t k = 0; k <= count; k++) {
+        const int side = k < count ? next_side(pair, at) : 0;
+        if (k == count || !only_slow(pair->body[side]->omega[at[side]], within)) {
             const double stride = first_root(level, rate, bend);
             best = stride > best ? stride : best;
         }
-        if (k == relative->n) {
-            break;
+        if (k < count) {
+            const bound of = bound_of(pair, side, at[side]++, within);
+            level += of.level - of.rest;
+            rate += of.rate - of.drift;
+            bend += of.bend;
         }
-        const double omega = relative->omega[j];
-        const double amplitude = omega > 0.0 ? hypot(x[j], v[j] / omega) : 0.0;
-        level += x[j] - amplitude;
-        rate += v[j];
-        bend += 0.5 * (omega > 0.0 ? omega * omega * amplitude : relative->load[j]);
     }
     return best;
 }
 
-int aoi_relative_next_touch(const aoi_relative *relative, const size_t *order, double limit,
-                            size_t most, double *x, double *v, double *flown, int *touches)
+/* The bound's level and drift with all modes taken as fast, and the size of what is summed there. In:
+ * the indentation and its rate, which gap and residual compliance have a share in, too. */
+static void all_fast(const aoi_flight *pair, double within, double *level, double *drift,
+                     double *scale)
 {
-    double scale = relative->gap;
-    *flown = 0.0;
-    *touches = 0;
-    for (size_t j = 0; j < relative->n; j++) {
-        scale += fabs(x[j]) + (relative->omega[j] > 0.0 ? fabs(v[j]) / relative->omega[j] : 0.0);
+    *scale = fabs(pair->gap);
+    for (int side = 0; side < 2; side++) {
+        for (size_t j = 0; j < pair->body[side]->n; j++) {
+            const bound of = bound_of(pair, side, j, within);
+            *level += of.rest - of.level;
+            *drift += of.drift - of.rate;
+            *scale += fabs(of.level) + fabs(of.rest);
+        }
     }
+}
+
+static void fly_pair(aoi_flight *pair, double to)
+{
+    for (int side = 0; side < 2; side++) {
+        aoi_modes_fly(pair->body[side], pair->time, to, pair->x[side], pair->v[side]);
+    }
+    pair->time = to;
+}
+
+/* Bodies that have just let go are at zero only to rounding: where they part, they count as apart. */
+static void part(aoi_flight *pair)
+{
+    double indentation, rate, acceleration, scale;
+    aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
+    double level = indentation, drift = rate;
+    all_fast(pair, 0.0, &level, &drift, &scale);
+    const double rounding = 4.0 * DBL_EPSILON * scale;
+    if (indentation > -rounding && (rate < 0.0 || (rate == 0.0 && acceleration < 0.0))) {
+        pair->gap += indentation + rounding;
+    }
+}
+
+int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touches)
+{
+    *touches = 0;
+    part(pair);
     for (size_t i = 0; i < most; i++) {
-        double indentation, rate;
-        aoi_relative_indentation(relative, x, v, &indentation, &rate);
-        if (rate > 0.0 && indentation >= -4.0 * DBL_EPSILON * scale) {
+        double indentation, rate, acceleration, scale;
+        const double bend = fmin(aoi_modes_next_bend(pair->body[0], pair->time),
+                                 aoi_modes_next_bend(pair->body[1], pair->time));
+        const double stop = fmin(bend, limit), within = stop - pair->time;
+        aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
+        double level = indentation, drift = rate;
+        all_fast(pair, within, &level, &drift, &scale);
+        if (indentation >= -4.0 * DBL_EPSILON * scale &&
+            (rate > 0.0 || (rate == 0.0 && acceleration > 0.0))) {
             *touches = 1;
             return AOI_OK;
         }
-        double stride = safe_stride(relative, order, x, v);
+        double stride = safe_stride(pair, level, drift, within);
         /* At rounding from a touch that does not come, go on by what the rounding is worth. */
         const double least = rate != 0.0 ? DBL_EPSILON * scale / fabs(rate) : 0.0;
-        stride = stride > least ? stride : least;
-        if (*flown + stride >= limit) {
-            aoi_relative_fly(relative, limit - *flown, x, v);
-            *flown = limit;
+        stride = fmax(stride, fmax(least, 2.0 * DBL_EPSILON * fabs(pair->time)));
+        const double next = pair->time + stride;
+        fly_pair(pair, next < stop ? next : stop);
+        if (!(pair->time < limit)) {
             return AOI_OK;
         }
-        aoi_relative_fly(relative, stride, x, v);
-        *flown += stride;
     }
     return AOI_ERROR_NO_CONVERGENCE;
 }

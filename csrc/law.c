@@ -1,89 +1,277 @@
-/* The contact laws: a table of names, each with its force, its elastic energy and its parameters. */
-#include "aoimpact.h"
+/* What holds for every contact law: it is made by name, taken on the piece that the motion is on, a
+ * patch's own compliance is taken out of it, and it does not pull unless that is meant. */
+#include "law.h"
 
-#include <math.h>
+#include <float.h>
 #include <string.h>
 
-/* hertz: k. F = k d^(3/2), eqs. (13)-(15). A square root is ten times cheaper than pow. */
-static void hertz_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
-{
-    const double d = indentation > 0.0 ? indentation : 0.0, root = sqrt(d);
-    (void)rate;
-    value->force = law->parameter[0] * root * d;
-    value->stiffness = 1.5 * law->parameter[0] * root;
-    value->damping = 0.0;
-}
+enum { MOST_ITERATIONS = 200 };
 
-static double hertz_potential(const aoi_law *law, double indentation)
-{
-    const double d = indentation > 0.0 ? indentation : 0.0;
-    return 0.4 * law->parameter[0] * d * d * sqrt(d);
-}
+/* With its compliance taken out, a law grows stiffer by 1/(1 - c dF/dd). Beyond this share the law
+ * goes on as a straight line: its own slope would soon be infinite. */
+static const double MOST_SHARE = 0.95;
 
-/* power: k, n. F = k d^n. */
-static void power_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
+static int create(aoi_law *law, const aoi_law_kind *kind, size_t count, const double *parameter)
 {
-    (void)rate;
-    value->force = value->stiffness = value->damping = 0.0;
-    if (indentation > 0.0) {
-        const double slope = law->parameter[0] * pow(indentation, law->parameter[1] - 1.0);
-        value->force = slope * indentation;
-        value->stiffness = law->parameter[1] * slope;
+    if (count != kind->count) {
+        return AOI_ERROR_ARGUMENT;
     }
+    *law = kind->law;
+    law->limit = HUGE_VAL;
+    for (size_t i = 0; i < count; i++) {
+        const double p = parameter[i];
+        if (!isfinite(p) || p < kind->least[i] || p > kind->most[i]) {
+            return AOI_ERROR_ARGUMENT;
+        }
+        law->parameter[i] = p;
+    }
+    if (kind->prepare) {
+        kind->prepare(law);
+    }
+    return AOI_OK;
 }
-
-static double power_potential(const aoi_law *law, double indentation)
-{
-    const double n = law->parameter[1];
-    return indentation > 0.0 ? law->parameter[0] * pow(indentation, n + 1.0) / (n + 1.0) : 0.0;
-}
-
-/* linear: k. F = k d. */
-static void linear_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
-{
-    const double d = indentation > 0.0 ? indentation : 0.0;
-    (void)rate;
-    value->force = law->parameter[0] * d;
-    value->stiffness = d > 0.0 ? law->parameter[0] : 0.0;
-    value->damping = 0.0;
-}
-
-static double linear_potential(const aoi_law *law, double indentation)
-{
-    return indentation > 0.0 ? 0.5 * law->parameter[0] * indentation * indentation : 0.0;
-}
-
-static const struct {
-    const char *name;
-    size_t count;
-    void (*force)(const aoi_law *, double, double, aoi_law_value *);
-    double (*potential)(const aoi_law *, double);
-    double least[AOI_LAW_PARAMETERS]; /* parameters must be positive, and at least this */
-} laws[] = {
-    {"hertz", 1, hertz_force, hertz_potential, {0.0}},
-    {"power", 2, power_force, power_potential, {0.0, 1.0}},
-    {"linear", 1, linear_force, linear_potential, {0.0}},
-};
 
 int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter)
 {
-    for (size_t i = 0; i < sizeof laws / sizeof laws[0]; i++) {
-        if (strcmp(name, laws[i].name) != 0) {
-            continue;
-        }
-        if (count != laws[i].count) {
-            return AOI_ERROR_ARGUMENT;
-        }
-        for (size_t j = 0; j < count; j++) {
-            if (!isfinite(parameter[j]) || !(parameter[j] > 0.0) ||
-                parameter[j] < laws[i].least[j]) {
-                return AOI_ERROR_ARGUMENT;
+    const struct {
+        const aoi_law_kind *kind;
+        size_t count;
+    } tables[] = {{aoi_laws_elastic, aoi_laws_elastic_count},
+                  {aoi_laws_viscous, aoi_laws_viscous_count},
+                  {&aoi_law_thornton, 1}};
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
+        for (size_t j = 0; j < tables[i].count; j++) {
+            if (strcmp(name, tables[i].kind[j].name) == 0) {
+                return create(law, &tables[i].kind[j], count, parameter);
             }
-            law->parameter[j] = parameter[j];
         }
-        law->force = laws[i].force;
-        law->potential = laws[i].potential;
-        return AOI_OK;
     }
     return AOI_ERROR_ARGUMENT;
+}
+
+/* The law's own force on a piece; a NaN is noted with the state that gave it. */
+static void own_force(const aoi_law *law, const double *memory, int piece, double indentation,
+                      double rate, aoi_law_value *value)
+{
+    law->force(law, memory, piece, indentation, rate, value);
+    if (law->note && isnan(value->force + value->stiffness + value->damping)) {
+        law->note[0] = indentation;
+        law->note[1] = rate;
+    }
+}
+
+/* From the law's value at its own indentation d to that over the total one, d - c F. */
+static void stiffen(double compliance, aoi_law_value *value)
+{
+    const double share = compliance * value->stiffness;
+    const double stiffer = 1.0 / (1.0 - (share < MOST_SHARE ? share : MOST_SHARE));
+    value->stiffness *= stiffer;
+    value->damping *= stiffer;
+}
+
+/* d at which c dF/dd is MOST_SHARE, between one where it is less and one where it is not. */
+static double steepest(const aoi_law *law, const double *memory, int piece, double rate, double low,
+                       double high, aoi_law_value *value)
+{
+    for (int i = 0; i < MOST_ITERATIONS && high - low > 2.0 * DBL_EPSILON * high; i++) {
+        const double middle = 0.5 * (low + high);
+        own_force(law, memory, piece, middle, rate, value);
+        if (law->compliance * value->stiffness < MOST_SHARE) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    own_force(law, memory, piece, low, rate, value);
+    return low;
+}
+
+/* The search for d with d - c F(d) = indentation, on one piece at one rate. */
+typedef struct search {
+    const aoi_law *law;
+    const double *memory;
+    int piece;
+    double indentation, rate;
+    double low, high;
+} search;
+
+/* Below the root, where c dF/dd has reached MOST_SHARE at d. If the law is steep only at its start
+ * (d^(1/4)), d goes past that; if the root lies nearer than where the share is reached, the bracket
+ * closes. Else there is no root to be trusted: the line through the place of that share is the law;
+ * 1 is returned, and as d the one of the same force. */
+static int too_steep(search *s, double *d, aoi_law_value *value)
+{
+    const double c = s->law->compliance, further = s->indentation + c * value->force;
+    aoi_law_value there;
+    own_force(s->law, s->memory, s->piece, further, s->rate, &there);
+    if (there.stiffness < value->stiffness) {
+        *d = further;
+        return 0;
+    }
+    s->low = fmax(s->low, aoi_law_rest(s->law, s->memory));
+    s->high = steepest(s->law, s->memory, s->piece, s->rate, s->low, *d, value);
+    const double beyond = s->indentation - (s->high - c * value->force);
+    if (beyond < 0.0) {
+        *d = 0.5 * (s->low + s->high);
+        return 0;
+    }
+    value->force += beyond * value->stiffness / (1.0 - MOST_SHARE);
+    *d = s->indentation + c * value->force;
+    return 1;
+}
+
+/* Halley's step from d, Newton's where the law is no power: n = d F'/F, F'' = (n - 1) F'/d. */
+static double step_of(double c, double missing, double d, const aoi_law_value *value)
+{
+    const double slope = value->stiffness, force = value->force;
+    const double give = 1.0 - (c * slope < MOST_SHARE ? c * slope : MOST_SHARE);
+    const double excess = d * slope - force; /* (n - 1) F */
+    if (!(force > 0.0 && excess > 0.0 && excess < 3.0 * force)) {
+        return missing / give;
+    }
+    const double bend = 0.5 * c * missing * slope * excess / (force * d * give);
+    return missing / (give - (bend < 0.5 * give ? bend : 0.5 * give));
+}
+
+/* Solves d - c F(d) = indentation for the law's own indentation d; value: the law there. Halley's
+ * method, with the curvature of the power of d that the law is like here, from d = indentation; the
+ * bracket holds it where the law is not like one. */
+static double own_indentation(const aoi_law *law, const double *memory, int piece,
+                              double indentation, double rate, aoi_law_value *value)
+{
+    search s = {law, memory, piece, indentation, rate, -HUGE_VAL, HUGE_VAL};
+    double d = indentation;
+    for (int i = 0; i < MOST_ITERATIONS; i++) {
+        own_force(law, memory, piece, d, rate, value);
+        const double missing = indentation - (d - law->compliance * value->force);
+        const double share = law->compliance * value->stiffness;
+        if (isnan(missing)) {
+            return d;
+        }
+        if (missing > 0.0 && share >= MOST_SHARE) {
+            if (too_steep(&s, &d, value)) {
+                return d;
+            }
+            continue;
+        }
+        if (fabs(missing) <= 2.0 * DBL_EPSILON * fabs(d)) { /* the rounding of its terms */
+            return d;
+        }
+        *(missing > 0.0 ? &s.low : &s.high) = d;
+        double next = d + step_of(law->compliance, missing, d, value);
+        if (!(next > s.low && next < s.high) && s.low > -HUGE_VAL && s.high < HUGE_VAL) {
+            next = 0.5 * (s.low + s.high);
+        }
+        d = next;
+    }
+    return d;
+}
+
+void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
+                   double rate, aoi_law_value *value)
+{
+    if (law->compliance == 0.0) {
+        own_force(law, memory, piece, indentation, rate, value);
+        return;
+    }
+    (void)own_indentation(law, memory, piece, indentation, rate, value);
+    stiffen(law->compliance, value);
+}
+
+double aoi_law_rest(const aoi_law *law, const double *memory)
+{
+    return law->rest ? law->rest(law, memory) : 0.0;
+}
+
+/* The end of a piece, given by the law's own indentation there, as total indentation. */
+static double total_at(const aoi_law *law, const double *memory, int piece, double end)
+{
+    aoi_law_value value;
+    if (law->compliance == 0.0 || fabs(end) == HUGE_VAL) {
+        return end;
+    }
+    own_force(law, memory, piece, end, 0.0, &value);
+    return end - law->compliance * value.force;
+}
+
+int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, int rising,
+                  double *low, double *high)
+{
+    *low = -HUGE_VAL;
+    *high = HUGE_VAL;
+    if (!law->piece) {
+        return 0;
+    }
+    int piece = law->piece(law, memory, indentation, rising, low, high);
+    if (law->compliance == 0.0) {
+        return piece;
+    }
+    /* With a compliance d > indentation: go up from piece to piece until one reaches as far. At an
+     * end, to rounding, only a rising motion goes on to the next. */
+    double end = total_at(law, memory, piece, *high);
+    const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
+    while (end <= indentation + rounding) {
+        piece = law->piece(law, memory, *high, 1, low, high);
+        end = total_at(law, memory, piece, *high);
+    }
+    *low = total_at(law, memory, piece, *low);
+    *high = end;
+    return piece;
+}
+
+void aoi_law_remember(const aoi_law *law, double indentation, double rate, double *memory)
+{
+    if (!law->remember) {
+        return;
+    }
+    if (law->compliance > 0.0 && indentation > aoi_law_rest(law, memory)) {
+        aoi_law_value value;
+        double low, high;
+        const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
+        indentation = own_indentation(law, memory, piece, indentation, rate, &value);
+    }
+    law->remember(law, indentation, rate, memory);
+}
+
+void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
+                  aoi_law_value *value)
+{
+    if (indentation <= aoi_law_rest(law, memory)) {
+        *value = (aoi_law_value){0.0, 0.0, 0.0};
+        return;
+    }
+    int piece = 0;
+    if (law->piece) {
+        double low, high;
+        piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
+    }
+    aoi_law_force(law, memory, piece, indentation, rate, value);
+    if (value->force < 0.0 && !law->pulls) {
+        *value = (aoi_law_value){0.0, 0.0, 0.0};
+    }
+}
+
+/* That of a law with a compliance, up to its limit. */
+static double inner_potential(const aoi_law *law, const double *memory, double indentation)
+{
+    aoi_law_value value;
+    double low, high;
+    const int piece = aoi_law_piece(law, memory, indentation, 0, &low, &high);
+    const double d = own_indentation(law, memory, piece, indentation, 0.0, &value);
+    return law->potential(law, memory, d) - 0.5 * law->compliance * value.force * value.force;
+}
+
+double aoi_law_potential(const aoi_law *law, const double *memory, double indentation)
+{
+    if (law->compliance == 0.0 || indentation <= aoi_law_rest(law, memory)) {
+        return law->potential(law, memory, indentation);
+    }
+    const double past = indentation - law->limit;
+    if (!(past > 0.0)) {
+        return inner_potential(law, memory, indentation);
+    }
+    aoi_law_value end;
+    aoi_law_push(law, memory, law->limit, 0.0, &end);
+    return inner_potential(law, memory, law->limit) +
+           past * (end.force + 0.5 * end.stiffness * past);
 }

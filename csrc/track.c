@@ -1,108 +1,407 @@
-/* Dense output: the record at any time of a track, from the row that holds it. Between the start of a
- * row and the time asked for, the bodies are taken on exactly as the run itself took them. */
-#include "aoimpact.h"
+/* Dense output: the record at any time of a track, from the rows that hold it. Between the start of a row
+ * and the time asked for, the bodies are taken on exactly as the run itself took them. */
+#include "radau.h"
 
-/* The last of the rows that starts at or before time. */
-static size_t row_at(size_t rows, size_t width, const double *track, double time)
+#include <float.h>
+#include <math.h>
+
+static size_t most_modes(const aoi_system *system)
 {
-    size_t low = 0, high = rows;
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (track[middle * width + AOI_TRACK_START] <= time) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+    size_t most = 1;
+    for (size_t b = 0; b < system->body_count; b++) {
+        most = system->body[b].n > most ? system->body[b].n : most;
     }
-    return low;
+    return most;
 }
 
-/* x, v at a time of a row; gives force, indentation and its rate there. */
-static void state_at(const aoi_relative *relative, const aoi_law *law, const double *row, double time,
-                     double *x, double *v, aoi_law_value *value, double *indentation, double *rate)
+size_t aoi_sampler_size(const aoi_system *system)
 {
-    const size_t n = relative->n;
-    const double length = row[AOI_TRACK_LENGTH];
-    for (size_t j = 0; j < n; j++) {
-        x[j] = row[AOI_TRACK_FIXED + j];
-        v[j] = row[AOI_TRACK_FIXED + n + j];
-    }
-    const double flown = time - row[AOI_TRACK_START];
-    aoi_relative_fly(relative, flown, x, v);
-    *value = (aoi_law_value){0.0, 0.0, 0.0};
-    const double place = length > 0.0 ? flown / length : 0.0;
-    if (row[AOI_TRACK_CONTACT] == 1.0 && place > 0.0) {
-        aoi_collocation_push(length, relative, row + AOI_TRACK_FORCE, place, x, v);
-    }
-    aoi_relative_indentation(relative, x, v, indentation, rate);
-    if (row[AOI_TRACK_CONTACT] == 1.0) {
-        double slope;
-        *indentation =
-            aoi_legendre_evaluate(AOI_STAGES + 1, row + AOI_TRACK_INDENTATION, place, &slope);
-        *rate = length > 0.0 ? slope / length : *rate;
-        law->force(law, *indentation, *rate, value);
-    }
+    return system->first_port[system->body_count] * (AOI_STAGES + 3) + 6 * most_modes(system);
 }
 
-/* The six rows of one body: modes first .. last-1, sign of their share in the indentation. */
-static void write_body(const aoi_relative *relative, size_t first, size_t last, double sign,
-                       double residual, const aoi_law_value *value, double rate,
-                       const double *centre_weight, double centre_residual, const double *x,
-                       const double *v, double *const *row, size_t column)
+size_t aoi_sampler_rows(const aoi_system *system)
 {
-    const double held_back = sign * residual * value->force;
-    const double held_back_rate = sign * residual * value->stiffness * rate;
-    double seen[AOI_ROW_BODY_COUNT] = {-held_back, -held_back_rate,
-                                       -sign * centre_residual * value->force,
-                                       -sign * centre_residual * value->stiffness * rate,
-                                       0.0,
-                                       0.5 * residual * value->force * value->force};
-    for (size_t j = first; j < last; j++) {
-        const double omega_x = relative->omega[j] * x[j];
-        seen[0] += sign * x[j];
-        seen[1] += sign * v[j];
-        seen[2] += sign * centre_weight[j] * x[j];
-        seen[3] += sign * centre_weight[j] * v[j];
-        if (relative->weight[j] > 0.0) { /* a wall's energy is not counted */
-            seen[4] += 0.5 * v[j] * v[j] / relative->weight[j];
-            seen[5] += 0.5 * omega_x * omega_x / relative->weight[j];
-        }
+    return AOI_CONTACT_ROWS * system->joint_count + AOI_BODY_ROWS * system->body_count +
+           AOI_PORT_ROWS * system->first_port[system->body_count];
+}
+
+/* The forces of the present row on all ports. */
+static void gather(aoi_sampler *sampler)
+{
+    const aoi_system *system = sampler->system;
+    const size_t ports = system->first_port[system->body_count];
+    for (size_t k = 0; k < ports * AOI_STAGES; k++) {
+        sampler->port_force[k] = 0.0;
     }
-    for (int i = 0; i < AOI_ROW_BODY_COUNT; i++) {
-        if (row[i]) {
-            row[i][column] = seen[i];
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (sampler->contact_row[c] != sampler->row) {
+            continue;
+        }
+        const double *force = sampler->track + sampler->contact_at[c] + AOI_TRACK_FORCE;
+        for (int side = 0; side < 2; side++) {
+            const size_t port = system->first_port[system->joint[c].body[side]] +
+                                system->joint[c].port[side];
+            aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, force,
+                           sampler->port_force + port * AOI_STAGES);
         }
     }
 }
 
-int aoi_track_sample(const aoi_relative *relative, const aoi_law *law, const aoi_centres *centres,
-                     size_t rows, const double *track, size_t count, const double *times,
-                     double *const *row, double *work)
+/* Takes note of the bodies and contacts of a row. */
+static void enter_row(aoi_sampler *sampler, size_t row)
 {
-    const size_t n = relative->n, width = AOI_TRACK_FIXED + 2 * n;
-    double *x = work, *v = work + n;
-    if (rows == 0) {
+    const aoi_system *system = sampler->system;
+    const double *here = sampler->track + sampler->index[row];
+    size_t at = sampler->index[row] + AOI_TRACK_FIXED;
+    sampler->row = row;
+    for (size_t i = 0; i < (size_t)here[AOI_TRACK_BODIES]; i++) {
+        const size_t b = (size_t)sampler->track[at];
+        sampler->body_row[b] = row;
+        sampler->body_at[b] = at;
+        at += AOI_TRACK_STATE + 2 * system->body[b].n;
+    }
+    for (size_t i = 0; i < (size_t)here[AOI_TRACK_CONTACTS]; i++) {
+        const size_t c = (size_t)sampler->track[at];
+        sampler->contact_row[c] = row;
+        sampler->contact_at[c] = at;
+        at += AOI_TRACK_CONTACT_SIZE;
+    }
+}
+
+/* A number of things in a track, below a limit. */
+static int number_below(double value, size_t limit, size_t *number)
+{
+    *number = 0;
+    if (!(value >= 0.0 && value < (double)limit)) {
+        return 0;
+    }
+    *number = (size_t)value;
+    return (double)*number == value;
+}
+
+/* Whether a contact of a row can be read. */
+static int contact_is_sound(const aoi_system *system, const double *of)
+{
+    size_t joint, piece;
+    if (!number_below(of[AOI_TRACK_JOINT], system->joint_count, &joint)) {
+        return 0;
+    }
+    const aoi_law *law = system->joint[joint].law;
+    return of[AOI_TRACK_PIECE] == AOI_SLACK ||
+           number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
+}
+
+/* Where a row ends that begins at a place; 0 if it does not lie within the track, or names what is not in
+ * the system. */
+static size_t end_of_row(const aoi_sampler *sampler, size_t at)
+{
+    const aoi_system *system = sampler->system;
+    size_t bodies, contacts, b, end = at + AOI_TRACK_FIXED;
+    if (sampler->size - at < AOI_TRACK_FIXED) {
+        return 0;
+    }
+    const double *track = sampler->track, *row = track + at;
+    if (!number_below(row[AOI_TRACK_BODIES], system->body_count + 1, &bodies) ||
+        !number_below(row[AOI_TRACK_CONTACTS], system->joint_count + 1, &contacts)) {
+        return 0;
+    }
+    for (; bodies > 0; bodies--) {
+        if (end == sampler->size || !number_below(track[end], system->body_count, &b) ||
+            sampler->size - end < AOI_TRACK_STATE + 2 * system->body[b].n) {
+            return 0;
+        }
+        end += AOI_TRACK_STATE + 2 * system->body[b].n;
+    }
+    for (; contacts > 0; contacts--) {
+        if (sampler->size - end < AOI_TRACK_CONTACT_SIZE || !contact_is_sound(system, track + end)) {
+            return 0;
+        }
+        end += AOI_TRACK_CONTACT_SIZE;
+    }
+    return end;
+}
+
+/* Rows follow each other without holes and make up the track. */
+static int track_is_sound(const aoi_sampler *sampler)
+{
+    size_t end = 0;
+    for (size_t row = 0; row < sampler->rows; row++) {
+        if (sampler->index[row] != end) {
+            return 0;
+        }
+        end = end_of_row(sampler, end);
+        if (end == 0) {
+            return 0;
+        }
+    }
+    return sampler->rows > 0 && end == sampler->size;
+}
+
+int aoi_sampler_start(aoi_sampler *sampler)
+{
+    const aoi_system *system = sampler->system;
+    if (aoi_system_check(system) != AOI_OK || !track_is_sound(sampler)) {
         return AOI_ERROR_ARGUMENT;
     }
-    for (size_t i = 0; i < count; i++) {
-        const double *here = track + row_at(rows, width, track, times[i]) * width;
-        aoi_law_value value;
-        double indentation, rate;
-        state_at(relative, law, here, times[i], x, v, &value, &indentation, &rate);
-        if (row[AOI_ROW_FORCE]) {
-            row[AOI_ROW_FORCE][i] = value.force;
+    sampler->most_modes = most_modes(system);
+    sampler->port_force = sampler->work;
+    sampler->states =
+        sampler->work + system->first_port[system->body_count] * (AOI_STAGES + 3);
+    for (size_t b = 0; b < system->body_count; b++) {
+        sampler->body_row[b] = sampler->rows;
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        sampler->contact_row[c] = sampler->rows;
+        sampler->contact_at[c] = 0;
+    }
+    enter_row(sampler, 0);
+    for (size_t b = 0; b < system->body_count; b++) {
+        if (sampler->body_row[b] == sampler->rows) {
+            return AOI_ERROR_ARGUMENT;
         }
-        if (row[AOI_ROW_INDENTATION]) {
-            row[AOI_ROW_INDENTATION][i] = indentation;
+    }
+    gather(sampler);
+    return AOI_OK;
+}
+
+static const double *row_of(const aoi_sampler *sampler, size_t row)
+{
+    return sampler->track + sampler->index[row];
+}
+
+static void advance(aoi_sampler *sampler, double time)
+{
+    const size_t before = sampler->row;
+    while (sampler->row + 1 < sampler->rows &&
+           row_of(sampler, sampler->row + 1)[AOI_TRACK_START] <= time) {
+        enter_row(sampler, sampler->row + 1);
+    }
+    if (sampler->row != before) {
+        gather(sampler);
+    }
+}
+
+/* Where in the present row a time lies; 1 after it. */
+static double place_of(const aoi_sampler *sampler, double time)
+{
+    const double *row = row_of(sampler, sampler->row);
+    const double length = row[AOI_TRACK_LENGTH], into = time - row[AOI_TRACK_START];
+    return length > 0.0 ? fmin(1.0, into / length) : 1.0;
+}
+
+/* x, v of a body at a time, into state (2n). Returns whether forces have acted on it since its row. */
+static int state_at(const aoi_sampler *sampler, double time, size_t b, double *state)
+{
+    const aoi_modes *body = &sampler->system->body[b];
+    const double *held = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
+    const double *row = row_of(sampler, sampler->body_row[b]);
+    const double start = row[AOI_TRACK_START], length = row[AOI_TRACK_LENGTH];
+    for (size_t k = 0; k < 2 * body->n; k++) {
+        state[k] = held[k];
+    }
+    const int pushed = sampler->body_row[b] == sampler->row && length > 0.0 && time > start;
+    const double place = pushed ? place_of(sampler, time) : 0.0;
+    aoi_modes_fly(body, start, pushed ? start + place * length : time, state, state + body->n);
+    if (pushed) {
+        aoi_response_push(body, length,
+                          sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, place,
+                          state, state + body->n);
+        aoi_modes_fly(body, start + length, time, state, state + body->n);
+    }
+    return pushed;
+}
+
+int aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state)
+{
+    advance(sampler, time);
+    (void)state_at(sampler, time, body, state);
+    return AOI_OK;
+}
+
+/* Work on a contact over its row up to place: the quadrature of the run itself, on that part. */
+static double contact_work(const double *of, double place)
+{
+    double legendre[AOI_STAGES], work = 0.0;
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        double slope, ignored;
+        const double at = place * aoi_radau_node[i];
+        (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, at, &slope);
+        work += aoi_radau_to_legendre[0][i] * place *
+                aoi_legendre_evaluate(AOI_STAGES, legendre, at, &ignored) * slope;
+    }
+    return work;
+}
+
+/* A law that gives back all it takes: what its work does not balance is the run's own error. */
+static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law->remember; }
+
+/* The force's polynomial at a place of its row. */
+static double force_at(const double *of, double place)
+{
+    double legendre[AOI_STAGES], slope;
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
+    }
+    return aoi_legendre_evaluate(AOI_STAGES, legendre, place, &slope);
+}
+
+/* The rows of a contact that is closed; its force and the rate of that for the bodies. */
+static double closed_contact(const aoi_sampler *sampler, size_t c, double place, int energies,
+                             double *record, size_t stride, double *force_rate)
+{
+    const aoi_law *law = sampler->system->joint[c].law;
+    const double *of = sampler->track + sampler->contact_at[c];
+    const double length = row_of(sampler, sampler->row)[AOI_TRACK_LENGTH];
+    const int piece = (int)of[AOI_TRACK_PIECE];
+    double slope;
+    aoi_law_value value = {0.0, 0.0, 0.0};
+    const double indentation =
+        aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
+    if (piece != AOI_SLACK) {
+        aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
+        if (law->depends_on_rate) { /* the slope over a very short step is noise */
+            value.force = force_at(of, place);
         }
-        if (row[AOI_ROW_CONTACT_ENERGY]) {
-            row[AOI_ROW_CONTACT_ENERGY][i] = law->potential(law, indentation);
+        value.force = law->pulls || value.force > 0.0 ? value.force : 0.0;
+    }
+    *force_rate = value.stiffness * slope / length;
+    record[0] = value.force;
+    record[stride] = indentation;
+    if (energies) {
+        const double elastic = piece == AOI_SLACK ? 0.0
+                                                  : aoi_law_potential(law, of + AOI_TRACK_MEMORY,
+                                                                      indentation);
+        record[2 * stride] = elastic;
+        record[3 * stride] =
+            is_elastic(law) ? 0.0 : of[AOI_TRACK_WORK] + contact_work(of, place) - elastic;
+    }
+    return value.force;
+}
+
+/* The indentation by the places of the ports. */
+static double between(const aoi_system *system, size_t c, const double *port_displacement)
+{
+    const aoi_joint *joint = &system->joint[c];
+    return port_displacement[system->first_port[joint->body[0]] + joint->port[0]] -
+           port_displacement[system->first_port[joint->body[1]] + joint->port[1]] - joint->gap;
+}
+
+/* The rows of a contact that is open, from the displacements of its ports. */
+static void open_contact(const aoi_sampler *sampler, size_t c, const double *port_displacement,
+                         int energies, double *record, size_t stride)
+{
+    const aoi_joint *joint = &sampler->system->joint[c];
+    const double indentation = between(sampler->system, c, port_displacement);
+    record[0] = 0.0;
+    record[stride] = indentation;
+    if (energies) {
+        const double *of = sampler->track + sampler->contact_at[c];
+        const int touched = sampler->contact_row[c] < sampler->rows && !is_elastic(joint->law);
+        record[2 * stride] = 0.0;
+        record[3 * stride] = touched ? of[AOI_TRACK_WORK] + contact_work(of, 1.0) : 0.0;
+    }
+}
+
+static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int pushed,
+                        const double *state, double *work, double *dissipated)
+{
+    const aoi_modes *body = &sampler->system->body[b];
+    const double *held = sampler->track + sampler->body_at[b];
+    const double *row = row_of(sampler, sampler->body_row[b]), start = row[AOI_TRACK_START];
+    const double *x0 = held + AOI_TRACK_STATE, *v0 = x0 + body->n;
+    double *scratch = sampler->states + 4 * sampler->most_modes, more, lost;
+    if (pushed) {
+        aoi_modes_step_work(body, start, row[AOI_TRACK_LENGTH], place_of(sampler, time),
+                            sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, x0, v0,
+                            state, state + body->n, scratch, &more, &lost);
+    } else {
+        aoi_modes_flight_work(body, start, time, x0, v0, state, state + body->n, scratch, &more,
+                              &lost);
+    }
+    *work = held[1] + more;
+    *dissipated = held[2] + lost;
+}
+
+/* The rows of a body. force, force_rate: of all kinds on its ports. */
+static void write_body(aoi_sampler *sampler, double time, size_t b, int energies, const double *force,
+                       const double *force_rate, double *record, size_t stride,
+                       double *port_displacement)
+{
+    const aoi_modes *body = &sampler->system->body[b];
+    double *x = sampler->states, *v = x + body->n;
+    const int pushed = state_at(sampler, time, b, x);
+    record[0] = aoi_vector_dot(body->n, body->centre, x);
+    record[stride] = aoi_vector_dot(body->n, body->centre, v);
+    for (size_t p = 0; p < body->ports; p++) {
+        double displacement, velocity;
+        aoi_modes_port(body, p, x, v, &displacement, &velocity);
+        for (size_t q = 0; body->residual && q < body->ports; q++) {
+            displacement += body->residual[p * body->ports + q] * force[q];
+            velocity += body->residual[p * body->ports + q] * force_rate[q];
         }
-        write_body(relative, 0, relative->n_projectile, 1.0, relative->residual[0], &value, rate,
-                   centres->weight, centres->residual[0], x, v, row + AOI_ROW_BODY, i);
-        write_body(relative, relative->n_projectile, n, -1.0, relative->residual[1], &value, rate,
-                   centres->weight, centres->residual[1], x, v,
-                   row + AOI_ROW_BODY + AOI_ROW_BODY_COUNT, i);
+        record[0] += body->centre_residual ? body->centre_residual[p] * force[p] : 0.0;
+        record[stride] += body->centre_residual ? body->centre_residual[p] * force_rate[p] : 0.0;
+        record[(AOI_BODY_ROWS + 2 * p) * stride] = port_displacement[p] = displacement;
+        record[(AOI_BODY_ROWS + 2 * p + 1) * stride] = velocity;
+    }
+    if (energies) {
+        aoi_modes_energy(body, x, v, force, &record[2 * stride], &record[3 * stride]);
+        body_ledger(sampler, time, b, pushed, x, &record[5 * stride], &record[4 * stride]);
+        record[5 * stride] += aoi_modes_bent_work(body, time, force);
+    }
+}
+
+/* The rows of the closed contacts; forces and their rates on all ports. */
+static void closed_contacts(aoi_sampler *sampler, double time, int energies, double *record,
+                            size_t stride, double *force, double *rate)
+{
+    const aoi_system *system = sampler->system;
+    const double place = place_of(sampler, time);
+    for (size_t b = 0; b < system->body_count; b++) {
+        for (size_t q = 0; q < system->body[b].ports; q++) {
+            const size_t port = system->first_port[b] + q;
+            aoi_modes_load(&system->body[b], q, time, &force[port], &rate[port]);
+        }
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (sampler->contact_row[c] != sampler->row) {
+            continue;
+        }
+        double change;
+        const double pressed = closed_contact(sampler, c, place, energies,
+                                              record + AOI_CONTACT_ROWS * c * stride, stride, &change);
+        for (int side = 0; side < 2; side++) {
+            const aoi_joint *joint = &system->joint[c];
+            const size_t port = system->first_port[joint->body[side]] + joint->port[side];
+            force[port] += side == 0 ? -pressed : pressed;
+            rate[port] += side == 0 ? -change : change;
+        }
+    }
+}
+
+int aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record, size_t stride)
+{
+    const aoi_system *system = sampler->system;
+    const size_t ports = system->first_port[system->body_count];
+    double *force = sampler->work + ports * AOI_STAGES, *rate = force + ports;
+    double *displacement = rate + ports;
+    advance(sampler, time);
+    closed_contacts(sampler, time, energies, record, stride, force, rate);
+    double *of_body = record + AOI_CONTACT_ROWS * system->joint_count * stride;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const size_t port = system->first_port[b];
+        write_body(sampler, time, b, energies, force + port, rate + port, of_body, stride,
+                   displacement + port);
+        of_body += (AOI_BODY_ROWS + AOI_PORT_ROWS * system->body[b].ports) * stride;
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (sampler->contact_row[c] != sampler->row) {
+            open_contact(sampler, c, displacement, energies, record + AOI_CONTACT_ROWS * c * stride,
+                         stride);
+        }
     }
     return AOI_OK;
 }

@@ -13,9 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 import aoimpact as ao
-from aoimpact.result import BodyInfo, ErrorEstimate, Result, result_from_record
+from aoimpact.motion import BodyInfo
+from aoimpact.result import Result
+from aoimpact.run import Recorded, Run
 
 FloatArray = NDArray[np.float64]
+
+
+def at_rest() -> tuple[FloatArray, FloatArray]:
+    return np.zeros(1), np.zeros(1)
 
 
 @dataclass(frozen=True)
@@ -79,31 +85,37 @@ class HalfSine:
         u_target = share * (self.velocity * t - depth - self.gap)
         u_projectile = u_target + depth + self.gap
         v_projectile = v_target + rate
-        record = np.zeros((15, len(t)))
+        record = np.zeros((20, len(t)))
         record[:3] = force, depth, 0.5 * force**2 / self.k
         for row, mass, u, v in (
-            (3, self.projectile, u_projectile, v_projectile),
-            (9, self.target, u_target, v_target),
+            (4, self.projectile, u_projectile, v_projectile),
+            (12, self.target, u_target, v_target),
         ):
             kinetic = 0.5 * mass * v**2 if np.isfinite(mass) else 0.0 * v
-            record[row : row + 6] = u, v, u, v, kinetic, 0.0 * v
+            record[row : row + 3] = u, v, kinetic
+            record[row + 6 : row + 8] = u, v
         return record
 
     def result(self, samples: int = 2001, end: float = 1.3, energies: bool = True) -> Result:
         t = self.times(samples, end)
         record = self.record(t)
         if not energies:
-            record[[2, 7, 8, 13, 14]] = np.nan
-        state = np.zeros(1)
-        return result_from_record(
-            t=t,
-            record=record,
-            projectile=BodyInfo("rigid", self.projectile, False, state.copy(), state.copy()),
-            target=BodyInfo("rigid", self.target, self.held, state.copy(), state.copy()),
-            law=self.law,
-            velocity=self.velocity,
-            gap=self.gap,
+            record[[2, 3, 6, 7, 8, 9, 14, 15, 16, 17]] = np.nan
+        return self.of(t, record, energies)
+
+    def of(self, t: FloatArray, record: FloatArray, energies: bool = True) -> Result:
+        """The result of a record, as a solver with fixed steps leaves it."""
+        run = Run(
+            infos=(
+                BodyInfo("rigid", self.projectile, False, at_rest),
+                BodyInfo("rigid", self.target, self.held, at_rest),
+            ),
+            ends=((0, 0, 1, 0),),
+            duration=float(t[-1]),
             solver="closed form",
-            error=ErrorEstimate(reduction=None, time=1e-3),
             energies=energies,
+            time_error=1e-3,
+            recorder=Recorded(t, record),
+            drifts=(None, None),
         )
+        return Result(run=run, velocity=self.velocity, gap=self.gap, law=self.law)

@@ -1,22 +1,32 @@
-"""Contact points: a node in a direction, or a dof; what is near a node is said, not guessed."""
+"""Contact points: nodes, places on the surface, patches, dofs; what is near is said."""
 
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
 
-from aoimpact.errors import AOImpactWarning, InputError
+from aoimpact.elements import KINDS
+from aoimpact.errors import AOImpactWarning, InputError, InputTypeError
 from aoimpact.fem import FEModel
-from aoimpact.generate import box_mesh
+from aoimpact.generate import box_mesh, paper_sphere_mesh
 from aoimpact.material import Material
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 BLOCK = box_mesh((0.04, 0.02, 0.02), (4, 2, 2))  # nodes 10 mm apart
 FREE = FEModel.from_mesh(BLOCK, STEEL)
 HELD = FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xz")])
+BARE = FEModel(K=FREE.K, M=FREE.M, nodes=FREE.nodes)
+BALL = FEModel.from_mesh(paper_sphere_mesh(), STEEL)
+PLATE = FEModel.from_mesh(box_mesh((0.04, 0.04, 0.01), (8, 8, 2), kind="hexahedron20"), STEEL)
+THICK = FEModel.from_mesh(box_mesh((0.04, 0.04, 0.02), (8, 8, 2), kind="hexahedron20"), STEEL)
 DOWN = (0.0, 0.0, -1.0)
+SLANTED = np.array([0.48, -0.6, 0.64])
+
+
+# ------------------------------------------------------------------------- nodes
 
 
 @pytest.mark.parametrize("error", [0.0, 1e-9])
@@ -26,20 +36,21 @@ def test_a_node_s_own_place_is_taken_as_it_is(error: float) -> None:
         tip = FREE.contact(point=(0.02 + error, 0.01, 0.02), direction=DOWN)
     assert tip.point is not None
     np.testing.assert_allclose(tip.point, (0.02, 0.01, 0.02), rtol=1e-15)
+    assert np.count_nonzero(tip.b) == 1
 
 
-def test_a_point_between_nodes_goes_to_the_nearest_and_says_so() -> None:
+def test_of_a_body_without_a_mesh_the_nearest_node_is_taken_and_said() -> None:
     said = r"\(0\.023, 0\.01, 0\.02\) m is no node.* {} at \(0\.02, 0\.01, 0\.02\) m, 0\.003 m off"
-    node = FREE.contact(point=(0.02, 0.01, 0.02), direction=DOWN).node
+    node = BARE.contact(point=(0.02, 0.01, 0.02), direction=DOWN).node
     with pytest.warns(AOImpactWarning, match=said.format(node)) as caught:
-        tip = FREE.contact(point=(0.023, 0.01, 0.02), direction=DOWN)
+        tip = BARE.contact(point=(0.023, 0.01, 0.02), direction=DOWN)
     assert tip.node == node
     assert caught[0].filename == __file__
 
 
-def test_a_point_off_the_body_is_refused() -> None:
+def test_of_a_body_without_a_mesh_a_point_off_the_nodes_is_refused() -> None:
     with pytest.raises(InputError, match=r"\(23, 10, 20\) m is .* from the nearest .*in metres"):
-        FREE.contact(point=(23.0, 10.0, 20.0), direction=DOWN)
+        BARE.contact(point=(23.0, 10.0, 20.0), direction=DOWN)
 
 
 def test_a_node_that_is_held_is_refused_with_the_cure() -> None:
@@ -47,3 +58,150 @@ def test_a_node_that_is_held_is_refused_with_the_cure() -> None:
     with pytest.raises(InputError, match=words):
         HELD.contact(point=(0.0, 0.0, 0.02), direction=DOWN)
     assert HELD.contact(point=(0.0, 0.0, 0.02), direction=(0.0, 1.0, 0.0)).b.sum() == 1.0
+
+
+# ------------------------------------------------------------------------- points of faces
+
+
+def test_a_point_of_a_face_has_the_shares_of_its_shape_functions() -> None:
+    tip = FREE.contact(point=(0.023, 0.014, 0.02), direction=DOWN)
+    assert tip.node is None
+    assert FREE.nodes is not None
+    forces = np.zeros(3 * len(FREE.nodes))
+    forces[FREE.free] = tip.b
+    share = {tuple(FREE.nodes[dof // 3].round(12)): -forces[dof] for dof in np.flatnonzero(forces)}
+    # Bilinear: 3/10 along x and 4/10 along y of a square of 10 mm.
+    assert share == {
+        (0.02, 0.01, 0.02): pytest.approx(0.7 * 0.6),
+        (0.03, 0.01, 0.02): pytest.approx(0.3 * 0.6),
+        (0.02, 0.02, 0.02): pytest.approx(0.7 * 0.4),
+        (0.03, 0.02, 0.02): pytest.approx(0.3 * 0.4),
+    }
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("radius", [0.0, 0.009])
+def test_a_contact_sees_rigid_motions_as_its_point_does(kind: str, radius: float) -> None:
+    # u = bᵀX of a translation t and rotation w is d·(t + w × point): resultant and moment in one.
+    body = FEModel.from_mesh(box_mesh((0.04, 0.02, 0.02), (12, 8, 6), kind=kind), STEEL)
+    tip = body.contact(point=(0.0211, 0.0104, 0.02), direction=DOWN, radius=radius)
+    assert body.nodes is not None
+    assert tip.direction is not None
+    assert tip.point is not None
+    t, w = np.array([0.3, -0.7, 0.2]), np.array([-0.4, 0.1, 0.9])
+    motion = (t + np.cross(w, body.nodes)).reshape(-1)
+    assert tip.b @ motion == pytest.approx(tip.direction @ (t + np.cross(w, tip.point)), rel=1e-12)
+    np.testing.assert_allclose(tip.resultant, DOWN, atol=1e-13)
+    np.testing.assert_allclose(tip.moment, 0.0, atol=1e-16)
+
+
+def test_a_point_at_a_node_is_that_node_along_the_surface_s_own_normal() -> None:
+    tip = FREE.contact(point=(0.02, 0.01, 0.02))
+    assert tip.node == FREE.contact(point=(0.02, 0.01, 0.02), direction=DOWN).node
+    np.testing.assert_array_equal(tip.direction, DOWN)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.004])
+def test_the_direction_is_the_inward_normal_by_default(radius: float) -> None:
+    tip = BALL.contact(point=0.01 * SLANTED, radius=radius)
+    np.testing.assert_allclose(tip.direction, -SLANTED, atol=2e-3)
+    np.testing.assert_allclose(tip.resultant, tip.direction, atol=1e-13)
+    np.testing.assert_allclose(tip.moment, 0.0, atol=1e-15)
+
+
+def test_an_oblique_force_on_a_ball_turns_it_by_the_patch_s_depth_only() -> None:
+    tip = BALL.contact(point=(0.01, 0, 0), direction=(-1, 1, 0), radius=0.004)
+    # The mean sagitta of a ball under Hertz's pressure: to first order r²/5R.
+    np.testing.assert_allclose(tip.resultant, np.array([-1, 1, 0]) / np.sqrt(2.0), atol=1e-13)
+    np.testing.assert_allclose(np.abs(tip.moment[2]), 0.004**2 / 0.05 / np.sqrt(2.0), rtol=0.05)
+
+
+def test_a_point_a_little_off_a_coarse_surface_is_put_on_it_and_said() -> None:
+    body = FEModel.from_mesh(box_mesh((0.04, 0.02, 0.02), (4, 2, 2)), STEEL)
+    with pytest.warns(AOImpactWarning, match=r"0\.0005 m off the surface.*\(0\.023, 0\.014, 0\.02"):
+        tip = body.contact(point=(0.023, 0.014, 0.0205), direction=DOWN)
+    np.testing.assert_allclose(tip.point, (0.023, 0.014, 0.02), rtol=1e-12)
+
+
+# ------------------------------------------------------------------------- patches
+
+
+def test_a_patch_is_remembered() -> None:
+    tip = PLATE.contact(point=(0.021, 0.019, 0.01), radius=0.008)
+    assert tip.patch is not None
+    assert tip.patch.radius == 0.008
+    assert tip.patch.modulus == pytest.approx(210e9 / 0.91)
+    assert tip.patch.compliance == pytest.approx(0.6 / (0.008 * 210e9 / 0.91))
+    assert f"patch of radius 0.008 m on {tip.patch.faces} faces" in repr(tip)
+    assert PLATE.contact(point=(0.021, 0.019, 0.01)).patch is None
+
+
+def test_automatic_radius_is_twice_the_contact_s_where_the_mesh_resolves_that() -> None:
+    tip = THICK.contact(point=(0.021, 0.019, 0.02), radius="auto", expected=0.004)
+    assert tip.patch is not None
+    assert tip.patch.radius == pytest.approx(0.008)
+
+
+def test_automatic_radius_follows_the_mesh_where_that_asks_for_more() -> None:
+    taken = []
+    for count in (6, 12):
+        mesh = box_mesh((0.04, 0.04, 0.02), (count, count, 1), kind="hexahedron20")
+        body = FEModel.from_mesh(mesh, STEEL)
+        tip = body.contact(point=(0.02, 0.02, 0.02), radius="auto", expected=1e-5)
+        assert tip.patch is not None
+        taken.append(tip.patch.radius)
+    assert taken[0] == pytest.approx(2.0 * taken[1])
+    assert 1.0 < taken[0] / (0.04 / 6) < 2.0
+
+
+def test_a_patch_too_small_for_the_mesh_is_said() -> None:
+    with pytest.warns(AOImpactWarning, match=r"radius=0\.002 m: the mesh is too coarse.*0\.005 m"):
+        PLATE.contact(point=(0.021, 0.019, 0.01), radius=0.002)
+
+
+# ------------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"point": (0.02, 0.02, 0.01), "radius": 0.05}, "larger than the body, which is 0.04 m"),
+        ({"point": (0.02, 0.02, 0.01), "radius": -1.0}, "radius must not be negative"),
+        ({"point": (0.02, 0.02, 0.01), "radius": "aut"}, "did you mean 'auto'"),
+        ({"point": (0.02, 0.02, 0.01), "expected": 1e-3}, 'expected is for radius="auto"'),
+        ({"point": (0.02, 0.02, 0.01), "radius": "auto", "expected": 0.0}, "expected must be pos"),
+        ({"point": (0.01, 0.02, 0.01), "radius": 0.012}, r"the surface ends.* 0.01\d* m from"),
+        ({"point": (0.018, 0.02, 0.005)}, r"is inside the body, 0.005 m from .*a point on the"),
+        ({"point": (0.02, 0.02, 0.02), "radius": 0.004}, r"is off the body, 0.01 m from the near"),
+        ({"point": (0.02, 0.0, 0.01)}, "sharp edge or corner.* or give direction"),
+        ({"point": (0.02, 0.0, 0.01), "radius": 0.004}, "sharp edge or corner.*choose a point in"),
+        ({"point": (0.02, 0.0, 0.01), "radius": "auto"}, "sharp edge or corner.*choose a point fa"),
+        (
+            {"point": (0.021, 0.02, 0.01), "direction": (1, 0, 0)},
+            r"direction \(1, 0, 0\) is tangent to the surface .* normal is \(0, 0, 1\).*leave dir",
+        ),
+        (
+            {"point": (0.021, 0.02, 0.01), "direction": (1, 1, 0), "radius": 0.008},
+            "is tangent to the surface",
+        ),
+        ({"dof": 3, "radius": 0.01}, "a single dof has no patch"),
+    ],
+)
+def test_places_that_make_no_sense_are_refused(arguments: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        PLATE.contact(**arguments)
+
+
+def test_a_patch_on_a_support_is_refused() -> None:
+    body = FEModel.from_mesh(PLATE.mesh, STEEL, fixed=[("xmin", "xyz")])
+    with pytest.raises(InputError, match=r"rests on nodes held by the supports.*a smaller radius"):
+        body.contact(point=(0.007, 0.02, 0.01), radius=0.006)
+
+
+def test_a_body_without_a_mesh_has_neither_patches_nor_normals() -> None:
+    with pytest.raises(InputError, match=r"radius=0.004: a patch needs the faces of a mesh"):
+        BARE.contact(point=(0.02, 0.01, 0.02), direction=DOWN, radius=0.004)
+    with pytest.raises(InputTypeError, match="a body without a mesh has no normal"):
+        BARE.contact(point=(0.02, 0.01, 0.02))
+    with pytest.raises(InputError, match="a resultant needs nodes"):
+        FEModel(K=FREE.K, M=FREE.M).contact(dof=3).resultant  # noqa: B018

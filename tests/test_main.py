@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
+import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
+import meshio
+import numpy as np
 import pytest
 
 import aoimpact as ao
 from aoimpact import paper
 from aoimpact.__main__ import main
 from aoimpact.paper_table import Row, Table
+
+from scenes import BAR, ROW
 
 
 def test_help_names_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
@@ -106,3 +112,108 @@ def test_prints_the_tables_and_the_files(
     text = capsys.readouterr().out
     for part in ("Table 1", "32.7 g", "32.67 g", "agrees", str(tmp_path), "results.csv"):
         assert part in text
+
+
+# ----------------------------------------------------------------------------------------- run
+
+SCENE = """\
+title = "Two balls"
+[bodies.ball]
+mass = 0.03
+[impact]
+projectile = "ball"
+target = "ball"
+velocity = 1.0
+duration = 1e-4
+law = { type = "Hertz", k = 1e10 }
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE, encoding="utf-8")
+    return path
+
+
+def test_run_prints_the_summary(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(scene)]) == 0
+    text = capsys.readouterr().out
+    for part in ("Two balls", "peak force", "restitution"):
+        assert part in text
+    assert list(scene.parent.iterdir()) == [scene]
+
+
+def test_run_writes_histories_and_figures(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = scene.parent / "out"
+    assert main(["run", str(scene), "--out", str(out)]) == 0
+    files = {file.name for file in out.iterdir()}
+    assert files == {"histories.csv", *(f"{n}.png" for n in FIGURES)}
+    text = capsys.readouterr().out
+    assert all(name in text for name in files)
+    table = np.genfromtxt(out / "histories.csv", delimiter=",", names=True)
+    assert table["force_N"].max() == pytest.approx(ao.read_scene(scene).simulate().peak_force)
+
+
+FIGURES = ("force", "indentation", "displacement", "energy")
+
+
+def test_run_writes_fields_of_meshed_bodies(tmp_path: Path) -> None:
+    path, out = tmp_path / "bar.toml", tmp_path / "out"
+    path.write_text(BAR, encoding="utf-8")
+    assert main(["run", str(path), "--out", str(out)]) == 0
+    listing = (out / "target.pvd").read_text()
+    hit = ao.read_scene(path).simulate()
+    assert f'timestep="{hit.peak_time!r}"' in listing
+    files = re.findall(r'file="(.*?)"', listing)
+    last = meshio.read(out / files[-1]).point_data["displacement"]
+    field = hit.target.field(hit.t[-1]).displacement[0]
+    np.testing.assert_allclose(last, field, rtol=1e-9, atol=1e-15)
+    assert (out / "target.png").is_file()
+    assert not (out / "projectile.pvd").exists()
+
+
+def test_run_of_a_scene_of_several_bodies(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "row.toml", tmp_path / "out"
+    path.write_text(ROW, encoding="utf-8")
+    assert main(["run", str(path), "--out", str(out), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    run = ao.read_scene(path).simulate()
+    assert report["quantities"]["contacts.1.peak_force"] == run.contacts[1].peak_force
+    assert report["contacts"][0][0] == list(run.contacts[0].intervals[0])
+    head = (out / "histories.csv").read_text().partition("\n")[0]
+    assert "contact 1 force [N],contact 1 indentation [m],first displacement [m]" in head
+    assert {"force.png", "displacement.png", "energy.png"} <= {f.name for f in out.iterdir()}
+
+
+def test_run_for_machines(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene.write_text(scene.read_text().replace("duration = 1e-4", "duration = 1e-5"))
+    assert main(["run", str(scene), "--json"]) == 0
+    captured = capsys.readouterr()
+    report = json.loads(captured.out)
+    hit = report["quantities"]
+    assert hit["impulse"] > 0.0
+    assert report["in_contact_at_end"] is True
+    assert "ends in contact" in report["warnings"][0]
+    assert "warning: the record" in captured.err
+    assert report["relative_errors"]["reduction"] is None
+    assert report["files"] == []
+
+
+def test_run_says_the_line(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene.write_text(scene.read_text().replace("velocity", "velocty"))
+    assert main(["run", str(scene)]) == 2
+    message = capsys.readouterr().err
+    assert f"{scene}:7: " in message
+    assert "did you mean 'velocity'" in message
+    assert main(["run", str(scene.parent / "none.toml")]) == 2
+    assert "cannot be read" in capsys.readouterr().err
+
+
+def test_compare_is_of_two_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "row.toml"
+    path.write_text(ROW, encoding="utf-8")
+    assert main(["compare", str(path)]) == 2
+    assert "needs an [impact] of two bodies" in capsys.readouterr().err

@@ -4,10 +4,14 @@ import math
 
 import numpy as np
 import pytest
+import scipy.integrate
+import scipy.linalg
 import scipy.optimize
 from scipy.special import gamma
 
 import aoimpact as ao
+from aoimpact.newmark import Newmark, newmark_scene
+from aoimpact.players import StarPlayer, player
 
 from slender import beam, rod
 
@@ -196,6 +200,107 @@ def test_the_final_state_is_that_of_the_last_step():
     stretch = hit.target.coordinates[1:] - hit.target.coordinates[0]
     elastic = 0.5 * star.k0 * hit.target.coordinates[0] ** 2 + 0.5 * star.k @ stretch**2
     assert elastic == pytest.approx(hit.energy.target.elastic[-1], rel=1e-12)
+
+
+# ------------------------------------------------------------------- scenes of many bodies
+
+
+def row_of_balls(count, dt, duration, law=HERTZ, velocity=1.0):
+    rule = Newmark(dt=dt)
+    balls = [
+        StarPlayer(ao.rigid(mass=MASS), velocity if i == 0 else 0.0).for_core(rule, dt)
+        for i in range(count)
+    ]
+    contacts = [(i, 0, i + 1, 0, law, 0.0) for i in range(count - 1)]
+    record = newmark_scene(balls, contacts, rule=rule, dt=dt, duration=duration)
+    bodies = record.rows[4 * (count - 1) :].reshape(count, 8, -1)
+    return record, record.rows[: 4 * (count - 1)].reshape(count - 1, 4, -1), bodies
+
+
+@pytest.mark.parametrize("count", [3, 5, 8])
+def test_newtons_cradle_against_scipy(count):
+    def motion(t, y):
+        force = HERTZ.k * np.maximum(y[: count - 1] - y[1:count], 0.0) ** 1.5
+        return np.concatenate([y[count:], (np.append(0.0, force) - np.append(force, 0.0)) / MASS])
+
+    duration, start = 60e-6 * count, np.eye(1, 2 * count, count)[0]
+    exact = scipy.integrate.solve_ivp(
+        motion, (0.0, duration), start, method="DOP853", rtol=1e-12, atol=1e-18
+    ).y[count:, -1]
+    errors = []
+    for dt in (duration / 2000, duration / 4000):
+        _, contacts, bodies = row_of_balls(count, dt, duration)
+        assert np.ptp(bodies[:, 1].sum(axis=0)) < 1e-12
+        assert (contacts[:, 0] >= 0.0).all()
+        errors.append(np.abs(bodies[:, 7, -1] - exact).max())
+    assert errors[-1] < 1e-5
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.3)
+
+
+def test_a_solitary_wave_runs_at_its_speed():
+    """Nesterenko (1983): a wave as wide as five balls, its shape and speed the same all along."""
+    _, contacts, _ = row_of_balls(120, 2e-7, 2.4e-3)
+    peaks = contacts[40:80, 0].max(axis=1)
+    times = contacts[40:80, 0].argmax(axis=1) * 2e-7
+    assert np.ptp(peaks) < 1e-3 * peaks.mean()
+    steps = np.diff(times)
+    assert np.ptp(steps) < 2.5e-7
+    # By dimensions the time from ball to ball is √m k^(-1/3) F^(-1/6) times one number.
+    scaled = steps.mean() * (HERTZ.k**4 * peaks.mean() ** 2) ** (1 / 12) / math.sqrt(MASS)
+    other = row_of_balls(40, 4e-7, 4e-3, law=ao.Hertz(k=HERTZ.k / 30), velocity=0.5)[1]
+    peak = other[12:24, 0].max(axis=1).mean()
+    pace = np.diff(other[12:24, 0].argmax(axis=1)).mean() * 4e-7
+    k = HERTZ.k / 30
+    assert pace * (k**4 * peak**2) ** (1 / 12) / math.sqrt(MASS) == pytest.approx(scaled, rel=5e-3)
+
+
+def test_a_beam_touched_in_two_places_is_its_modes():
+    """Balls on two ports of one body: the full model, and all of its modes with the same ports."""
+    K, M = beam(10, fixed=[0, 20])
+    b = np.zeros((2, K.shape[0]))
+    b[0, 5], b[1, 11] = 1.0, 1.0
+    omega2, phi = scipy.linalg.eigh(K.toarray(), M.toarray())
+    dt, zero = 2e-3, np.zeros(K.shape[0])
+    rule, law = Newmark(dt=dt), ao.Hertz(k=1e4)
+    tip = ao.FEModel(K=K, M=M).contact(dof=5)
+    core = list(player("target", tip, 0.0).for_core(rule, dt))
+    core[3] = b
+    modal = ("modal", np.sqrt(omega2), zero, b @ phi, np.zeros((2, 2)), None, phi.T @ core[-3])
+    runs = []
+    for body in (tuple(core), (*modal, np.zeros_like(zero), np.zeros_like(zero))):
+        balls = [StarPlayer(ao.rigid(mass=0.1), v).for_core(rule, dt) for v in (0.1, 0.2)]
+        contacts = [(0, 0, 2, 0, law, 0.0), (1, 0, 2, 1, law, 0.01)]
+        loads = [(2, 1, np.array([0.0, 1.0]), np.array([0.0, 0.05]))]
+        runs.append(newmark_scene([*balls, body], contacts, loads, rule=rule, dt=dt, duration=4.0))
+    full, modes = runs
+    assert (full.rows[[0, 4]].max(axis=1) > 0.1).all()
+    scale = np.abs(full.rows).max(axis=1, keepdims=True)
+    np.testing.assert_allclose(full.rows / (scale + 1e-9), modes.rows / (scale + 1e-9), atol=1e-7)
+
+
+def test_everything_at_once_balances():
+    """Stars, damped and not, gravity, loads, three contacts: momentum aside, the ledger closes."""
+    dt = 1e-6
+    rule = Newmark(dt=dt)
+    damped = ao.AOModel(m0=2e-3, k0=3e5, m=[0.01], k=[4e6], damping=ao.Rayleigh(beta=1e-6))
+    bodies = [
+        StarPlayer(ao.rigid(mass=0.05), 1.0).for_core(rule, dt, gravity=np.array([0.5])),
+        StarPlayer(ringing_star(), 0.0).for_core(rule, dt, gravity=np.array([0.0, 1.0, 2.0, 3.0])),
+        StarPlayer(damped, 0.0).for_core(rule, dt),
+    ]
+    law = ao.Linear(k=1e6)
+    contacts = [(0, 0, 1, 0, law, 0.0), (1, 0, 2, 0, law, 1e-6), (0, 0, 2, 0, law, 2e-5)]
+    loads = [(2, 0, np.array([0.0, 1e-3]), np.array([3.0, -8.0]))]
+    record = newmark_scene(bodies, contacts, loads, rule=rule, dt=dt, duration=2e-3)
+    of_contacts, of_bodies = record.rows[:12].reshape(3, 4, -1), record.rows[12:].reshape(3, 8, -1)
+    assert (of_contacts[:, 0].max(axis=1) > 0.0).all()
+    stored = of_contacts[:, 2:4].sum(axis=(0, 1)) + of_bodies[:, 2:5].sum(axis=(0, 1))
+    total = stored - of_bodies[:, 5].sum(axis=0)
+    # Only where a contact opens or closes within a step does a linear scene miss anything.
+    changes = (np.diff(of_contacts[:, 0] > 0.0, axis=1)).any(axis=0)
+    assert np.abs(np.diff(total)[~changes]).max() < 1e-13 * total[0]
+    assert np.ptp(total) < 1e-4 * total[0]
+    assert of_bodies[2, 4, -1] > 1e-3 * total[0]
 
 
 # ------------------------------------------------------------------------------- hard cases

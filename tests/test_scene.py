@@ -1,155 +1,623 @@
-"""`simulate`: gaps, misses, bodies hit off their centre, and arguments that make no sense."""
+"""Scenes of many bodies: what SciPy, Newmark's rule, closed forms and symmetry say of them."""
 
 import concurrent.futures
+import itertools
 import math
 import pickle
 
 import numpy as np
 import pytest
+import scipy.linalg
+import scipy.optimize
+import scipy.sparse.linalg
+import starmotion
 
 import aoimpact as ao
+from aoimpact.generate import box_mesh
 
-from slender import rod
-
-BALL = ao.rigid(mass=0.0327)
-LAW = ao.Hertz(k=1e10)
-
-
-def hit(**changes):
-    arguments = {
-        "projectile": BALL,
-        "target": BALL,
-        "law": LAW,
-        "velocity": 1.0,
-        "duration": 100e-6,
-        "solver": ao.Newmark(dt=1e-7),
-    }
-    return ao.simulate(**(arguments | changes))
+MASS, K = 0.0327, 1e10
+BALL, WALL = ao.rigid(mass=MASS), ao.rigid(mass=math.inf)
+HERTZ = ao.Hertz(k=K)
+EARTH = 9.81
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+# A held body of a few frequencies, with a contact mass.
+BEAM = ao.AOModel(m0=0.02, k0=2e5, m=[0.1, 0.05, 0.02], k=[3e5, 2e6, 9e6])
 
 
-def test_a_gap_only_delays_the_impact():
-    now, later = hit(), hit(gap=50e-6, duration=150e-6)
-    assert later.contacts[0][0] == pytest.approx(50e-6, abs=1e-7)
-    assert later.peak_force == pytest.approx(now.peak_force, rel=1e-5)
-    assert later.contact_duration == pytest.approx(now.contact_duration, rel=1e-4)
+def row_of_balls(count, velocity=1.0, law=HERTZ):
+    scene = ao.Scene()
+    balls = [scene.add(BALL, velocity=velocity if i == 0 else 0.0) for i in range(count)]
+    for one, other in itertools.pairwise(balls):
+        scene.connect(one, other, law)
+    return scene, balls
 
 
-@pytest.mark.parametrize("changes", [{"gap": 1.0}, {"velocity": -1.0}])
-def test_bodies_that_do_not_meet(changes):
-    miss = hit(**changes)
-    assert miss.contacts == []
-    assert (miss.peak_force, miss.contact_duration, miss.impulse) == (0.0, 0.0, 0.0)
-    assert miss.rebound_velocity == changes.get("velocity", 1.0)
-    assert miss.error.time == 0.0
-    assert np.isfinite(miss.restitution)
+def bouncing(gap=1e-3, law=HERTZ):
+    """A ball that falls on a floor, and the time from bounce to bounce."""
+    scene = ao.Scene(gravity=EARTH)
+    ball, floor = scene.add(BALL), scene.add(WALL)
+    scene.connect(ball, floor, law, gap=gap)
+    return scene, ball, 2.0 * math.sqrt(2.0 * gap / EARTH)
 
 
-def test_a_record_that_ends_in_contact_says_so():
-    with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
-        cut = hit(duration=30e-6)
-    assert cut.in_contact_at_end
-    assert cut.contacts == [(0.0, pytest.approx(30e-6))]
+def velocities(run, bodies):
+    return np.array([run[body].velocity[-1] for body in bodies])
 
 
-def test_duration_is_covered_by_whole_steps():
-    assert hit(duration=100e-6).t[-1] == pytest.approx(100e-6, rel=1e-12)
-    assert len(hit(duration=100e-6).t) == 1001
-    assert hit(duration=100.01e-6).t[-1] == pytest.approx(100.1e-6, rel=1e-12)
+def richardson(scene, dt, duration, read):
+    """What a run by Newmark's rule says, without the error of second order in dt."""
+    coarse, fine = (
+        read(scene.simulate(duration=duration, solver=ao.Newmark(dt=step, estimate=False)))
+        for step in (dt, dt / 2)
+    )
+    return (4.0 * fine - coarse) / 3.0
 
 
-def test_without_energies_the_rest_is_the_same():
-    with_energies, without = hit(), hit(energies=False)
-    assert without.force.tobytes() == with_energies.force.tobytes()
-    with pytest.raises(ao.InputError, match="energies"):
-        _ = without.energy
+# ---------------------------------------------------------------------- rows of balls
 
 
-def test_a_star_of_a_body_hit_off_its_centre_keeps_all_its_mass_and_energy():
-    """A bar of two balls, hit at one of them: the other does not feel it at first."""
-    nodes = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-3, 0.0], [0.5, 0.0, 1e-3]])
-    spacing = nodes[:, None] - nodes
-    K = np.zeros((12, 12))
-    for i in range(4):
-        for j in range(i):
-            along = spacing[i, j] / np.linalg.norm(spacing[i, j])
-            stretch = np.zeros(12)
-            stretch[3 * i : 3 * i + 3], stretch[3 * j : 3 * j + 3] = along, -along
-            K += 1e9 * np.outer(stretch, stretch)
-    masses = np.repeat([1.0, 1.0, 1e-3, 1e-3], 3)
-    body = ao.FEModel(K=K, M=np.diag(masses), nodes=nodes)
-    tip = body.contact(point=(0.0, 0.0, 0.0), direction=(0.0, 1.0, 0.0))
-    star = ao.antioscillators(tip, 0)
-    # Effective mass at the end: translation and rotation take part, the far ball does not move.
-    assert star.static_mass < 1.01
-    assert star.mass == pytest.approx(masses.sum() / 3, rel=1e-12)
-    flying = hit(projectile=star, target=ao.rigid(mass=1.0), duration=1e-3)
-    # Momentum of the bar's centre of mass and of the target.
-    momentum = star.mass * flying.projectile.centre_velocity + flying.target.centre_velocity
-    assert momentum[0] == pytest.approx(star.mass, rel=1e-9)
-    assert np.ptp(momentum) < 1e-9 * star.mass
-    assert flying.energy.total[0] == pytest.approx(0.5 * star.mass, rel=1e-9)
-    # Newton's rule e = 1 holds at the contact point.
-    approach = flying.projectile.velocity - flying.target.velocity
-    assert approach[-1] == pytest.approx(-approach[0], rel=1e-4)
+@pytest.mark.parametrize("count", range(2, 11))
+def test_newtons_cradle_against_scipy(count):
+    duration = 120e-6 * count
+    scene, balls = row_of_balls(count)
+    run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=1e-9))
+    contacts = [(i, i + 1, K, 0.0) for i in range(count - 1)]
+    exact = starmotion.run([BALL] * count, [1.0] + [0.0] * (count - 1), contacts, duration)[1][:, 0]
+    np.testing.assert_allclose(velocities(run, balls), exact, rtol=0, atol=1e-8)
+    # All have let go: these are the outgoing velocities.
+    assert (np.diff(velocities(run, balls)) > 0.0).all()
+    assert not run.in_contact_at_end
+    assert run.error.energy < 1e-9
 
 
-def test_a_partly_held_projectile_struck_obliquely_starts_alike_as_star_and_as_full_model():
-    """Held along x it cannot translate along (1, 1, 0): both move as the static mode."""
-    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
-    mesh = ao.box_mesh((0.1, 0.02, 0.02), (6, 2, 2))
-    body = ao.FEModel.from_mesh(mesh, steel, fixed=[("xmin", "x")])
-    tip = body.contact(point=(0.1, 0.01, 0.01), direction=(1.0, 1.0, 0.0))
-    options = {"target": ao.rigid(mass=0.2), "duration": 400e-6, "solver": ao.Newmark(dt=1e-6)}
-    full, star = hit(projectile=tip, **options), hit(projectile=ao.antioscillators(tip), **options)
-    assert star.energy.total[0] == pytest.approx(full.energy.total[0], rel=1e-9)
-    assert star.peak_force == pytest.approx(full.peak_force, rel=1e-9)
+def wave(count, rtol):
+    """The peak forces of a wave along a row, the times between them, and a few states."""
+    duration = 30.5e-6 * count + 50e-6
+    scene, balls = row_of_balls(count)
+    run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=rtol))
+    peaks = np.array([event.peak_force for event in run.events])
+    pace = np.diff([event.peak_time for event in run.events])
+    # Behind the wave all have let go: what is solved for in a step does not grow with the row.
+    ends = np.array([event.contacts[-1][1] for event in run.events if event.contacts])
+    assert (ends > 0.999 * duration).sum() < 15
+    few = run.at(np.linspace(0.0, duration, 9))
+    momentum = sum(MASS * few[ball].velocity for ball in balls)
+    return peaks, pace, momentum / MASS, few.energy.total / (0.5 * MASS)
 
 
-def test_simulations_run_side_by_side_and_agree():
-    star = ao.AOModel(m0=1e-3, k0=1e5, m=[0.1] * 40, k=np.geomspace(1e3, 1e9, 40))
-    alone = hit(target=star, duration=1e-3).force.tobytes()
-    with concurrent.futures.ThreadPoolExecutor(4) as pool:
-        runs = [pool.submit(hit, target=star, duration=1e-3) for _ in range(12)]
-        assert all(run.result().force.tobytes() == alone for run in runs)
+def steadiness(values):
+    return np.ptp(values) / values.mean()
 
 
-def test_results_travel_between_processes():
-    result = hit()
-    copy = pickle.loads(pickle.dumps(result))
-    assert copy.force.tobytes() == result.force.tobytes()
-    assert copy.peak_force == result.peak_force
+def test_a_solitary_wave_keeps_its_height_and_speed():
+    peaks, pace, momentum, energy = wave(60, 1e-10)
+    assert steadiness(peaks[25:55]) < 1e-6
+    assert steadiness(pace[25:55]) < 1e-6
+    assert np.abs(momentum - 1.0).max() < 1e-12
+    assert np.abs(energy - 1.0).max() < 1e-10
+    # Nesterenko (1983): by dimensions the time from ball to ball is √m k^(-1/3) F^(-1/6), times one
+    # number.
+    unit = math.sqrt(MASS) * K ** (-1 / 3) * peaks[40] ** (-1 / 6)
+    assert pace[40] / unit == pytest.approx(pace_by_scipy(), rel=1e-5)
+
+
+def pace_by_scipy():
+    """Time from ball to ball of the wave with m = k = peak force = 1."""
+    count, times = 24, np.linspace(0.0, 30.0, 3001)
+    balls = [ao.rigid(mass=1.0)] * count
+    contacts = [(i, i + 1, 1.0, 0.0) for i in range(count - 1)]
+    forces = starmotion.run(balls, [1.0] + [0.0] * (count - 1), contacts, 30.0, times=times)[2]
+    tops, peaks = [], []
+    for force in forces[16:19]:
+        i = int(force.argmax())
+        bend = np.polyfit(times[i - 2 : i + 3] - times[i], force[i - 2 : i + 3], 4)
+        roots = np.roots(np.polyder(bend))
+        shift = float(roots[np.abs(roots).argmin()].real)
+        tops.append(times[i] + shift)
+        peaks.append(np.polyval(bend, shift))
+    return float(np.diff(tops).mean() * peaks[1] ** (1 / 6))
+
+
+@pytest.mark.slow
+def test_a_solitary_wave_through_a_thousand_balls():
+    peaks, pace, momentum, energy = wave(1000, 1e-9)
+    assert steadiness(peaks[100:990]) < 1e-8
+    assert steadiness(pace[100:990]) < 1e-8
+    assert np.abs(momentum - 1.0).max() < 1e-10
+    assert np.abs(energy - 1.0).max() < 1e-10
+
+
+# ---------------------------------------------------------------------- several contacts
+
+
+@pytest.mark.filterwarnings("ignore:rtol")
+def test_a_ball_between_two_beams_hits_both():
+    scene = ao.Scene()
+    light = ao.rigid(mass=5e-3)
+    ball, front, back = scene.add(light, velocity=2.0), scene.add(BEAM), scene.add(BEAM)
+    scene.connect(ball, front, HERTZ, gap=1e-4)
+    scene.connect(back, ball, HERTZ, gap=1e-4)
+    times = np.linspace(0.0, 2e-3, 13)
+    run = scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=1e-9))
+    contacts = [(0, 1, K, 1e-4), (2, 0, K, 1e-4)]
+    _, exact, _ = starmotion.run(
+        [light, BEAM, BEAM], [2.0, 0.0, 0.0], contacts, times[-1], times=times
+    )
+    assert all(contact.intervals for contact in run.contacts)
+    few = run.at(times)
+    for body, expected in zip((ball, front, back), exact, strict=True):
+        np.testing.assert_allclose(few[body].velocity, expected, rtol=0, atol=2e-6)
+    assert run.error.energy < 1e-8
+
+
+@pytest.mark.filterwarnings("ignore:rtol")  # how far it is kept is what is tested
+def test_a_beam_between_two_stops():
+    """Struck by a ball, it hits one stop, swings back to the other, and leaves no force out."""
+    scene = ao.Scene()
+    ball, beam = scene.add(BALL, velocity=1.0), scene.add(BEAM)
+    ahead, behind = scene.add(WALL), scene.add(WALL)
+    scene.connect(ball, beam, HERTZ)
+    scene.connect(beam, ahead, HERTZ, gap=1e-4)
+    scene.connect(behind, beam, HERTZ, gap=5e-5)
+    duration = 2.5e-3
+    run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=1e-9))
+    # A wall is a body that weighs a million million times as much.
+    heavy = ao.rigid(mass=1e12)
+    contacts = [(0, 1, K, 0.0), (1, 2, K, 1e-4), (3, 1, K, 5e-5)]
+    _, exact, _ = starmotion.run([BALL, BEAM, heavy, heavy], [1.0, 0, 0, 0], contacts, duration)
+    assert all(contact.intervals for contact in run.contacts)
+    np.testing.assert_allclose(velocities(run, (ball, beam)), exact[:2, 0], rtol=0, atol=1e-6)
+
+
+def slender_body(ends=("xmin", "xmax")):
+    mesh = box_mesh((0.3, 0.02, 0.02), (6, 1, 1))
+    return ao.FEModel.from_mesh(mesh, STEEL, fixed=[(end, "xyz") for end in ends])
+
+
+def midspan(body):
+    return body.contact(point=(0.15, 0.01, 0.02), direction=(0.0, 0.0, -1.0))
+
+
+def test_a_ball_on_a_ball_on_a_beam_under_gravity():
+    """Dropped a little, against Newmark's rule at two small steps."""
+    scene = ao.Scene(gravity=EARTH)
+    law = ao.Hertz(k=1e9)
+    upper, lower = scene.add(ao.rigid(mass=0.1)), scene.add(ao.rigid(mass=0.2))
+    beam = scene.add(ao.antioscillators(midspan(slender_body()), n=4))
+    scene.connect(upper, lower, law, gap=1e-6)
+    scene.connect(lower, beam, law, gap=2e-6)
+    bodies, duration = (upper, lower, beam), 2e-3
+    exact = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=1e-10))
+    assert all(contact.intervals for contact in exact.contacts)
+    by_newmark = richardson(scene, 5e-8, duration, lambda run: velocities(run, bodies))
+    fastest = max(np.abs(exact[body].velocity).max() for body in bodies)
+    np.testing.assert_allclose(velocities(exact, bodies), by_newmark, rtol=0, atol=1e-6 * fastest)
+    assert exact.error.energy < 1e-9
+
+
+def test_a_body_struck_in_three_places_is_all_of_its_modes():
+    body = slender_body()
+    tips = [body.contact(point=(x, 0.01, 0.02), direction=(0, 0, -1)) for x in (0.1, 0.15, 0.25)]
+    speeds, gaps, duration = (1.0, 0.5, 0.8), (0.0, 1e-5, 5e-6), 2.5e-4
+    balls = [ao.rigid(mass=0.02)] * 3
+    omega2, modes = scipy.linalg.eigh(body.K.toarray(), body.M.toarray())
+    shapes = np.array([tip.b for tip in tips]) @ modes
+    n = len(omega2)
+
+    def motion(_, y):
+        ball, ball_rate, x, rate = np.split(y, [3, 6, 6 + n])
+        force = K * np.maximum(ball - shapes @ x - gaps, 0.0) ** 1.5
+        return np.concatenate([ball_rate, -force / 0.02, rate, force @ shapes - omega2 * x])
+
+    start = np.concatenate([np.zeros(3), speeds, np.zeros(2 * n)])
+    full = scipy.integrate.solve_ivp(
+        motion, (0.0, duration), start, method="DOP853", rtol=1e-10, atol=1e-14
+    ).y[3:6, -1]
+    errors = []
+    for order in (12, 24, n):
+        scene = ao.Scene()
+        beam = scene.add(ao.interface(tips, n=order))
+        struck = [scene.add(ball, velocity=v) for ball, v in zip(balls, speeds, strict=True)]
+        for i, (ball, gap) in enumerate(zip(struck, gaps, strict=True)):
+            scene.connect(ball, beam.port(i), HERTZ, gap=gap)
+        run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=1e-9))
+        assert run[beam].port_velocities.shape[0] == 3
+        assert run.error.energy < 1e-8
+        errors.append(np.abs(velocities(run, struck) - full).max())
+    assert errors[1] < 1e-3
+    assert errors[2] < 1e-6
+
+
+# ---------------------------------------------------------------------- many contacts
+
+
+def squeezed(ratio):
+    """A ball of mass 1 at rest between a wall and one `ratio` times as heavy that moves in."""
+    scene = ao.Scene()
+    wall, ball = scene.add(WALL), scene.add(ao.rigid(mass=1.0), position=1.0)
+    heavy = scene.add(ao.rigid(mass=ratio), velocity=-1.0, position=2.0)
+    scene.connect(wall, ball, ao.Hertz(k=1e22))
+    scene.connect(ball, heavy, ao.Hertz(k=1e22))
+    return scene, heavy
+
+
+def collisions(run):
+    return sum(len(contact.intervals) for contact in run.contacts)
+
+
+def test_a_closing_gap_counts_the_digits_of_pi():
+    """Galperin (2003): a ratio of 100^n gives as many collisions as the first digits of pi say."""
+    scene, heavy = squeezed(100.0**2)
+    with pytest.warns(ao.AOImpactWarning, match="not kept over 157 contacts"):
+        run = scene.simulate(duration=20.0, solver=ao.Adaptive(rtol=1e-11))
+    assert collisions(run) == 314
+    assert run.error.energy < 1e-9
+    # In the plane of √M V and √m v a collision mirrors, the wall mirrors: both turn by one angle.
+    out = -math.cos(157 * 2.0 * math.atan(0.01))
+    assert run[heavy].velocity[-1] == pytest.approx(out, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_closing_gap_of_thousands_of_contacts_ends():
+    scene, _ = squeezed(100.0**3)
+    run = scene.simulate(duration=20.0, solver=ao.Adaptive(rtol=1e-12), energies=False)
+    assert collisions(run) == 3141
+
+
+def test_a_ball_bounces_until_it_rests():
+    law = ao.HuntCrossley(k=1e8, damping=2.0)
+    scene, ball, _ = bouncing(law=law)
+    run = scene.simulate(duration=3.0, solver=ao.Adaptive(rtol=1e-6))
+    assert run.in_contact_at_end
+    assert len(run.contacts[0].intervals) > 50
+    depth = (MASS * EARTH / law.k) ** (2 / 3)
+    assert run[ball].displacement[-1] == pytest.approx(1e-3 + depth, abs=0.02 * depth)
+    assert run.energy.contact[-1] + run.energy.dissipated[-1] == pytest.approx(
+        run.energy.work[-1], rel=1e-5
+    )
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    "count", [100, pytest.param(10_000, marks=pytest.mark.slow)], ids=["100", "10000"]
+)
+def test_bounces_under_gravity_lose_no_energy(count):
+    scene, _, time = bouncing()
+    run = scene.simulate(duration=count * time, solver=ao.Adaptive(rtol=1e-13))
+    assert len(run.contacts[0].intervals) == pytest.approx(count, rel=0.02)
+    assert run.error.energy <= 1e-10
+
+
+# ---------------------------------------------------------------------- loads and rest
+
+
+def test_a_load_that_lifts_a_ball_off_its_floor():
+    """Pressed on by its weight; the load grows straight until nothing is left of that."""
+    stiffness, rise = 1e6, 40.0
+    scene = ao.Scene(gravity=EARTH)
+    ball, floor = scene.add(BALL), scene.add(WALL)
+    scene.connect(ball, floor, ao.Linear(k=stiffness))
+    scene.apply(ball, force=([0.0, 1.0], [0.0, -rise]))
+    weight, omega = MASS * EARTH, math.sqrt(stiffness / MASS)
+
+    def depth(t):
+        return (weight - rise * t + rise * math.sin(omega * t) / omega) / stiffness
+
+    off = scipy.optimize.brentq(depth, 0.0, 2.0 * weight / rise, xtol=1e-16)
+    run = scene.simulate(duration=2.0 * off, solver=ao.Adaptive(rtol=1e-10), preload=True)
+    (start, end), *_ = run.contacts[0].intervals
+    assert start == 0.0
+    assert end == pytest.approx(off, rel=1e-9)
+    assert run.contacts[0].force[0] == pytest.approx(weight, rel=1e-11)
+    assert run.error.energy < 1e-9
+
+
+def test_a_free_mass_under_a_force_of_straight_pieces():
+    times, forces = [1e-3, 2e-3, 4e-3], [0.0, 6.0, -2.0]
+    scene = ao.Scene()
+    ball = scene.add(BALL, velocity=0.5)
+    scene.apply(ball, force=(times, forces))
+    scene.apply(ball, force=1.5)
+    for solver in (ao.Adaptive(rtol=1e-10), ao.Newmark(dt=1e-5)):
+        run = scene.simulate(duration=6e-3, solver=solver)
+        impulse = 3e-3 + 2.0 * 2e-3 - 2.0 * 2e-3 + 1.5 * 6e-3
+        assert run[ball].velocity[-1] == pytest.approx(0.5 + impulse / MASS, rel=1e-11)
+        assert run.contacts == ()
+        assert run.error.energy < 1e-9
+
+
+def test_a_held_body_sags_under_gravity_and_a_free_one_falls():
+    held, free = slender_body(("xmin",)), slender_body(())
+    tip = held.contact(point=(0.3, 0.01, 0.02), direction=(0.0, 0.0, 1.0))
+    weight = free.M @ free.translation((0.0, 0.0, 1.0)) * -EARTH
+    pull = weight[np.repeat(free.nodes[:, 0] > 0.0, 3)]
+    sag = tip.b @ scipy.sparse.linalg.spsolve(held.K.tocsc(), pull)
+    scene = ao.Scene(gravity=-EARTH)
+    beam = scene.add(ao.antioscillators(tip))
+    loose = scene.add(
+        ao.antioscillators(free.contact(point=(0.3, 0.01, 0.02), direction=(0, 0, 1)))
+    )
+    run = scene.simulate(duration=1e-2, solver=ao.Adaptive(rtol=1e-9))
+    assert run[loose].centre_velocity[-1] == pytest.approx(-EARTH * 1e-2, rel=1e-9)
+    # Let go from straight, the beam swings about where it would hang.
+    assert run[beam].displacement.min() == pytest.approx(2.0 * sag, rel=0.1)
+    still = ao.Scene(gravity=-EARTH)
+    hung = still.add(ao.antioscillators(tip))
+    rest = still.simulate(duration=1e-2, solver=ao.Adaptive(rtol=1e-9), preload=True)
+    np.testing.assert_allclose(rest[hung].displacement, sag, rtol=1e-8)
+    by_newmark = still.simulate(duration=1e-3, solver=ao.Newmark(dt=1e-5), preload=True)
+    np.testing.assert_allclose(by_newmark[hung].displacement, sag, rtol=1e-8)
+
+
+def test_a_pile_at_rest_stays_at_rest():
+    """Every contact carries the weight above it."""
+    scene = ao.Scene(gravity=EARTH)
+    pile = [scene.add(ao.rigid(mass=mass)) for mass in (0.1, 0.2, 0.4)]
+    beam = scene.add(ao.antioscillators(midspan(slender_body()), n=4))
+    for one, other in itertools.pairwise([*pile, beam]):
+        scene.connect(one, other, HERTZ)
+    for solver in (ao.Adaptive(rtol=1e-9), ao.Newmark(dt=1e-6)):
+        run = scene.simulate(duration=1e-3, solver=solver, preload=True)
+        for contact, mass in zip(run.contacts, (0.1, 0.3, 0.7), strict=True):
+            np.testing.assert_allclose(contact.force, mass * EARTH, rtol=1e-7)
+
+
+@pytest.mark.filterwarnings("ignore:gravity has no effect")
+def test_damped_bodies_under_loads_balance_and_newmark_tends_to_them():
+    damped = ao.AOModel(
+        m0=2e-2, k0=3e5, m=[0.01, 0.1], k=[4e6, 1e6], damping=ao.Rayleigh(alpha=20.0, beta=1e-6)
+    )
+    scene = ao.Scene(gravity=EARTH)
+    ball, beam = scene.add(BALL, velocity=1.0), scene.add(damped)
+    scene.connect(ball, beam, ao.HuntCrossley(k=1e9, damping=0.3))
+    scene.apply(beam, force=([0.0, 1e-3], [0.0, -300.0]))
+    exact = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=1e-11))
+    assert exact.error.energy < 1e-9
+    errors = []
+    for dt in (4e-7, 2e-7):
+        run = scene.simulate(duration=1e-3, solver=ao.Newmark(dt=dt, estimate=False))
+        off = velocities(run, (ball, beam)) - velocities(exact, (ball, beam))
+        errors.append(np.abs(off).max())
+    assert exact.energy.dissipated[-1] > 1e-3 * exact.energy.kinetic[0]
+    assert errors[1] < 1e-5
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
+
+
+# ---------------------------------------------------------------------- at the same time
+
+
+def test_a_mirror_image_stays_one():
+    """Two balls strike a third, and it two more, from both sides at once."""
+    scene = ao.Scene()
+    speeds = (1.0, 0.0, 0.0, 0.0, -1.0)
+    places = (-2e-4, -1e-4, 0.0, 1e-4, 2e-4)
+    balls = [scene.add(BALL, velocity=v, position=x) for v, x in zip(speeds, places, strict=True)]
+    for one, other in itertools.pairwise(balls):
+        scene.connect(one, other, HERTZ)
+    run = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=1e-9))
+    out = velocities(run, balls)
+    assert np.abs(out + out[::-1]).max() < 1e-14
+    assert abs(run[balls[2]].displacement).max() < 1e-17
+    assert [len(c.intervals) for c in run.contacts] == [
+        len(c.intervals) for c in run.contacts[::-1]
+    ]
+
+
+@pytest.mark.parametrize("gap", [0.0, 3e-5])
+def test_one_ball_on_two_at_once_is_one_on_both_together(gap):
+    """Twins behave alike to rounding, and as one twice as heavy behind twice the spring."""
+    scene = ao.Scene()
+    ball = scene.add(BALL, velocity=1.0)
+    twins = [scene.add(BALL) for _ in range(2)]
+    for twin in twins:
+        scene.connect(ball, twin, HERTZ, gap=gap)
+    run = scene.simulate(duration=2e-4, solver=ao.Adaptive(rtol=1e-10))
+    one, other = run.contacts
+    np.testing.assert_allclose(one.force, other.force, rtol=0, atol=1e-11 * one.peak_force)
+    alone = ao.simulate(
+        projectile=BALL,
+        target=ao.rigid(mass=2 * MASS),
+        law=ao.Hertz(k=2 * K),
+        velocity=1.0,
+        gap=gap,
+        duration=2e-4,
+        solver=ao.Adaptive(rtol=1e-10),
+    )
+    assert velocities(run, [ball])[0] == pytest.approx(alone.rebound_velocity, rel=1e-9)
+    assert 2.0 * one.peak_force == pytest.approx(alone.peak_force, rel=1e-9)
+
+
+def test_the_order_in_which_a_scene_is_built_does_not_matter():
+    scene, balls = row_of_balls(4)
+    forward = velocities(scene.simulate(duration=4e-4, solver=ao.Adaptive(rtol=1e-10)), balls)
+    scene = ao.Scene()
+    balls = [scene.add(BALL, velocity=1.0 if i == 3 else 0.0) for i in range(4)][::-1]
+    for one, other in list(itertools.pairwise(balls))[::-1]:
+        scene.connect(one, other, HERTZ)
+    backward = velocities(scene.simulate(duration=4e-4, solver=ao.Adaptive(rtol=1e-10)), balls)
+    np.testing.assert_allclose(forward, backward, rtol=0, atol=1e-9)
+
+
+# ---------------------------------------------------------------------- what is refused
+
+
+def pair():
+    scene = ao.Scene()
+    return scene, scene.add(BALL, velocity=1.0, name="ball"), scene.add(BEAM)
+
+
+def test_senseless_connections_are_named():
+    scene, ball, beam = pair()
+    with pytest.raises(ao.InputError, match=r"body 0 \(ball\): a body cannot touch itself"):
+        scene.connect(ball, ball, HERTZ)
+    with pytest.raises(ao.InputError, match="no port 1"):
+        scene.connect(ball, beam.port(1), HERTZ)
+    with pytest.raises(ao.InputTypeError, match="must be a handle that"):
+        scene.connect(0, beam, HERTZ)
+    with pytest.raises(ao.InputTypeError, match="law must be a contact law"):
+        scene.connect(ball, beam, 1e10)
+    with pytest.raises(ao.InputError, match="gap must be finite"):
+        scene.connect(ball, beam, HERTZ, gap=math.inf)
+    with pytest.raises(ao.InputError, match="both of infinite mass"):
+        scene.connect(scene.add(WALL), scene.add(WALL), HERTZ)
+
+
+def test_handles_of_another_scene_are_refused():
+    (scene, ball, beam), (_, stranger, _) = pair(), pair()
+    with pytest.raises(ao.InputError, match="another scene"):
+        scene.connect(stranger, beam, HERTZ)
+    with pytest.raises(ao.InputError, match="another scene"):
+        scene.apply(stranger, force=1.0)
+    copied, same = pickle.loads(pickle.dumps((scene, ball)))
+    assert copied.connect(same, beam, HERTZ) == 0
+
+
+def test_the_same_contact_twice_is_a_mistake():
+    scene, ball, beam = pair()
+    scene.connect(ball, beam, HERTZ)
+    with pytest.raises(ao.InputError, match="contact 0 is the same"):
+        scene.connect(ball, beam, HERTZ)
+    assert scene.connect(ball, beam, HERTZ, gap=1e-5) == 1  # a stop behind a stop
+
+
+@pytest.mark.parametrize(
+    ("force", "message"),
     [
-        ({"velocity": 0.0}, "velocity is 0 m/s"),
-        ({"velocity": math.nan}, "velocity must be a number"),
-        ({"velocity": math.inf}, "velocity must be finite"),
-        ({"velocity": 1e200}, "velocity=1e.200 m/s: its square is beyond the range"),
-        ({"velocity": 1e-200}, "beyond the range"),
-        ({"velocity": "fast"}, "velocity must be a real number"),
-        ({"duration": 0.0}, "duration must be positive, got 0 s"),
-        ({"duration": -1.0}, "duration must be positive"),
-        ({"duration": 1e6}, "GiB"),
-        ({"gap": -1e-6}, "gap must not be negative"),
-        ({"law": 1e10}, "law must be a contact law"),
-        ({"solver": 1e-6}, r"solver must be Adaptive\(...\) or Newmark"),
-        ({"projectile": 0.0327}, "projectile must be an AOModel"),
-        ({"target": None}, "target must be an AOModel"),
-        ({"energies": 1}, "energies must be True or False"),
-        (
-            {"projectile": ao.rigid(mass=math.inf), "target": ao.rigid(mass=math.inf)},
-            "both of infinite mass",
-        ),
+        (math.nan, "force must be a number"),
+        ("much", "force must be a real number"),
+        (([0.0, 0.0], [1.0, 2.0]), "times that ascend"),
+        (([0.0, 1.0], [1.0]), "as many forces as times"),
+        (([0.0, 1.0], [1.0, math.inf]), "forces"),
+        (([0.0],), "number or"),
+        (([], []), "times that ascend"),
     ],
 )
-def test_senseless_arguments_are_named(changes, message):
+def test_senseless_loads_are_named(force, message):
+    scene, ball, _ = pair()
     with pytest.raises(ao.AOImpactError, match=message):
-        hit(**changes)
+        scene.apply(ball, force=force)
 
 
-def test_a_body_itself_is_no_player():
-    K, M = rod(5)
-    with pytest.raises(ao.InputTypeError, match=r"body.contact\(...\)"):
-        hit(target=ao.FEModel(K=K, M=M))
+def test_a_wall_takes_no_load():
+    scene = ao.Scene()
+    with pytest.raises(ao.InputError, match="is a wall"):
+        scene.apply(scene.add(WALL), force=1.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"velocity": math.nan}, "velocity must be a number"),
+        ({"velocity": 1e99}, "beyond the range"),
+        ({"position": math.inf}, "position must be finite"),
+        ({"position": "here"}, "position must be a real number"),
+        ({"name": 1}, "name must be a str"),
+    ],
+)
+def test_senseless_bodies_are_named(options, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        ao.Scene().add(BALL, **options)
+
+
+def test_gravity_on_a_held_star_of_numbers_says_that_it_does_nothing():
+    scene = ao.Scene(gravity=EARTH)
+    beam = scene.add(BEAM)
+    with pytest.warns(ao.AOImpactWarning, match="gravity has no effect"):
+        run = scene.simulate(duration=1e-3)
+    assert not run[beam].displacement.any()
+
+
+def test_senseless_scenes_are_named():
+    with pytest.raises(ao.InputError, match="the scene is empty"):
+        ao.Scene().simulate(duration=1.0)
+    with pytest.raises(ao.InputError, match="gravity must be"):
+        ao.Scene(gravity=math.nan)
+    with pytest.raises(ao.InputTypeError, match="must be an AOModel"):
+        ao.Scene().add(HERTZ)
+    scene, ball, beam = pair()
+    scene.connect(ball, beam, HERTZ, gap=-1e-6)
+    with pytest.raises(ao.InputError, match=r"body 0 \(ball\) and body 1 overlap by 1e-06 m"):
+        scene.simulate(duration=1e-3)
+    with pytest.raises(ao.InputError, match="duration must be positive"):
+        scene.simulate(duration=0.0)
+    with pytest.raises(ao.InputTypeError, match="preload must be True or False"):
+        scene.simulate(duration=1.0, preload=1)
+
+
+@pytest.mark.parametrize("connected", [False, True])
+def test_a_ball_that_nothing_holds_has_no_rest(connected):
+    scene = ao.Scene(gravity=-EARTH)
+    ball = scene.add(BALL)
+    if connected:
+        scene.connect(ball, scene.add(WALL), HERTZ)  # it falls away from it
+    with pytest.raises(ao.ConvergenceError, match="no static equilibrium"):
+        scene.simulate(duration=1.0, preload=True)
+
+
+# ---------------------------------------------------------------------- what a run is
+
+
+def test_without_contacts_bodies_fly():
+    scene = ao.Scene()
+    ball, beam = scene.add(BALL, velocity=1.0, position=3.0), scene.add(BEAM, velocity=2.0)
+    run = scene.simulate(duration=1e-2)
+    np.testing.assert_allclose(run[ball].displacement, run.t, rtol=1e-14)
+    assert run.contacts == ()
+    assert not run.in_contact_at_end
+    assert run[beam].velocity.min() < 0.0
+    assert run.error.energy < 1e-12
+
+
+def test_a_run_read_at_other_times_is_the_same_run():
+    scene, balls = row_of_balls(5)
+    run = scene.simulate(duration=4e-4, solver=ao.Adaptive(rtol=1e-9))
+    few = run.at([0.0, 1e-4, 4e-4])
+    np.testing.assert_array_equal(few.t, [0.0, 1e-4, 4e-4])
+    assert few[balls[4]].velocity[-1] == run[balls[4]].velocity[-1]
+    assert few.contacts[2].peak_force == run.contacts[2].peak_force
+    assert few.events == run.events
+    whole = np.interp(1e-4, run.t, run.contacts[2].force)
+    assert few.contacts[2].force[1] == pytest.approx(whole, rel=1e-3)
+    with pytest.raises(ao.InputError, match="within the record"):
+        run.at([5e-4])
+    with pytest.raises(ao.InputTypeError, match="read by the handles"):
+        run["ball"]
+    with pytest.raises(ao.InputError, match="no body 5"):
+        run[5]
+
+
+@pytest.mark.parametrize("solver", [ao.Adaptive(rtol=1e-8), ao.Newmark(dt=1e-6)], ids=repr)
+def test_runs_travel_between_processes_and_threads(solver):
+    scene, balls = row_of_balls(3)
+    run = scene.simulate(duration=2e-4, solver=solver)
+    copy = pickle.loads(pickle.dumps(run))
+    assert copy.t.tobytes() == run.t.tobytes()
+    assert copy.events == run.events
+    assert copy[balls[2]].velocity.tobytes() == run[balls[2]].velocity.tobytes()
+    assert copy.energy.total.tobytes() == run.energy.total.tobytes()
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        runs = [pool.submit(scene.simulate, duration=2e-4, solver=solver) for _ in range(8)]
+        for other in runs:
+            assert other.result().contacts[1].force.tobytes() == run.contacts[1].force.tobytes()
+
+
+def test_without_energies_the_rest_is_the_same():
+    scene, balls = row_of_balls(3)
+    run, bare = (scene.simulate(duration=2e-4, energies=flag) for flag in (True, False))
+    assert bare[balls[1]].velocity.tobytes() == run[balls[1]].velocity.tobytes()
+    assert bare.contacts[0].force.tobytes() == run.contacts[0].force.tobytes()
+    assert bare.error.energy is None
+    with pytest.raises(ao.InputError, match="energies=True"):
+        _ = bare.energy
+
+
+def test_runs_and_scenes_say_what_they_are():
+    scene, _, _ = pair()
+    assert repr(scene) == "Scene(gravity=0): 2 bodies (rigid, AO(3)), 0 contacts, 0 loads"
+    row, _ = row_of_balls(30)
+    assert "30 bodies (rigid, rigid, rigid, rigid, rigid, rigid, …), 29 contacts" in repr(row)
+    text = repr(row.simulate(duration=2e-4, solver=ao.Adaptive(rtol=1e-6)))
+    assert text.startswith("Run of 200 µs")
+    assert "30 bodies and 29 contacts in all" in text
+    assert "974" in text
+    assert "Adaptive(rtol=1e-06)" in text
+    assert len(text.splitlines()) < 30

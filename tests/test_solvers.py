@@ -1,55 +1,215 @@
-"""Factorisations: exact on what is definite, honest about what is not."""
+"""Linear solvers: one answer from all of them, and a clear word where there is none."""
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
+import scipy.sparse.linalg as spla
 
 import aoimpact as ao
-from aoimpact import _core
-from aoimpact.solvers import factorize
+from aoimpact import memory, pardiso, solvers
+from aoimpact.fill import factor_entries, mean_width
+from aoimpact.generate import box_mesh, sphere_mesh
+from aoimpact.solvers import LinearSolver, Pencil, linear_solver
 
-from slender import beam, rod
+from slender import rod
 
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
-def test_solution_of_a_static_problem():
-    """A clamped rod under an end load is stretched by FL/EA, linearly along it."""
-    K, _ = rod(1000, fixed=[0])
-    load = np.zeros(1000)
-    load[-1] = 3.0
-    np.testing.assert_allclose(factorize(K).solve(load), 3.0 * np.arange(1, 1001) / 1000, rtol=1e-9)
-
-
-def test_the_cores_sweeps_solve_the_same_system():
-    K, M = beam(500, fixed=[0, 1])
-    factors = factorize(K + 1e4 * M)
-    b = np.random.default_rng(0).standard_normal(1000)
-    x = b.copy()
-    _core.factors_solve(factors.for_core(), np.empty(1000), x)
-    A = K + 1e4 * M
-    backward_error = np.abs(A @ x - b) / (abs(A) @ np.abs(x) + np.abs(b))
-    assert backward_error.max() < 1e-13
+needs_pardiso = pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
+EVERY = [
+    "superlu",
+    pytest.param("pardiso", marks=needs_pardiso),
+    "multigrid",
+    pytest.param(spla.factorized, id="a function"),
+]
 
 
-def test_singular_matrices_are_refused_not_solved():
-    K, _ = rod(200)
-    with pytest.raises(ao.SingularError, match="the stiffness is singular"):
-        factorize(K, what="the stiffness")
-    with pytest.raises(ao.SingularError):
-        factorize(sp.csr_matrix((5, 5)))
+@pytest.fixture(scope="module")
+def block():
+    mesh = box_mesh((0.04, 0.02, 0.02), (6, 3, 3), kind="tetra10")
+    return ao.FEModel.from_mesh(mesh, STEEL)
 
 
-def test_elements_of_very_different_size_are_not_called_singular():
-    k = np.geomspace(1.0, 1e12, 60)
-    K = sp.diags([k + np.append(k[1:], 0.0), -k[1:], -k[1:]], [0, 1, -1]).tocsr()
-    ones = np.ones(60)
-    np.testing.assert_allclose(factorize(K).solve(K @ ones), ones, rtol=1e-3)
+@pytest.fixture(scope="module")
+def bar():
+    mesh = box_mesh((0.3, 0.02, 0.02), (60, 1, 1), kind="tetra10")
+    return ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
 
 
-def test_indefinite_matrices_are_refused_with_the_number_of_negative_eigenvalues():
-    """As many pivots are negative as eigenvalues (Sylvester): three springs pushed, not pulled."""
+def dense(body, s2):
+    return body.K.toarray() + s2 * body.M.toarray()
+
+
+# --------------------------------------------------------------------------------- one answer
+
+
+@pytest.mark.parametrize("solver", EVERY)
+def test_every_solver_solves_the_same_systems(block, bar, solver):
+    for body, s2 in ((block, 1e12), (bar, 1e10), (bar, 0.0)):
+        f = np.random.default_rng(0).standard_normal((body.n_dofs, 2))
+        found = body.inverse(s2, solver=solver)
+        x = found.solve(f)
+        np.testing.assert_allclose(x, np.linalg.solve(dense(body, s2), f), rtol=1e-6, atol=1e-20)
+        np.testing.assert_allclose(found.solve(f[:, 1]), x[:, 1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("solver", EVERY)
+def test_anti_oscillators_do_not_depend_on_the_solver_and_name_it(block, bar, solver):
+    for body, point in ((block, (0, 0.01, 0.01)), (bar, (0.3, 0, 0))):
+        tip = body.contact(point=point, direction=(1, 0, 0))
+        reference = ao.antioscillators(tip, 3, order="frequency", solver="superlu")
+        star = ao.antioscillators(tip, 3, order="frequency", solver=solver)
+        np.testing.assert_allclose(star.m, reference.m, rtol=1e-7)
+        np.testing.assert_allclose(star.k, reference.k, rtol=1e-7)
+        assert star.origin.solver == getattr(solver, "__name__", solver)
+
+
+def test_the_matrices_are_neither_changed_nor_copied(bar):
+    before = bar.K.data.copy()
+    pencil = Pencil(bar.K, bar.M)
+    assert pencil.matrix() is bar.K
+    linear_solver(pencil).solve(np.ones(bar.n_dofs))
+    np.testing.assert_array_equal(bar.K.data, before)
+
+
+def test_a_solution_is_refined_until_its_residual_passes(bar):
+    """A solver in single precision is no worse than one in double, a few steps later."""
+    calls = []
+
+    def single(matrix):
+        factors = spla.splu(matrix.astype(np.float32))
+
+        def solve(f):
+            calls.append(f)
+            return factors.solve(f.astype(np.float32)).astype(float)
+
+        return solve
+
+    f = np.random.default_rng(1).standard_normal(bar.n_dofs)
+    x = bar.inverse(1e10, solver=single).solve(f)
+    assert len(calls) > 1
+    residual = f - (bar.K + 1e10 * bar.M) @ x
+    assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(f)
+
+
+# --------------------------------------------------------------------------- the choice of one
+
+
+def test_small_bodies_are_solved_by_what_is_always_there(block):
+    assert block.inverse(1e12).name == "superlu"
+
+
+def test_large_bodies_take_pardiso_where_it_is_installed(block, monkeypatch):
+    monkeypatch.setattr(solvers, "_SUPERLU_QUICK", 1e5)
+    monkeypatch.setattr(solvers, "_MULTIGRID", 1.0)
+    monkeypatch.setattr(pardiso, "is_installed", lambda: False)
+    assert block.inverse(1e10).name == "superlu"
+    taken = []
+    monkeypatch.setattr(pardiso, "is_installed", lambda: True)
+    monkeypatch.setattr(pardiso, "inverse", lambda A, what: taken.append(A.shape))
+    assert block.inverse(1e10).name == "pardiso"
+    assert taken == [block.K.shape]
+
+
+def test_width_of_a_graph():
+    """A rod is one dof wide; an n x n x n grid some n² (its levels are the planes i+j+k)."""
+    assert mean_width(rod(100)[0]) == 1.0
+    line = sp.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(20, 20))
+    eye = sp.eye_array(20)
+    grid = sp.kron(sp.kron(line, eye), eye) + sp.kron(eye, sp.kron(line, eye) + sp.kron(eye, line))
+    assert 150 < mean_width(sp.csr_array(grid)) < 400
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        sphere_mesh(0.01, 4e-3),
+        box_mesh((1, 0.1, 0.1), (40, 3, 3), kind="tetra10"),
+        box_mesh((1, 1, 0.1), (20, 20, 2)),
+        box_mesh((1, 1, 1), (6, 6, 6), kind="hexahedron20"),
+    ],
+    ids=["ball", "bar", "plate", "cube"],
+)
+def test_the_size_of_the_factors_is_foretold_within_a_factor_of_four_and_never_too_small(mesh):
+    body = ao.FEModel.from_mesh(mesh, STEEL)
+    A = (body.K + 1e8 * body.M).tocsc()
+    options = {"SymmetricMode": True}
+    factors = spla.splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    assert 1.0 <= factor_entries(A.tocsr(), "superlu") / factors.nnz <= 4.0
+
+
+# ---------------------------------------------------------------------------------- refusals
+
+
+def test_what_does_not_fit_into_memory_is_refused_before_it_is_begun(block, monkeypatch):
+    monkeypatch.setattr(memory, "available", lambda: 1e6)
+    with pytest.raises(MemoryError, match=r"'superlu' of K \+ s²M .* GiB of memory"):
+        block.inverse(1e12, solver="superlu")
+    monkeypatch.setattr(memory, "available", lambda: 1e3)
+    with pytest.raises(ao.AOImpactError, match=r"'multigrid' of .* take a coarser mesh"):
+        block.inverse(1e12, solver="multigrid")
+
+
+def test_multigrid_takes_over_where_factors_are_slow_or_too_large(block, monkeypatch):
+    monkeypatch.setattr(solvers, "_SUPERLU_QUICK", 0.0)
+    for limit, value in (("_MULTIGRID", 1e-9), ("_BYTES", {"superlu": 1e9, "pardiso": 1e9})):
+        with monkeypatch.context() as patch:
+            patch.setattr(solvers, limit, value)
+            assert block.inverse(1e10).name == "multigrid"
+
+
+def test_available_memory_is_between_a_page_and_a_petabyte():
+    assert 4096 < memory.available() < 1e15
+
+
+def test_an_absent_package_is_named_with_the_way_to_get_it(block, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pymklpardiso", None)
+    with pytest.raises(ao.InputError, match=r"pip install 'aoimpact\[direct\]'"):
+        block.inverse(1e12, solver="pardiso")
+
+
+@pytest.mark.parametrize("solver", EVERY[:2])
+def test_singular_and_indefinite_matrices_are_refused(block, solver):
+    with pytest.raises(ao.SingularError, match="the stiffness matrix"):
+        block.inverse(0.0, solver=solver)
     K = sp.diags([2.0, -1.0, -1.0], [0, 1, -1], shape=(1000, 1000)).tolil()
-    for place in (100, 500, 900):
-        K[place, place] = 0.5
-    assert (np.linalg.eigvalsh(K.toarray()) < 0.0).sum() == 3
-    with pytest.raises(ao.SingularError, match=r"K is not positive definite \(3 negative"):
-        factorize(K, what="K")
+    K[500, 500] = 0.5
+    with pytest.raises(ao.SingularError, match="the stiffness matrix"):
+        linear_solver(Pencil(sp.csr_array(K), sp.eye_array(1000)), solver)
+
+
+@pytest.mark.parametrize(
+    ("answer", "error", "match"),
+    [
+        (lambda f: f * np.nan, ao.ConvergenceError, "'wrong' returned nan"),
+        (lambda f: f[:-1], ao.InputTypeError, r"'wrong' must return a real array of shape"),
+        (lambda f: f + 0j, ao.InputTypeError, "complex128"),
+        (lambda f: None, ao.InputTypeError, "'wrong' must return a real array"),
+        (lambda f: 0.0 * f, ao.ConvergenceError, "'wrong' leaves 1e[+]10 times the residual"),
+        (lambda f: -f, ao.ConvergenceError, "'wrong' leaves"),
+    ],
+)
+def test_a_users_solver_that_fails_is_told_so(bar, answer, error, match):
+    def wrong(matrix):
+        return answer
+
+    with pytest.raises(error, match=match):
+        bar.inverse(1e10, solver=wrong).solve(np.ones(bar.n_dofs))
+
+
+def test_what_is_no_solver_is_refused(bar):
+    tip = bar.contact(point=(0.3, 0, 0), direction=(1, 0, 0))
+    with pytest.raises(ao.InputError, match="did you mean 'pardiso'"):
+        ao.antioscillators(tip, 1, solver="pardisso")
+    with pytest.raises(ao.InputTypeError, match="solver must be one of"):
+        ao.antioscillators(tip, 1, solver=3)
+    with pytest.raises(ao.InputTypeError, match="must return a function"):
+        bar.inverse(solver=lambda matrix: 1.0)
+    with pytest.raises(ao.InputError, match="s2 must not be negative"):
+        bar.inverse(-1.0)
+
+
+def test_zero_has_the_solution_zero(bar):
+    found = bar.inverse(1e10)
+    assert isinstance(found, LinearSolver)
+    np.testing.assert_array_equal(found.solve(np.zeros(bar.n_dofs)), np.zeros(bar.n_dofs))

@@ -1,56 +1,6 @@
-/* The adaptive run: closed forms, its own dense output, and steps of any stiffness. */
-#include "check.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-enum { MOST = 16, ROWS = 60000 };
-
-typedef struct scene {
-    double omega[MOST], weight[MOST], load[MOST], x[MOST], v[MOST];
-    size_t order[MOST], n;
-    aoi_relative relative;
-    aoi_law law;
-    aoi_adaptive run;
-    double *track, *block;
-    size_t rows;
-} scene;
-
-static aoi_law law_of(const char *name, double k, double n)
-{
-    const double parameter[] = {k, n};
-    aoi_law law;
-    CHECK(aoi_law_create(&law, name, strcmp(name, "power") == 0 ? 2 : 1, parameter) == AOI_OK, "law");
-    return law;
-}
-
-static void run_scene(scene *s, aoi_law law, double rtol, double end)
-{
-    for (size_t j = 0; j < s->n; j++) {
-        s->order[j] = j;
-    }
-    s->relative.n = s->relative.n_projectile = s->n;
-    s->relative.omega = s->omega;
-    s->relative.weight = s->weight;
-    s->relative.load = s->load;
-    s->law = law;
-    s->track = malloc(ROWS * (AOI_TRACK_FIXED + 2 * s->n) * sizeof(double));
-    s->block = malloc(AOI_TABLES * aoi_collocation_size(s->n) * sizeof(double));
-    s->run = (aoi_adaptive){.relative = &s->relative, .law = &s->law, .rtol = rtol, .end = end};
-    s->run.x = s->x;
-    s->run.v = s->v;
-    s->run.block = s->block;
-    s->run.order = s->order;
-    CHECK(aoi_adaptive_start(&s->run) == AOI_OK, "it starts");
-    CHECK(aoi_adaptive_run(&s->run, ROWS, s->track, &s->rows) == AOI_OK, "it runs");
-    CHECK(s->run.time == end, "to the end: %g of %g", s->run.time, end);
-}
-
-static void release(scene *s)
-{
-    free(s->track);
-    free(s->block);
-}
+/* The adaptive run: closed forms, conserved quantities and Runge and Kutta's method, over the whole range
+ * of tolerances, for one contact and for many. */
+#include "plant.h"
 
 /* int_0^1 dx / sqrt(1 - x^(n+1)) by tanh-sinh quadrature. */
 static double half_duration(double n)
@@ -65,146 +15,524 @@ static double half_duration(double n)
     return sum;
 }
 
-static void power_laws_on_a_wall(void)
+/* Start (what = AOI_TRACK_BEGINS) or end of a joint's first interval of force; -1 if there is none. A
+ * contact that is in no row any more has ended where its last one did. */
+static double moment_of(const plant *p, size_t joint, enum aoi_track_contact what)
+{
+    double last = -1.0;
+    for (size_t r = 0; r < p->rows; r++) {
+        const double *row = p->track + p->index[r], *of = row + AOI_TRACK_FIXED;
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
+            of += AOI_TRACK_STATE + 2 * p->part[(size_t)of[0]].n;
+        }
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++, of += AOI_TRACK_CONTACT_SIZE) {
+            if ((size_t)of[AOI_TRACK_JOINT] != joint) {
+                continue;
+            }
+            last = row[AOI_TRACK_START] + (what == AOI_TRACK_ENDS ? row[AOI_TRACK_LENGTH] : 0.0);
+            if (of[what] != 0.0) {
+                return last;
+            }
+        }
+    }
+    return what == AOI_TRACK_ENDS ? last : -1.0;
+}
+
+static void rigid_bodies_collide_in_closed_form(void)
 {
     const double exponents[] = {1.0, 1.5, 2.0, 3.0};
     for (size_t e = 0; e < 4; e++) {
         for (int tolerance = 3; tolerance <= 11; tolerance += 2) {
-            const double n = exponents[e], k = 1e7, mass = 0.4, velocity = 2.0;
-            const double rtol = pow(10.0, -tolerance);
+            const double n = exponents[e], k = 1e7, m[] = {0.4, 1.2}, mass = 0.3, velocity = 2.0;
+            const double rtol = pow(10.0, -tolerance), gap = 1e-4;
             const double deepest =
                 pow((n + 1.0) * mass * velocity * velocity / (2.0 * k), 1.0 / (n + 1.0));
             const double duration = 2.0 * deepest / velocity * half_duration(n);
-            scene s = {.n = 1};
-            s.weight[0] = 1.0 / mass;
-            s.v[0] = velocity;
-            run_scene(&s, law_of("power", k, n), rtol, 2.0 * duration);
-            CHECK(near(s.run.peak_force, k * pow(deepest, n), rtol), "n %g, rtol %g: peak", n, rtol);
-            CHECK(near(s.run.impulse, 2.0 * mass * velocity, rtol), "n %g, rtol %g: impulse", n, rtol);
-            CHECK(near(s.v[0], -velocity, rtol), "n %g, rtol %g: rebound %.12g", n, rtol, s.v[0]);
-            double let_go = -1.0;
-            for (size_t i = 0; i < s.rows; i++) {
-                const double *row = s.track + i * (AOI_TRACK_FIXED + 2);
-                let_go = row[AOI_TRACK_RELEASE] >= 0.0 ? row[AOI_TRACK_RELEASE] : let_go;
-            }
+            const aoi_law law = law_named("power", 2, k, n, 0.0);
+            plant p = {.bodies = 0};
+            add_rigid(&p, m[0], 1.6);
+            add_rigid(&p, m[1], -0.4);
+            join_rigid(&p, 0, 1, gap, &law);
+            must_go(&p, rtol, gap / velocity + 2.0 * duration);
+            CHECK(near(p.contact[0].peak_force, k * pow(deepest, n), rtol), "n %g, rtol %g: peak", n, rtol);
+            CHECK(near(p.contact[0].impulse, 2.0 * mass * velocity, rtol), "n %g, rtol %g: impulse", n, rtol);
+            CHECK(fabs(p.contact[0].peak_time - gap / velocity - duration / 2.0) < 3.0 * sqrt(rtol) * duration,
+                  "n %g, rtol %g: peak after half the contact", n, rtol);
+            CHECK(near(p.v[0] - p.v[1], -velocity, rtol), "n %g, rtol %g: rebound", n, rtol);
+            CHECK(near(m[0] * p.v[0] + m[1] * p.v[1], m[0] * 1.6 - m[1] * 0.4, 1e-10), "momentum");
+            CHECK(near(moment_of(&p, 0, AOI_TRACK_BEGINS), gap / velocity, 1e-13), "touch");
+            const double let_go = moment_of(&p, 0, AOI_TRACK_ENDS) - gap / velocity;
             CHECK(near(let_go, duration, rtol), "n %g, rtol %g: duration %.12g", n, rtol, let_go);
-            release(&s);
+            release(&p);
         }
     }
 }
 
-/* A mass on a spring on a linear law: in contact two oscillators, whose motion is a sum of sines. */
-static void ringing_contact_follows_its_normal_modes(void)
+/* v sin(w t)/w, with w^2 = k/m. */
+static void a_linear_contact_is_half_a_sine(void)
 {
-    const double m0 = 0.01, m1 = 1.0, k1 = 1e6, k = 1e5, v = 1.0, reduced = m0 * m1 / (m0 + m1);
-    scene s = {.n = 2};
-    s.weight[0] = 1.0 / (m0 + m1);
-    s.omega[1] = sqrt(k1 / reduced);
-    s.weight[1] = 1.0 / m0 - 1.0 / (m0 + m1);
-    s.v[0] = v;
-    run_scene(&s, law_of("linear", k, 1.0), 1e-11, 5e-3);
-    /* (k - w^2 m0) u0 + k1 (u0 - u1) = 0, -w^2 m1 u1 + k1 (u1 - u0) = 0 */
-    const double a = m0 * m1, b = -(m1 * (k + k1) + m0 * k1), c = k * k1;
-    const double root = sqrt(b * b - 4.0 * a * c);
-    const double w2[2] = {2.0 * c / (-b + root), (-b + root) / (2.0 * a)};
-    double sine[2], share[2];
-    for (int i = 0; i < 2; i++) {
-        const double other = k1 / (k1 - w2[i] * m1); /* u1 / u0 */
-        const double mass = m0 + m1 * other * other;
-        share[i] = v * (m0 + m1 * other) / mass / sqrt(w2[i]);
+    const aoi_law law = linear(2.5e6);
+    const double mass = 0.4, v = 2.0, w = sqrt(2.5e6 / mass);
+    plant p = {.bodies = 0};
+    add_rigid(&p, mass, v);
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 0.0, &law);
+    must_go(&p, 1e-12, 1.5 * PI / w);
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    for (int i = 0; i <= 150; i++) {
+        double record[32];
+        const double t = 0.01 * i * PI / w, sine = v / w * sin(w * t);
+        CHECK(aoi_sampler_column(&p.sampler, t, 1, record, 1) == AOI_OK, "sampled");
+        const double wanted = t < PI / w ? sine : -v * (t - PI / w);
+        CHECK(fabs(record[1] - wanted) < 1e-12 * v / w, "t %g: indentation %.15g, not %.15g", t, record[1],
+              wanted);
+        CHECK(fabs(record[0] - (t < PI / w ? 2.5e6 * sine : 0.0)) < 1e-11 * 2.5e6 * v / w, "t %g: force", t);
     }
-    for (size_t i = 0; i < s.rows; i++) {
-        const double *row = s.track + i * (AOI_TRACK_FIXED + 4);
-        for (int p = 0; row[AOI_TRACK_CONTACT] == 1.0 && p < 3; p++) {
-            const double t = row[AOI_TRACK_START] + 0.5 * p * row[AOI_TRACK_LENGTH];
-            double slope;
-            const double ours = aoi_legendre_evaluate(AOI_STAGES + 1, row + AOI_TRACK_INDENTATION,
-                                                      0.5 * p, &slope);
-            sine[0] = share[0] * sin(sqrt(w2[0]) * t);
-            sine[1] = share[1] * sin(sqrt(w2[1]) * t);
-            if (s.track && row[AOI_TRACK_RELEASE] < 0.0) {
-                CHECK(fabs(ours - sine[0] - sine[1]) < 1e-11 * (share[0] + fabs(share[1])),
-                      "t %g: indentation %.15g, not %.15g", t, ours, sine[0] + sine[1]);
-            }
+    release(&p);
+}
+
+/* A residual compliance c in series with the law: k / (1 + k c). */
+static void a_massless_contact_is_a_spring_in_series(void)
+{
+    const double k = 2.5e6, c = 3e-7, mass = 0.4, v = 2.0, series = k / (1.0 + k * c);
+    const double w = sqrt(series / mass), rtol = 1e-9;
+    const aoi_law law = linear(k);
+    plant p = {.bodies = 0};
+    part *ball = add_rigid(&p, mass, v);
+    ball->massless = 1;
+    ball->residual[0] = c;
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 0.0, &law);
+    must_go(&p, rtol, 1.5 * PI / w);
+    CHECK(near(p.contact[0].peak_force, series * v / w, rtol), "peak %.12g", p.contact[0].peak_force);
+    CHECK(near(p.contact[0].impulse, 2.0 * mass * v, rtol), "impulse");
+    CHECK(near(p.v[0], -v, rtol), "rebound");
+    CHECK(near(moment_of(&p, 0, AOI_TRACK_ENDS), PI / w, rtol), "duration");
+    release(&p);
+}
+
+/* A massless platform between two ports passes a blow on at once: it is at c F(t), and touches a wall when
+ * that has grown to the gap. */
+static void what_a_force_bends_touches_elsewhere(void)
+{
+    const double k = 2.5e6, c = 3e-7, mass = 0.4, v = 2.0, series = k / (1.0 + k * c), rtol = 1e-9;
+    const double w = sqrt(series / mass), gap = 0.6 * c * series * v / w;
+    const aoi_law law = linear(k);
+    plant p = {.bodies = 0};
+    add_rigid(&p, mass, v);
+    part *platform = add_rigid(&p, 1e12, 0.0);
+    platform->ports = 2;
+    platform->shape[1] = 1.0;
+    platform->push[1] = platform->push[0];
+    platform->massless = 1;
+    for (int i = 0; i < 4; i++) {
+        platform->residual[i] = c;
+    }
+    add_wall(&p);
+    join(&p, 0, 0, 1, 0, 0.0, &law);
+    join(&p, 1, 1, 2, 0, gap, &law);
+    must_go(&p, rtol, 0.5 * PI / w);
+    CHECK(near(moment_of(&p, 1, AOI_TRACK_BEGINS), asin(0.6) / w, 10.0 * rtol), "touch at %.12g, not %.12g",
+          moment_of(&p, 1, AOI_TRACK_BEGINS), asin(0.6) / w);
+    /* From then on the platform's springs, the law's and the wall's share the force. */
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    for (int i = 0; i <= 50; i++) {
+        double record[64];
+        CHECK(aoi_sampler_column(&p.sampler, 0.01 * i * PI / w, 0, record, 1) == AOI_OK, "sampled");
+        const double u = c * (record[0] - record[AOI_CONTACT_ROWS]); /* of the platform */
+        CHECK(fabs(record[AOI_CONTACT_ROWS + 1] - (u - gap)) < 1e-8 * gap, "the second contact: %g, not %g",
+              record[AOI_CONTACT_ROWS + 1], u - gap);
+    }
+    release(&p);
+}
+
+static void compare(const plant *p, const double *x, const double *v, double place, double speed,
+                    const char *what)
+{
+    for (size_t j = 0; j < p->first[p->bodies]; j++) {
+        CHECK(fabs(p->x[j] - x[j]) < place, "%s, mode %zu: %.14g, not %.14g", what, j, p->x[j], x[j]);
+        CHECK(fabs(p->v[j] - v[j]) < speed, "%s, mode %zu: velocity %.14g, not %.14g", what, j, p->v[j],
+              v[j]);
+    }
+}
+
+/* Flies on to the end of the run: x, v of a body hold at its own time. */
+static void fly_to_the_end(plant *p)
+{
+    for (size_t b = 0; b < p->bodies; b++) {
+        aoi_modes_fly(&p->body[b], p->follower[b].time, p->run.end, p->x + p->first[b], p->v + p->first[b]);
+    }
+}
+
+/* Newton's cradle: three touching balls; all that is known of it is that it is no billiard. */
+static void a_cradle_of_three(void)
+{
+    const aoi_law law = hertz(1e6);
+    for (int apart = 0; apart < 2; apart++) {
+        plant p = {.bodies = 0};
+        double x[ALL_MODES], v[ALL_MODES];
+        for (int b = 0; b < 3; b++) {
+            add_rigid(&p, 1.0, b == 0 ? 1.0 : 0.0);
+        }
+        join_rigid(&p, 0, 1, 0.0, &law);
+        join_rigid(&p, 1, 2, apart ? 1e-4 : 0.0, &law);
+        runge_kutta(&p, 0.02, 60000, x, v);
+        must_go(&p, 1e-11, 0.02);
+        fly_to_the_end(&p);
+        compare(&p, x, v, 1e-12, 2e-10, apart ? "cradle with a gap" : "cradle");
+        CHECK(near(p.v[0] + p.v[1] + p.v[2], 1.0, 1e-12), "momentum");
+        CHECK(near(p.v[0] * p.v[0] + p.v[1] * p.v[1] + p.v[2] * p.v[2], 1.0, 1e-9), "energy");
+        release(&p);
+    }
+}
+
+/* Ringing, damped bodies with two ports, loads and gravity; contacts come and go. */
+static void a_row_of_ringing_bodies(void)
+{
+    uint64_t seed = 17;
+    const aoi_law law = law_named("power", 2, 2e4, 2.0, 0.0);
+    plant p = {.bodies = 0};
+    double x[ALL_MODES], v[ALL_MODES];
+    for (size_t b = 0; b < 4; b++) {
+        part *of = add_ringing(&p, 3, 2, 1.0, 60.0, b == 0 ? 1.0 : 0.0, &seed);
+        of->damped = of->pulled = 1;
+        of->load_count = 2;
+        of->load_time[0] = 0.0;
+        of->load_time[1] = 0.25;
+        of->load_force[2] = 0.1 * (double)b;
+        for (size_t j = 0; j < of->n; j++) {
+            of->decay[j] = 0.3 * (double)j;
+            of->gravity[j] = j == 0 ? 0.2 : 0.0;
+        }
+        if (b > 0) {
+            join(&p, b - 1, 1, b, 0, b == 1 ? 0.0 : 1e-3, &law);
         }
     }
-    release(&s);
+    runge_kutta(&p, 0.5, 20000, x, v);
+    must_go(&p, 1e-10, 0.5);
+    fly_to_the_end(&p);
+    compare(&p, x, v, 2e-10, 1e-8, "row");
+    CHECK(p.contact[2].impulse > 0.0, "the blow has gone through: %g N s", p.contact[2].impulse);
+    release(&p);
+}
+
+/* A body whose first mode does not feel its contacts: they still feel each other by the others. */
+static void contacts_meet_by_any_mode(void)
+{
+    uint64_t seed = 5;
+    const aoi_law law = law_named("power", 2, 2e4, 2.0, 0.0);
+    plant p = {.bodies = 0};
+    double x[ALL_MODES], v[ALL_MODES];
+    add_rigid(&p, 1.0, 1.0);
+    part *rocker = add_ringing(&p, 3, 2, 1.0, 40.0, 0.0, &seed);
+    rocker->omega[0] = 1.0;
+    rocker->shape[0] = rocker->push[0] = 0.0; /* a node of it */
+    add_rigid(&p, 1.0, -0.8);
+    join(&p, 0, 0, 1, 0, 0.0, &law);
+    join(&p, 1, 1, 2, 0, 0.0, &law);
+    runge_kutta(&p, 0.4, 20000, x, v);
+    must_go(&p, 1e-10, 0.4);
+    fly_to_the_end(&p);
+    compare(&p, x, v, 2e-10, 1e-8, "rocker");
+    release(&p);
+}
+
+/* Symmetric about the middle: three contacts begin at the same instant. */
+static void three_touch_at_once(void)
+{
+    const aoi_law law = hertz(1e8);
+    plant p = {.bodies = 0};
+    part *anvil = add_rigid(&p, 2.0, 0.0);
+    anvil->ports = 3;
+    for (int q = 0; q < 3; q++) {
+        anvil->shape[q] = 1.0;
+        anvil->push[q] = 0.5;
+    }
+    for (size_t q = 0; q < 3; q++) {
+        add_rigid(&p, 1.0, 1.0);
+        join(&p, q + 1, 0, 0, q, 1e-3, &law);
+    }
+    must_go(&p, 1e-10, 5e-3);
+    /* As one body of 3 kg on a contact of three times the stiffness. */
+    const double reduced = 3.0 * 2.0 / 5.0;
+    const double deepest = pow(2.5 * reduced / (2.0 * 3e8), 0.4);
+    for (size_t c = 0; c < 3; c++) {
+        CHECK(near(p.contact[c].peak_force, 1e8 * pow(deepest, 1.5), 1e-9), "contact %zu: peak", c);
+        CHECK(near(p.contact[c].impulse, 2.0 * reduced / 3.0, 1e-9), "contact %zu: impulse", c);
+        CHECK(near(moment_of(&p, c, AOI_TRACK_BEGINS), 1e-3, 1e-12), "contact %zu: touch", c);
+    }
+    CHECK(near(p.v[0], 2.0 * 3.0 / 5.0, 1e-9), "the anvil leaves with %g m/s", p.v[0]);
+    release(&p);
 }
 
 /* Bounces under gravity, as high as at first: each keeps its energy to the tolerance. */
 static void a_bouncing_ball_keeps_its_height(void)
 {
     const double g = 9.81, v = 0.1, mass = 0.03;
-    scene s = {.n = 1};
-    s.weight[0] = 1.0 / mass;
-    s.load[0] = g;
-    s.v[0] = v;
-    run_scene(&s, law_of("hertz", 1e9, 0.0), 1e-13, 4.0);
-    size_t bounces = 0;
-    for (size_t i = 0; i < s.rows; i++) {
-        bounces += s.track[i * (AOI_TRACK_FIXED + 2) + AOI_TRACK_RELEASE] >= 0.0;
-    }
-    CHECK(bounces > 190, "it bounces: %zu times", bounces);
-    for (size_t i = 0; i < s.rows; i++) {
-        const double *row = s.track + i * (AOI_TRACK_FIXED + 2);
-        const double energy = 0.5 * row[AOI_TRACK_FIXED + 1] * row[AOI_TRACK_FIXED + 1] -
-                              g * row[AOI_TRACK_FIXED];
-        if (row[AOI_TRACK_CONTACT] == 0.0) {
-            CHECK(near(energy, 0.5 * v * v, 1e-13 * (double)bounces), "row %zu: energy off by %g", i,
-                  energy / (0.5 * v * v) - 1.0);
+    const aoi_law law = hertz(1e9);
+    plant p = {.bodies = 0};
+    part *ball = add_rigid(&p, mass, v);
+    ball->pulled = 1;
+    ball->gravity[0] = g;
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 0.0, &law);
+    must_go(&p, 1e-13, 4.0);
+    size_t flights = 0;
+    for (size_t r = 0; r < p.rows; r++) {
+        const double *row = p.track + p.index[r], *of = row + AOI_TRACK_FIXED + AOI_TRACK_STATE;
+        if (row[AOI_TRACK_CONTACTS] == 0.0 && row[AOI_TRACK_FIXED] == 0.0) {
+            flights++;
+            CHECK(near(0.5 * of[1] * of[1] - g * of[0], 0.5 * v * v, 1e-13 * (double)(flights + 1)),
+                  "flight %zu: energy off by %g", flights,
+                  (0.5 * of[1] * of[1] - g * of[0]) / (0.5 * v * v) - 1.0);
         }
     }
-    release(&s);
+    CHECK(flights > 190, "it bounces: %zu times", flights);
+    release(&p);
 }
 
-static void dense_output_meets_the_rows(void)
+/* Where a ball rests on its contact, k d^(3/2) = m g, it stays at rest; let go above, it swings about. */
+static void what_rests_goes_on_resting(void)
 {
-    scene s = {.n = 2};
-    s.weight[0] = 10.0;
-    s.weight[1] = 90.0;
-    s.omega[1] = 1e5;
-    s.v[0] = 1.0;
-    run_scene(&s, law_of("hertz", 1e9, 0.0), 1e-9, 1e-3);
-    const double centre[2] = {1.0, 0.0};
-    const aoi_centres centres = {centre, {0.0, 0.0}};
-    const size_t width = AOI_TRACK_FIXED + 4;
-    for (size_t i = 0; i + 1 < s.rows; i++) {
-        const double *row = s.track + i * width, *next = row + width;
-        const double time = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
-        double values[AOI_ROW_COUNT], work[4], *where[AOI_ROW_COUNT];
-        for (size_t r = 0; r < AOI_ROW_COUNT; r++) {
-            where[r] = values + r;
+    const double g = 9.81, mass = 2.0, k = 1e7, rest = pow(mass * g / k, 2.0 / 3.0);
+    const aoi_law law = hertz(k);
+    plant p = {.bodies = 0};
+    part *ball = add_rigid(&p, mass, 0.0);
+    ball->pulled = 1;
+    ball->gravity[0] = g;
+    ball->x[0] = rest;
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 0.0, &law);
+    must_go(&p, 1e-9, 0.05);
+    CHECK(near(p.x[0], rest, 1e-9) && fabs(p.v[0]) < 1e-9 * sqrt(g * rest), "at rest: %.12g", p.x[0] / rest);
+    CHECK(near(p.contact[0].impulse, mass * g * 0.05, 1e-9), "the floor carries its weight");
+    release(&p);
+}
+
+/* Pressed together and let go: the stored energy becomes kinetic. */
+static void preloaded_bodies_fly_apart(void)
+{
+    const double k = 1e8, overlap = 1e-4, m[] = {0.5, 2.0};
+    const aoi_law law = hertz(k);
+    plant p = {.bodies = 0};
+    add_rigid(&p, m[0], 0.0);
+    add_rigid(&p, m[1], 0.0);
+    join_rigid(&p, 0, 1, -overlap, &law);
+    must_go(&p, 1e-10, 0.05);
+    const double energy = 0.4 * k * pow(overlap, 2.5), reduced = m[0] * m[1] / (m[0] + m[1]);
+    CHECK(near(p.v[1] - p.v[0], sqrt(2.0 * energy / reduced), 1e-10), "apart with %g", p.v[1] - p.v[0]);
+    CHECK(near(p.contact[0].peak_force, k * pow(overlap, 1.5), 1e-12), "the peak is at the start");
+    CHECK(p.contact[0].peak_time < 1e-12 && moment_of(&p, 0, AOI_TRACK_BEGINS) == 0.0, "from the start");
+    release(&p);
+}
+
+/* Hunt and Crossley: F = k d^n (1 + chi d') loses what (1 + chi v)e^(-chi v) = (1 - chi u)e^(chi u) says
+ * of approach v and departure u; F v dt = -m dv gives it by separation. */
+static void hunt_and_crossley_lose_what_they_must(void)
+{
+    const double chi = 0.4, v = 1.5, mass = 0.8;
+    double low = 0.0, high = v;
+    for (int i = 0; i < 100; i++) {
+        const double u = 0.5 * (low + high);
+        /* int y / (1 + chi y) dy from -u to v is zero */
+        const double whole = chi * (v + u) - log((1.0 + chi * v) / (1.0 - chi * u));
+        if (whole > 0.0) {
+            low = u;
+        } else {
+            high = u;
         }
-        /* From the row before alone: its end is where the next one starts. */
-        CHECK(aoi_track_sample(&s.relative, &s.law, &centres, 1, row, 1, &time, where, work) == AOI_OK,
-              "sampled");
-        const double place = next[AOI_TRACK_FIXED] + next[AOI_TRACK_FIXED + 1];
-        const double speed = next[AOI_TRACK_FIXED + 2] + next[AOI_TRACK_FIXED + 3];
-        CHECK(fabs(values[AOI_ROW_BODY] - place) < 1e-16, "row %zu: displacement", i);
-        CHECK(fabs(values[AOI_ROW_BODY + 1] - speed) < 1e-12, "row %zu: velocity", i);
     }
-    release(&s);
+    const aoi_law law = law_named("hunt_crossley", 3, 1e7, chi, 1.5);
+    for (int tolerance = 4; tolerance <= 10; tolerance += 2) {
+        const double rtol = pow(10.0, -tolerance);
+        plant p = {.bodies = 0};
+        add_rigid(&p, mass, v);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        must_go(&p, rtol, 0.02);
+        CHECK(near(-p.v[0], low, rtol), "rtol %g: leaves with %.12g, not %.12g", rtol, -p.v[0], low);
+        CHECK(near(p.contact[0].work, 0.5 * mass * (v * v - low * low), 10.0 * rtol),
+              "rtol %g: %.12g J lost", rtol, p.contact[0].work);
+        release(&p);
+    }
+}
+
+static double not_a_number(double indentation, double rate)
+{
+    (void)rate;
+    return indentation > 5e-5 ? NAN : 1e7 * indentation;
+}
+
+static void a_law_that_fails_is_named(void)
+{
+    double note[] = {NAN, NAN};
+    aoi_user_law user = {.given = {1, 0, 0, 0}};
+    user.function[AOI_USER_FORCE] = not_a_number;
+    aoi_law law, sound = linear(1e7);
+    CHECK(aoi_law_create_user(&law, &user, 0, 0) == AOI_OK, "made");
+    law.note = note;
+    plant p = {.bodies = 0};
+    add_rigid(&p, 1.0, 0.1);
+    add_wall(&p);
+    add_rigid(&p, 1.0, 1.0);
+    join_rigid(&p, 0, 1, 0.0, &sound);
+    join_rigid(&p, 2, 1, 0.0, &law);
+    CHECK(go(&p, 1e-8, 1.0) == AOI_ERROR_LAW, "the law's failure");
+    CHECK(p.run.culprit == 1 && near(note[0], 5e-5, 1e-5), "which, and where: %g m", note[0]);
+    release(&p);
+}
+
+static void a_patch_has_its_limit(void)
+{
+    const double k = 1e7, v = 1.0, deepest = pow(2.5 * v * v / (2.0 * k), 0.4);
+    for (int within = 0; within < 2; within++) {
+        aoi_law law = hertz(k);
+        law.limit = deepest * (within ? 1.001 : 0.999);
+        plant p = {.bodies = 0};
+        add_rigid(&p, 1.0, v);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        CHECK(go(&p, 1e-8, 0.1) == (within ? AOI_OK : AOI_ERROR_PATCH), "limit against deepest");
+        release(&p);
+    }
+}
+
+/* However little room there is for each piece, the track has the same bits. */
+static void a_run_in_pieces_is_the_run(void)
+{
+    const aoi_law law = hertz(1e6);
+    plant p[2] = {{.bodies = 0}, {.bodies = 0}};
+    for (int i = 0; i < 2; i++) {
+        uint64_t seed = 77;
+        for (int b = 0; b < 3; b++) {
+            part *of = add_ringing(&p[i], 4, 2, 1.0, 3e3, b == 0 ? 1.0 : 0.0, &seed);
+            of->pulled = 1;
+            of->gravity[0] = b == 0 ? 9.81 : 0.0;
+        }
+        join(&p[i], 0, 1, 1, 0, 0.0, &law);
+        join(&p[i], 1, 1, 2, 0, 1e-4, &law);
+    }
+    must_go(&p[0], 1e-8, 0.05);
+    CHECK(begin(&p[1], 1e-8, 0.05) == AOI_OK, "it starts");
+    CHECK(p[0].rows > 20, "%zu rows", p[0].rows);
+    size_t calls = 0;
+    while (p[1].run.time < 0.05 && calls++ < 100000) {
+        size_t used, rows;
+        const size_t room = calls % 3 ? p[1].run.row_size : 2 * p[1].run.row_size - 1;
+        CHECK(aoi_adaptive_run(&p[1].run, room, calls % 5 ? 2 : 1, p[1].track + p[1].used,
+                               p[1].index + p[1].rows, &used, &rows) == AOI_OK,
+              "it goes on");
+        for (size_t r = 0; r < rows; r++) {
+            p[1].index[p[1].rows + r] += p[1].used;
+        }
+        CHECK(used <= room && rows <= 2, "within its room");
+        p[1].used += used;
+        p[1].rows += rows;
+    }
+    CHECK(p[0].used == p[1].used && memcmp(p[0].track, p[1].track, p[0].used * sizeof(double)) == 0,
+          "the same %zu doubles", p[0].used);
+    CHECK(p[0].rows == p[1].rows && memcmp(p[0].index, p[1].index, p[0].rows * sizeof(size_t)) == 0,
+          "the same %zu rows", p[0].rows);
+    size_t used = 1, rows = 1;
+    CHECK(aoi_adaptive_run(&p[1].run, 0, 1, p[1].track, p[1].index, &used, &rows) == AOI_OK && used == 0 &&
+              rows == 0,
+          "no room, no rows");
+    release(&p[0]);
+    release(&p[1]);
+}
+
+/* Stiff oscillators that nobody excites ask for no short steps. */
+static void stiffness_alone_costs_nothing(void)
+{
+    const aoi_law law = hertz(1e6);
+    size_t steps[2];
+    for (int stiff = 0; stiff < 2; stiff++) {
+        uint64_t seed = 3;
+        plant p = {.bodies = 0};
+        part *ball = add_ringing(&p, 3, 1, 1.0, stiff ? 1e9 : 1e5, 1.0, &seed);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        must_go(&p, 1e-8, 0.02);
+        CHECK(near(p.v[0], -ball->v[0], 1e-4), "it comes back");
+        steps[stiff] = p.run.steps;
+        release(&p);
+    }
+    CHECK(steps[1] <= steps[0] + 10, "%zu steps, softer ones %zu", steps[1], steps[0]);
 }
 
 static void senseless_runs_are_refused(void)
 {
-    aoi_relative relative = {.n = 0};
-    aoi_adaptive run = {.relative = &relative, .rtol = 1e-6, .end = 1.0};
-    CHECK(aoi_adaptive_start(&run) == AOI_ERROR_ARGUMENT, "nothing that could move");
-    relative.n = 1;
-    run.rtol = 0.0;
-    CHECK(aoi_adaptive_start(&run) == AOI_ERROR_ARGUMENT, "no tolerance");
-    run.rtol = 1e-6;
-    run.end = 0.0;
-    CHECK(aoi_adaptive_start(&run) == AOI_ERROR_ARGUMENT, "no time");
+    const aoi_law law = hertz(1e6);
+    const double rtol[] = {0.0, -1e-6, NAN, 1e-6, 1e-6, 1e-6, 1e-6};
+    const double end[] = {1.0, 1.0, 1.0, 0.0, -1.0, NAN, HUGE_VAL};
+    for (int i = 0; i < 7; i++) {
+        plant p = {.bodies = 0};
+        add_rigid(&p, 1.0, 1.0);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        CHECK(begin(&p, rtol[i], end[i]) == AOI_ERROR_ARGUMENT, "rtol %g, end %g", rtol[i], end[i]);
+        release(&p);
+    }
+    for (int i = 0; i < 4; i++) {
+        plant p = {.bodies = 0};
+        add_rigid(&p, 1.0, 1.0);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        lay_out(&p);
+        p.joint[0].body[0] = i == 0 ? 2 : i == 1 ? 1 : 0;
+        p.joint[0].port[1] = i == 2 ? 1 : 0;
+        p.joint[0].gap = i == 3 ? NAN : 0.0;
+        CHECK(aoi_system_check(&p.system) == AOI_ERROR_ARGUMENT, "joint %d", i);
+    }
+    for (int i = 0; i < 5; i++) {
+        plant p = {.bodies = 0};
+        part *ball = add_rigid(&p, 1.0, i == 0 ? NAN : 1.0);
+        ball->x[0] = i == 1 ? HUGE_VAL : 0.0;
+        ball->omega[0] = i == 2 ? NAN : 0.0;
+        ball->damped = 1;
+        ball->decay[0] = i == 3 ? -1.0 : 0.0;
+        ball->push[0] = i == 4 ? NAN : 1.0;
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        const int status = begin(&p, 1e-6, 1.0);
+        CHECK(status == (i < 2 ? AOI_ERROR_NOT_FINITE : AOI_ERROR_ARGUMENT), "case %d: %d", i, status);
+        release(&p);
+    }
+}
+
+static void bodies_without_contacts_fly(void)
+{
+    plant p = {.bodies = 0};
+    part *ball = add_rigid(&p, 1.0, 2.0);
+    ball->pulled = 1;
+    ball->gravity[0] = -3.0;
+    must_go(&p, 1e-6, 2.0);
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    double record[AOI_BODY_ROWS + AOI_PORT_ROWS];
+    CHECK(aoi_sampler_column(&p.sampler, 2.0, 1, record, 1) == AOI_OK && near(record[0], -2.0, 1e-14),
+          "x = v t + g t^2 / 2: %g", record[0]);
+    release(&p);
 }
 
 int main(void)
 {
-    power_laws_on_a_wall();
-    ringing_contact_follows_its_normal_modes();
+    rigid_bodies_collide_in_closed_form();
+    a_linear_contact_is_half_a_sine();
+    a_massless_contact_is_a_spring_in_series();
+    what_a_force_bends_touches_elsewhere();
+    a_cradle_of_three();
+    a_row_of_ringing_bodies();
+    contacts_meet_by_any_mode();
+    three_touch_at_once();
     a_bouncing_ball_keeps_its_height();
-    dense_output_meets_the_rows();
+    what_rests_goes_on_resting();
+    preloaded_bodies_fly_apart();
+    hunt_and_crossley_lose_what_they_must();
+    a_law_that_fails_is_named();
+    a_patch_has_its_limit();
+    a_run_in_pieces_is_the_run();
+    stiffness_alone_costs_nothing();
     senseless_runs_are_refused();
+    bodies_without_contacts_fly();
     return check_report();
 }

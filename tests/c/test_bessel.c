@@ -1,23 +1,8 @@
 /* The integrals of sine and cosine against Legendre polynomials: by quadrature, by recurrence, and
  * across the places where the way of computing them changes. */
-#include "check.h"
+#include "numeric.h"
 
-enum { COUNT = 8, POINTS = 4000 };
-
-static double legendre(size_t l, double x)
-{
-    double before = 1.0, here = 2.0 * x - 1.0;
-    if (l == 0) {
-        return 1.0;
-    }
-    for (size_t k = 1; k < l; k++) {
-        const double kd = (double)k;
-        const double next = ((2.0 * kd + 1.0) * (2.0 * x - 1.0) * here - kd * before) / (kd + 1.0);
-        before = here;
-        here = next;
-    }
-    return here;
-}
+enum { COUNT = 8, HIGHEST = 16, POINTS = 4000 };
 
 /* Simpson's rule for int_0^1 f(z (1-x)) P_l(x) dx. */
 static double by_quadrature(double (*f)(double), double z, size_t l)
@@ -80,8 +65,85 @@ static void small_arguments_keep_their_digits(void)
     }
 }
 
+/* ------------------------------------------------------------------------- complex arguments */
+
+typedef struct argument {
+    double real, imaginary;
+    size_t l;
+    int part;
+} argument;
+
+/* e^(-z (1-x)) P_l(x), a part of it. */
+static double falling(const void *data, double x)
+{
+    const argument *z = data;
+    const double angle = z->imaginary * (1.0 - x);
+    return exp(-z->real * (1.0 - x)) * (z->part ? -sin(angle) : cos(angle)) * legendre(z->l, x);
+}
+
+static void exponentials_agree_with_quadrature(void)
+{
+    const double size[] = {1e-4, 0.3, 1.0, 1.99, 2.01, 3.7, 9.0, 25.0, 39.9, 40.1, 70.0, 300.0};
+    for (size_t i = 0; i < sizeof size / sizeof size[0]; i++) {
+        for (int turn = -6; turn <= 6; turn++) {
+            const int panels = 100 + (int)size[i];
+            double re[HIGHEST], im[HIGHEST];
+            argument z = {size[i] * cos(PI / 12.0 * turn), size[i] * sin(PI / 12.0 * turn), 0, 0};
+            z.real = turn == -6 || turn == 6 ? 0.0 : z.real;
+            aoi_bessel_exponential(z.real, z.imaginary, HIGHEST, re, im);
+            for (z.l = 0; z.l < HIGHEST; z.l++) {
+                z.part = 0;
+                const double real = integral(falling, &z, 0.0, 1.0, panels);
+                z.part = 1;
+                const double imaginary = integral(falling, &z, 0.0, 1.0, panels);
+                const double most = z.l < COUNT ? 2e-14 : 1e-12; /* the upward recurrence */
+                CHECK(fabs(re[z.l] - real) < most, "z %g + %g i, l %zu: %.15g, not %.15g", z.real,
+                      z.imaginary, z.l, re[z.l], real);
+                CHECK(fabs(im[z.l] - imaginary) < most, "z %g + %g i, l %zu: %.15g i, not %.15g i",
+                      z.real, z.imaginary, z.l, im[z.l], imaginary);
+            }
+        }
+    }
+}
+
+/* On the imaginary axis they are the trigonometric ones, on which far more is known. */
+static void exponentials_turn_into_sines(void)
+{
+    for (int i = -20; i <= 16; i++) {
+        const double z = pow(10.0, 0.25 * i);
+        double sine[COUNT], cosine[COUNT], re[COUNT], im[COUNT];
+        aoi_bessel_trigonometric(z, COUNT, sine, cosine);
+        aoi_bessel_exponential(0.0, -z, COUNT, re, im);
+        for (size_t l = 0; l < COUNT; l++) {
+            CHECK(fabs(im[l] - sine[l]) < 4e-15, "z %g, l %zu: sine %.16g, not %.16g", z, l, im[l],
+                  sine[l]);
+            CHECK(fabs(re[l] - cosine[l]) < 4e-15, "z %g, l %zu: cosine %.16g, not %.16g", z, l, re[l],
+                  cosine[l]);
+        }
+    }
+}
+
+/* |P_l| <= 1 and |e^-z| <= 1 bound the integral, from z that do nothing to those that leave nothing. */
+static void exponentials_of_any_size_are_numbers(void)
+{
+    for (int i = -60; i <= 60; i++) {
+        for (int turn = 0; turn <= 4; turn++) {
+            const double size = pow(10.0, 0.2 * i), angle = PI / 8.0 * turn;
+            double re[COUNT], im[COUNT];
+            aoi_bessel_exponential(turn == 4 ? 0.0 : size * cos(angle), size * sin(angle), COUNT, re, im);
+            for (size_t l = 0; l < COUNT; l++) {
+                CHECK(isfinite(re[l]) && isfinite(im[l]), "|z| %g, l %zu: a number", size, l);
+                CHECK(hypot(re[l], im[l]) <= 1.0 + 1e-14, "|z| %g, l %zu: no more than 1", size, l);
+            }
+        }
+    }
+}
+
 int main(void)
 {
+    exponentials_agree_with_quadrature();
+    exponentials_turn_into_sines();
+    exponentials_of_any_size_are_numbers();
     agrees_with_quadrature();
     recurrence_holds_over_twelve_decades();
     small_arguments_keep_their_digits();

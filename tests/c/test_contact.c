@@ -40,13 +40,13 @@ static void solves(double n, double x, double stiff)
     const double k = 1.0 / pow(x, n - 1.0);
     const aoi_law law = power_law(k, n);
     aoi_law_value value;
-    law.force(&law, x, 0.0, &value);
+    aoi_law_push(&law, NULL, x, 0.0, &value);
     const double free_end = x + stiff * value.force;
     for (int i = 0; i < GUESSES; i++) {
         const aoi_contact_equation equation = {free_end, stiff, 1.0, stiff / DT,
                                                guess_number(i, x, free_end)};
         double force = -1.0, indentation = -1.0;
-        const int status = aoi_contact_solve(&law, &equation, &force, &indentation);
+        const int status = aoi_contact_solve(&law, NULL, &equation, &force, &indentation);
         CHECK(status == AOI_OK, "n %g, x %g, compliance k %g, guess %d: status %d", n, x, stiff, i,
               status);
         CHECK(near(indentation, x, 5.0 * DBL_EPSILON), "n %g: %.17g, not %.17g", n, indentation, x);
@@ -54,7 +54,7 @@ static void solves(double n, double x, double stiff)
               "n %g, x %g, compliance k %g, guess %d: force off by %g", n, x, stiff, i,
               force / value.force - 1.0);
         aoi_law_value there;
-        law.force(&law, indentation, 0.0, &there);
+        aoi_law_push(&law, NULL, indentation, 0.0, &there);
         CHECK(force == there.force, "the force is the law's at the indentation given");
         CHECK(fabs(indentation + stiff * force - free_end) <= 8.0 * DBL_EPSILON * free_end,
               "n %g, x %g, compliance k %g: the equation holds to rounding", n, x, stiff);
@@ -85,7 +85,7 @@ static void random_equations(void)
         const aoi_contact_equation equation = {free_end, decades(&seed, -20.0, 4.0), 0.0, 0.0,
                                                free_end * 2.0 * (uniform(&seed) - 0.25)};
         double force = 0.0, x = 0.0;
-        failures += aoi_contact_solve(&law, &equation, &force, &x) != AOI_OK;
+        failures += aoi_contact_solve(&law, NULL, &equation, &force, &x) != AOI_OK;
         worst = fmax(worst, fabs(x + equation.compliance * force - free_end) / free_end);
     }
     CHECK(failures == 0, "%d of 200000 equations not solved", failures);
@@ -99,7 +99,7 @@ static void no_contact_no_force(void)
     for (size_t i = 0; i < sizeof apart / sizeof apart[0]; i++) {
         const aoi_contact_equation equation = {apart[i], 1e-6, -3.0, 1.0, 1.0};
         double force = 5.0, x = 5.0;
-        CHECK(aoi_contact_solve(&law, &equation, &force, &x) == AOI_OK && force == 0.0 &&
+        CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &x) == AOI_OK && force == 0.0 &&
                   x == apart[i],
               "%g m apart", apart[i]);
     }
@@ -108,7 +108,7 @@ static void no_contact_no_force(void)
     for (size_t i = 0; i < sizeof light / sizeof light[0]; i++) {
         const aoi_contact_equation equation = {light[i], 1e-6, 1.0, 1.0, 0.0};
         double force = -1.0, x = -1.0;
-        CHECK(aoi_contact_solve(&law, &equation, &force, &x) == AOI_OK, "touch of %g m", light[i]);
+        CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &x) == AOI_OK, "touch of %g m", light[i]);
         CHECK(force >= 0.0 && x >= 0.0 && x <= light[i], "force %g at %g m", force, x);
     }
 }
@@ -122,7 +122,7 @@ static void too_deep_for_the_law(void)
             const aoi_law law = power_law(1e10, exponents[i]);
             const aoi_contact_equation equation = {free_end, 1e-3, 1.0, 1.0, -1.0};
             double force = 0.0, x = 0.0;
-            const int status = aoi_contact_solve(&law, &equation, &force, &x);
+            const int status = aoi_contact_solve(&law, NULL, &equation, &force, &x);
             CHECK(status == AOI_OK, "n %g from %g m: status %d", exponents[i], free_end, status);
             CHECK(fabs(x + 1e-3 * force - free_end) <= 2.0 * exponents[i] * DBL_EPSILON * free_end,
                   "n %g from %g m: force %g", exponents[i], free_end, force);
@@ -131,8 +131,11 @@ static void too_deep_for_the_law(void)
 }
 
 /* Laws of the caller's own. */
-static void bilinear(const aoi_law *law, double d, double rate, aoi_law_value *value)
+static void bilinear(const aoi_law *law, const double *memory, int piece, double d, double rate,
+                aoi_law_value *value)
 {
+    (void)memory;
+    (void)piece;
     const double knee = law->parameter[0], past = d > knee ? d - knee : 0.0;
     (void)rate;
     value->force = d > 0.0 ? d + 1e6 * past : 0.0;
@@ -140,8 +143,11 @@ static void bilinear(const aoi_law *law, double d, double rate, aoi_law_value *v
     value->damping = 0.0;
 }
 
-static void plateau(const aoi_law *law, double d, double rate, aoi_law_value *value)
+static void plateau(const aoi_law *law, const double *memory, int piece, double d, double rate,
+                aoi_law_value *value)
 {
+    (void)memory;
+    (void)piece;
     const double top = law->parameter[0];
     (void)rate;
     value->force = d <= 0.0 ? 0.0 : d < top ? d : top;
@@ -150,8 +156,11 @@ static void plateau(const aoi_law *law, double d, double rate, aoi_law_value *va
 }
 
 /* Rises and falls again: a shell that snaps through. */
-static void snap(const aoi_law *law, double d, double rate, aoi_law_value *value)
+static void snap(const aoi_law *law, const double *memory, int piece, double d, double rate,
+                aoi_law_value *value)
 {
+    (void)memory;
+    (void)piece;
     (void)law;
     (void)rate;
     value->force = d > 0.0 ? d * exp(-d) : 0.0;
@@ -160,8 +169,11 @@ static void snap(const aoi_law *law, double d, double rate, aoi_law_value *value
 }
 
 /* Hunt and Crossley: k d^(3/2) (1 + c rate), never pulling. */
-static void hunt_crossley(const aoi_law *law, double d, double rate, aoi_law_value *value)
+static void hunt_crossley(const aoi_law *law, const double *memory, int piece, double d, double rate,
+                aoi_law_value *value)
 {
+    (void)memory;
+    (void)piece;
     const double k = law->parameter[0], c = law->parameter[1], root = d > 0.0 ? sqrt(d) : 0.0;
     const double factor = 1.0 + c * rate;
     value->force = factor > 0.0 ? k * root * d * factor : 0.0;
@@ -173,7 +185,7 @@ static double excess(const aoi_law *law, const aoi_contact_equation *e, double x
 {
     const double slope = e->compliance > 0.0 ? e->rate_compliance / e->compliance : 0.0;
     aoi_law_value value;
-    law->force(law, x, e->rate_free + slope * (x - e->indentation_free), &value);
+    aoi_law_push(law, NULL, x, e->rate_free + slope * (x - e->indentation_free), &value);
     return x - e->indentation_free + e->compliance * value.force;
 }
 
@@ -190,7 +202,7 @@ static void laws_with_kinks_and_damping(void)
 {
     static const struct {
         const char *name;
-        void (*force)(const aoi_law *, double, double, aoi_law_value *);
+        void (*force)(const aoi_law *, const double *, int, double, double, aoi_law_value *);
         double parameter[2];
     } laws[] = {{"bilinear", bilinear, {0.3, 0.0}},
                 {"plateau", plateau, {0.2, 0.0}},
@@ -198,7 +210,9 @@ static void laws_with_kinks_and_damping(void)
                 {"damped", hunt_crossley, {1e3, 0.4}}};
     uint64_t seed = 4;
     for (size_t l = 0; l < sizeof laws / sizeof laws[0]; l++) {
-        const aoi_law law = {laws[l].force, NULL, {laws[l].parameter[0], laws[l].parameter[1]}};
+        const aoi_law law = {.force = laws[l].force,
+                             .parameter = {laws[l].parameter[0], laws[l].parameter[1]},
+                             .limit = HUGE_VAL};
         int failures = 0, wrong = 0;
         for (int i = 0; i < 20000; i++) {
             const double free_end = decades(&seed, -8.0, 1.0),
@@ -207,12 +221,89 @@ static void laws_with_kinks_and_damping(void)
                 free_end, compliance, 4.0 * (uniform(&seed) - 0.5), i % 2 ? compliance / DT : 0.0,
                 free_end * uniform(&seed)};
             double force = 0.0, x = 0.0;
-            failures += aoi_contact_solve(&law, &equation, &force, &x) != AOI_OK;
+            failures += aoi_contact_solve(&law, NULL, &equation, &force, &x) != AOI_OK;
             wrong += !is_root(&law, &equation, x);
         }
         CHECK(failures == 0, "%s: %d of 20000 not solved", laws[l].name, failures);
         CHECK(wrong == 0, "%s: %d of 20000 equations do not hold", laws[l].name, wrong);
     }
+}
+
+static aoi_law dashpot(const char *name, double k, double c)
+{
+    const double parameter[] = {k, c};
+    aoi_law law;
+    CHECK(aoi_law_create(&law, name, 2, parameter) == AOI_OK, "%s %g, %g", name, k, c);
+    return law;
+}
+
+/* A spring and a dashpot: linear, but for the jump at touch. What the dashpot gives there at once, if
+ * more than is needed, holds the bodies just touching. */
+static void a_jump_at_touch_is_solved(void)
+{
+    uint64_t seed = 21;
+    int held = 0, pressed = 0;
+    for (int i = 0; i < 20000; i++) {
+        const double k = decades(&seed, 2.0, 8.0), c = decades(&seed, -2.0, 6.0);
+        const double compliance = decades(&seed, -12.0, -4.0), dt = decades(&seed, -8.0, -2.0);
+        const double free_end = decades(&seed, -9.0, -2.0), rate = 4.0 * uniform(&seed) * free_end / dt;
+        const aoi_law law = dashpot("kelvin_voigt", k, c);
+        const aoi_contact_equation equation = {free_end, compliance, rate, 2.0 * compliance / dt,
+                                               free_end * (2.0 * uniform(&seed) - 0.5)};
+        const double at_touch = rate - 2.0 / dt * free_end; /* rate if the bodies only just touch */
+        double force = -1.0, x = -1.0;
+        CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &x) == AOI_OK, "equation %d", i);
+        if (at_touch > 0.0 && compliance * c * at_touch >= free_end) {
+            held++;
+            CHECK(x == 0.0 && near(force, free_end / compliance, 4.0 * DBL_EPSILON),
+                  "held by %g N, not %g", force, free_end / compliance);
+        } else {
+            /* x (1 + C (k + 2 c/dt)) = free_end - C c at_touch, unless the force is cut at zero */
+            const double root = (free_end - compliance * c * at_touch) /
+                                (1.0 + compliance * (k + 2.0 * c / dt));
+            const double expected = root < free_end ? root : free_end;
+            const double uncertain = compliance * c * rate /
+                                     (1.0 + compliance * (k + 2.0 * c / dt));
+            pressed++;
+            CHECK(fabs(x - expected) <= 16.0 * DBL_EPSILON * (expected + uncertain + free_end),
+                  "%g, not %g", x, expected);
+            CHECK(force >= 0.0, "it does not pull");
+        }
+    }
+    CHECK(held > 1000 && pressed > 1000, "%d held, %d pressed", held, pressed);
+}
+
+/* A dashpot that may pull holds bodies that have touched until they are apart; those that have not
+ * pass by. */
+static void what_pulls_lets_go_at_rest(void)
+{
+    const aoi_law law = dashpot("kelvin_voigt_pulling", 1e4, 1e2);
+    const double dt = 1e-4, compliance = 1e-7;
+    double force, x;
+    /* Drawn apart to -1e-6 m at -1 m/s without force; the dashpot holds 1e2 N/(m/s) against it. */
+    const aoi_contact_equation touching = {-1e-6, compliance, -1.0, 2.0 * compliance / dt, 1e-6};
+    const aoi_contact_equation apart = {-1e-6, compliance, -1.0, 2.0 * compliance / dt, -1e-6};
+    const double slope = 1.0 + compliance * (1e4 + 2e2 / dt);
+    const double root = (-1e-6 - compliance * 1e2 * (-1.0 + 2e-6 / dt)) / slope;
+    CHECK(aoi_contact_solve(&law, NULL, &touching, &force, &x) == AOI_OK, "touching");
+    CHECK(near(x, root, 1e-12) && near(force, (-1e-6 - root) / compliance, 1e-12) && force < 0.0,
+          "held back at %g by %g N", x, force);
+    CHECK(aoi_contact_solve(&law, NULL, &apart, &force, &x) == AOI_OK && force == 0.0 && x == -1e-6,
+          "apart");
+    const aoi_contact_equation gone = {-1e-3, compliance, -1.0, 2.0 * compliance / dt, 1e-6};
+    CHECK(aoi_contact_solve(&law, NULL, &gone, &force, &x) == AOI_OK && force == 0.0 && x == -1e-3,
+          "too far to be held");
+}
+
+/* An equation whose rounding once led from one side of its root to the other for ever. */
+static void rounding_ends_the_search(void)
+{
+    const aoi_law law = dashpot("kelvin_voigt", 4211635.3715524143, 1000.0);
+    const aoi_contact_equation equation = {0.00011198581209396691, 2.7223566905432061e-08,
+                                           7.5587957871455655, 0.00097770430819561836, 0.0};
+    double force, x;
+    CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &x) == AOI_OK, "it ends");
+    CHECK(fabs(x + equation.compliance * force - equation.indentation_free) < 1e-18, "and holds");
 }
 
 static void what_is_not_finite_is_said(void)
@@ -223,14 +314,14 @@ static void what_is_not_finite_is_said(void)
         const aoi_contact_equation place = {bad[i], 1e-6, 0.0, 1.0, 0.0};
         const aoi_contact_equation rate = {1e-6, 1e-6, bad[i], 1.0, 0.0};
         double force, x;
-        CHECK(aoi_contact_solve(&law, &place, &force, &x) == AOI_ERROR_NOT_FINITE, "indentation %g",
+        CHECK(aoi_contact_solve(&law, NULL, &place, &force, &x) == AOI_ERROR_NOT_FINITE, "indentation %g",
               bad[i]);
-        CHECK(aoi_contact_solve(&law, &rate, &force, &x) == AOI_ERROR_NOT_FINITE, "rate %g",
+        CHECK(aoi_contact_solve(&law, NULL, &rate, &force, &x) == AOI_ERROR_NOT_FINITE, "rate %g",
               bad[i]);
     }
     const aoi_contact_equation compliance = {1e-6, (double)NAN, 0.0, 1.0, 0.0};
     double force, x;
-    CHECK(aoi_contact_solve(&law, &compliance, &force, &x) == AOI_ERROR_NOT_FINITE,
+    CHECK(aoi_contact_solve(&law, NULL, &compliance, &force, &x) == AOI_ERROR_NOT_FINITE,
           "compliance NaN");
 }
 
@@ -241,6 +332,9 @@ int main(void)
     no_contact_no_force();
     too_deep_for_the_law();
     laws_with_kinks_and_damping();
+    a_jump_at_touch_is_solved();
+    what_pulls_lets_go_at_rest();
+    rounding_ends_the_search();
     what_is_not_finite_is_said();
     return check_report();
 }

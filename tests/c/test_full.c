@@ -1,7 +1,7 @@
 /* Newmark's rule on finite elements: the two-mass star written as matrices is the same body,
  * whether seen through a unit vector or a scaled functional; a bar of many elements against its own
  * modes. */
-#include "check.h"
+#include "body.h"
 
 #include <string.h>
 
@@ -16,7 +16,7 @@ typedef struct chain_body {
     int32_t start[MOST + 1], indices[3 * MOST], m_start[MOST + 1], m_indices[MOST];
     int32_t l_start[MOST + 1], l_rows[MOST], place[MOST], panel[MOST + 1];
     double k_values[3 * MOST], m_values[MOST], l_values[MOST], pivots[MOST];
-    double b[MOST], centre[MOST], u0[MOST], v0[MOST], work[6 * MOST];
+    double b[MOST], centre[MOST], u0[MOST], v0[MOST], work[8 * MOST + 2];
 } chain_body;
 
 static void chain_body_fill(chain_body *c, int32_t n, double k_first, const double *k,
@@ -50,6 +50,7 @@ static void chain_body_fill(chain_body *c, int32_t n, double k_first, const doub
     c->full.K = (aoi_sparse){(size_t)n, c->start, c->indices, c->k_values};
     c->full.M = (aoi_sparse){(size_t)n, c->m_start, c->m_indices, c->m_values};
     c->full.b = c->b;
+    c->full.ports = 1;
     c->full.solver = (aoi_solver){aoi_factors_solve, &c->factors};
 }
 
@@ -69,15 +70,17 @@ static void chain_body_factorise(chain_body *c, aoi_newmark rule, const double *
     }
     const size_t panels = aoi_factors_find_panels((size_t)n, c->l_start, c->l_rows, c->panel);
     c->factors = (aoi_factors){(size_t)n, c->l_start, c->l_rows, c->l_values,       c->pivots,
-                               c->place,  c->panel,   panels,    c->work + 5 * MOST};
+                               c->place,  c->panel,   panels,    c->work + 7 * MOST + 2};
     CHECK(aoi_factors_check(&c->factors, (size_t)(n - 1)) == AOI_OK, "factors of a chain of %d",
           (int)n);
 }
 
 static int chain_body_start(chain_body *c, aoi_newmark rule)
 {
-    CHECK(aoi_body_full_size(c->full.K.n) <= 5 * MOST, "room to work in");
-    return aoi_body_start_full(&c->body, &c->full, &rule, c->centre, c->u0, c->v0, c->work);
+    CHECK(aoi_body_full_size(c->full.K.n, 1) <= 7 * MOST + 2, "room to work in");
+    const aoi_start begin = {c->u0, c->v0, c->centre, NULL};
+    const int status = aoi_body_start_full(&c->body, &c->full, &rule, &begin, c->work);
+    return status == AOI_OK ? begin_freely(&c->body) : status;
 }
 
 static const double M_STAR[] = {0.3}, K_STAR[] = {4e8};
@@ -89,28 +92,26 @@ static void star_and_its_matrices_are_one_body(double k0, aoi_newmark rule, doub
     static chain_body c;
     const aoi_star star = {1, 0.02, k0, M_STAR, K_STAR};
     const double masses[] = {0.02, 0.3}, centre[] = {0.02 / 0.32, 0.3 / 0.32};
-    double u0[] = {0.0, 0.0}, v0[] = {1.5, 1.5}, work[16];
+    const double u0[] = {0.0, 0.0}, v0[] = {1.5, 1.5};
+    const aoi_start begin = {u0, v0, centre, NULL};
+    double work[16];
     aoi_body of_star;
     chain_body_fill(&c, 2, k0, K_STAR, masses);
     chain_body_factorise(&c, rule, K_STAR, k0);
     c.b[0] = scale;
     c.v0[0] = c.v0[1] = 1.5;
     CHECK(chain_body_start(&c, rule) == AOI_OK, "finite elements start");
-    CHECK(aoi_body_start_star(&of_star, &star, &rule, centre, u0, v0, work) == AOI_OK,
+    CHECK(aoi_body_start_star(&of_star, &star, NULL, &rule, &begin, work) == AOI_OK &&
+              begin_freely(&of_star) == AOI_OK,
           "the star starts");
-    CHECK(near(c.body.compliance, scale * scale * of_star.compliance, 1e-14), "one compliance");
-    CHECK(near(c.body.rate_compliance, scale * scale * of_star.rate_compliance, 1e-14), "and rate");
+    CHECK(near(*c.body.compliance, scale * scale * *of_star.compliance, 1e-14), "one compliance");
+    CHECK(near(*c.body.rate_compliance, scale * scale * *of_star.rate_compliance, 1e-14), "and rate");
     double size = 0.0, speed = 0.0, worst = 0.0, worst_speed = 0.0, worst_energy = 0.0;
     for (int j = 0; j < 2000; j++) {
-        aoi_observation a, b;
-        double u, v;
         const double force = 3e4 * sin(0.01 * j);
-        CHECK(of_star.predict(&of_star, &u, &v) == AOI_OK, "predict the star");
-        of_star.correct(&of_star, force);
-        of_star.observe(&of_star, 1, &a);
-        CHECK(c.body.predict(&c.body, &u, &v) == AOI_OK, "predict the matrices");
-        c.body.correct(&c.body, force / scale);
-        c.body.observe(&c.body, 1, &b);
+        CHECK(step_with(&of_star, force) == AOI_OK, "step the star");
+        CHECK(step_with(&c.body, force / scale) == AOI_OK, "step the matrices");
+        const observation a = observe(&of_star), b = observe(&c.body);
         size = fmax(size, fabs(a.displacement));
         speed = fmax(speed, fabs(a.velocity));
         worst = fmax(worst, fmax(fabs(b.displacement / scale - a.displacement),
@@ -134,7 +135,8 @@ enum { RECORDED = 400 };
 static void same_impact_on_both(double k0)
 {
     static chain_body c;
-    static double record[2][AOI_ROW_COUNT][RECORDED + 1];
+    static double record[2][ROWS][RECORDED + 1];
+    static pair both;
     const aoi_star star = {1, 0.02, k0, M_STAR, K_STAR}, ball = {0, 0.05, 0.0, NULL, NULL};
     const aoi_newmark rule = {5e-7, 0.25, 0.5};
     const double masses[] = {0.02, 0.3}, centre[] = {0.02 / 0.32, 0.3 / 0.32}, own = 1.0;
@@ -142,27 +144,26 @@ static void same_impact_on_both(double k0)
     aoi_law law;
     CHECK(aoi_law_create(&law, "hertz", 1, &hertz) == AOI_OK, "Hertz");
     for (int full = 0; full < 2; full++) {
-        double work[16], ball_work[8], *row[AOI_ROW_COUNT];
+        double work[16], ball_work[8];
         aoi_body target, projectile;
         size_t done;
-        CHECK(aoi_body_start_star(&projectile, &ball, &rule, &own, rest, &speed, ball_work) ==
-                  AOI_OK,
+        const aoi_start moving = {rest, &speed, &own, NULL}, still = {rest, rest, centre, NULL};
+        CHECK(aoi_body_start_star(&projectile, &ball, NULL, &rule, &moving, ball_work) == AOI_OK,
               "ball");
-        CHECK(aoi_body_start_star(&target, &star, &rule, centre, rest, rest, work) == AOI_OK,
-              "star");
+        CHECK(aoi_body_start_star(&target, &star, NULL, &rule, &still, work) == AOI_OK, "star");
         chain_body_fill(&c, 2, k0, K_STAR, masses);
         chain_body_factorise(&c, rule, K_STAR, k0);
         c.b[0] = 1.0;
         CHECK(chain_body_start(&c, rule) == AOI_OK, "finite elements");
-        for (int i = 0; i < AOI_ROW_COUNT; i++) {
-            row[i] = record[full][i];
-        }
-        aoi_impact impact = {&projectile, full ? &c.body : &target, &law, 0.0, 0.0, 0.0};
-        CHECK(aoi_impact_start(&impact, row) == AOI_OK, "starts");
-        CHECK(aoi_impact_run(&impact, row, 1, RECORDED, &done) == AOI_OK && done == RECORDED,
+        pair_make(&both, &projectile, full ? &c.body : &target, &law, 0.0);
+        both.scene.dt = rule.dt;
+        double *out = &record[full][0][0];
+        CHECK(aoi_scene_start(&both.scene, out, RECORDED + 1) == AOI_OK, "starts");
+        CHECK(aoi_scene_run(&both.scene, out, RECORDED + 1, 1, RECORDED, &done) == AOI_OK &&
+                  done == RECORDED,
               "runs");
     }
-    for (int i = 0; i < AOI_ROW_COUNT; i++) {
+    for (int i = 0; i < ROWS; i++) {
         double worst = 0.0, size = 0.0;
         for (int j = 0; j <= RECORDED; j++) {
             worst = fmax(worst, fabs(record[0][i][j] - record[1][i][j]));
@@ -171,7 +172,7 @@ static void same_impact_on_both(double k0)
         CHECK(worst <= 1e-11 * size, "k0 %g, row %d: the records differ by %g of %g", k0, i, worst,
               size);
     }
-    CHECK(record[0][AOI_ROW_FORCE][1] > 0.0 && record[0][AOI_ROW_FORCE][RECORDED] == 0.0,
+    CHECK(record[0][FORCE][1] > 0.0 && record[0][FORCE][RECORDED] == 0.0,
           "hit and parted");
 }
 
@@ -195,17 +196,14 @@ static void mode_keeps_its_shape(int32_t n, int mode)
         norm += c.b[i] * c.b[i];
     }
     CHECK(chain_body_start(&c, rule) == AOI_OK, "a chain of %d", (int)n);
-    CHECK(near(c.body.compliance, 0.25 * 0.16 * norm / (1.0 + 0.25 * 0.16 * w2), 1e-13),
+    CHECK(near(*c.body.compliance, 0.25 * 0.16 * norm / (1.0 + 0.25 * 0.16 * w2), 1e-13),
           "compliance of a mode: beta h^2/(1 + beta h^2 w^2) b b");
     const double big = w2 * 0.16, step_angle = 2.0 * atan(0.5 * sqrt(big));
     const double first = 0.4 / (1.0 + 0.25 * big);
     double worst = 0.0, energy_off = 0.0;
     for (int j = 1; j <= 500; j++) {
-        double u, v;
-        aoi_observation seen;
-        c.body.predict(&c.body, &u, &v);
-        c.body.correct(&c.body, 0.0);
-        c.body.observe(&c.body, 1, &seen);
+        step_with(&c.body, 0.0);
+        const observation seen = observe(&c.body);
         const double wanted = norm * first * sin(j * step_angle) / sin(step_angle);
         worst = fmax(worst, fabs(seen.displacement - wanted));
         energy_off = fmax(energy_off, fabs((seen.kinetic + seen.elastic) / (0.5 * norm) - 1.0));
@@ -221,6 +219,114 @@ static void mode_keeps_its_shape(int32_t n, int mode)
                   fabs(v[i] - scale_v * c.b[i]) < 1e-13,
               "mode %d of %d keeps its shape at %d", mode, (int)n, (int)i);
     }
+}
+
+enum { ROW = 6, TWO = 2, TWO_ROWS = AOI_BODY_ROWS + AOI_PORT_ROWS * TWO };
+
+/* A row of masses on springs between walls, touched at two places, damped and under gravity: the
+ * same as its modes, which are sines. */
+static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_newmark rule, aoi_rayleigh damping)
+{
+    static chain_body c;
+    static double ports_b[TWO * ROW], work[10 * ROW + 2 * TWO * TWO], modal_work[5 * ROW + 12];
+    static double omega[ROW], decay[ROW], r[TWO * ROW], modal_g[ROW], modal_v[ROW], modal_h[ROW];
+    const double zero[ROW] = {0.0};
+    double k[ROW], m[ROW], g[ROW], v[ROW];
+    for (int i = 0; i < ROW; i++) {
+        k[i] = m[i] = 1.0;
+        g[i] = 0.01 * (i - 2);
+        v[i] = 0.1 * i;
+    }
+    chain_body_fill(&c, ROW, 1.0, k, m);
+    c.k_values[c.start[ROW] - 1] += 1.0; /* a spring behind the last, too */
+    const double of_mass = 1.0 + damping.alpha * rule.gamma * rule.dt;
+    const double reach = rule.dt * rule.gamma * damping.beta + rule.beta * rule.dt * rule.dt;
+    for (int i = 0; i < ROW; i++) { /* L D L^T of the tridiagonal matrix */
+        c.pivots[i] = of_mass + 2.0 * reach;
+        if (i > 0) {
+            c.l_values[i - 1] = -reach / c.pivots[i - 1];
+            c.pivots[i] += reach * c.l_values[i - 1];
+            c.l_rows[i - 1] = i;
+        }
+        c.l_start[i + 1] = i < ROW - 1 ? i + 1 : i;
+    }
+    const size_t panels = aoi_factors_find_panels(ROW, c.l_start, c.l_rows, c.panel);
+    c.factors = (aoi_factors){ROW,     c.l_start, c.l_rows, c.l_values,        c.pivots,
+                              c.place, c.panel,   panels,   work + 8 * ROW + 8};
+    ports_b[1] = ports_b[ROW + 4] = 1.0;
+    ports_b[ROW + 5] = -0.5;
+    c.full.b = ports_b;
+    c.full.ports = TWO;
+    c.full.damping = damping;
+    for (int j = 0; j < ROW; j++) {
+        const double angle = PI * (j + 1) / (ROW + 1), norm = sqrt(2.0 / (ROW + 1));
+        omega[j] = 2.0 * sin(0.5 * angle);
+        decay[j] = 0.5 * (damping.alpha + damping.beta * omega[j] * omega[j]);
+        modal_g[j] = modal_v[j] = modal_h[j] = r[j] = r[ROW + j] = 0.0;
+        for (int i = 0; i < ROW; i++) {
+            const double shape = norm * sin(angle * (i + 1));
+            modal_g[j] += shape * g[i];
+            modal_v[j] += shape * v[i];
+            modal_h[j] += shape * c.centre[i];
+            r[j] += shape * ports_b[i];
+            r[ROW + j] += shape * ports_b[ROW + i];
+        }
+    }
+    const aoi_modal modal = {ROW, TWO, omega, decay, r, NULL};
+    const aoi_start begin = {zero, v, c.centre, g}, modal_begin = {zero, modal_v, modal_h, modal_g};
+    aoi_body in_modes;
+    CHECK(aoi_body_start_full(&c.body, &c.full, &rule, &begin, work) == AOI_OK, "finite elements");
+    CHECK(aoi_body_start_modal(&in_modes, &modal, &rule, &modal_begin, modal_work) == AOI_OK,
+          "modes");
+    const double at_start[TWO] = {0.3, -0.2};
+    CHECK(c.body.begin(&c.body, at_start) == AOI_OK && in_modes.begin(&in_modes, at_start) == AOI_OK,
+          "begin");
+    for (int i = 0; i < TWO * TWO; i++) {
+        CHECK(fabs(c.body.compliance[i] - in_modes.compliance[i]) < 1e-14 * *c.body.compliance,
+              "compliance %d", i);
+    }
+    for (int step = 1; step <= 200; step++) {
+        const double force[TWO] = {0.3 * cos(0.1 * step), -0.2 * cos(0.07 * step)};
+        double u[TWO], w[TWO], a[TWO_ROWS], b[TWO_ROWS];
+        aoi_body *both[] = {&c.body, &in_modes};
+        for (int i = 0; i < 2; i++) {
+            CHECK(both[i]->predict(both[i], u, w) == AOI_OK, "predict");
+            both[i]->correct(both[i], force);
+            both[i]->observe(both[i], 1, i == 0 ? a : b, 1);
+        }
+        for (int i = 0; i < TWO_ROWS; i++) {
+            CHECK(fabs(a[i] - b[i]) < 1e-11, "row %d of step %d: %g and %g", i, step, a[i], b[i]);
+        }
+    }
+}
+
+/* K u = b f: loaded so, a body at rest stays at rest, and let go it starts with a = -M^-1 b f. */
+static void a_body_in_equilibrium_stays(void)
+{
+    static chain_body c;
+    const aoi_newmark rule = {0.05, 0.25, 0.5};
+    double k[MOST], m[MOST], force = 2.0;
+    for (int i = 0; i < 8; i++) {
+        k[i] = 1.0;
+        m[i] = 1.0 + 0.5 * i;
+    }
+    chain_body_fill(&c, 8, 1.0, k, m);
+    chain_body_factorise(&c, rule, k, 1.0);
+    c.b[7] = 1.0;
+    for (int i = 0; i < 8; i++) {
+        c.u0[i] = force * (i + 1);
+    }
+    CHECK(chain_body_start(&c, rule) == AOI_OK && c.body.begin(&c.body, &force) == AOI_OK, "loaded");
+    for (int j = 0; j < 100; j++) {
+        CHECK(step_with(&c.body, force) == AOI_OK, "a step");
+    }
+    CHECK(near(observe(&c.body).displacement, 16.0, 1e-13), "it has not moved");
+    CHECK(fabs(observe(&c.body).velocity) < 1e-13, "nor does it move");
+    CHECK(chain_body_start(&c, rule) == AOI_OK && step_with(&c.body, 0.0) == AOI_OK, "let go");
+    /* The last mass alone is pulled back by force / m at first. */
+    const double first = -force / m[7] * 0.05;
+    CHECK(near(observe(&c.body).velocity, first, 1e-3), "it starts at once, %g",
+          observe(&c.body).velocity / first);
 }
 
 static int solver_that_fails(void *data, double *x)
@@ -291,6 +397,12 @@ int main(void)
             mode_keeps_its_shape(n, mode);
         }
     }
+    two_ports_of_a_damped_row_are_those_of_its_modes(rules[0], (aoi_rayleigh){0.0, 0.0});
+    const aoi_newmark coarse = {0.2, 0.25, 0.5}, damped = {0.1, 0.3025, 0.6};
+    two_ports_of_a_damped_row_are_those_of_its_modes(coarse, (aoi_rayleigh){0.1, 0.0});
+    two_ports_of_a_damped_row_are_those_of_its_modes(coarse, (aoi_rayleigh){0.0, 0.2});
+    two_ports_of_a_damped_row_are_those_of_its_modes(damped, (aoi_rayleigh){0.05, 0.1});
+    a_body_in_equilibrium_stays();
     bad_bodies_and_solvers();
     return check_report();
 }

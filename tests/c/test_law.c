@@ -15,7 +15,7 @@ static aoi_law law_of(const char *name, double first, double second)
 static double force_of(const aoi_law *law, double indentation)
 {
     aoi_law_value value;
-    law->force(law, indentation, 0.0, &value);
+    aoi_law_push(law, NULL, indentation, 0.0, &value);
     return value.force;
 }
 
@@ -28,9 +28,9 @@ static void forces_follow_their_formulas(void)
         CHECK(near(force_of(&hertz, d), k * d * sqrt(d), 4e-16), "Hertz at %g m", d);
         CHECK(near(force_of(&linear, d), k * d, 2e-16), "linear at %g m", d);
         CHECK(near(force_of(&square_law, d), k * d * d, 8e-16), "square at %g m", d);
-        CHECK(near(hertz.potential(&hertz, d), 0.4 * k * d * d * sqrt(d), 8e-16), "2/5 k d^(5/2)");
-        CHECK(near(linear.potential(&linear, d), 0.5 * k * d * d, 8e-16), "1/2 k d^2");
-        CHECK(near(square_law.potential(&square_law, d), k * d * d * d / 3.0, 8e-16), "1/3 k d^3");
+        CHECK(near(aoi_law_potential(&hertz, NULL, d), 0.4 * k * d * d * sqrt(d), 8e-16), "2/5 k d^(5/2)");
+        CHECK(near(aoi_law_potential(&linear, NULL, d), 0.5 * k * d * d, 8e-16), "1/2 k d^2");
+        CHECK(near(aoi_law_potential(&square_law, NULL, d), k * d * d * d / 3.0, 8e-16), "1/3 k d^3");
     }
 }
 
@@ -45,12 +45,12 @@ static void laws_of_one_exponent_agree(void)
     for (size_t i = 0; i < 2; i++) {
         for (double d = 1e-12; d < 10.0; d *= 5.3) {
             aoi_law_value a, b;
-            same[i].one.force(&same[i].one, d, 0.0, &a);
-            same[i].other.force(&same[i].other, d, 0.0, &b);
+            aoi_law_push(&same[i].one, NULL, d, 0.0, &a);
+            aoi_law_push(&same[i].other, NULL, d, 0.0, &b);
             CHECK(near(a.force, b.force, 1e-15) && near(a.stiffness, b.stiffness, 1e-15),
                   "force and stiffness of pair %zu at %g m", i, d);
-            CHECK(near(same[i].one.potential(&same[i].one, d),
-                       same[i].other.potential(&same[i].other, d), 1e-15),
+            CHECK(near(aoi_law_potential(&same[i].one, NULL, d),
+                       aoi_law_potential(&same[i].other, NULL, d), 1e-15),
                   "energy of pair %zu at %g m", i, d);
         }
     }
@@ -67,8 +67,8 @@ static void stiffness_is_the_slope(void)
         const aoi_law law = law_of(laws[i].name, 2.0, laws[i].n);
         for (double d = 1e-9; d < 100.0; d *= 11.0) {
             aoi_law_value value, moving;
-            law.force(&law, d, 0.0, &value);
-            law.force(&law, d, -123.0, &moving);
+            aoi_law_push(&law, NULL, d, 0.0, &value);
+            aoi_law_push(&law, NULL, d, -123.0, &moving);
             CHECK(near(value.stiffness, laws[i].n * value.force / d, 1e-15), "%s at %g m",
                   laws[i].name, d);
             CHECK(value.damping == 0.0 && moving.damping == 0.0, "no damping");
@@ -86,9 +86,9 @@ static void no_force_without_contact(void)
     for (size_t i = 0; i < sizeof laws / sizeof laws[0]; i++) {
         for (size_t j = 0; j < sizeof apart / sizeof apart[0]; j++) {
             aoi_law_value value;
-            laws[i].force(&laws[i], apart[j], -5.0, &value);
+            aoi_law_push(&laws[i], NULL, apart[j], -5.0, &value);
             CHECK(value.force == 0.0 && value.damping == 0.0, "law %zu pulls at %g m", i, apart[j]);
-            CHECK(laws[i].potential(&laws[i], apart[j]) == 0.0, "law %zu stores at %g m", i,
+            CHECK(aoi_law_potential(&laws[i], NULL, apart[j]) == 0.0, "law %zu stores at %g m", i,
                   apart[j]);
         }
     }
@@ -108,6 +108,8 @@ static void laws_that_cannot_be(void)
         {"hertz", 1, {-1.0, 1.0}},  {"hertz", 1, {nan, 1.0}},     {"hertz", 1, {inf, 1.0}},
         {"linear", 1, {-0.0, 1.0}}, {"linear", 1, {-inf, 1.0}},   {"power", 2, {1.0, 0.999}},
         {"power", 2, {1.0, nan}},   {"power", 2, {1.0, inf}},     {"power", 2, {1.0, -2.0}},
+        {"thornton", 1, {1.0, 1.0}}, {"thornton", 2, {1.0, 0.0}},
+        {"tsuji", 2, {1.0, -1e-300}}, {"kelvin_voigt", 2, {0.0, 1.0}},
         {"power", 2, {0.0, 2.0}},   {"power", 2, {nan, 2.0}},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -119,6 +121,369 @@ static void laws_that_cannot_be(void)
     }
 }
 
+/* One law of every kind, some with a compliance. */
+typedef struct named {
+    const char *name;
+    size_t count;
+    double parameter[3];
+    double compliance;
+} named;
+
+static const named every[] = {
+    {"hertz", 1, {1e10}, 0.0},
+    {"power", 2, {1e11, 1.7}, 0.0},
+    {"linear", 1, {3e7}, 0.0},
+    {"hunt_crossley", 3, {1e10, 0.4, 1.5}, 0.0},
+    {"hunt_crossley", 3, {1e11, 0.4, 1.7}, 0.0},
+    {"tsuji", 2, {1e10, 3e3}, 0.0},
+    {"kuwabara_kono", 2, {1e10, 2e-6}, 0.0},
+    {"kelvin_voigt", 2, {3e7, 200.0}, 0.0},
+    {"kelvin_voigt_pulling", 2, {3e7, 200.0}, 0.0},
+    {"thornton", 2, {1e10, 100.0}, 0.0},
+    {"hertz", 1, {1e10}, 2e-9},
+    {"hunt_crossley", 3, {1e10, 0.4, 1.5}, 2e-9},
+    {"tsuji", 2, {1e10, 3e3}, 2e-9},
+    {"kelvin_voigt", 2, {3e7, 200.0}, 2e-9},
+    {"thornton", 2, {1e10, 100.0}, 2e-9},
+};
+enum { EVERY = sizeof every / sizeof every[0] };
+
+static aoi_law law_at(size_t i)
+{
+    aoi_law law;
+    CHECK(aoi_law_create(&law, every[i].name, every[i].count, every[i].parameter) == AOI_OK, "%s",
+          every[i].name);
+    law.compliance = every[i].compliance;
+    return law;
+}
+
+static void damped_laws_follow_their_formulas(void)
+{
+    const double k = 1e10, v = 0.7;
+    for (double d = 1e-9; d < 1e-3; d *= 3.1) {
+        aoi_law_value value;
+        const double root = sqrt(d), hertz = k * d * root;
+        const struct {
+            size_t law;
+            double force, stiffness, damping;
+        } wanted[] = {
+            {3, hertz * (1.0 + 0.4 * v), 1.5 * hertz / d * (1.0 + 0.4 * v), 0.4 * hertz},
+            {5, hertz + 3e3 * sqrt(root) * v, 1.5 * hertz / d + 750.0 / (root * sqrt(root)) * v / 1.0,
+             3e3 * sqrt(root)},
+            {6, k * (d * root + 3e-6 * root * v), 1.5 * k * (root + 1e-6 * v / root),
+             3e-6 * k * root},
+            {7, 3e7 * d + 200.0 * v, 3e7, 200.0},
+        };
+        for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+            const aoi_law law = law_at(wanted[i].law);
+            aoi_law_push(&law, NULL, d, v, &value);
+            CHECK(near(value.force, wanted[i].force, 1e-14), "%s at %g m", every[wanted[i].law].name,
+                  d);
+            CHECK(near(value.stiffness, wanted[i].stiffness, 1e-14), "%s: stiffness at %g m",
+                  every[wanted[i].law].name, d);
+            CHECK(near(value.damping, wanted[i].damping, 1e-14), "%s: damping at %g m",
+                  every[wanted[i].law].name, d);
+            CHECK(law.depends_on_rate, "%s depends on the rate", every[wanted[i].law].name);
+        }
+    }
+}
+
+/* Every derivative against differences, on every piece, touched before or not. */
+static void derivatives_are_those_of_the_force(void)
+{
+    uint64_t seed = 7;
+    for (size_t i = 0; i < EVERY; i++) {
+        const aoi_law law = law_at(i);
+        for (int trial = 0; trial < 200; trial++) {
+            double memory[AOI_LAW_MEMORY] = {0.0}, low, high;
+            const double d = decades(&seed, -7.0, -4.7), v = 2.0 * uniform(&seed) - 1.0;
+            if (trial % 2) {
+                aoi_law_remember(&law, decades(&seed, -6.0, -4.7), -1.0, memory);
+            }
+            aoi_law_value here, below, above, slower, faster;
+            const int piece = aoi_law_piece(&law, memory, d, v > 0.0, &low, &high);
+            if (d <= 1.01 * aoi_law_rest(&law, memory)) {
+                continue;
+            }
+            aoi_law_force(&law, memory, piece, d, v, &here);
+            aoi_law_force(&law, memory, piece, d * (1.0 - 1e-5), v, &below);
+            aoi_law_force(&law, memory, piece, d * (1.0 + 1e-5), v, &above);
+            aoi_law_force(&law, memory, piece, d, v - 1e-4, &slower);
+            aoi_law_force(&law, memory, piece, d, v + 1e-4, &faster);
+            const double size = fabs(here.force) + fabs(here.damping * v) + 1e-3 * here.stiffness * d;
+            CHECK(fabs((above.force - below.force) / 2e-5 - here.stiffness * d) <= 1e-3 * size,
+                  "%s: stiffness at %g m, %g m/s", every[i].name, d, v);
+            CHECK(fabs((faster.force - slower.force) / 2e-4 - here.damping) <=
+                      1e-6 * fabs(here.damping) + 1e-8 * size,
+                  "%s: damping at %g m, %g m/s", every[i].name, d, v);
+        }
+    }
+}
+
+/* F = law(d + c F), whatever the law. */
+static void compliance_is_taken_out(void)
+{
+    uint64_t seed = 3;
+    for (size_t i = 0; i < EVERY; i++) {
+        if (every[i].compliance == 0.0) {
+            continue;
+        }
+        const aoi_law law = law_at(i);
+        aoi_law plain = law;
+        plain.compliance = 0.0;
+        for (int trial = 0; trial < 300; trial++) {
+            double memory[AOI_LAW_MEMORY] = {0.0};
+            if (trial % 2) {
+                aoi_law_remember(&law, decades(&seed, -6.0, -5.0), 1.0, memory);
+            }
+            const double d = decades(&seed, -8.0, -5.0), v = 1.5 * uniform(&seed) - 0.7;
+            aoi_law_value value, own;
+            aoi_law_push(&law, memory, d, v, &value);
+            const double inside = d + law.compliance * value.force;
+            aoi_law_push(&plain, memory, inside, v, &own);
+            CHECK(near(value.force, own.force, 1e-12), "%s at %g m: %.17g, %.17g", every[i].name, d,
+                  value.force, own.force);
+            const double give = 1.0 - law.compliance * own.stiffness;
+            CHECK(near(value.stiffness, own.stiffness / give, 1e-10), "%s: stiffness", every[i].name);
+            CHECK(near(value.damping, own.damping / give, 1e-10), "%s: damping", every[i].name);
+        }
+    }
+}
+
+/* Beyond where anything is left of the law it goes on as a line, so that an iteration finds back. */
+static void beyond_its_limit_a_law_is_a_line(void)
+{
+    aoi_law law = law_of("hertz", 1e10, 0.0);
+    law.compliance = 3e-8;
+    double slope = 0.0, before = 0.0;
+    for (double d = 1e-8; d < 1.0; d *= 1.01) {
+        aoi_law_value value;
+        aoi_law_push(&law, NULL, d, 0.0, &value);
+        CHECK(value.force > before && value.stiffness >= slope * (1.0 - 1e-12), "at %g m", d);
+        if (d > 1e-4) { /* far along the line */
+            CHECK(near(value.force - before, slope * (d - d / 1.01), 1e-9), "straight at %g m", d);
+        }
+        before = value.force;
+        slope = value.stiffness;
+    }
+    const double bend = 0.95 / (1.5 * 1e10 * law.compliance); /* its root */
+    CHECK(near(slope, 20.0 * 1.5e10 * bend, 1e-9), "20 times as stiff: %g", slope);
+}
+
+/* Whoever looks for the depth of an energy finds one. */
+static void energy_grows_past_the_limit(void)
+{
+    for (size_t i = 0; i < EVERY; i++) {
+        if (every[i].compliance == 0.0) {
+            continue;
+        }
+        aoi_law law = law_at(i);
+        const double memory[AOI_LAW_MEMORY] = {0.0};
+        double before = 0.0;
+        law.limit = 1e-5;
+        for (double d = 1e-7; d < 1e6; d *= 1.1) {
+            const double energy = aoi_law_potential(&law, memory, d);
+            CHECK(energy > before, "%s stores %g J at %g m", every[i].name, energy, d);
+            before = energy;
+        }
+    }
+}
+
+/* Thornton's law over cycles of growing depth: the cycle's loss is the area between its branches,
+ * what is stored comes back, and pieces meet. */
+static void plastic_contact_remembers(void)
+{
+    const double compliances[] = {0.0, 2e-9};
+    for (size_t i = 0; i < 2; i++) {
+        aoi_law law = law_at(9);
+        law.compliance = compliances[i];
+        double memory[AOI_LAW_MEMORY] = {0.0}, given = 0.0;
+        for (double top = 1e-6; top < 2e-5; top *= 1.7) {
+            enum { PARTS = 4000 };
+            double taken = 0.0, low, high;
+            aoi_law_value at_top, back;
+            const double rest = aoi_law_rest(&law, memory);
+            for (int j = 0; j < PARTS; j++) {
+                aoi_law_push(&law, memory, rest + (top - rest) * (j + 0.5) / PARTS, 1.0, &at_top);
+                taken += at_top.force * (top - rest) / PARTS;
+            }
+            aoi_law_push(&law, memory, top, 1.0, &at_top);
+            aoi_law_remember(&law, top, 1.0, memory);
+            const int loading = aoi_law_piece(&law, memory, top, 1, &low, &high);
+            CHECK(low <= top * (1.0 + 1e-12) && high > top, "rising from the deepest point: new ground");
+            const int unloading = aoi_law_piece(&law, memory, top, 0, &low, &high);
+            CHECK(near(high, top, 1e-12) || at_top.force < 100.0, "it ends where it was deepest");
+            CHECK((unloading == loading) == (at_top.force < 100.0), "another branch past yield");
+            aoi_law_force(&law, memory, unloading, top, -1.0, &back);
+            CHECK(near(back.force, at_top.force, 1e-12), "both branches meet: %g, %g", back.force,
+                  at_top.force);
+            const double stored = aoi_law_potential(&law, memory, top), left = aoi_law_rest(&law, memory);
+            double returned = 0.0;
+            for (int j = 0; j < PARTS; j++) {
+                aoi_law_push(&law, memory, left + (top - left) * (j + 0.5) / PARTS, -1.0, &back);
+                returned += back.force * (top - left) / PARTS;
+            }
+            CHECK(near(returned, stored, 1e-5), "stored %g, returned %g", stored, returned);
+            CHECK(returned <= taken * (1.0 + 1e-5), "no energy gained");
+            CHECK(left >= rest && (left > 0.0) == (at_top.force > 100.0), "residual indentation %g", left);
+            aoi_law_push(&law, memory, left, -1.0, &back);
+            CHECK(back.force == 0.0, "no force at rest");
+            given += taken - returned;
+        }
+        CHECK(given > 0.0, "the cycles cost %g J", given);
+    }
+}
+
+/* From the deepest D: F(D), D - d_p = F(D)/(k D^(1/2)), F = F(D) ((d - d_p)/(D - d_p))^(3/2). */
+static void plastic_unloading_is_thorntons(void)
+{
+    const aoi_law law = law_at(9);
+    const double k = 1e10, yield = pow(100.0 / k, 2.0 / 3.0), deepest = 4.0 * yield;
+    const double top = 100.0 + 1.5 * k * sqrt(yield) * 3.0 * yield;
+    const double reach = top / (k * sqrt(deepest));
+    double memory[AOI_LAW_MEMORY] = {0.0};
+    aoi_law_remember(&law, deepest, 0.0, memory);
+    CHECK(near(aoi_law_rest(&law, memory), deepest - reach, 1e-13), "residual indentation");
+    for (double share = 0.01; share < 1.0; share += 0.07) {
+        aoi_law_value value;
+        aoi_law_push(&law, memory, deepest - reach + share * reach, -1.0, &value);
+        CHECK(near(value.force, top * pow(share, 1.5), 1e-12), "at %g of the way", share);
+    }
+    aoi_law_remember(&law, 0.9 * deepest, 0.0, memory);
+    CHECK(near(aoi_law_rest(&law, memory), deepest - reach, 1e-13), "a lighter blow changes nothing");
+    /* The curvature is that of the flattened radius: k_p = k (R_p/R)^(1/2), R_p/R = k D^(3/2)/F(D). */
+    const double flattened = k * sqrt(k * pow(deepest, 1.5) / top);
+    CHECK(near(top, flattened * pow(reach, 1.5), 1e-13), "Hertz on the flattened radius");
+}
+
+/* A table of d^3 with exact slopes is that cubic. */
+static void tables_are_hermite_cubics(void)
+{
+    enum { KNOTS = 5 };
+    double table[4 * KNOTS];
+    const double knot[KNOTS] = {0.0, 0.1, 0.25, 0.3, 1.0};
+    for (int i = 0; i < KNOTS; i++) {
+        table[i] = knot[i];
+        table[KNOTS + i] = knot[i] * knot[i] * knot[i];
+        table[2 * KNOTS + i] = 3.0 * knot[i] * knot[i];
+        table[3 * KNOTS + i] = 0.25 * knot[i] * knot[i] * knot[i] * knot[i];
+    }
+    aoi_law law;
+    CHECK(aoi_law_create_table(&law, KNOTS, table) == AOI_OK && law.limit == 1.0, "a table");
+    for (double d = 0.003; d < 1.0; d += 0.0137) {
+        aoi_law_value value;
+        double low, high;
+        aoi_law_push(&law, NULL, d, 0.0, &value);
+        CHECK(near(value.force, d * d * d, 1e-12), "at %g", d);
+        CHECK(near(value.stiffness, 3.0 * d * d, 1e-12), "slope at %g", d);
+        CHECK(near(aoi_law_potential(&law, NULL, d), 0.25 * d * d * d * d, 1e-12), "energy at %g", d);
+        const int piece = aoi_law_piece(&law, NULL, d, 1, &low, &high);
+        CHECK(low < d && d < high && (piece == 0 || low == knot[piece]) && high == knot[piece + 1],
+              "the piece of %g", d);
+    }
+    for (int i = 1; i < KNOTS; i++) {
+        double low, high;
+        CHECK(aoi_law_piece(&law, NULL, knot[i], 0, &low, &high) == i - 1 && high == knot[i], "down");
+        CHECK(aoi_law_piece(&law, NULL, knot[i], 1, &low, &high) == i && low == knot[i], "up");
+    }
+    aoi_law_value value;
+    aoi_law_push(&law, NULL, 3.0, 0.0, &value);
+    CHECK(near(value.force, 7.0, 1e-14) && near(value.stiffness, 3.0, 1e-14), "a line past the end");
+    table[KNOTS + 2] = 0.0;
+    CHECK(aoi_law_create_table(&law, KNOTS, table) == AOI_ERROR_ARGUMENT, "falls");
+    table[KNOTS + 2] = 0.015625;
+    table[2] = 0.1;
+    CHECK(aoi_law_create_table(&law, KNOTS, table) == AOI_ERROR_ARGUMENT, "stands still");
+    table[2] = (double)NAN;
+    CHECK(aoi_law_create_table(&law, KNOTS, table) == AOI_ERROR_ARGUMENT, "NaN");
+    CHECK(aoi_law_create_table(&law, 1, knot) == AOI_ERROR_ARGUMENT, "one knot");
+    CHECK(aoi_law_create_table(&law, 2, knot + 1) == AOI_ERROR_ARGUMENT, "not from 0");
+}
+
+static double cubic_law(double d, double rate) { return d * d * d * (2.0 + rate); }
+static double cubic_law_stiffness(double d, double rate) { return 3.0 * d * d * (2.0 + rate); }
+static double nan_law(double d, double rate) { return d > 1.0 ? (double)NAN : d + 0.0 * rate; }
+
+static void callers_laws(void)
+{
+    aoi_user_law user = {.function = {cubic_law}, .given = {1}};
+    aoi_law law, known, still, broken;
+    CHECK(aoi_law_create_user(&law, &user, 1, 0) == AOI_OK, "by differences");
+    CHECK(aoi_law_create_user(&still, &user, 0, 0) == AOI_OK, "that promises not to look at the rate");
+    user.function[AOI_USER_STIFFNESS] = cubic_law_stiffness;
+    user.given[AOI_USER_STIFFNESS] = 1;
+    CHECK(aoi_law_create_user(&known, &user, 1, 0) == AOI_OK, "with its derivative");
+    for (double d = 1e-6; d < 10.0; d *= 4.1) {
+        aoi_law_value value, same;
+        aoi_law_push(&law, NULL, d, 0.5, &value);
+        aoi_law_push(&known, NULL, d, 0.5, &same);
+        CHECK(near(value.force, 2.5 * d * d * d, 1e-15) && value.force == same.force, "force at %g", d);
+        CHECK(near(value.stiffness, 7.5 * d * d, 1e-7), "stiffness by differences at %g", d);
+        CHECK(near(same.stiffness, 7.5 * d * d, 1e-15), "stiffness as given at %g", d);
+        CHECK(near(value.damping, d * d * d, 1e-9), "damping by differences at %g", d);
+        CHECK(near(aoi_law_potential(&law, NULL, d), 0.5 * d * d * d * d, 1e-14), "energy at %g", d);
+        aoi_law_push(&law, NULL, d, 0.0, &value);
+        CHECK(near(value.damping, d * d * d, 1e-6), "damping at rest, at %g", d);
+        aoi_law_push(&still, NULL, d, 0.5, &value);
+        CHECK(value.damping == 0.0 && !still.depends_on_rate, "no damping asked for");
+    }
+    double note[2] = {0.0, 0.0};
+    aoi_law_value value;
+    user = (aoi_user_law){.function = {nan_law}, .given = {1}};
+    CHECK(aoi_law_create_user(&broken, &user, 1, 0) == AOI_OK, "a law that breaks");
+    broken.note = note;
+    aoi_law_push(&broken, NULL, 1.5, -2.0, &value);
+    CHECK(isnan(value.force) && note[0] == 1.5 && note[1] == -2.0, "NaN is noted with its state");
+    user.given[AOI_USER_DAMPING] = 1;
+    CHECK(aoi_law_create_user(&broken, &user, 1, 0) == AOI_ERROR_ARGUMENT, "said, but not given");
+    user = (aoi_user_law){.given = {0}};
+    CHECK(aoi_law_create_user(&broken, &user, 1, 0) == AOI_ERROR_ARGUMENT, "no force");
+}
+
+static double settled(const aoi_law *law, const double *memory)
+{
+    (void)law;
+    return memory[0];
+}
+
+static void spring_from_rest(const aoi_law *law, const double *memory, int piece, double d,
+                             double rate, aoi_law_value *value)
+{
+    (void)law;
+    (void)piece;
+    (void)rate;
+    *value = (aoi_law_value){d - memory[0], 1.0, 0.0};
+}
+
+static void no_force_up_to_rest(void)
+{
+    const aoi_law law = {.force = spring_from_rest, .rest = settled, .limit = HUGE_VAL, .pulls = 1};
+    const double memory[AOI_LAW_MEMORY] = {0.5};
+    for (double d = 0.1; d < 1.0; d += 0.2) {
+        aoi_law_value value;
+        aoi_law_push(&law, memory, d, 0.0, &value);
+        CHECK(near(value.force, d > 0.5 ? d - 0.5 : 0.0, 1e-15), "at %g", d);
+    }
+}
+
+static void only_the_pulling_law_pulls(void)
+{
+    for (size_t i = 0; i < EVERY; i++) {
+        const aoi_law law = law_at(i);
+        double memory[AOI_LAW_MEMORY] = {0.0};
+        CHECK(law.pulls == (strstr(every[i].name, "pulling") != NULL), "%s", every[i].name);
+        for (double v = -50.0; v < 0.0; v += 3.3) {
+            aoi_law_value value;
+            aoi_law_push(&law, memory, 1e-6, v, &value);
+            CHECK(law.pulls ? value.force < 0.0 || v > -0.2 : value.force >= 0.0, "%s at %g m/s: %g N",
+                  every[i].name, v, value.force);
+            aoi_law_push(&law, memory, -1e-9, v, &value);
+            CHECK(value.force == 0.0 && value.stiffness == 0.0 && value.damping == 0.0, "%s apart",
+                  every[i].name);
+        }
+    }
+}
+
 int main(void)
 {
     forces_follow_their_formulas();
@@ -126,5 +491,16 @@ int main(void)
     stiffness_is_the_slope();
     no_force_without_contact();
     laws_that_cannot_be();
+    damped_laws_follow_their_formulas();
+    derivatives_are_those_of_the_force();
+    compliance_is_taken_out();
+    beyond_its_limit_a_law_is_a_line();
+    energy_grows_past_the_limit();
+    plastic_contact_remembers();
+    plastic_unloading_is_thorntons();
+    tables_are_hermite_cubics();
+    callers_laws();
+    no_force_up_to_rest();
+    only_the_pulling_law_pulls();
     return check_report();
 }

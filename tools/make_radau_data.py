@@ -1,18 +1,16 @@
-"""Write csrc/collocation_data.inc: the constants of the collocation method, to the last digit.
+"""Write csrc/radau_data.c: the constants of the collocation method, to the last digit.
 
-Usage: python tools/make_collocation_data.py > csrc/collocation_data.inc   (needs mpmath)
+Usage: python tools/make_radau_data.py > csrc/radau_data.c   (needs mpmath)
 """
 
 from __future__ import annotations
-
-from itertools import pairwise
 
 import mpmath as mp
 
 mp.mp.dps = 60
 
 STAGES = 8
-MOMENTS = 13  # z^(2m)/(2m)! at z = 3 is below 1e-15 beyond them
+MOMENTS = 13  # AOI_RADAU_MOMENTS: z^(2m)/(2m)! at z = 3 is below 1e-15 beyond them
 
 
 def shifted_legendre(n: int) -> list[mp.mpf]:
@@ -62,11 +60,13 @@ def cardinal_monomials(transform: list[list[mp.mpf]]) -> list[list[mp.mpf]]:
     return result
 
 
-def moments(nodes: list[mp.mpf], cardinal: list[list[mp.mpf]]) -> list[list[list[mp.mpf]]]:
-    """∫_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx for each m, node c and cardinal polynomial l_j."""
+def moments(
+    nodes: list[mp.mpf], cardinal: list[list[mp.mpf]], odd: int
+) -> list[list[list[mp.mpf]]]:
+    """∫_0^c (c-x)^(2m+odd)/(2m+odd)! l_j(x) dx for each m, node c and cardinal polynomial l_j."""
 
     def one(m: int, c: mp.mpf, polynomial: list[mp.mpf]) -> mp.mpf:
-        power = 2 * m + 2
+        power = 2 * m + odd + 1
         return sum(
             a * mp.factorial(q) / mp.factorial(q + power) * c ** (q + power)
             for q, a in enumerate(polynomial)
@@ -95,10 +95,20 @@ def shrink(c: mp.mpf) -> list[list[mp.mpf]]:
 
 
 def extra_points(nodes: list[mp.mpf]) -> list[mp.mpf]:
-    """Points between 0 and the nodes, where the collocation equation does not hold."""
-    ends = [mp.mpf(0), *nodes]
-    angles = [mp.acos(1 - 2 * x) for x in ends]
-    return [(1 - mp.cos((a + b) / 2)) / 2 for a, b in pairwise(angles)]
+    """Where the collocation equation does not hold: the nodes mirrored, among them the start.
+
+    From there to the end of the step is as far as from its beginning to a node, so that what the
+    bodies answer is in the tables already.
+    """
+    return [1 - x for x in nodes]
+
+
+def slopes(points: list[mp.mpf], nodes: list[mp.mpf]) -> list[list[mp.mpf]]:
+    """Derivatives at the nodes of the cardinal polynomials of the points."""
+    return [
+        [mp.diff(lambda x, i=i: lagrange(points, x)[i], c) for i in range(len(points))]
+        for c in nodes
+    ]
 
 
 def extra_weights(nodes: list[mp.mpf], extra: list[mp.mpf]) -> list[mp.mpf]:
@@ -117,7 +127,7 @@ def written(value: object) -> str:
 
 
 def declare(comment: str, declaration: str, value: object) -> None:
-    text = f"static const double {declaration} = {written(value)};"
+    text = f"const double aoi_radau_{declaration} = {written(value)};"
     print(f"\n/* {comment} */")
     line = ""
     for word in text.split(" "):
@@ -133,11 +143,9 @@ def main() -> None:
     transform = to_legendre(nodes)
     extra = extra_points(nodes)
     ends = [mp.mpf(0), *nodes]
-    print(
-        "/* Made by tools/make_collocation_data.py. Polynomials live on [0, 1]; l_j is the cardinal"
-    )
+    print("/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal")
     print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
-    print(f"enum {{ MOMENTS = {MOMENTS} }};")
+    print('#include "radau.h"')
     declare("Radau IIA nodes.", "node[AOI_STAGES]", nodes)
     declare(
         "From values at the nodes to Legendre coefficients.",
@@ -151,17 +159,22 @@ def main() -> None:
     )
     declare(
         "int_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx, by m, node c and j.",
-        "moment[MOMENTS][AOI_STAGES][AOI_STAGES]",
-        moments(nodes, cardinal_monomials(transform)),
+        "moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES]",
+        moments(nodes, cardinal_monomials(transform), 1),
+    )
+    declare(
+        "int_0^c (c-x)^(2m)/(2m)! l_j(x) dx, by m, node c and j.",
+        "rate_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES]",
+        moments(nodes, cardinal_monomials(transform), 0),
     )
     declare(
         "P_k(c x) = sum_l shrink[c][k][l] P_l(x).",
         "shrink[AOI_STAGES][AOI_STAGES][AOI_STAGES]",
         [shrink(c) for c in nodes],
     )
-    declare("Points between the nodes, for the defect.", "extra[AOI_STAGES]", extra)
+
     declare(
-        "Their weights in the quadrature on nodes and extra points together.",
+        "Weights of the extra points, 1 - node, in the quadrature on these and the nodes.",
         "extra_weight[AOI_STAGES]",
         extra_weights(nodes, extra),
     )
@@ -174,6 +187,11 @@ def main() -> None:
         "The same for the cardinal polynomials of 0 and the nodes.",
         "indentation_at_extra[AOI_STAGES][AOI_STAGES + 1]",
         [lagrange(ends, x) for x in extra],
+    )
+    declare(
+        "Slopes at the nodes of the cardinal polynomials of 0 and the nodes.",
+        "slope_at_node[AOI_STAGES][AOI_STAGES + 1]",
+        slopes(ends, nodes),
     )
 
 

@@ -1,0 +1,182 @@
+"""Which model is needed? One impact by rigid bodies, by more and more oscillators, and in full."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any
+
+from .adaptive import Adaptive
+from .answer import Answer
+from .checks import integer
+from .comparison import Compared, Comparison
+from .contact import ContactPoint
+from .errors import AOImpactError, InputError, held_warnings
+from .laws import ContactLaw
+from .modes import ModalModel, modal
+from .newmark import Newmark
+from .order import Ladder, first_guess, ladder
+from .result import Result
+from .simulate import simulate
+from .star import AOModel
+
+__all__ = ["compare"]
+
+_ANSWERS = tuple(Answer(name) for name in ("force", "duration", "impulse", "target_displacement"))
+
+# Far below the differences between models.
+_IN_TIME = 1e-6
+
+Models = tuple[Any, Any]
+
+
+def compare(
+    *,
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    velocity: float,
+    duration: float,
+    gap: float = 0.0,
+    oscillators: Iterable[int] = (0, 1, 2, 3, 5, 8, 12),
+    modes: Iterable[int] = (10, 40),
+    full: bool = True,
+) -> Comparison:
+    """Run an impact with models from rigid to full, and say what each costs and how wrong it is.
+
+    Both bodies are modelled alike; those given by numbers have no more oscillators than they have.
+
+    Parameters
+    ----------
+    projectile, target : ContactPoint, AOModel or ModalModel
+        A reduced model stands for the finite-element body that it was made of.
+    law, velocity, duration, gap
+        As in `simulate`.
+    oscillators : iterable of int, optional
+        Numbers of scene-fitted anti-oscillators.
+    modes : iterable of int, optional
+        Numbers of natural modes of classical truncations.
+    full : bool, optional
+        Whether to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
+        to that; without it, to the model of the most oscillators.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to compare with.
+    """
+    run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
+    stars = sorted({integer("oscillators", n, low=0) for n in oscillators})
+    truncations = sorted({integer("modes", n, low=1) for n in modes})
+    if not stars and not full:
+        raise InputError("full=False without oscillators leaves no model to compare with")
+    bodies = _body(projectile), _body(target)
+
+    def quick(models: Models) -> Result:
+        with held_warnings():
+            return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
+
+    contact_time, span = first_guess(bodies, quick, Answer("target_displacement").span)
+    ladders = tuple(ladder(body, contact_time, max(span, duration)) for body in bodies)
+    tries = [_try("rigid", lambda: tuple(each.model(0) for each in ladders), quick)]
+    spent = 0.0
+    for n in stars:
+        tries.append(_try(f"AO({n})", partial(_with_oscillators, ladders, n), quick))
+        if not tries[-1].failure:
+            spent += tries[-1].build  # the bases are nested: each model adds to the one before
+            tries[-1].build = spent
+    for n in truncations:
+        tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n), quick))
+    exact = tries[len(stars)]
+    if full:
+        exact = _try("full", lambda: bodies, partial(_in_full, run))
+        tries.append(exact)
+    if exact.result is None:
+        raise InputError(f"{exact.label}: {exact.failure}")
+    return Comparison(
+        f"{projectile!r} on {target!r}, {law!r}, {velocity:g} m/s",
+        exact.label,
+        exact.result.error.time,
+        tuple(each.compared(exact.result) for each in tries),
+    )
+
+
+def _body(model: Any) -> Any:
+    """The finite-element body that a model was made of; a star given by numbers is its own."""
+    if isinstance(model, ModalModel):
+        return model.tip
+    if isinstance(model, AOModel) and model.origin is not None:
+        return model.origin.tip
+    return model
+
+
+class _Try:
+    """One pair of models: what it took to build and to run it, or why it could not be."""
+
+    def __init__(self, label: str) -> None:
+        self.label, self.dofs = label, 0
+        self.build = self.run = math.nan
+        self.result: Result | None = None
+        self.failure = ""
+
+    def compared(self, exact: Result) -> Compared:
+        force, duration, impulse, displacement = (
+            math.nan if self.result is None else answer.difference(self.result, exact)
+            for answer in _ANSWERS
+        )
+        return Compared(
+            self.label,
+            self.dofs,
+            self.build,
+            self.run,
+            force,
+            duration,
+            impulse,
+            displacement,
+            self.failure,
+        )
+
+
+def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -> _Try:
+    done = _Try(label)
+    try:
+        start = time.perf_counter()
+        models = make()
+        done.build = time.perf_counter() - start
+        done.dofs = sum(map(_dofs, models))
+        start = time.perf_counter()
+        done.result = run(models)
+        done.run = time.perf_counter() - start
+    except AOImpactError as error:
+        done.failure = str(error)
+    return done
+
+
+def _with_oscillators(ladders: tuple[Ladder, ...], n: int) -> Models:
+    first, second = (each.model(n + each.first) for each in ladders)
+    return first, second
+
+
+def _with_modes(bodies: Models, n: int) -> Models:
+    first, second = (
+        modal(body, min(n, body.body.n_dofs)) if isinstance(body, ContactPoint) else body
+        for body in bodies
+    )
+    return first, second
+
+
+def _in_full(run: Callable[..., Result], models: Models) -> Result:
+    meshed = any(isinstance(body, ContactPoint) for body in models)
+    solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
+    return run(projectile=models[0], target=models[1], solver=solver)
+
+
+def _dofs(model: Any) -> int:
+    if isinstance(model, ContactPoint):
+        return model.body.n_dofs
+    if isinstance(model, ModalModel):
+        return model.n
+    assert isinstance(model, AOModel)
+    return 0 if model.label == "wall" else model.n + 1

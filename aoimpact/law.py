@@ -1,0 +1,264 @@
+"""What every contact law does; the laws themselves stand in the files laws_*.py."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+import scipy.optimize
+
+from . import _core
+from .checks import finite_array, positive
+from .errors import InputError, InputTypeError
+from .rebound import integrated_restitution
+
+__all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "PatchLaw"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# What for_core gives; opaque to all but the binding.
+CoreLaw = tuple[Any, ...]
+
+# Of c dF/dδ, up to which a law with a patch's compliance is used; as in law.c.
+MOST_SHARE = 0.95
+
+# Own indentations, m, among which the one of that share is looked for.
+_INDENTATIONS = np.geomspace(1e-15, 10.0, 641)
+
+
+# Logarithm of the longest indentation, m, and the least work, J, that are told from infinity and 0.
+_LONGEST, _LEAST_WORK = 300.0, 1e-300
+
+
+class ContactLaw:
+    """The force between two bodies as a function of indentation, its rate, and its history.
+
+    Every law is a frozen value; its formulas are the core's (csrc/law_*.c).
+    """
+
+    _name: ClassVar[str]
+    _depends_on_rate: ClassVar[bool] = False
+    _has_memory: ClassVar[bool] = False
+
+    @property
+    def depends_on_rate(self) -> bool:
+        """Whether the force depends on the rate of the indentation."""
+        return self._depends_on_rate
+
+    @property
+    def has_memory(self) -> bool:
+        """Whether the force depends on what the contact went through before."""
+        return self._has_memory
+
+    def _parameters(self) -> tuple[float, ...]:
+        raise NotImplementedError
+
+    def _kind(self) -> str:
+        """The core's name of the law."""
+        return self._name
+
+    def _data(self) -> Any:
+        """What the core needs besides numbers: a table, or the user's functions."""
+        return None
+
+    def _limit(self) -> float:
+        """Deepest indentation that the law stands for, m."""
+        return math.inf
+
+    def for_core(self) -> CoreLaw:
+        """Return the law as the core's ``take_law`` reads it; new for every call of the core."""
+        note = np.full(2, math.nan)  # the core's word on where a law gave NaN
+        return self._kind(), self._parameters(), 0.0, self._limit(), note, self._data()
+
+    def force(self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0) -> Any:
+        """Return the contact force, on the loading branch where there is history.
+
+        Parameters
+        ----------
+        indentation : array_like
+            δ, m; the force is zero where δ ≤ 0.
+        rate : array_like, optional
+            dδ/dt, m/s; broadcast against `indentation`.
+
+        Returns
+        -------
+        float or ndarray
+            Force, N, in the broadcast shape.
+        """
+        delta, delta_rate = np.broadcast_arrays(
+            finite_array("indentation", indentation, unit="m"),
+            finite_array("rate", rate, unit="m/s"),
+        )
+        force = self._evaluate(delta, delta_rate)[0]
+        return force if force.ndim else float(force)
+
+    def _evaluate(
+        self, indentation: FloatArray, rate: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return force, N, dF/dδ, N/m, and dF/d(dδ/dt), N s/m, of arrays of one shape."""
+        force, stiffness, damping = (np.empty(indentation.shape) for _ in range(3))
+        _core.law_force(
+            self.for_core(),
+            np.ascontiguousarray(indentation),
+            np.ascontiguousarray(rate),
+            force,
+            stiffness,
+            damping,
+        )
+        return force, stiffness, damping
+
+    def potential(self, indentation: npt.ArrayLike) -> Any:
+        """Return the elastic energy that unloading from an indentation gives back, J."""
+        delta = finite_array("indentation", indentation, unit="m")
+        energy = np.empty(delta.shape)
+        _core.law_potential(self.for_core(), delta, energy)
+        return energy if energy.ndim else float(energy)
+
+    def within_patch(
+        self, compliance: float, *, radius: float = math.inf, relative_radius: float | None = None
+    ) -> PatchLaw:
+        """Return the law without the indentation that the bodies' own patches show already.
+
+        A body loaded through a patch of radius r indents by c F, c = 0.6/(r E*), as a half-space
+        would; the same is contained in the law. With it taken out, F = law(δ + c F).
+
+        Parameters
+        ----------
+        compliance : float
+            c, the sum over both bodies, m/N.
+        radius, relative_radius : float, optional
+            Radius of the smaller patch and relative radius of curvature R, m: the law then stands
+            as long as the contact radius √(R (δ + c F)) is below `radius`.
+
+        Raises
+        ------
+        InputError
+            If nothing is left of the law: c dF/dδ is near 1 at every indentation.
+        """
+        c = positive("compliance", compliance, unit="m/N")
+        wide = positive("radius", radius, unit="m", infinite=True)
+        deepest = min(self._steepest(c), self._limit())
+        if relative_radius is not None:
+            deepest = min(deepest, wide**2 / positive("relative_radius", relative_radius, unit="m"))
+        limit = deepest - c * self.force(deepest) if math.isfinite(deepest) else math.inf
+        return PatchLaw(self, c, limit)
+
+    def _steepest(self, compliance: float) -> float:
+        """Return the own indentation, m, up to which c dF/dδ is less than the share allowed."""
+
+        def excess(delta: FloatArray | float) -> FloatArray:
+            there = np.asarray(delta)
+            return compliance * self._evaluate(there, np.zeros(there.shape))[1] - MOST_SHARE
+
+        within = _INDENTATIONS[self._limit() >= _INDENTATIONS]
+        beyond = np.flatnonzero(excess(within) >= 0.0)
+        if beyond.size == 0:
+            return math.inf
+        first = int(beyond[0])
+        if first == 0:
+            raise InputError(
+                f"compliance={compliance:g} m/N is more than {self!r} has itself: nothing is left "
+                "of the law; take a larger patch"
+            )
+        low, high = within[first - 1], within[first]
+        return float(scipy.optimize.brentq(lambda d: float(excess(d)), low, high, xtol=1e-18))
+
+    def _work(self, indentation: float) -> float:
+        """Return ∫ F dδ up to an indentation on the way in, at no rate, J."""
+        return float(self.potential(indentation))
+
+    def stroke(self, energy: float) -> float:
+        """Return the indentation at which the way in has taken an energy, at no rate.
+
+        Parameters
+        ----------
+        energy : float
+            J.
+
+        Returns
+        -------
+        float
+            m; where the law ends before, its end.
+
+        Raises
+        ------
+        InputError
+            If it lies beyond the range of numbers.
+        """
+        wanted = positive("energy", energy, unit="J")
+        end = min(math.log(self._limit() * (1.0 - 1e-12)), _LONGEST)
+
+        def excess(log_indentation: float) -> float:
+            return math.log(max(self._work(math.exp(log_indentation)), _LEAST_WORK) / wanted)
+
+        high = min(end, 0.0)
+        while excess(high) < 0.0 and high < end:
+            high = min(high + 4.0, end)
+        if excess(high) < 0.0:
+            if high == _LONGEST:
+                raise InputError(f"{self!r} never takes an energy of {wanted:g} J")
+            return math.exp(high)
+        low = high - 4.0
+        while excess(low) > 0.0:
+            low -= 4.0
+            if low < -_LONGEST:
+                raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
+        return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))
+
+    def _restitution(self, mass: float, velocity: float) -> float:
+        """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s."""
+        if not self.depends_on_rate and not self.has_memory:
+            return 1.0
+        deepest = self.stroke(0.5 * mass * velocity**2)
+        if self.depends_on_rate:
+            return integrated_restitution(self.force, mass, velocity, deepest)
+        return math.sqrt(float(self.potential(deepest)) / self._work(deepest))
+
+
+@dataclass(frozen=True)
+class PatchLaw(ContactLaw):
+    """A law with the half-space indentation of the bodies' patches taken out: F = law(δ + c F).
+
+    Made by :meth:`ContactLaw.within_patch`.
+
+    Parameters
+    ----------
+    law : ContactLaw
+    compliance : float
+        c, m/N.
+    limit : float, optional
+        Deepest indentation δ that it stands for, m.
+    """
+
+    law: ContactLaw
+    compliance: float
+    limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.law, ContactLaw) or isinstance(self.law, PatchLaw):
+            raise InputTypeError(f"law must be a contact law without a patch, got {self.law!r}")
+        object.__setattr__(self, "compliance", positive("compliance", self.compliance, unit="m/N"))
+        object.__setattr__(self, "limit", positive("limit", self.limit, unit="m", infinite=True))
+
+    @property
+    def depends_on_rate(self) -> bool:
+        return self.law.depends_on_rate
+
+    @property
+    def has_memory(self) -> bool:
+        return self.law.has_memory
+
+    def _limit(self) -> float:
+        return self.limit
+
+    def for_core(self) -> CoreLaw:
+        name, parameters, _, _, note, data = self.law.for_core()
+        return name, parameters, self.compliance, self.limit, note, data
+
+    def _work(self, indentation: float) -> float:
+        force = self.force(indentation)
+        own = self.law._work(indentation + self.compliance * force)
+        return float(own - 0.5 * self.compliance * force**2)

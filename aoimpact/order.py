@@ -1,0 +1,410 @@
+"""How many anti-oscillators a scene needs: the order of each body, from rigid upward.
+
+A larger model of both bodies stands for the truth, itself enlarged until it no longer changes; then
+the least orders are taken whose answer agrees with it. The bodies' bases are nested, so that every
+order up to the largest looked at costs no solve of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+
+from .contact import ContactPoint
+from .errors import AOImpactError, ConvergenceError
+from .krylov import KrylovSpace, own_contact_time, shortest_contact_time
+from .modes import ModalModel
+from .reduction import antioscillators
+from .result import Result
+from .star import AOModel, rigid
+from .statics import moves_rigidly
+
+__all__ = ["Ladder", "Orders", "first_guess", "ladder", "least_orders"]
+
+Models = tuple[AOModel, AOModel]
+Run = Callable[[Models], Result]
+Difference = Callable[[Result, Result], float]
+
+# Orders of the models that stand for the truth grow by this factor. Two of them agree by chance,
+# three hardly.
+_GROWTH = 1.5
+_FIRST_ORDER = 6
+_MOST_ORDER = 400
+
+# Up to here each order is tried, beyond it by bisection: errors fall with the order in the large
+# only, and a step back may hide one that does.
+_EACH = 12
+
+# Share of the tolerance that the truth's own error may take; where a larger truth costs more than a
+# model somewhat larger than the least; and beyond which nothing is proven.
+_GOOD_REFERENCE, _FAIR_REFERENCE, _POOR_REFERENCE = 0.1, 0.35, 0.5
+_CHEAP_ORDER = 40
+
+# Ratios of successive changes that are believed: a change that is smaller by chance proves no more
+# than the first, and above the second nothing converges yet.
+_FASTEST, _SLOWEST = 0.5, 0.85
+
+# Where it takes more vectors of a small body than this share of its dofs to tell the truth, the
+# body itself is quicker.
+_SMALL_BODY = 1500
+_SHARE_OF_DOFS = 0.1
+
+# Bases are fitted anew, but not for ever, where this factor lies between the contact time that they
+# were fitted to and the one found.
+_REFIT, _MOST_FITS = 2.0, 4
+
+# A record that goes on for longer than this many contact times needs slow motion as well.
+_LONG = 4.0
+
+
+class Ladder(Protocol):
+    """One body's models of rising order: 0 is rigid (a fixed wall, if the body is held)."""
+
+    @property
+    def first(self) -> int:
+        """The order of the model without oscillators: a held body's is a step above a wall."""
+        ...
+
+    def model(self, order: int) -> AOModel: ...
+
+    def at_most(self, order: int) -> int:
+        """The order itself, or the largest that there is, if that is less."""
+        ...
+
+    def stand_in(self, order: int) -> int:
+        """The order to stand for the truth where this one might: itself, or the whole body's."""
+        ...
+
+    def is_whole(self, order: int) -> bool:
+        """Whether the model of this order is the body itself, as seen from its contact."""
+        ...
+
+    def is_costly(self, order: int) -> bool:
+        """Whether a larger model costs more than it may save."""
+        ...
+
+
+@dataclass(eq=False)
+class StarLadder:
+    """A star given by numbers, or a modal model: its truncations."""
+
+    star: AOModel
+
+    @property
+    def first(self) -> int:
+        return 1 if self.star.held else 0
+
+    @property
+    def _most(self) -> int:
+        return self.star.n + self.first
+
+    def model(self, order: int) -> AOModel:
+        kept = self.at_most(order)
+        if kept == 0:
+            return _rigid(self.star.truncated(0))
+        return self.star.truncated(kept - self.first)
+
+    def at_most(self, order: int) -> int:
+        return 0 if math.isinf(self.star.m0) else min(order, self._most)
+
+    def stand_in(self, order: int) -> int:
+        return self.at_most(order)
+
+    def is_whole(self, order: int) -> bool:
+        return self.at_most(order + 1) == self.at_most(order)
+
+    def is_costly(self, order: int) -> bool:
+        return False
+
+
+@dataclass(eq=False)
+class KrylovLadder:
+    """A finite-element body: scene-fitted models, and the whole body where it is small."""
+
+    tip: ContactPoint
+    contact_time: float
+    duration: float | None
+    _most: int = field(init=False)
+    _models: dict[int, AOModel] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._most = self.tip.body.n_dofs
+
+    @cached_property
+    def _space(self) -> KrylovSpace:
+        resolved = max(self.contact_time, shortest_contact_time(self.tip))
+        space = KrylovSpace(self.tip, contact_time=resolved)
+        if self.duration is not None:
+            # A second factorisation, where the body has anything slower than the blow.
+            natural = space.of_vectors(_FIRST_ORDER).natural_frequencies
+            if (natural > 0.0).any() and 2.0 * np.pi * natural[natural > 0.0][0] < space.shift:
+                space.include(self.duration)
+        return space
+
+    @cached_property
+    def first(self) -> int:
+        return 0 if moves_rigidly(self.tip) else 1
+
+    def model(self, order: int) -> AOModel:
+        order = self.at_most(order)
+        if order not in self._models:
+            self._models[order] = self._made(order)
+        return self._models[order]
+
+    def _made(self, order: int) -> AOModel:
+        if order < self.first:
+            return rigid(mass=math.inf)
+        if self._small and order == self.tip.body.n_dofs:
+            return antioscillators(self.tip, order="frequency")
+        star = self._space.of_vectors(order - self.first)
+        if self._space.exhausted:
+            self._most = order
+        return star if order > 0 else _rigid(star)
+
+    def at_most(self, order: int) -> int:
+        return min(order, self._most)
+
+    def stand_in(self, order: int) -> int:
+        dofs = self.tip.body.n_dofs
+        return dofs if self._small and order > _SHARE_OF_DOFS * dofs else order
+
+    @property
+    def _small(self) -> bool:
+        return self.tip.body.n_dofs <= _SMALL_BODY
+
+    def is_whole(self, order: int) -> bool:
+        return order >= self._most
+
+    def is_costly(self, order: int) -> bool:
+        return order > _CHEAP_ORDER and not self._small
+
+
+def _rigid(star: AOModel) -> AOModel:
+    """A model without oscillators as a body that does not deform, not under a patch either."""
+    if star.held:
+        return rigid(mass=math.inf)
+    if star.origin is None or star.origin.tip.patch is None:
+        return star
+    tip = replace(star.origin.tip, patch=None)  # else its indentation is taken out of the law
+    return replace(star, origin=replace(star.origin, tip=tip))
+
+
+def ladder(body: Any, contact_time: float, duration: float | None) -> Ladder:
+    """Return the models of what `simulate` takes for a body."""
+    if isinstance(body, ContactPoint):
+        return KrylovLadder(body, contact_time, duration)
+    return StarLadder(body.star if isinstance(body, ModalModel) else body)
+
+
+@dataclass(frozen=True, eq=False)
+class Orders:
+    """The least orders that were found to do.
+
+    Attributes
+    ----------
+    orders : tuple of int
+        Of the projectile and of the target; 0 is rigid.
+    models : tuple of AOModel
+    error : float
+        Estimated relative error of the quantity from the models' orders.
+    """
+
+    orders: tuple[int, int]
+    models: Models
+    error: float
+
+
+def least_orders(
+    bodies: tuple[Any, Any],
+    *,
+    run: Run,
+    difference: Difference,
+    span: Callable[[Result], float],
+    rtol: float,
+) -> Orders:
+    """Return the least orders of two bodies whose answer is within `rtol` of the whole bodies'.
+
+    Parameters
+    ----------
+    bodies : tuple
+        Projectile and target: ContactPoint, AOModel or ModalModel.
+    run : callable
+        Simulates with two given models.
+    difference : callable
+        Relative difference of a result's answer to that of a more exact one.
+    span : callable
+        How long, s, the motion in a result must be right for its answer.
+    rtol : float
+        Relative.
+
+    Raises
+    ------
+    ConvergenceError
+        If not even the largest models looked at agree to within the tolerance.
+    """
+    contact_time, length = first_guess(bodies, run, span)
+    for fit in range(1, _MOST_FITS + 1):
+        slow = length if length > _LONG * contact_time else None
+        ladders = ladder(bodies[0], contact_time, slow), ladder(bodies[1], contact_time, slow)
+        search = _Search(ladders, run, difference, rtol)
+        first = search.at(_FIRST_ORDER, _FIRST_ORDER)
+        found = contact_time if first is None else _contact_time(first, contact_time)
+        if max(found / contact_time, contact_time / found) > _REFIT and fit < _MOST_FITS:
+            contact_time = found
+            continue
+        length = span(search.reference())
+        if slow is not None or length <= _LONG * contact_time:
+            break
+    return search.least()
+
+
+def first_guess(
+    bodies: tuple[Any, Any], run: Run, span: Callable[[Result], float]
+) -> tuple[float, float]:
+    """Guess the contact time, and how long motion must be right, both in s, by rigid bodies."""
+    own = [own_contact_time(body) for body in bodies if isinstance(body, ContactPoint)]
+    otherwise = min(own, default=1.0)
+    first, second = (ladder(body, otherwise, None).model(0) for body in bodies)
+    if math.isinf(first.m0) and math.isinf(second.m0):
+        return otherwise, 0.0
+    result = run((first, second))
+    return _contact_time(result, otherwise), span(result)
+
+
+def _contact_time(result: Result, otherwise: float) -> float:
+    """Duration of the first contact; another, if none ends in the record."""
+    if not result.contacts or result.contact_duration <= 0.0:
+        return otherwise
+    return result.contact_duration
+
+
+class _Search:
+    """Runs of two ladders' models, each made once, and compared with the largest."""
+
+    def __init__(
+        self, ladders: tuple[Ladder, Ladder], run: Run, difference: Difference, rtol: float
+    ) -> None:
+        self.ladders, self.run, self.difference, self.rtol = ladders, run, difference, rtol
+        self.results: dict[tuple[int, int], Result | None] = {}
+        self.failure: AOImpactError | None = None
+        self.truth = (0, 0)
+        self.truth_error = 0.0
+
+    def models(self, projectile: int, target: int) -> Models:
+        return self.ladders[0].model(projectile), self.ladders[1].model(target)
+
+    def at(self, projectile: int, target: int) -> Result | None:
+        """The run of two orders; None where models that small cannot be run."""
+        models = self.models(projectile, target)
+        key = self.ladders[0].at_most(projectile), self.ladders[1].at_most(target)
+        if key not in self.results:
+            try:
+                self.results[key] = self.run(models)
+            except AOImpactError as error:  # e.g. of patches that too few vectors make too stiff
+                self.results[key], self.failure = None, error
+        return self.results[key]
+
+    def error(self, projectile: int, target: int) -> float:
+        """Estimated error, the truth's own included."""
+        if all(math.isinf(model.m0) for model in self.models(projectile, target)):
+            return math.inf  # two walls: nothing gives way
+        return self._apart(self.at(projectile, target), self.at(*self.truth)) + self.truth_error
+
+    def _apart(self, one: Result | None, other: Result | None) -> float:
+        return math.inf if one is None or other is None else self.difference(one, other)
+
+    def reference(self) -> Result:
+        """Enlarge both models until the answer stands."""
+        order, changes, error = _FIRST_ORDER, [math.inf], math.inf
+        before = self.at(order, order)
+        while order <= _MOST_ORDER:
+            costly = any(one.is_costly(order) for one in self.ladders)
+            share = _FAIR_REFERENCE if costly else _GOOD_REFERENCE
+            if error <= share * self.rtol:
+                break
+            order = math.ceil(_GROWTH * order)
+            truth = self.ladders[0].stand_in(order), self.ladders[1].stand_in(order)
+            now = self.at(*truth)
+            changes.append(self._apart(before, now))
+            whole = all(one.is_whole(n) for one, n in zip(self.ladders, truth, strict=True))
+            error = 0.0 if whole else _still_to_come(changes)
+            self.truth, self.truth_error, before = truth, error, now
+            if whole:
+                break
+        if before is None:
+            assert self.failure is not None
+            raise self.failure
+        if error > _POOR_REFERENCE * self.rtol:
+            raise ConvergenceError(
+                f"rtol={self.rtol:g}: at {order} anti-oscillators more still change the answer by "
+                f"{changes[-1]:.2g}; take a larger rtol, a shorter duration, or the full "
+                "finite-element models"
+            )
+        return before
+
+    def least(self) -> Orders:
+        """Each body's least order with the other at its largest, for shares of the tolerance."""
+        found = self.truth
+        for share in (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.1):
+            allowed = max(share * self.rtol, self.truth_error)
+            pair = self._alone(0, allowed), self._alone(1, allowed)
+            if self.error(*pair) <= self.rtol:
+                found = pair
+                break
+        found = self._pruned(found)
+        return Orders(found, self.models(*found), self.error(*found))
+
+    def _alone(self, which: int, allowed: float) -> int:
+        """The least order of one body at which it alone errs no more than allowed."""
+
+        def fits(order: int) -> bool:
+            pair = (order, self.truth[1]) if which == 0 else (self.truth[0], order)
+            return self.error(*pair) <= allowed
+
+        low = -1
+        for order in range(_EACH + 1):
+            if fits(order):
+                return order
+            low = order
+        high = min(math.ceil(_GROWTH * low), self.truth[which])
+        while high < self.truth[which] and not fits(high):
+            low, high = high, min(math.ceil(_GROWTH * high), self.truth[which])
+        while high - low > 1:
+            middle = (low + high) // 2
+            if fits(middle):
+                high = middle
+            else:
+                low = middle
+        return high
+
+    def _pruned(self, pair: tuple[int, int]) -> tuple[int, int]:
+        """Take orders off, from the larger first, as long as the answer stands."""
+        while True:
+            smaller = [(pair[0] - 1, pair[1]), (pair[0], pair[1] - 1)]
+            if pair[1] > pair[0]:
+                smaller.reverse()
+            for candidate in smaller:
+                if min(candidate) >= 0 and self.error(*candidate) <= self.rtol:
+                    pair = candidate
+                    break
+            else:
+                return pair
+
+
+def _still_to_come(changes: list[float]) -> float:
+    """What a sequence of such successive changes still has before it: their geometric rest.
+
+    The last change counts for no less than the one before makes likely: one alone may be small by
+    chance.
+    """
+    before, last = changes[-2], max(changes[-1], _FASTEST * changes[-2])
+    if not (math.isfinite(before) and math.isfinite(last)):
+        return math.inf
+    ratio = max(last / before, _FASTEST) if before > 0.0 else _SLOWEST
+    ratio = min(ratio, _SLOWEST)
+    return last * ratio / (1.0 - ratio)

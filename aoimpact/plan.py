@@ -1,0 +1,224 @@
+"""A scene as the solvers take it: bodies, the contacts between them, what acts on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .laws import ContactLaw, PatchLaw, Tabulated
+from .modalbody import ModalBody
+from .motion import BodyInfo
+from .players import Player, State
+from .preload import Pressed, equilibrium
+from .response import Response
+from .run import Drift
+
+__all__ = ["CONTACT_ROWS", "Joint", "Load", "Plan"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# Rows of a record for each contact; its force is the first.
+CONTACT_ROWS = 4
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A contact: body and port, body and port, law, and how far they are apart at the start, m."""
+
+    first: int
+    first_port: int
+    second: int
+    second_port: int
+    law: ContactLaw
+    gap: float
+    ends: tuple[Any, Any] = (None, None)  # the models or points that may have patches
+
+    @property
+    def ends_at(self) -> tuple[int, int, int, int]:
+        """Body and port, body and port."""
+        return self.first, self.first_port, self.second, self.second_port
+
+    @property
+    def patched(self) -> bool:
+        """Whether something has been taken out of the law, or it ends."""
+        return isinstance(self.law, (PatchLaw, Tabulated))
+
+    def touches(self, body: int) -> bool:
+        """Whether a body is one of the two."""
+        return body in (self.first, self.second)
+
+
+@dataclass(frozen=True, eq=False)
+class Load:
+    """A force on a port that runs straight between times: shapes (m,), s and N."""
+
+    body: int
+    port: int
+    times: FloatArray
+    forces: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """All that a run needs to know.
+
+    Attributes
+    ----------
+    players : sequence of Player
+    velocities : sequence of float
+        m/s.
+    joints : sequence of Joint
+    loads : sequence of Load
+    gravity : float
+        m/s², along the direction of travel.
+    duration : float
+        s.
+    energies : bool
+        Whether to record them.
+    preload : bool
+        Whether to start at rest under gravity and loads.
+    """
+
+    players: Sequence[Player]
+    velocities: Sequence[float]
+    joints: Sequence[Joint]
+    loads: Sequence[Load]
+    gravity: float
+    duration: float
+    energies: bool
+    preload: bool = False
+
+    @cached_property
+    def modal(self) -> tuple[ModalBody, ...]:
+        """The bodies in their natural modes."""
+        return tuple(player.modal for player in self.players)
+
+    @property
+    def ends(self) -> tuple[tuple[int, int, int, int], ...]:
+        """Bodies and ports of the contacts."""
+        return tuple(joint.ends_at for joint in self.joints)
+
+    @property
+    def drifts(self) -> tuple[Drift | None, ...]:
+        """What the reduced bodies leave out."""
+        found: list[Drift | None] = []
+        for player, velocity in zip(self.players, self.velocities, strict=True):
+            share, mass = player.unseen
+            moves = mass != 0.0 and (velocity != 0.0 or self.gravity != 0.0)
+            found.append(Drift(share, mass, velocity, self.gravity) if moves else None)
+        return tuple(found)
+
+    def infos(
+        self,
+        states: Sequence[Callable[[], tuple[FloatArray, FloatArray]]],
+        responses: Sequence[Callable[[], Response | None]],
+    ) -> tuple[BodyInfo, ...]:
+        """Return what a run keeps of the bodies.
+
+        Parameters
+        ----------
+        states : sequence of callables
+            What gives each one's coordinates and rates at the end of the record.
+        responses : sequence of callables
+            What makes all of each known.
+        """
+        return tuple(
+            BodyInfo(player.label, player.mass, player.held, state, player.ports, response)
+            for player, state, response in zip(self.players, states, responses, strict=True)
+        )
+
+    def load_on(self, body: int) -> tuple[FloatArray, FloatArray] | None:
+        """Return all loads on a body as one: times, shape (m,), and forces on ports, (m, p)."""
+        ours = [load for load in self.loads if load.body == body]
+        if not ours:
+            return None
+        times = np.unique(np.concatenate([load.times for load in ours]))
+        forces = np.zeros((len(times), self.players[body].ports))
+        for load in ours:
+            forces[:, load.port] += np.interp(times, load.times, load.forces)
+        return times, forces
+
+    def port_forces(self, body: int, times: FloatArray, record: FloatArray) -> FloatArray:
+        """Return all forces on a body's ports, N, along their directions, shape (p, times).
+
+        Under gravity one more row of ones after them: the weight acts at any time.
+
+        Parameters
+        ----------
+        times : ndarray, shape (times,)
+            s.
+        record : ndarray, shape (rows, times)
+            What the run recorded then.
+        """
+        forces = np.zeros((self.players[body].ports, len(times)))
+        for i, joint in enumerate(self.joints):
+            if joint.first == body:
+                forces[joint.first_port] -= record[CONTACT_ROWS * i]
+            if joint.second == body:
+                forces[joint.second_port] += record[CONTACT_ROWS * i]
+        for load in self.loads:
+            if load.body == body:
+                forces[load.port] += np.interp(times, load.times, load.forces)
+        return np.vstack([forces, np.ones((1, len(times)))]) if self.gravity else forces
+
+    def weight_of(self, body: int) -> FloatArray | None:
+        """Return the forces of gravity on the coordinates that are stepped; None without."""
+        return self.players[body].weight(self.gravity) if self.gravity else None
+
+    def start_of(self, body: int) -> State | None:
+        """Return the state that is stepped from, if that is not moving undeformed."""
+        return self.players[body].pressed(self.at_rest[body]) if self.preload else None
+
+    # ------------------------------------------------------------------- the start
+
+    @cached_property
+    def at_rest(self) -> tuple[FloatArray, ...]:
+        """Modes of the bodies at rest under gravity and the loads at t = 0, if so asked; or zeros.
+
+        Raises
+        ------
+        ConvergenceError
+            If they come to no rest.
+        """
+        first = np.cumsum([0, *(body.n for body in self.modal)])
+        if not self.preload:
+            return tuple(np.zeros(body.n) for body in self.modal)
+        x = equilibrium(
+            self.modal,
+            [self._pull(i) for i in range(len(self.modal))],
+            [self._pressed(joint, first) for joint in self.joints],
+        )
+        return tuple(x[first[i] : first[i + 1]] for i in range(len(self.modal)))
+
+    def _pull(self, body: int) -> FloatArray:
+        """Modal accelerations under gravity and the loads at t = 0."""
+        modal, load = self.modal[body], self.load_on(body)
+        pull = self.gravity * modal.weight
+        if load is not None:
+            forces = np.array([np.interp(0.0, load[0], column) for column in load[1].T])
+            pull = pull + forces @ modal.push
+        return pull
+
+    def _pressed(self, joint: Joint, first: FloatArray) -> Pressed:
+        direction = np.zeros(int(first[-1]))
+        residual = 0.0
+        sides = ((joint.first, joint.first_port, 1.0), (joint.second, joint.second_port, -1.0))
+        for body, port, sign in sides:
+            modal = self.modal[body]
+            direction[int(first[body]) : int(first[body + 1])] += sign * modal.shape[port]
+            residual += 0.0 if modal.residual is None else float(modal.residual[port, port])
+        return Pressed(direction, joint.gap, joint.law.for_core(), residual)
+
+    @property
+    def fastest(self) -> float:
+        """The largest speed at which the bodies of a contact may meet, m/s."""
+        speeds = [abs(self.velocities[j.first] - self.velocities[j.second]) for j in self.joints]
+        fall = abs(self.gravity) * self.duration
+        drop = [math.sqrt(2.0 * abs(self.gravity) * abs(j.gap)) for j in self.joints]
+        return max([*speeds, *(min(fall, d) for d in drop if d), 0.0])

@@ -1,0 +1,393 @@
+"""What a scene gave: the motions of its bodies, its contacts and its energies over time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from . import plot
+from .checks import finite_array
+from .errors import InputError, InputTypeError
+from .events import Events, FloatArray, find_events
+from .motion import (
+    BodyEnergy,
+    BodyInfo,
+    BodyResult,
+    ContactResult,
+    Energy,
+    ErrorEstimate,
+    Frozen,
+)
+from .table import run_columns, write_csv
+from .units import quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Drift", "Handle", "Recorded", "Recorder", "Run"]
+
+_CONTACT_ROWS, _BODY_ROWS = 4, 6
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A body of a scene; `port` says where it is touched, if it may be in several places."""
+
+    body: int
+    at: int = 0
+    name: str = field(default="", compare=False)
+    scene: str = field(default="", compare=False, repr=False)
+
+    def port(self, at: int) -> Handle:
+        """Return the handle of another of its places of contact, in the order they were given."""
+        return replace(self, at=at)
+
+
+class Recorder(Protocol):
+    """A run of a solver that can be read at times."""
+
+    @property
+    def times(self) -> FloatArray: ...
+    @property
+    def marks(self) -> FloatArray:
+        """Times at which the run itself is most exact: the ends of its steps."""
+        ...
+
+    @property
+    def events(self) -> tuple[Events, ...] | None:
+        """Of each contact, where the solver locates them."""
+        ...
+
+    @property
+    def dense(self) -> bool:
+        """Whether it can be read at any times."""
+        ...
+
+    def rows(self, times: FloatArray, energies: bool) -> FloatArray: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded(Frozen):
+    """The record of a solver with fixed steps."""
+
+    times: FloatArray
+    record: FloatArray
+    events: tuple[Events, ...] | None = None
+    dense: bool = False
+
+    @property
+    def marks(self) -> FloatArray:
+        return self.times
+
+    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
+        return self.record.copy()
+
+
+@dataclass(frozen=True)
+class Drift:
+    """What a reduced body leaves out: mass that moves on, untouched, with the whole of the body.
+
+    Attributes
+    ----------
+    share : float
+        Of the centre of mass's motion.
+    mass : float
+        kg.
+    velocity, acceleration : float
+        m/s, m/s².
+    """
+
+    share: float
+    mass: float
+    velocity: float
+    acceleration: float
+
+    def add(self, rows: FloatArray, t: FloatArray) -> None:
+        """Add it to the rows of a body."""
+        way = t * (self.velocity + 0.5 * self.acceleration * t)
+        speed = self.velocity + self.acceleration * t
+        rows[0] += self.share * way
+        rows[1] += self.share * speed
+        rows[2] += 0.5 * self.mass * speed**2
+        rows[5] += self.mass * self.acceleration * way
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run:
+    """A scene over time; curves are computed when they are asked for.
+
+    ``run[handle]`` is a body's motion, ``run.contacts[i]`` a contact in the order of `connect`.
+
+    Attributes
+    ----------
+    infos : tuple of BodyInfo
+    ends : tuple of (body, port, body, port)
+        Of the contacts.
+    duration : float
+        s.
+    solver : str
+        How time was integrated.
+    energies : bool
+        Whether energies are recorded.
+    """
+
+    infos: tuple[BodyInfo, ...]
+    ends: tuple[tuple[int, int, int, int], ...] = field(repr=False)
+    duration: float
+    solver: str
+    energies: bool
+    time_error: float | None
+    recorder: Recorder = field(repr=False)
+    drifts: tuple[Drift | None, ...] = field(repr=False)
+    reduction_error: float | None = None
+    asked: FloatArray | None = field(default=None, repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What has been computed on the way does not travel."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    # ------------------------------------------------------------------- histories
+
+    @property
+    def joints(self) -> int:
+        """Number of contacts."""
+        return len(self.ends)
+
+    @cached_property
+    def t(self) -> FloatArray:
+        """Times [s], shape (n,)."""
+        times = self.recorder.times if self.asked is None else self.asked
+        times.flags.writeable = False
+        return times
+
+    @cached_property
+    def _rows(self) -> FloatArray:
+        return self._complete(self.t)
+
+    def _complete(self, t: FloatArray) -> FloatArray:
+        """The record at times, with what the reduced bodies leave out."""
+        rows = self.recorder.rows(t, self.energies)
+        for body, drift in enumerate(self.drifts):
+            if drift is not None:
+                drift.add(rows[self._first(body) :], t)
+        rows.flags.writeable = False
+        return rows
+
+    def _first(self, body: int) -> int:
+        """First row of a body."""
+        before = self.infos[:body]
+        return _CONTACT_ROWS * self.joints + sum(_BODY_ROWS + 2 * info.ports for info in before)
+
+    @cached_property
+    def bodies(self) -> tuple[BodyResult, ...]:
+        """The motions of the bodies, in the order of `add`."""
+        return tuple(self._body(i) for i in range(len(self.infos)))
+
+    def __getitem__(self, body: Handle | int) -> BodyResult:
+        if isinstance(body, bool) or not isinstance(body, (Handle, int, np.integer)):
+            raise InputTypeError(f"a run is read by the handles of its scene, got {body!r}")
+        index = body.body if isinstance(body, Handle) else int(body)
+        if not 0 <= index < len(self.infos):
+            raise InputError(f"there is no body {index}: the scene has {len(self.infos)}")
+        return self.bodies[index]
+
+    def _velocity(self, body: int, port: int) -> FloatArray:
+        velocity: FloatArray = self._rows[self._first(body) + _BODY_ROWS + 2 * port + 1]
+        return velocity
+
+    def _body(self, index: int) -> BodyResult:
+        info, first = self.infos[index], self._first(index)
+        ports = self._rows[first + _BODY_ROWS : first + _BODY_ROWS + 2 * info.ports]
+        coordinates, rates = info.state()
+        return BodyResult(
+            label=info.label,
+            mass=info.mass,
+            held=info.held,
+            displacement=ports[0],
+            velocity=ports[1],
+            centre_displacement=self._rows[first],
+            centre_velocity=self._rows[first + 1],
+            energy=self.energy.bodies[index] if self.energies else None,
+            coordinates=coordinates,
+            rates=rates,
+            port_displacements=ports[0::2],
+            port_velocities=ports[1::2],
+            _times=self.t,
+            _respond=info.response,
+        )
+
+    @cached_property
+    def contacts(self) -> tuple[ContactResult, ...]:
+        """The contacts, in the order of `connect`."""
+        found = []
+        for joint in range(self.joints):
+            force, indentation, elastic, dissipated = self._rows[4 * joint : 4 * joint + 4]
+            found.append(
+                ContactResult(
+                    force,
+                    indentation,
+                    elastic if self.energies else None,
+                    dissipated if self.energies else None,
+                    self.events[joint],
+                )
+            )
+        return tuple(found)
+
+    @cached_property
+    def energy(self) -> Energy:
+        """Energies over time.
+
+        Raises
+        ------
+        InputError
+            If the run did not record them.
+        """
+        if not self.energies:
+            raise InputError(
+                "this run has no energies: it was made with energies=False; "
+                "call simulate(..., energies=True)"
+            )
+        return _energy(self._rows, self.joints, [self._first(b) for b in range(len(self.infos))])
+
+    def at(self, times: npt.ArrayLike) -> Run:
+        """Return the same run at other times: dense output, as exact as the run itself.
+
+        Parameters
+        ----------
+        times : array_like, shape (m,)
+            Ascending, within the record [s].
+
+        Raises
+        ------
+        InputError
+            If the run was made with fixed steps, between which nothing is known, or the times do
+            not ascend within the record.
+        """
+        if not self.recorder.dense:
+            raise InputError(
+                "this run has fixed steps, with nothing known between them; "
+                "call simulate(..., solver=Adaptive(...)) for dense output"
+            )
+        wanted = np.atleast_1d(finite_array("times", times, unit="s"))
+        if wanted.ndim != 1 or wanted.size == 0 or (np.diff(wanted) < 0.0).any():
+            raise InputError(f"times must be a flat ascending list, got shape {wanted.shape}")
+        if wanted[0] < 0.0 or wanted[-1] > self.duration:
+            raise InputError(
+                f"times must lie within the record, 0 to {self.duration:g} s, got "
+                f"{wanted[0]:g} to {wanted[-1]:g} s"
+            )
+        return replace(self, asked=wanted.astype(np.float64, copy=True))
+
+    # ---------------------------------------------------------------------- events
+
+    @cached_property
+    def events(self) -> tuple[Events, ...]:
+        """Of each contact: the solver's own where it locates them, else found between the steps."""
+        if self.recorder.events is not None:
+            return self.recorder.events
+        found = []
+        for joint in range(self.joints):
+            force, indentation = self._rows[4 * joint], self._rows[4 * joint + 1]
+            first, port, second, other = self.ends[joint]
+            rate = self._velocity(first, port) - self._velocity(second, other)
+            found.append(find_events(self.t, force, indentation, rate))
+        return tuple(found)
+
+    @property
+    def in_contact_at_end(self) -> bool:
+        """Whether the record ends in contact: its numbers are then not yet final."""
+        end = self.duration * (1.0 - 1e-12)
+        return any(events.contacts and events.contacts[-1][1] >= end for events in self.events)
+
+    @property
+    def _driven(self) -> bool:
+        """Whether a wall moves: it brings energy that is not counted."""
+        return any(
+            info.mass is not None and np.isinf(info.mass) and self.bodies[i].velocity.any()
+            for i, info in enumerate(self.infos)
+        )
+
+    @cached_property
+    def error(self) -> ErrorEstimate:
+        """What is known of the error."""
+        energy = None
+        if self.energies and not self._driven:
+            ledger = replace(self, asked=self.recorder.marks) if self.recorder.dense else self
+            energy = energy_range(ledger.energy)
+        return ErrorEstimate(self.reduction_error, self.time_error, energy)
+
+    # ---------------------------------------------------------------------- output
+
+    def to_csv(self, path: str | os.PathLike[str], *, names: Sequence[str] | None = None) -> None:
+        """Write all histories, one row a time, under a header line with names and units.
+
+        Parameters
+        ----------
+        path : path
+        names : sequence of str, optional
+            Of the bodies, in the order of `add`; "body 0", "body 1" … if left out.
+        """
+        write_csv(run_columns(self, names), path)
+
+    def plot_force(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the force of each contact over time; keywords go to ``Axes.plot``."""
+        return plot.plot_forces(self, ax, **kwargs)
+
+    def plot_displacement(
+        self, ax: Axes | None = None, *, names: Sequence[str] | None = None, **kwargs: Any
+    ) -> Axes:
+        """Draw how far each body's contact coordinate has moved over time."""
+        return plot.plot_places(self, ax, names=names, **kwargs)
+
+    def plot_energy(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the energies over time."""
+        return plot.plot_energy(self, ax, **kwargs)
+
+    def _lines(self) -> list[tuple[str, str]]:
+        lines = [
+            (f"body {i}", f"{info.label}{', held' if info.held else ''}")
+            for i, info in enumerate(self.infos[:_SHOWN])
+        ]
+        for i, events in enumerate(self.events[:_SHOWN]):
+            peak = f"{quantity(events.peak_force, 'N', 5)} at {quantity(events.peak_time, 's')}"
+            count = len(events.contacts)
+            lines.append((f"contact {i}", f"{peak}, {count} times" if count else "none"))
+        if max(len(self.infos), self.joints) > _SHOWN:
+            lines.append(("…", f"{len(self.infos)} bodies and {self.joints} contacts in all"))
+        lines.append(("solver", self.solver))
+        return lines
+
+    def __repr__(self) -> str:
+        head = f"Run of {quantity(self.duration, 's')}"
+        return "\n".join([head, *(f"  {name:<12} {value}" for name, value in self._lines())])
+
+
+# A summary of more bodies or contacts than these helps nobody.
+_SHOWN = 12
+
+
+def _energy(rows: FloatArray, joints: int, first: list[int]) -> Energy:
+    bodies = tuple(
+        BodyEnergy(rows[at + 2], rows[at + 3], rows[at + 4], rows[at + 5]) for at in first
+    )
+    nothing = np.zeros(rows.shape[1])
+    kinetic = sum((body.kinetic for body in bodies), nothing)
+    elastic = sum((body.elastic for body in bodies), nothing)
+    work = sum((body.work for body in bodies), nothing)
+    contact = sum((rows[4 * joint + 2] for joint in range(joints)), nothing)
+    dissipated = sum((rows[4 * joint + 3] for joint in range(joints)), nothing)
+    dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
+    total = kinetic + elastic + contact + dissipated - work
+    return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)
+
+
+def energy_range(energy: Energy) -> float | None:
+    """Range of the total energy relative to the largest stored; None where there is none."""
+    stored = float((energy.kinetic + energy.elastic + energy.contact).max())
+    return float(np.ptp(energy.total) / stored) if stored > 0.0 else None

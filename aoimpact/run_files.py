@@ -1,0 +1,109 @@
+"""What ``aoimpact run`` leaves of an impact: histories, figures, and its numbers for machines."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .motion import BodyResult
+from .paper import writable_folder
+from .quantities import keeper
+from .result import Result
+from .run import Run
+from .scenefile import SceneFile
+
+__all__ = ["as_json", "numbers", "write_files"]
+
+_FIGURES = ("force", "indentation", "displacement", "energy")
+
+# Times of a body's fields, beside that of the peak force: enough to see it move.
+_FRAMES = 20
+
+
+def write_files(
+    scene: SceneFile, result: Result | Run, out: str | os.PathLike[str]
+) -> tuple[Path, ...]:
+    """Write histories, figures, and the fields of bodies to a folder, made if there is none.
+
+    Each body with a mesh gives a figure of it deformed at the peak force, and a .pvd with .vtu
+    files for ParaView.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made or written to.
+    """
+    folder = writable_folder(out)
+    files = [folder / "histories.csv"]
+    names = [name for name, _ in scene.members]
+    if isinstance(result, Run):
+        result.to_csv(files[0], names=names)
+        figures = {
+            "force": result.plot_force(),
+            "displacement": result.plot_displacement(names=names),
+            "energy": result.plot_energy(),
+        }
+    else:
+        result.to_csv(files[0])
+        figures = {name: getattr(result, f"plot_{name}")() for name in _FIGURES}
+    files += [_saved(axes, folder / f"{name}.png") for name, axes in figures.items()]
+    for i, (name, body) in enumerate(scene.members):
+        if scene.has_mesh(body):
+            files += _fields(_bodies(result)[i], result.t[-1], folder / name)
+    return tuple(files)
+
+
+def _bodies(result: Result | Run) -> Sequence[BodyResult]:
+    return result.bodies if isinstance(result, Run) else (result.projectile, result.target)
+
+
+def _fields(body: BodyResult, end: float, file: Path) -> list[Path]:
+    peak = body.field()
+    times = np.union1d(np.linspace(0.0, end, _FRAMES), peak.times)
+    return [_saved(peak.plot(), file.with_name(f"{file.name}.png")), body.to_vtu(file, times)]
+
+
+def _saved(axes: Any, file: Path) -> Path:
+    import matplotlib.pyplot as plt
+
+    axes.figure.savefig(file)
+    plt.close(axes.figure)
+    return file
+
+
+def numbers(result: Result | Run, quantities: Sequence[str]) -> dict[str, Any]:
+    """Return what JSON can hold of a result; null where a number is not known."""
+    kept: Any = keeper(quantities) if quantities else None
+    errors = {name: getattr(result.error, name) for name in ("reduction", "time", "energy")}
+    return {
+        "quantities": _finite(kept(result) if quantities else {}),
+        "contacts": _contacts(result),
+        "in_contact_at_end": result.in_contact_at_end,
+        "relative_errors": _finite(errors),
+        "solver": result.solver,
+    }
+
+
+def _contacts(result: Result | Run) -> list[Any]:
+    """Start and end of each touch; by contact, where there may be several."""
+    if isinstance(result, Run):
+        return [[list(interval) for interval in of.intervals] for of in result.contacts]
+    return [list(interval) for interval in result.contacts]
+
+
+def as_json(report: dict[str, Any]) -> str:
+    """Return the text of a report; numbers with all their digits."""
+    return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def _finite(values: dict[str, Any]) -> dict[str, Any]:
+    return {
+        name: value if value is not None and math.isfinite(value) else None
+        for name, value in values.items()
+    }

@@ -1,0 +1,191 @@
+"""Scene files: impacts and scenes written down in TOML, checked with line numbers."""
+
+from __future__ import annotations
+
+import copy
+import os
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .errors import InputError, InputTypeError, SceneFileError
+from .quantities import QUANTITIES, keeper
+from .result import Result
+from .run import Run
+from .scenefile_build import Builder, Kept, member_name
+from .scenefile_schema import SCENE_FILE
+from .simulate import simulate
+from .toml_lines import Place, line_of, toml_lines
+
+__all__ = ["SceneFile", "read_scene"]
+
+
+def read_scene(path: str | os.PathLike[str]) -> SceneFile:
+    """Read a scene file and check all of its names and types.
+
+    Parameters
+    ----------
+    path : path
+        TOML; docs/scene-files.md lists what it may hold. Paths in it are relative to its folder.
+
+    Raises
+    ------
+    SceneFileError
+        If the file cannot be read or is wrong: every problem with its line.
+    """
+    file = Path(path)
+    try:
+        text = file.read_text(encoding="utf-8")
+    except OSError as error:
+        raise SceneFileError(f"{file}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise SceneFileError(f"{file}: is not UTF-8 text ({error.reason})") from None
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneFileError(f"{file}: is not TOML: {error}") from None
+    scene = SceneFile(file, data, toml_lines(text.replace("\r\n", "\n")))
+    scene.check()
+    return scene
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SceneFile:
+    """A scene file that has been read.
+
+    Attributes
+    ----------
+    path : Path
+    data : dict
+        As tomllib gives it.
+    lines : mapping
+        The line of every place in it.
+    """
+
+    path: Path
+    data: Mapping[str, Any]
+    lines: Mapping[Place, int]
+    _kept: Kept = field(default_factory=Kept)
+
+    def __repr__(self) -> str:
+        return f"SceneFile({str(self.path)!r})"
+
+    @property
+    def title(self) -> str:
+        """The file's title, or its name."""
+        return str(self.data.get("title", self.path.stem))
+
+    @property
+    def kind(self) -> str:
+        """What it describes: "impact" of two bodies, or "scene" of any number."""
+        return "impact" if "impact" in self.data else "scene"
+
+    @property
+    def reported(self) -> tuple[str, ...]:
+        """Names of the numbers that the file asks for; of each contact if it asks for none."""
+        asked = self.data[self.kind].get("report")
+        if asked is not None:
+            return tuple(asked)
+        if self.kind == "impact":
+            return tuple(QUANTITIES)
+        count = len(self.data["scene"].get("contacts", ()))
+        return tuple(
+            f"contacts.{i}.{name}" for i in range(count) for name in ("peak_force", "impulse")
+        )
+
+    @property
+    def members(self) -> tuple[tuple[str, str], ...]:
+        """What each body is called in the result, and its name in [bodies]."""
+        table = self.data[self.kind]
+        if self.kind == "impact":
+            return tuple((role, table[role]) for role in ("projectile", "target"))
+        return tuple((member_name(member), member["body"]) for member in table["bodies"])
+
+    def has_mesh(self, body: str) -> bool:
+        """Whether a body of [bodies] is made of finite elements."""
+        return "mesh" in self.data["bodies"][body]
+
+    def check(self) -> None:
+        """Refuse unknown names, missing keys and wrong types."""
+        found = [
+            self._at(place, message)
+            for place, message in SCENE_FILE.problems(self.data, (), self.data)
+        ]
+        if not found:
+            with self._blaming(self.kind, "report"):
+                if self.reported:
+                    keeper(self.reported)
+        if found:
+            raise SceneFileError("\n".join(found))
+
+    def replaced(self, values: Mapping[str, Any]) -> SceneFile:
+        """Return the file with other values at dotted places, such as "impact.velocity".
+
+        Raises
+        ------
+        SceneFileError
+            If there is no such place, or the value is of the wrong type.
+        """
+        data = copy.deepcopy(dict(self.data))
+        for name, value in values.items():
+            table: Any = data
+            *above, last = name.split(".")
+            for part in above:
+                table = table.get(part) if isinstance(table, dict) else None
+            if not isinstance(table, dict):
+                raise SceneFileError(f"{self.path}: has no table {'.'.join(above)!r} for {name!r}")
+            table[last] = np.asarray(value).tolist() if hasattr(value, "dtype") else value
+        scene = SceneFile(self.path, data, self.lines, self._kept)
+        scene.check()
+        return scene
+
+    def case(self) -> Any:
+        """Build the bodies, and return a case of `simulate_many`.
+
+        Raises
+        ------
+        SceneFileError
+            If a value makes no sense, with its line.
+        """
+        builder = Builder(self.data, self.path.parent, self._kept, self._blaming)
+        return builder.impact() if self.kind == "impact" else builder.scene()
+
+    def simulate(self) -> Result | Run:
+        """Build the scene and run it; a Result of an impact, a Run of a scene."""
+        case = self.case()
+        with self._blaming(self.kind):
+            if self.kind == "impact":
+                return simulate(**case)
+            scene, duration = case
+            run: Run = scene.simulate(duration=duration)
+            return run
+
+    # ------------------------------------------------------------------------- messages
+
+    def _at(self, place: Place, message: str) -> str:
+        line = line_of(self.lines, place)
+        where = f"{self.path}:{line}" if line is not None else str(self.path)
+        return f"{where}: {_dotted(place)}{message}"
+
+    @contextmanager
+    def _blaming(self, *place: str | int) -> Iterator[None]:
+        """Say of bad input in which line it stands."""
+        try:
+            yield
+        except SceneFileError:
+            raise
+        except (InputError, InputTypeError) as error:
+            # The argument that a message begins with is a key of the table more often than not.
+            word = str(error).partition(" ")[0].partition("=")[0].rstrip(":")
+            word = {"rtol": "tolerance"}.get(word, word) if place == ("impact",) else word
+            finer = (*place, word) if (*place, word) in self.lines else place
+            raise SceneFileError(self._at(finer, str(error))) from error
+
+
+def _dotted(place: Place) -> str:
+    return ".".join(map(str, place)) + ": " if place else ""

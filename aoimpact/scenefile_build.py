@@ -1,0 +1,264 @@
+"""What a scene file describes, built: bodies, laws, and the impact or the scene of many of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .checks import nearest
+from .errors import InputError
+from .fem import FEModel
+from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from .interface import interface
+from .laws import ContactLaw, Hertz
+from .many import SceneCase
+from .material import Material
+from .mesh import Mesh, read_mesh
+from .modes import modal
+from .reduction import antioscillators
+from .run import Handle
+from .scene import Scene
+from .scenefile_schema import LAWS, SOLVERS
+from .star import AOModel, rigid
+
+__all__ = ["Builder", "Kept", "member_name"]
+
+# The power of the indentation in Hertz's law.
+_HERTZ_POWER = 1.5
+
+# A node lies on a plane of a support if it is closer than this fraction of the body's size.
+_ON_PLANE = 1e-6
+
+# Bodies kept by a sweep over a file: those it comes back to, not all meshes of a long one.
+_MOST_KEPT = 8
+
+_PAPER_SPHERE = "paper-sphere"
+
+
+# Numbers of [impact], and the keywords of `simulate` that they are.
+_IMPACT_KEYWORDS = {
+    "velocity": "velocity",
+    "duration": "duration",
+    "gap": "gap",
+    "quantity": "quantity",
+    "tolerance": "rtol",
+}
+
+
+@dataclass
+class Kept:
+    """Bodies that have been made, by what was written about them; the oldest go first."""
+
+    made: dict[str, Any] = field(default_factory=dict)
+
+    def once(self, what: Any, make: Callable[[], Any]) -> Any:
+        """Make a thing, or return the one that was made of the same words."""
+        key = json.dumps(what, sort_keys=True)
+        if key not in self.made:
+            if len(self.made) >= _MOST_KEPT:
+                del self.made[next(iter(self.made))]
+            self.made[key] = make()
+        return self.made[key]
+
+
+def member_name(member: Mapping[str, Any]) -> str:
+    """Return what a body of a scene is called in it."""
+    return str(member.get("name", member["body"]))
+
+
+@dataclass(frozen=True)
+class Builder:
+    """Builds what a file says.
+
+    Attributes
+    ----------
+    data : mapping
+        The file, checked.
+    folder : Path
+        That its paths start from.
+    kept : Kept
+    blaming : callable
+        Of a place: a context that says of bad input in which line it stands.
+    """
+
+    data: Mapping[str, Any]
+    folder: Path
+    kept: Kept
+    blaming: Callable[..., AbstractContextManager[None]]
+
+    def impact(self) -> dict[str, Any]:
+        """Return the keywords of `simulate`."""
+        table = self.data["impact"]
+        return {
+            "projectile": self._body(table["projectile"]),
+            "target": self._body(table["target"]),
+            "law": self._law("impact"),
+            **{keyword: table[name] for name, keyword in _IMPACT_KEYWORDS.items() if name in table},
+            **self._solver("impact"),
+        }
+
+    def scene(self) -> tuple[SceneCase, float]:
+        """Return a scene with what its run is given, and its duration."""
+        table = self.data["scene"]
+        with self.blaming("scene"):
+            scene = Scene(gravity=table.get("gravity", 0.0))
+        handles: dict[str, Handle] = {}
+        for i, member in enumerate(table["bodies"]):
+            body, name = self._body(member["body"]), member_name(member)
+            with self.blaming("scene", "bodies", i):
+                if name in handles:
+                    raise InputError(
+                        f"name: two bodies of the scene are called {name!r}; give one another name"
+                    )
+                motion = {key: member[key] for key in ("velocity", "position") if key in member}
+                handles[name] = scene.add(body, **motion, name=name)
+        for i, joint in enumerate(table.get("contacts", ())):
+            law = self._law("scene", "contacts", i)
+            with self.blaming("scene", "contacts", i):
+                first, second = (_handle(handles, end) for end in joint["between"])
+                scene.connect(first, second, law, gap=joint.get("gap", 0.0))
+        for i, load in enumerate(table.get("loads", ())):
+            with self.blaming("scene", "loads", i):
+                force = (load["times"], load["forces"]) if "times" in load else load["force"]
+                scene.apply(_handle(handles, load["body"]), force=force)
+        keywords = self._solver("scene") | {
+            name: table[name] for name in ("preload",) if name in table
+        }
+        return SceneCase(scene, keywords), table["duration"]
+
+    def _solver(self, kind: str) -> dict[str, Any]:
+        table = self.data[kind]
+        if "solver" not in table:
+            return {}
+        with self.blaming(kind, "solver"):
+            return {"solver": _made(SOLVERS, table["solver"])}
+
+    # --------------------------------------------------------------------------- bodies
+
+    def _body(self, name: str) -> Any:
+        table, place = self.data["bodies"][name], ("bodies", name)
+        if "mass" in table:
+            with self.blaming(*place):
+                return rigid(**table)
+        if "m0" in table:
+            with self.blaming(*place):
+                return AOModel(**table)
+        material = self.data["materials"][table["material"]]
+        return self.kept.once(["model", table, material], lambda: self._model(name))
+
+    def _model(self, name: str) -> Any:
+        table, place = self.data["bodies"][name], ("bodies", name)
+        solid = {
+            key: value
+            for key, value in table.items()
+            if key not in ("contact", "contacts", "model")
+        }
+        material = self.data["materials"][table["material"]]
+        body = self.kept.once(["solid", solid, material], lambda: self._solid(name))
+        model = dict(table.get("model", {"type": "full"}))
+        kind = model.pop("type")
+        touched, several = table["contact"], isinstance(table["contact"], list)
+        with self.blaming(*place, "model"):
+            if several != (kind == "interface"):
+                raise InputError(
+                    "type: a list of contacts needs the model 'interface', and that a list of them"
+                )
+        tips = []
+        for i, contact in enumerate(touched if several else [touched]):
+            with self.blaming(*place, "contact", *([i] if several else [])):
+                tips.append(body.contact(**contact))
+        with self.blaming(*place, "model"):
+            if several:
+                return interface(tips, **model)
+            return tips[0] if kind == "full" else _REDUCTIONS[kind](tips[0], **model)
+
+    def _solid(self, name: str) -> FEModel:
+        table, place = self.data["bodies"][name], ("bodies", name)
+        material = self._material(table["material"])
+        with self.blaming(*place, "mesh"):
+            mesh = self._mesh(table["mesh"])
+        supports = []
+        for i, entry in enumerate(table.get("fixed", ())):
+            with self.blaming(*place, "fixed", i):
+                supports.append((_support_nodes(entry, mesh), entry["hold"]))
+        with self.blaming(*place, *(["fixed"] if supports else [])):
+            return FEModel.from_mesh(mesh, material, fixed=supports or None)
+
+    def _mesh(self, mesh: str | Mapping[str, Any]) -> Mesh:
+        if mesh == _PAPER_SPHERE:
+            return paper_sphere_mesh()
+        if isinstance(mesh, str):
+            return read_mesh(self.folder / mesh)
+        if "file" in mesh:
+            return read_mesh(self.folder / mesh["file"], scale=mesh.get("scale", 1.0))
+        if "sphere" in mesh:
+            return sphere_mesh(mesh["sphere"], mesh["size"])
+        return box_mesh(mesh["box"], mesh["divisions"], kind=mesh.get("kind", "hexahedron"))
+
+    # ---------------------------------------------------------------- materials and laws
+
+    def _material(self, name: str) -> Material:
+        with self.blaming("materials", name):
+            return Material(**self.data["materials"][name])
+
+    def _law(self, *place: str | int) -> ContactLaw:
+        table: Any = self.data
+        for part in (*place, "law"):
+            table = table[part]
+        table = dict(table)
+        with self.blaming(*place, "law"):
+            if isinstance(table.get("k"), Mapping):
+                if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
+                    raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
+                one, two = table["k"]["between"]
+                table["k"] = Hertz.between(
+                    self._material(one["material"]),
+                    one["radius"],
+                    self._material(two["material"]),
+                    two["radius"],
+                    angle=table["k"].get("angle", 0.0),
+                ).k
+            law: ContactLaw = _made(LAWS, table)
+            return law
+
+
+_REDUCTIONS: dict[str, Callable[..., Any]] = {"antioscillators": antioscillators, "modal": modal}
+
+
+def _made(classes: Mapping[str, Any], table: Mapping[str, Any]) -> Any:
+    """An object of the class that the table names, of the table's other values."""
+    return classes[table["type"]](**{key: v for key, v in table.items() if key != "type"})
+
+
+def _support_nodes(entry: Mapping[str, Any], mesh: Mesh) -> Any:
+    """Nodes of a support: as written, or those on all of the planes that it names."""
+    planes = {axis: entry[axis] for axis in "xyz" if axis in entry}
+    if ("nodes" in entry) == bool(planes):
+        raise InputError("a support needs either nodes, or planes x, y, z on all of which they lie")
+    if not planes:
+        return entry["nodes"]
+    on = np.ones(mesh.n_nodes, dtype=bool)
+    for axis, value in planes.items():
+        on &= np.abs(mesh.nodes[:, "xyz".index(axis)] - value) <= _ON_PLANE * mesh.size
+    if not on.any():
+        where = ", ".join(f"{axis} = {value:g} m" for axis, value in planes.items())
+        low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
+        box = ", ".join(f"{c} {a:g} to {b:g}" for c, a, b in zip("xyz", low, high, strict=True))
+        raise InputError(f"no node lies on {where}; the mesh spans {box} m")
+    return np.flatnonzero(on)
+
+
+def _handle(handles: Mapping[str, Handle], end: str | Mapping[str, Any]) -> Handle:
+    """The body that an end of a contact names, and the place on it."""
+    name, port = (end, 0) if isinstance(end, str) else (end["body"], end.get("port", 0))
+    if name not in handles:
+        raise InputError(
+            f"the scene has no body {name!r}{nearest(name, handles)}; it has {', '.join(handles)}"
+        )
+    return handles[name].port(port)

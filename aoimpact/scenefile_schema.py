@@ -1,0 +1,251 @@
+"""What a scene file may hold: the one place where its names are written down."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, fields
+from typing import Any
+
+from .adaptive import Adaptive
+from .elements import KINDS
+from .laws import (
+    Flores,
+    Gonthier,
+    HerbertMcWhannell,
+    Hertz,
+    HuntCrossley,
+    KelvinVoigt,
+    KuwabaraKono,
+    LankaraniNikravesh,
+    LeeWang,
+    Linear,
+    PowerLaw,
+    Tabulated,
+    Thornton,
+    Tsuji,
+)
+from .newmark import Newmark
+from .schema import (
+    Choice,
+    Chosen,
+    Either,
+    Field,
+    Flag,
+    Integer,
+    Kind,
+    Listed,
+    Named,
+    Number,
+    Reference,
+    Table,
+    Text,
+    Variants,
+    needed,
+    optional,
+)
+
+__all__ = ["LAWS", "SCENE_FILE", "SOLVERS"]
+
+# Laws of the power 3/2, whose k may be that of Hertz's theory.
+_HERTZIAN = (
+    Hertz,
+    HuntCrossley,
+    LankaraniNikravesh,
+    Flores,
+    Gonthier,
+    HerbertMcWhannell,
+    LeeWang,
+    Tsuji,
+    KuwabaraKono,
+    Thornton,
+)
+
+# By the name that a file gives, the class that it stands for.
+LAWS = {law.__name__: law for law in (*_HERTZIAN, PowerLaw, Linear, KelvinVoigt, Tabulated)}
+SOLVERS = {solver.__name__: solver for solver in (Adaptive, Newmark)}
+
+_VECTOR = Listed(Number(), 3)
+
+
+_MATERIAL = Table(
+    {
+        "E": needed(Number("Pa")),
+        "nu": needed(Number()),
+        "rho": needed(Number("kg/m³")),
+    }
+)
+
+_MESH = Variants(
+    {
+        "file": Table({"file": needed(Text()), "scale": optional(Number())}),
+        "sphere": Table({"sphere": needed(Number("m, the radius")), "size": needed(Number("m"))}),
+        "box": Table(
+            {
+                "box": needed(_VECTOR),
+                "divisions": needed(Listed(Integer(), 3)),
+                "kind": optional(Choice(KINDS)),
+            }
+        ),
+    }
+)
+
+_SUPPORT = Table(
+    {
+        "hold": needed(Text()),
+        "nodes": optional(Either((Text(), Listed(Integer())))),
+        "x": optional(Number("m")),
+        "y": optional(Number("m")),
+        "z": optional(Number("m")),
+    }
+)
+
+_CONTACT = Variants(
+    {
+        "point": Table(
+            {
+                "point": needed(_VECTOR),
+                "direction": needed(_VECTOR),
+                "radius": optional(Number("m")),
+            }
+        ),
+        "dof": Table({"dof": needed(Integer())}),
+    }
+)
+
+_MODEL = Chosen(
+    "type",
+    {
+        "antioscillators": Table(
+            {
+                "n": optional(Integer()),
+                "method": optional(Text()),
+                "order": optional(Text()),
+                "contact_time": optional(Number("s")),
+            }
+        ),
+        "modal": Table({"n": needed(Integer())}),
+        "interface": Table({"n": needed(Integer()), "contact_time": optional(Number("s"))}),
+        "full": Table({}),
+    },
+)
+
+_BODY = Variants(
+    {
+        "mass": Table({"mass": needed(Number("kg"))}),
+        "m0": Table(
+            {
+                "m0": needed(Number("kg")),
+                "k0": optional(Number("N/m")),
+                "m": optional(Listed(Number("kg"))),
+                "k": optional(Listed(Number("N/m"))),
+            }
+        ),
+        "mesh": Table(
+            {
+                "mesh": needed(Either((Text(), _MESH))),
+                "material": needed(Reference("materials")),
+                "fixed": optional(Listed(_SUPPORT)),
+                "contact": needed(Either((_CONTACT, Listed(_CONTACT)))),
+                "model": optional(_MODEL),
+            }
+        ),
+    }
+)
+
+_RADIUS = Either((Number("m"), Listed(Number("m"), 2)))
+_SURFACE = Table({"material": needed(Reference("materials")), "radius": needed(_RADIUS)})
+_SURFACES = Table({"between": needed(Listed(_SURFACE, 2)), "angle": optional(Number("rad"))})
+
+
+def _parameters(cls: Any) -> Table:
+    """The parameters of a frozen object of numbers, words and flags, by its own fields."""
+    kinds: dict[str, Kind] = {"bool": Flag(), "str": Text()}
+    names = {entry.name: kinds.get(str(entry.type), Number()) for entry in fields(cls)}
+    if cls in _HERTZIAN:
+        names["k"] = Either((Number(), _SURFACES))
+    left_out = {entry.name for entry in fields(cls) if entry.default is not MISSING}
+    return Table({name: Field(kind, name not in left_out) for name, kind in names.items()})
+
+
+_CURVE = Table({"indentation": needed(Listed(Number("m"))), "force": needed(Listed(Number("N")))})
+
+_LAW = Chosen(
+    "type", {n: _CURVE if law is Tabulated else _parameters(law) for n, law in LAWS.items()}
+)
+
+_SOLVER = Chosen("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
+
+# How a run is made, and what is wanted of it.
+_RUN = {
+    "duration": needed(Number("s")),
+    "solver": optional(_SOLVER),
+    "report": optional(Listed(Text())),
+}
+
+_IMPACT = Table(
+    {
+        "projectile": needed(Reference("bodies")),
+        "target": needed(Reference("bodies")),
+        "velocity": needed(Number("m/s")),
+        "gap": optional(Number("m")),
+        "law": needed(_LAW),
+        "quantity": optional(Text()),
+        "tolerance": optional(Number()),
+    }
+    | _RUN
+)
+
+_MEMBER = Table(
+    {
+        "body": needed(Reference("bodies")),
+        "name": optional(Text()),
+        "velocity": optional(Number("m/s")),
+        "position": optional(Number("m")),
+    }
+)
+
+_END = Either((Text(), Table({"body": needed(Text()), "port": optional(Integer())})))
+
+_JOINT = Table(
+    {
+        "between": needed(Listed(_END, 2)),
+        "law": needed(_LAW),
+        "gap": optional(Number("m")),
+    }
+)
+
+_LOAD = Variants(
+    {
+        "force": Table({"body": needed(_END), "force": needed(Number("N"))}),
+        "times": Table(
+            {
+                "body": needed(_END),
+                "times": needed(Listed(Number("s"))),
+                "forces": needed(Listed(Number("N"))),
+            }
+        ),
+    }
+)
+
+_SCENE = Table(
+    {
+        "gravity": optional(Number("m/s²")),
+        "preload": optional(Flag()),
+        "bodies": needed(Listed(_MEMBER)),
+        "contacts": optional(Listed(_JOINT)),
+        "loads": optional(Listed(_LOAD)),
+    }
+    | _RUN
+)
+
+_SHARED = {
+    "title": optional(Text()),
+    "materials": optional(Named(_MATERIAL)),
+    "bodies": needed(Named(_BODY)),
+}
+
+SCENE_FILE = Variants(
+    {
+        "impact": Table(_SHARED | {"impact": needed(_IMPACT)}),
+        "scene": Table(_SHARED | {"scene": needed(_SCENE)}),
+    }
+)

@@ -1,0 +1,151 @@
+"""An impact of two bodies: the scene of a moving projectile and a target at rest."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+from .adaptive import Adaptive
+from .checks import boolean, nonnegative, positive
+from .contact import ContactPoint
+from .errors import InputError, InputTypeError, warn
+from .laws import ContactLaw
+from .newmark import Newmark
+from .patchlaw import effective_law
+from .plan import Joint, Plan
+from .players import InterfacePlayer, player
+from .result import Result
+from .scene import checked_speed, solve
+from .sufficient import sufficient
+
+__all__ = ["plan_impact", "simulate"]
+
+
+def simulate(
+    *,
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    velocity: float,
+    duration: float,
+    solver: Adaptive | Newmark | None = None,
+    gap: float = 0.0,
+    energies: bool = True,
+    quantity: str | ContactPoint | None = None,
+    rtol: float | None = None,
+) -> Result:
+    """Simulate the impact of a moving projectile on a target at rest.
+
+    Both bodies are undeformed at t = 0, the projectile moving with `velocity` towards the target.
+
+    Parameters
+    ----------
+    projectile, target : AOModel, ModalModel or ContactPoint
+        A ContactPoint (``body.contact(...)``) stands for the full finite-element model.
+    law : ContactLaw
+        Force of the indentation δ = x_projectile - x_target - gap.
+    velocity : float
+        Of the projectile along the direction of travel, m/s, not zero.
+    duration : float
+        Length of the record, s.
+    solver : Adaptive or Newmark, optional
+        ``Adaptive(rtol=...)`` for a tolerance, ``Newmark(dt=...)`` for a given step. By default
+        ``Adaptive()``; with a full finite-element model, whose modes would have to be computed
+        first, ``Newmark()`` with a step of its own choice.
+    gap : float, optional
+        Distance to go before the bodies touch, m, not negative.
+    energies : bool, optional
+        Whether to record energies as well.
+    quantity : str or ContactPoint, optional
+        What matters: "force" (over the record), "peak_force", "impulse", "duration" (of the first
+        contact), "rebound", "projectile_displacement" or "target_displacement" (of the contact
+        coordinate, over the record), or a point of a body, for its displacement over the record.
+        Given this or `rtol`, finite-element bodies are reduced, and stars truncated, as far as that
+        allows; `Result.models` says to what.
+    rtol : float, optional
+        Its relative error, 1e-2 if left out; that of a history is its largest over the record,
+        relative to the largest value.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    ConvergenceError
+        If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the record ends in contact, or the step is too large for any digit to be right.
+    """
+    if quantity is not None or rtol is not None:
+        speed, length, distance = _checked(law, velocity, duration, gap, energies)
+        again = partial(simulate, law=law, velocity=speed, duration=length, gap=distance)
+        return sufficient(again, (projectile, target), quantity, rtol, solver, energies=energies)
+    plan = plan_impact(
+        projectile, target, law, velocity=velocity, duration=duration, gap=gap, energies=energies
+    )
+    run = solve(plan, solver)
+    result = Result(
+        run=run,
+        velocity=plan.velocities[0],
+        gap=plan.joints[0].gap,
+        law=plan.joints[0].law,
+    )
+    if run.in_contact_at_end:
+        warn(
+            f"the record of {run.duration:.4g} s ends in contact: rebound, impulse and the last "
+            "contact's end are those so far; take a longer duration"
+        )
+    return result
+
+
+def plan_impact(
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    *,
+    velocity: float,
+    duration: float,
+    gap: float = 0.0,
+    energies: bool = True,
+) -> Plan:
+    """Check what `simulate` is given, and return it as the solvers take it.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    """
+    speed, length, distance = _checked(law, velocity, duration, gap, energies)
+    bodies = player("projectile", projectile, speed), player("target", target, 0.0)
+    for name, body in zip(("projectile", "target"), bodies, strict=True):
+        if isinstance(body, InterfacePlayer):
+            raise InputTypeError(
+                f"{name} is touched in several places: build a Scene, and connect its ports"
+            )
+    if all(math.isinf(body.static_mass) for body in bodies):
+        raise InputError("projectile and target are both of infinite mass: nothing can give way")
+    ends = projectile, target
+    joint = Joint(0, 0, 1, 0, effective_law(law, ends), distance, ends)
+    return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
+
+
+def _checked(
+    law: Any, velocity: Any, duration: Any, gap: Any, energies: Any
+) -> tuple[float, float, float]:
+    """Velocity, duration and gap."""
+    speed = checked_speed("velocity", velocity)
+    if speed == 0.0:
+        raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
+    length = positive("duration", duration, unit="s")
+    distance = nonnegative("gap", gap, unit="m")
+    boolean("energies", energies)
+    if not isinstance(law, ContactLaw):
+        raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
+    return speed, length, distance

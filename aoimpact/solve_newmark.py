@@ -1,0 +1,173 @@
+"""A scene by Newmark's rule: with a given step, or with the step that a tolerance asks for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from .errors import ConvergenceError, InputError, warn
+from .events import FloatArray, find_peak
+from .laws import ContactLaw
+from .newmark import Newmark, Record, newmark_scene
+from .patchlaw import check_width
+from .plan import CONTACT_ROWS, Plan
+from .players import Player
+from .recall import recall_stepped
+from .run import Recorded, Run
+
+__all__ = ["rigid_contact_time", "solve_newmark"]
+
+# The steps of a first attempt within a contact, when the caller leaves dt to us.
+_FIRST_STEPS = 100
+
+_MOST_HALVINGS = 16
+
+# Above this relative change between two steps, second order is not in sight yet.
+_NOT_ASYMPTOTIC = 0.2
+
+# Share of the peak force above which the force is compared between two steps.
+_AROUND_PEAK = 0.9
+
+
+def solve_newmark(plan: Plan, rule: Newmark) -> Run:
+    """Run a scene with fixed steps, estimating their error from a run with twice the step.
+
+    Raises
+    ------
+    ConvergenceError
+        If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the step is too large for any digit to be right.
+    """
+    run = _Stepping(plan, rule)
+    record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
+    if error == 1.0:
+        warn(
+            f"dt={record.dt:g} s is far too large: with 2dt the peak force changes by more than a "
+            "fifth; no digit of it is right. Take a smaller dt, or Newmark() without dt"
+        )
+    for i, joint in enumerate(plan.joints):
+        check_width(joint.law, record.rows[CONTACT_ROWS * i + 1])
+    states = [
+        partial(_coordinates, player, *final)
+        for player, final in zip(plan.players, record.final, strict=True)
+    ]
+    return Run(
+        infos=plan.infos(
+            states,
+            [partial(recall_stepped, plan, i, rule, record) for i in range(len(plan.players))],
+        ),
+        ends=plan.ends,
+        duration=float(record.t[-1]),
+        solver=f"Newmark(dt={record.dt:.6g}, beta={rule.beta:g}, gamma={rule.gamma:g})",
+        energies=plan.energies,
+        time_error=error,
+        recorder=Recorded(record.t, record.rows),
+        drifts=plan.drifts,
+    )
+
+
+def _coordinates(player: Player, u: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    return player.coordinates(u), player.coordinates(v)
+
+
+@dataclass(frozen=True, eq=False)
+class _Stepping:
+    """One scene, to be run with different steps."""
+
+    plan: Plan
+    rule: Newmark
+
+    def once(self, dt: float, *, energies: bool) -> Record:
+        plan = self.plan
+        bodies = [
+            player.for_core(self.rule, dt, gravity=plan.weight_of(i), state=plan.start_of(i))
+            for i, player in enumerate(plan.players)
+        ]
+        return newmark_scene(
+            bodies,
+            [(j.first, j.first_port, j.second, j.second_port, j.law, j.gap) for j in plan.joints],
+            [(load.body, load.port, load.times, load.forces) for load in plan.loads],
+            rule=self.rule,
+            dt=dt,
+            duration=plan.duration,
+            energies=energies,
+        )
+
+    def with_step(self, dt: float) -> tuple[Record, float | None]:
+        """Run with a given step, and with twice that step for the error estimate."""
+        record = self.once(dt, energies=self.plan.energies)
+        if not self.rule.estimate:
+            return record, None
+        return record, self.error(record, self.once(2.0 * dt, energies=False))
+
+    def with_tolerance(self) -> tuple[Record, float]:
+        """Halve the step until two successive ones agree."""
+        dt = self.first_step()
+        coarse = self.once(dt, energies=False)
+        for _ in range(_MOST_HALVINGS):
+            dt *= 0.5
+            fine = self.once(dt, energies=self.plan.energies)
+            error = self.error(fine, coarse)
+            if error <= self.rule.rtol:
+                return fine, error
+            coarse = fine
+        raise ConvergenceError(
+            f"Newmark: with dt={dt:.3g} s the estimated error of the peak force is still "
+            f"{error:.2g}, above rtol={self.rule.rtol:g}; give dt, or a larger rtol"
+        )
+
+    def first_step(self) -> float:
+        """A hundredth of the shortest contact that rigid bodies would have."""
+        plan, shortest = self.plan, self.plan.duration / 20.0
+        if plan.fastest == 0.0:
+            return shortest
+        for joint in plan.joints:
+            masses = plan.players[joint.first].static_mass, plan.players[joint.second].static_mass
+            mass = 1.0 / sum(1.0 / mass for mass in masses)
+            time = rigid_contact_time(joint.law, mass, plan.fastest)
+            shortest = min(shortest, time / _FIRST_STEPS)
+        return shortest
+
+    def error(self, fine: Record, coarse: Record) -> float:
+        """The largest of all contacts."""
+        contacts = range(len(self.plan.joints))
+        return max((step_error(fine, coarse, contact) for contact in contacts), default=0.0)
+
+
+def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
+    """Estimate how long a contact of a rigid `mass`, kg, at `velocity`, m/s, lasts, s.
+
+    Three times the largest indentation over the velocity: 2.94 for Hertz, π for a linear law.
+    """
+    try:
+        return 3.0 * law.stroke(0.5 * mass * velocity**2) / velocity
+    except InputError as error:
+        raise InputError(
+            f"law={law!r} with velocity={velocity:g} m/s: no contact time can be estimated "
+            f"({error}); give dt"
+        ) from None
+
+
+def step_error(fine: Record, coarse: Record, contact: int = 0) -> float:
+    """Richardson's estimate of the relative error of a peak force from steps dt and 2dt.
+
+    A third of the largest change of the force around its peak, not only of the peak itself: where
+    light masses ring, two peaks may agree by chance. Where the change is more than a fifth, second
+    order is not in sight, and no digit is claimed.
+    """
+    row = CONTACT_ROWS * contact
+    shared = min(len(coarse.t), (len(fine.t) + 1) // 2)
+    ours, theirs = fine.rows[row][: 2 * shared : 2], coarse.rows[row][:shared]
+    (peak, _), (coarse_peak, _) = find_peak(fine.t, fine.rows[row]), find_peak(coarse.t, theirs)
+    largest = max(peak, coarse_peak)
+    if largest == 0.0:
+        return 0.0
+    around = np.maximum(ours, theirs) >= _AROUND_PEAK * largest
+    change = float(np.abs(ours - theirs)[around].max(initial=abs(peak - coarse_peak))) / largest
+    return change / 3.0 if change <= _NOT_ASYMPTOTIC else 1.0

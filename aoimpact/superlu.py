@@ -1,0 +1,126 @@
+"""SuperLU: factors of a sparse symmetric positive definite matrix, always at hand with SciPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from . import _core
+from .errors import SingularError
+
+__all__ = ["CHECKED_DOFS", "Factorization", "check_condition", "factorize"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# 1/condition below which a factorised matrix is taken for singular: the rounding of its entries
+# alone could have made it so.
+_SINGULAR = 2e-15
+
+# Up to here the signs of the pivots are looked at; SciPy copies all factors to show them.
+CHECKED_DOFS = 10_000
+
+
+@dataclass(frozen=True)
+class Factorization:
+    """Factors of a sparse symmetric positive definite matrix.
+
+    Attributes
+    ----------
+    matrix : scipy.sparse.csc_matrix, shape (n, n)
+        What was factorised.
+    """
+
+    matrix: Any
+    _lu: Any
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
+        solution: FloatArray = self._lu.solve(rhs)
+        return solution
+
+    def negative_pivots(self) -> int:
+        """Return how many eigenvalues are negative: as many as pivots are (Sylvester's law)."""
+        return int(np.count_nonzero(self._lu.U.diagonal() <= 0.0))
+
+    def for_core(self) -> tuple[Any, ...]:
+        """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
+        place = self._lu.perm_r.astype(np.int32)
+        if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
+            raise SingularError("the matrix needed pivoting, so it is not positive definite")
+        lower = sp.tril(self._lu.L, k=-1, format="csc")
+        lower.sort_indices()
+        pivots = np.ascontiguousarray(self._lu.U.diagonal())
+        start, rows = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
+        panel = np.empty(len(start), dtype=np.int32)
+        count = _core.factors_find_panels(start, rows, panel)
+        return start, rows, np.ascontiguousarray(lower.data), pivots, place, panel[: count + 1]
+
+
+def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:
+    """Factorise a sparse symmetric positive definite matrix with SuperLU.
+
+    Without pivoting and ordered by minimum degree of A + Aᵀ, SuperLU computes L D Lᵀ (as L U).
+
+    Parameters
+    ----------
+    matrix : scipy.sparse matrix, shape (n, n)
+    what : str
+        Its name in error messages.
+
+    Raises
+    ------
+    SingularError
+        If the matrix is singular to rounding, or (up to 10 000 dofs) has negative eigenvalues.
+    """
+    csc = sp.csc_matrix(matrix)
+    try:
+        lu = spla.splu(
+            csc,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
+        raise SingularError(f"{what} is singular ({error})") from None
+    factors = Factorization(csc, lu)
+    check_condition(csc, factors.solve, what)
+    if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
+        raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")
+    return factors
+
+
+def check_condition(
+    matrix: Any, solve: Callable[[FloatArray], FloatArray], what: str = "the matrix"
+) -> None:
+    """Refuse a matrix whose factors are those of a singular one but for rounding.
+
+    Raises
+    ------
+    SingularError
+        If λ_min / λ_max, by three inverse iterations and the largest row sum, is below 2e-15.
+    """
+    if not _reciprocal_condition(matrix, solve) > _SINGULAR:
+        raise SingularError(f"{what} is singular to rounding")
+
+
+def _reciprocal_condition(matrix: Any, solve: Callable[[FloatArray], FloatArray]) -> float:
+    scale = np.sqrt(np.abs(matrix.diagonal()))
+    if not (scale > 0.0).all():
+        return 0.0
+    # Scaled by its diagonal, so that elements of very different size do not count as singular.
+    x = np.random.default_rng(0).standard_normal(len(scale))
+    inverse = 0.0
+    for _ in range(3):
+        x /= np.linalg.norm(x)
+        x = scale * solve(scale * x)
+        inverse = float(np.linalg.norm(x))
+        if not np.isfinite(inverse):
+            return 0.0
+    row_sums = abs(matrix) @ (1.0 / scale) / scale
+    return 1.0 / (inverse * float(row_sums.max()))

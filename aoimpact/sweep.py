@@ -1,0 +1,148 @@
+"""Sweeps: one case for each combination of named parameters, and the table of what came out."""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+import math
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .checks import nearest
+from .errors import InputError, InputTypeError
+from .many import KEYWORDS, REQUIRED, Failed, SceneCase, iterate_many
+from .quantities import QUANTITIES
+from .scenefile import SceneFile, read_scene
+from .sweep_table import SweepTable, sweep_table
+
+__all__ = ["sweep"]
+
+
+def sweep(
+    base: Any,
+    grid: Mapping[str, Iterable[Any]],
+    *,
+    keep: Any = tuple(QUANTITIES),
+    workers: Any = 1,
+    checkpoint: str | os.PathLike[str] | None = None,
+    progress: bool = True,
+) -> SweepTable:
+    """Simulate every combination of named parameters, and return a table of numbers.
+
+    Parameters
+    ----------
+    base : function, dict, scene file or scene
+        A function, called with the parameters as keywords, that returns a case of `simulate_many`;
+        a dict of `simulate`'s keywords, of which the grid sets some; a scene file or its path, with
+        parameters by their dotted place in it, such as "impact.velocity" or
+        "bodies.beam.contact.point"; or a scene, of whose ``simulate`` the parameters are keywords.
+    grid : mapping of str to sequence
+        Values of each parameter; the last one varies fastest.
+    keep : names or function, optional
+        Quantities for the columns, as of `simulate_many`; a function returns a number, or a dict of
+        numbers, of the same names for each result.
+    workers, checkpoint, progress : optional
+        As of `simulate_many`. Cases are made in this process, one after the other.
+
+    Returns
+    -------
+    SweepTable
+        One row a combination; NaN where a case failed, with its exception in ``.errors``.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If a parameter has no values, or the base does not know its name.
+
+    Examples
+    --------
+    >>> import aoimpact as ao
+    >>> base = dict(projectile=ao.rigid(mass=0.03), target=ao.rigid(mass=float("inf")),
+    ...             law=ao.Hertz(k=1e10), duration=1e-3)
+    >>> table = ao.sweep(base, {"velocity": [0.5, 1.0, 2.0]}, keep="restitution")
+    >>> [round(float(e), 6) for e in table["restitution"]]
+    [1.0, 1.0, 1.0]
+    """
+    checked = _checked_grid(grid)
+    if keep is None:
+        raise InputTypeError(
+            "keep=None: a table holds numbers; name some, or take simulate_many for whole results"
+        )
+    plan = _Plan(_maker(base, checked), checked)
+    values = iterate_many(plan, workers, keep=keep, checkpoint=checkpoint, progress=progress)
+    return sweep_table(checked, values, keep)
+
+
+def _checked_grid(grid: Any) -> dict[str, list[Any]]:
+    if not isinstance(grid, Mapping):
+        raise InputTypeError(
+            'grid must be a dict of names and values, such as {"velocity": [0.5, 1.0]}, got '
+            f"{type(grid).__name__}"
+        )
+    if not grid:
+        raise InputError("grid has no parameters: there is nothing to sweep over")
+    checked = {}
+    for name, values in grid.items():
+        if not isinstance(name, str) or not name:
+            raise InputTypeError(f"grid: names of parameters must be text, got {name!r}")
+        if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
+            raise InputTypeError(f"grid[{name!r}] must be a list of values, got {values!r}")
+        checked[name] = list(values)
+        if not checked[name]:
+            raise InputError(f"grid[{name!r}] has no values: the sweep is empty")
+    return checked
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """The cases of a sweep: counted, but each made when it is asked for."""
+
+    make: Any
+    grid: dict[str, list[Any]]
+
+    def __len__(self) -> int:
+        return math.prod(len(values) for values in self.grid.values())
+
+    def __iter__(self) -> Iterator[Any]:
+        for values in itertools.product(*self.grid.values()):
+            try:
+                yield self.make(**dict(zip(self.grid, values, strict=True)))
+            except Exception as error:  # of this case alone
+                yield Failed(error)
+
+
+def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
+    """What makes a case of parameters by name; refuses names that it does not know."""
+    if isinstance(base, (str, os.PathLike)):
+        base = read_scene(base)
+    if isinstance(base, SceneFile):
+        base.replaced({name: values[0] for name, values in grid.items()})  # are there such places?
+        return lambda **parameters: base.replaced(parameters).case()
+    if isinstance(base, Mapping):
+        _check_names((*grid, *base), KEYWORDS)
+        for name in REQUIRED:
+            if name not in grid and name not in base:
+                raise InputError(f"sweep: neither the base nor the grid has {name!r}")
+        return lambda **parameters: {**base, **parameters}
+    if hasattr(base, "simulate"):
+        _check_names(grid, tuple(inspect.signature(base.simulate).parameters))
+        if "duration" not in grid:
+            raise InputError("sweep: a scene needs 'duration' among the parameters")
+        return lambda duration, **rest: (SceneCase(base, rest), duration)
+    if callable(base):
+        return base
+    raise InputTypeError(
+        f"sweep needs a function, a dict of simulate's keywords, a scene file or a scene, got "
+        f"{base!r}"
+    )
+
+
+def _check_names(names: Iterable[str], known: Sequence[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise InputError(
+                f"sweep: {name!r} is no keyword of simulate{nearest(str(name), known)}; it has "
+                f"{', '.join(known)}"
+            )

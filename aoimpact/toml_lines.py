@@ -1,0 +1,153 @@
+"""On which line of a TOML file each of its keys stands: tomllib gives the values alone."""
+
+from __future__ import annotations
+
+import ast
+import bisect
+from collections.abc import Mapping
+
+__all__ = ["Place", "line_of", "toml_lines"]
+
+# Names of tables and keys, and numbers of places in arrays.
+Place = tuple[str | int, ...]
+
+_BARE_ENDS = " \t\r\n=.,]}#"
+
+
+def toml_lines(text: str) -> dict[Place, int]:
+    """Return the line, from 1, of every table, key and array entry of a valid TOML text."""
+    return _Scanner(text).scan()
+
+
+def line_of(lines: Mapping[Place, int], place: Place) -> int | None:
+    """Return the line of a place, or of the nearest table around it; None of the file as such."""
+    while place and place not in lines:
+        place = place[:-1]
+    return lines.get(place)
+
+
+class _Scanner:
+    """Walks over a text that tomllib has accepted: nothing is checked a second time."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.at = 0
+        self.lines: dict[Place, int] = {}
+        self._rows: dict[Place, int] = {}  # arrays of tables: how many so far
+        self._starts = [0, *(i + 1 for i, char in enumerate(text) if char == "\n")]
+
+    def scan(self) -> dict[Place, int]:
+        table: Place = ()
+        self._skip(" \t\r\n")
+        while self.at < len(self.text):
+            if self._next("["):
+                table = self._header()
+            else:
+                self._pair(table)
+            self._skip(" \t\r\n")
+        return self.lines
+
+    def _next(self, start: str) -> bool:
+        return self.text.startswith(start, self.at)
+
+    def _skip(self, blanks: str) -> None:
+        """Pass over blanks and comments."""
+        while self.at < len(self.text):
+            if self.text[self.at] == "#":
+                end = self.text.find("\n", self.at)
+                self.at = len(self.text) if end < 0 else end
+            elif self.text[self.at] in blanks:
+                self.at += 1
+            else:
+                return
+
+    def _note(self, place: Place) -> None:
+        self.lines.setdefault(place, bisect.bisect(self._starts, self.at))
+
+    def _header(self) -> Place:
+        brackets = 2 if self._next("[[") else 1
+        start = self.at
+        self.at += brackets
+        names = self._names()
+        self.at += brackets
+        table: Place = ()
+        for i, name in enumerate(names):
+            table = (*table, name)
+            if brackets == 2 and i == len(names) - 1:
+                self._rows[table] = self._rows.get(table, 0) + 1
+            if table in self._rows:
+                table = (*table, self._rows[table] - 1)
+        after, self.at = self.at, start
+        for length in range(1, len(table) + 1):
+            self._note(table[:length])
+        self.at = after
+        return table
+
+    def _pair(self, table: Place) -> None:
+        start = self.at
+        names = self._names()
+        after, self.at = self.at, start
+        for length in range(1, len(names) + 1):
+            self._note((*table, *names[:length]))
+        self.at = after + 1  # the equals sign
+        self._value((*table, *names))
+
+    def _names(self) -> list[str]:
+        """The parts of a dotted key, up to the sign that ends it."""
+        names = []
+        while True:
+            self._skip(" \t")
+            if self.text[self.at] in "\"'":
+                names.append(self._string())
+            else:
+                start = self.at
+                while self.text[self.at] not in _BARE_ENDS:
+                    self.at += 1
+                names.append(self.text[start : self.at])
+            self._skip(" \t")
+            if not self._next("."):
+                return names
+            self.at += 1
+
+    def _value(self, place: Place) -> None:
+        self._skip(" \t\r\n")
+        char = self.text[self.at]
+        if char in "\"'":
+            self._string()
+        elif char == "[":
+            self._several("]", place)
+        elif char == "{":
+            self._several("}", place)
+        else:  # numbers, words and dates: one with a blank inside goes on to the end all the same
+            while self.at < len(self.text) and self.text[self.at] not in ",]}\n#":
+                self.at += 1
+
+    def _several(self, end: str, place: Place) -> None:
+        self.at += 1
+        count = 0
+        while True:
+            self._skip(" \t\r\n,")
+            if self._next(end):
+                self.at += 1
+                return
+            if end == "}":
+                self._pair(place)
+            else:
+                self._note((*place, count))
+                self._value((*place, count))
+                count += 1
+
+    def _string(self) -> str:
+        quote = self.text[self.at]
+        marks = 3 * quote if self._next(3 * quote) else quote
+        start = self.at = self.at + len(marks)
+        while not self._next(marks):
+            self.at += 2 if quote == '"' and self._next("\\") else 1
+        # Up to two quotes may stand before the three that end a long string.
+        while len(marks) == 3 and self.text[self.at + 3 : self.at + 4] == quote:
+            self.at += 1
+        inside = self.text[start : self.at]
+        self.at += len(marks)
+        # As a key only strings of one line come in question; their escapes are Python's too.
+        escaped = quote == '"' and "\\" in inside and len(marks) == 1
+        return str(ast.literal_eval(f'"{inside}"')) if escaped else inside

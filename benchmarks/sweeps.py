@@ -1,0 +1,88 @@
+"""Sweeps: impacts per second, what threads add, and what a million cases leave in memory.
+
+    python benchmarks/sweeps.py [--million]
+
+Two spheres of one anti-oscillator each, and two rigid ones, over their velocity, at rtol 1e-6:
+made together by the core, by `simulate` one after the other, and by two threads. With --million, a
+stream of a million rigid impacts, and the most memory that the process has held (half a minute).
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+from measuring import Line, best_times, print_table
+
+import aoimpact as ao
+from aoimpact.study_scenes import pair
+
+NAMES = ("peak_force", "contact_duration", "rebound_velocity")
+CASES, FEW = 4000, 100
+
+BALL = ao.rigid(mass=0.0327)
+RIGID = pair() | {"projectile": BALL, "target": BALL, "duration": 1e-4}
+
+
+def cases(base: dict[str, Any], count: int) -> Iterator[dict[str, Any]]:
+    """The impact at `count` velocities."""
+    rule = ao.Adaptive(rtol=1e-6)
+    for velocity in np.linspace(0.5, 1.5, count).tolist():
+        yield base | {"velocity": velocity, "solver": rule}
+
+
+def sweep(base: dict[str, Any], workers: int) -> Callable[[], object]:
+    """A sweep that keeps numbers."""
+    return lambda: ao.simulate_many(list(cases(base, CASES)), workers, keep=NAMES)
+
+
+def loop(base: dict[str, Any]) -> Callable[[], object]:
+    """The loop that one would write."""
+
+    def run() -> None:
+        for case in cases(base, FEW):
+            hit = ao.simulate(**case)
+            _ = [getattr(hit, name) for name in NAMES]
+
+    return run
+
+
+def report(name: str, base: dict[str, Any]) -> None:
+    """Print what an impact takes, s, and the rates that follow."""
+    alone, two, by_hand = best_times(sweep(base, 1), sweep(base, 2), loop(base), enough=6.0)
+    each, shared, slow = alone / CASES, two / CASES, by_hand / FEW
+    print_table(
+        f"{name}, an impact",
+        [
+            Line("simulate in a loop", slow),
+            Line("simulate_many", each, "simulate", slow),
+            Line("with two threads", shared, "one thread", each),
+        ],
+    )
+    print(f"  {1.0 / each:.3g} a second on one core, {1.0 / shared:.3g} on two")
+
+
+def million() -> None:
+    """A stream of a million cases."""
+    start = time.perf_counter()
+    total = sum(kept["peak_force"] for kept in ao.iterate_many(cases(RIGID, 10**6), keep=NAMES))
+    unit = 1 if sys.platform == "darwin" else 1024
+    most = unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    seconds = time.perf_counter() - start
+    print(f"\na million rigid impacts: {seconds:.1f} s, mean peak {total / 1e6:.1f} N")
+    print(f"  the process has held {most / 2**20:.0f} MiB at most")
+
+
+if __name__ == "__main__":
+    if "--million" in sys.argv[1:]:
+        million()
+    else:
+        report("Two spheres of one anti-oscillator", pair())
+        report("Two rigid spheres", RIGID)

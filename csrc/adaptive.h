@@ -1,0 +1,62 @@
+/* Private to the core: what adaptive.c (which step comes next) and step.c (one step) share. */
+#ifndef AOI_ADAPTIVE_H
+#define AOI_ADAPTIVE_H
+
+#include "aoimpact.h"
+
+enum { AOI_NO_LEVEL = 1000 };
+
+/* What may happen to a contact within a step. */
+enum aoi_event {
+    AOI_EVENT_NONE = 0,
+    AOI_EVENT_TOUCH,    /* an open contact closes                                  */
+    AOI_EVENT_OPEN,     /* the indentation falls to rest                           */
+    AOI_EVENT_SLACKEN,  /* the force falls to zero before that                     */
+    AOI_EVENT_TIGHTEN,  /* and comes back                                          */
+    AOI_EVENT_TURN,     /* the indentation stops growing, under a law that remembers */
+    AOI_EVENT_ABOVE,    /* it leaves the law's piece                               */
+    AOI_EVENT_BELOW
+};
+
+/* One try at a step. */
+typedef struct aoi_attempt {
+    double h, growth; /* by which it could be longer; below 1 it has failed */
+    double place;     /* of its first event, as a share of h; 1 at its end, above 1: none */
+    int closed;       /* a contact had to be closed at the start: prepare again */
+} aoi_attempt;
+
+/* The time now. */
+double aoi_run_now(const aoi_adaptive *run);
+
+/* Lists the contacts of the step that begins now and brings their bodies here. */
+void aoi_step_prepare(aoi_adaptive *run);
+
+/* Tries a step of length h, of that level (AOI_NO_LEVEL: of no level). */
+void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
+
+/* Writes its row and takes bodies and contacts to its end, where its events happen. */
+int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size);
+
+/* Writes the row of bodies that fly from now on; stage_count contacts of the step, 0 for none. */
+size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row);
+
+/* Lets the events up to a place at the very start of the step tried happen; 0 where that would go on for
+ * ever: take a shorter step. */
+int aoi_step_at_start(aoi_adaptive *run, double place);
+
+/* Closes a contact where its bodies are now. */
+void aoi_contact_close(aoi_adaptive *run, size_t joint);
+
+/* Whether forces move any mode of a body. */
+int aoi_body_yields(const aoi_modes *body);
+
+/* Books work and losses of a body that has flown to a time and a state. */
+void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x, const double *v);
+
+/* Brings a body here; how: as aoi_follower.engaged. */
+void aoi_body_engage(aoi_adaptive *run, size_t b, int how);
+
+/* The two bodies of a joint, at the time now, in place. */
+void aoi_pair_now(aoi_adaptive *run, size_t joint, aoi_flight *pair);
+
+#endif

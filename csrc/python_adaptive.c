@@ -1,0 +1,467 @@
+/* Adaptive runs of scenes, and their dense output, seen from Python. */
+#include "binding.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ----------------------------------------------------------------------- bodies and contacts */
+
+/* A system and all that it is made of. */
+typedef struct taken {
+    aoi_system system;
+    aoi_modes *body;
+    aoi_joint *joint;
+    aoi_law *law; /* one a joint */
+    size_t *first, *first_port;
+} taken;
+
+static void give_up(taken *made)
+{
+    free(made->body);
+    free(made->joint);
+    free(made->law);
+    free(made->first);
+    free(made->first_port);
+}
+
+/* An array that may be None. */
+static const double *maybe(held *buffers, PyObject *object, const char *name, size_t *count)
+{
+    return object == Py_None ? NULL : doubles(buffers, object, name, count);
+}
+
+void take_modes(held *buffers, PyObject *tuple, aoi_modes *body)
+{
+    size_t n = (size_t)-1, shapes = (size_t)-1;
+    need_tuple(buffers, tuple, 11);
+    if (buffers->failed) {
+        return;
+    }
+    PyObject *item[11];
+    for (Py_ssize_t i = 0; i < 11; i++) {
+        item[i] = PyTuple_GetItem(tuple, i);
+    }
+    body->omega = doubles(buffers, item[0], "omega", &n);
+    body->decay = maybe(buffers, item[1], "decay", &n);
+    body->shape = doubles(buffers, item[2], "shape", &shapes);
+    body->push = doubles(buffers, item[3], "push", &shapes);
+    if (!buffers->failed && (n == 0 || shapes % n != 0 || shapes == 0)) {
+        buffers->failed = 1;
+        PyErr_SetString(PyExc_ValueError, "a body needs modes and ports");
+    }
+    body->n = n;
+    body->ports = buffers->failed ? 1 : shapes / n;
+    size_t ports = body->ports, pairs = ports * ports, times = (size_t)-1;
+    body->residual = maybe(buffers, item[4], "residual", &pairs);
+    body->gravity = maybe(buffers, item[5], "gravity", &n);
+    body->inertia = doubles(buffers, item[6], "inertia", &n);
+    body->centre = doubles(buffers, item[7], "centre", &n);
+    body->centre_residual = maybe(buffers, item[8], "centre residual", &ports);
+    body->load_time = maybe(buffers, item[9], "load times", &times);
+    body->load_count = body->load_time ? times : 0;
+    size_t loads = body->load_count * ports;
+    body->load_force = body->load_time ? doubles(buffers, item[10], "load forces", &loads) : NULL;
+}
+
+/* (first body, its port, second body, its port, gap, law) */
+static int take_joint(held *buffers, PyObject *tuple, aoi_joint *joint, aoi_law *law)
+{
+    need_tuple(buffers, tuple, 6);
+    if (buffers->failed) {
+        return AOI_OK;
+    }
+    for (Py_ssize_t i = 0; i < 2; i++) {
+        joint->body[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i));
+        joint->port[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i + 1));
+    }
+    joint->gap = PyFloat_AsDouble(PyTuple_GetItem(tuple, 4));
+    joint->law = law;
+    if (PyErr_Occurred()) {
+        buffers->failed = 1;
+        return AOI_OK;
+    }
+    return take_law(buffers, PyTuple_GetItem(tuple, 5), law);
+}
+
+static int take_system(held *buffers, PyObject *bodies, PyObject *joints, taken *made)
+{
+    const size_t nb = (size_t)PyTuple_Size(bodies), nj = (size_t)PyTuple_Size(joints);
+    made->body = calloc(nb + 1, sizeof *made->body);
+    made->joint = calloc(nj + 1, sizeof *made->joint);
+    made->law = calloc(nj + 1, sizeof *made->law);
+    made->first = calloc(nb + 1, sizeof *made->first);
+    made->first_port = calloc(nb + 1, sizeof *made->first_port);
+    if (!made->body || !made->joint || !made->law || !made->first || !made->first_port) {
+        buffers->failed = 1;
+        PyErr_NoMemory();
+        return AOI_OK;
+    }
+    int status = AOI_OK;
+    for (size_t b = 0; b < nb && !buffers->failed; b++) {
+        take_modes(buffers, PyTuple_GetItem(bodies, (Py_ssize_t)b), &made->body[b]);
+        made->first[b + 1] = made->first[b] + made->body[b].n;
+        made->first_port[b + 1] = made->first_port[b] + made->body[b].ports;
+    }
+    for (size_t c = 0; c < nj && !buffers->failed && status == AOI_OK; c++) {
+        status = take_joint(buffers, PyTuple_GetItem(joints, (Py_ssize_t)c), &made->joint[c],
+                            &made->law[c]);
+    }
+    made->system = (aoi_system){nb, nj, made->body, made->first, made->first_port, made->joint};
+    return status;
+}
+
+/* ---------------------------------------------------------------------------------- the run */
+
+/* A track that grows as the run goes on. */
+typedef struct growing {
+    double *track;
+    size_t *index;
+    size_t used, capacity, rows, most;
+} growing;
+
+static const size_t MOST_BYTES = (size_t)1 << 30;
+
+enum { FIRST_ROWS = 48 };
+
+static int grow(growing *track, size_t row_size)
+{
+    const size_t capacity = track->capacity ? 2 * track->capacity : row_size + 4096;
+    const size_t most = track->most ? 2 * track->most : FIRST_ROWS;
+    double *values = realloc(track->track, capacity * sizeof(double));
+    track->track = values ? values : track->track;
+    size_t *index = realloc(track->index, most * sizeof(size_t));
+    track->index = index ? index : track->index;
+    if (!values || !index) {
+        PyErr_NoMemory();
+        return 0;
+    }
+    track->capacity = capacity;
+    track->most = most;
+    return 1;
+}
+
+/* Runs without the GIL, in pieces between which signals are heard. */
+static int run_to_end(aoi_adaptive *run, growing *track)
+{
+    /* A row costs some 0.2 us a mode: pieces of a tenth of a second at most. */
+    const size_t modes = run->system->first[run->system->body_count];
+    const size_t between_signals = 1 + 400000 / (modes + 100);
+    int status = aoi_adaptive_start(run);
+    while (status == AOI_OK && run->time < run->end) {
+        size_t used = 0, rows = 0;
+        if (track->used * sizeof(double) > MOST_BYTES) {
+            return AOI_ERROR_TOO_LONG;
+        }
+        if ((track->capacity - track->used < run->row_size || track->rows == track->most) &&
+            !grow(track, run->row_size)) {
+            break;
+        }
+        const size_t left = track->most - track->rows;
+        Py_BEGIN_ALLOW_THREADS
+        status = aoi_adaptive_run(run, track->capacity - track->used,
+                                  left < between_signals ? left : between_signals,
+                                  track->track + track->used, track->index + track->rows, &used,
+                                  &rows);
+        Py_END_ALLOW_THREADS
+        for (size_t i = 0; i < rows; i++) {
+            track->index[track->rows + i] += track->used;
+        }
+        track->used += used;
+        track->rows += rows;
+        if (PyErr_CheckSignals() != 0) {
+            break;
+        }
+    }
+    return status;
+}
+
+/* Room for a run; the caller frees run->body, contact, stage, response, work. */
+static int furnish(aoi_adaptive *run, const aoi_system *system)
+{
+    size_t work, row;
+    aoi_adaptive_size(system, &work, &row);
+    run->system = system;
+    run->body = calloc(system->body_count + 1, sizeof *run->body);
+    run->response = calloc(system->body_count + 1, sizeof *run->response);
+    run->contact = calloc(system->joint_count + 1, sizeof *run->contact);
+    run->stage = calloc(system->joint_count + 1, sizeof *run->stage);
+    run->work = malloc((work + 1) * sizeof(double));
+    if (!run->body || !run->response || !run->contact || !run->stage || !run->work) {
+        PyErr_NoMemory();
+        return 0;
+    }
+    return 1;
+}
+
+/* Where each contact has been seen last, while the events are gathered. */
+typedef struct history {
+    int closed;
+    double until;
+} history;
+
+typedef struct event_list {
+    double *values; /* NULL while they are only counted */
+    size_t count;
+} event_list;
+
+static void note_event(event_list *list, size_t joint, double time, double begins)
+{
+    if (list->values) {
+        double *of = list->values + 3 * list->count;
+        of[0] = (double)joint;
+        of[1] = time;
+        of[2] = begins;
+    }
+    list->count++;
+}
+
+/* The events of a contact in one row. One that is in no row any more has ended where its last one did. */
+static void events_of_contact(const double *row, const double *of, history *seen, event_list *list)
+{
+    const size_t joint = (size_t)of[AOI_TRACK_JOINT];
+    const double start = row[AOI_TRACK_START], end = start + row[AOI_TRACK_LENGTH];
+    history *known = &seen[joint];
+    if (of[AOI_TRACK_BEGINS] != 0.0) {
+        if (known->closed) {
+            note_event(list, joint, known->until, 0.0);
+        }
+        note_event(list, joint, start, 1.0);
+        known->closed = 1;
+    }
+    if (of[AOI_TRACK_ENDS] != 0.0) {
+        note_event(list, joint, end, 0.0);
+        known->closed = 0;
+    }
+    known->until = end;
+}
+
+static void gather_events(const growing *track, const aoi_system *system, double end, history *seen,
+                          event_list *list)
+{
+    list->count = 0;
+    memset(seen, 0, system->joint_count * sizeof *seen);
+    for (size_t r = 0; r < track->rows; r++) {
+        const double *row = track->track + track->index[r], *of = row + AOI_TRACK_FIXED;
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
+            of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[0]].n;
+        }
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++) {
+            events_of_contact(row, of, seen, list);
+            of += AOI_TRACK_CONTACT_SIZE;
+        }
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (seen[c].closed && seen[c].until < end * (1.0 - 1e-14)) {
+            note_event(list, c, seen[c].until, 0.0);
+        }
+    }
+}
+
+/* Start and end of each interval in which a contact has force, as (joint, time, 1 or 0); no end where it
+ * lasts to the end of the record. */
+static PyObject *events_of(const growing *track, const aoi_system *system, double end)
+{
+    event_list list = {NULL, 0};
+    PyObject *result = NULL;
+    history *seen = malloc((system->joint_count + 1) * sizeof *seen);
+    if (seen) {
+        gather_events(track, system, end, seen, &list);
+        list.values = malloc((3 * list.count + 1) * sizeof(double));
+    }
+    if (list.values) {
+        gather_events(track, system, end, seen, &list);
+        result = PyBytes_FromStringAndSize((const char *)list.values,
+                                           (Py_ssize_t)(3 * list.count * sizeof(double)));
+    } else {
+        PyErr_NoMemory();
+    }
+    free(list.values);
+    free(seen);
+    return result;
+}
+
+/* Per joint: peak force, its time, impulse, work. */
+static PyObject *contacts_of(const aoi_adaptive *run)
+{
+    const size_t count = run->system->joint_count;
+    PyObject *result = PyTuple_New((Py_ssize_t)count);
+    for (size_t c = 0; result && c < count; c++) {
+        const aoi_contact_state *of = &run->contact[c];
+        PyObject *one = Py_BuildValue("dddd", of->peak_force, of->peak_time, of->impulse, of->work);
+        if (!one || PyTuple_SetItem(result, (Py_ssize_t)c, one) != 0) {
+            Py_DECREF(result);
+            return NULL;
+        }
+    }
+    return result;
+}
+
+/* (track, index, events, contacts, steps, rejected) */
+static PyObject *adaptive_result(const aoi_adaptive *run, const growing *track)
+{
+    PyObject *events = events_of(track, run->system, run->end), *contacts = contacts_of(run);
+    if (!events || !contacts) {
+        Py_XDECREF(events);
+        Py_XDECREF(contacts);
+        return NULL;
+    }
+    return Py_BuildValue("y#y#NNnn", (const char *)track->track,
+                         (Py_ssize_t)(track->used * sizeof(double)), (const char *)track->index,
+                         (Py_ssize_t)(track->rows * sizeof(size_t)), events, contacts,
+                         (Py_ssize_t)run->steps, (Py_ssize_t)run->rejected);
+}
+
+PyObject *adaptive(PyObject *self, PyObject *args)
+{
+    PyObject *bodies, *joints, *x_out, *v_out, *result = NULL;
+    held buffers = {.failed = 0};
+    taken made = {.body = NULL};
+    aoi_adaptive run = {.system = NULL};
+    growing track = {.track = NULL};
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!O!ddOO", &PyTuple_Type, &bodies, &PyTuple_Type, &joints, &run.rtol,
+                          &run.end, &x_out, &v_out)) {
+        return NULL;
+    }
+    int status = take_system(&buffers, bodies, joints, &made);
+    size_t n = buffers.failed ? (size_t)-1 : made.first[made.system.body_count];
+    run.x = doubles_out(&buffers, x_out, "x", &n);
+    run.v = doubles_out(&buffers, v_out, "v", &n);
+    if (!buffers.failed && status == AOI_OK && furnish(&run, &made.system)) {
+        status = run_to_end(&run, &track);
+    }
+    if (!buffers.failed && !PyErr_Occurred()) {
+        result = status == AOI_OK
+                     ? adaptive_result(&run, &track)
+                     : raise_of_laws(status, "adaptive run", run.time, made.law,
+                                     made.system.joint_count);
+    }
+    held_release(&buffers);
+    free(run.body);
+    free(run.response);
+    free(run.contact);
+    free(run.stage);
+    free(run.work);
+    free(track.track);
+    free(track.index);
+    give_up(&made);
+    return result;
+}
+
+/* ------------------------------------------------------------------------------ dense output */
+
+/* A track opened to be sampled. */
+typedef struct opened {
+    held buffers;
+    taken made;
+    aoi_sampler sampler;
+    size_t *places;
+    const double *times;
+    size_t count;
+} opened;
+
+static int open_track(opened *all, PyObject *bodies, PyObject *joints, PyObject *track_in,
+                      const char *index, Py_ssize_t index_size, PyObject *times_in)
+{
+    size_t values = (size_t)-1;
+    all->count = (size_t)-1;
+    int status = take_system(&all->buffers, bodies, joints, &all->made);
+    const aoi_system *system = &all->made.system;
+    all->sampler.track = doubles(&all->buffers, track_in, "track", &values);
+    all->times = doubles(&all->buffers, times_in, "times", &all->count);
+    if (all->buffers.failed || status != AOI_OK) {
+        return status;
+    }
+    all->sampler.system = system;
+    all->sampler.size = values;
+    all->sampler.index = (const size_t *)(const void *)index;
+    all->sampler.rows = (size_t)index_size / sizeof(size_t);
+    all->places = calloc(2 * (system->body_count + system->joint_count) + 1, sizeof(size_t));
+    all->sampler.work = malloc((aoi_sampler_size(system) + 1) * sizeof(double));
+    if (!all->places || !all->sampler.work) {
+        all->buffers.failed = 1;
+        PyErr_NoMemory();
+        return AOI_OK;
+    }
+    all->sampler.body_row = all->places;
+    all->sampler.body_at = all->places + system->body_count;
+    all->sampler.contact_row = all->places + 2 * system->body_count;
+    all->sampler.contact_at = all->sampler.contact_row + system->joint_count;
+    return aoi_sampler_start(&all->sampler);
+}
+
+static PyObject *close_track(opened *all, int status)
+{
+    PyObject *done = finish(&all->buffers, status, "dense output");
+    free(all->places);
+    free(all->sampler.work);
+    give_up(&all->made);
+    if (done && PyErr_Occurred()) {
+        Py_DECREF(done);
+        return NULL;
+    }
+    return done;
+}
+
+enum { COLUMNS_A_PIECE = 256 };
+
+PyObject *track_sample(PyObject *self, PyObject *args)
+{
+    PyObject *bodies, *joints, *track_in, *times_in, *record_out;
+    const char *index;
+    Py_ssize_t index_size;
+    int energies;
+    opened all;
+    memset(&all, 0, sizeof all);
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!O!Oy#OOp", &PyTuple_Type, &bodies, &PyTuple_Type, &joints,
+                          &track_in, &index, &index_size, &times_in, &record_out, &energies)) {
+        return NULL;
+    }
+    int status = open_track(&all, bodies, joints, track_in, index, index_size, times_in);
+    size_t wanted = all.buffers.failed ? 0 : aoi_sampler_rows(&all.made.system) * all.count;
+    double *record = doubles_out(&all.buffers, record_out, "record", &wanted);
+    for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count;) {
+        const size_t last = i + COLUMNS_A_PIECE < all.count ? i + COLUMNS_A_PIECE : all.count;
+        Py_BEGIN_ALLOW_THREADS
+        for (; i < last && status == AOI_OK; i++) {
+            status = aoi_sampler_column(&all.sampler, all.times[i], energies, record + i, all.count);
+        }
+        Py_END_ALLOW_THREADS
+        if (PyErr_CheckSignals() != 0) {
+            break;
+        }
+    }
+    return close_track(&all, status);
+}
+
+PyObject *track_states(PyObject *self, PyObject *args)
+{
+    PyObject *bodies, *joints, *track_in, *times_in, *states_out;
+    const char *index;
+    Py_ssize_t index_size, body;
+    opened all;
+    memset(&all, 0, sizeof all);
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!O!Oy#OnO", &PyTuple_Type, &bodies, &PyTuple_Type, &joints,
+                          &track_in, &index, &index_size, &times_in, &body, &states_out)) {
+        return NULL;
+    }
+    int status = open_track(&all, bodies, joints, track_in, index, index_size, times_in);
+    if (!all.buffers.failed && status == AOI_OK &&
+        (body < 0 || (size_t)body >= all.made.system.body_count)) {
+        status = AOI_ERROR_ARGUMENT;
+    }
+    const int fine = !all.buffers.failed && status == AOI_OK;
+    const size_t width = fine ? 2 * all.made.body[body].n : 0;
+    size_t wanted = width * all.count;
+    double *states = fine ? doubles_out(&all.buffers, states_out, "states", &wanted) : NULL;
+    if (fine && !all.buffers.failed) {
+        Py_BEGIN_ALLOW_THREADS
+        for (size_t i = 0; i < all.count; i++) {
+            (void)aoi_sampler_state(&all.sampler, all.times[i], (size_t)body, states + i * width);
+        }
+        Py_END_ALLOW_THREADS
+    }
+    return close_track(&all, status);
+}

@@ -1,0 +1,20 @@
+/* Private to the core: constants of the collocation method on the Radau nodes (radau_data.c). */
+#ifndef AOI_RADAU_H
+#define AOI_RADAU_H
+
+#include "aoimpact.h"
+
+enum { AOI_RADAU_MOMENTS = 13 };
+
+extern const double aoi_radau_node[AOI_STAGES];
+extern const double aoi_radau_to_legendre[AOI_STAGES][AOI_STAGES];
+extern const double aoi_radau_to_legendre_0[AOI_STAGES + 1][AOI_STAGES + 1];
+extern const double aoi_radau_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES];
+extern const double aoi_radau_rate_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES];
+extern const double aoi_radau_shrink[AOI_STAGES][AOI_STAGES][AOI_STAGES];
+extern const double aoi_radau_extra_weight[AOI_STAGES];
+extern const double aoi_radau_force_at_extra[AOI_STAGES][AOI_STAGES];
+extern const double aoi_radau_indentation_at_extra[AOI_STAGES][AOI_STAGES + 1];
+extern const double aoi_radau_slope_at_node[AOI_STAGES][AOI_STAGES + 1];
+
+#endif

@@ -1,0 +1,830 @@
+/* One step of an adaptive run: which contacts and bodies take part, whether it meets the tolerance, what
+ * happens within it, and what it leaves behind.
+ *
+ * Two errors are kept below rtol in each step. The tail of the indentation's Legendre series says how
+ * well the polynomial follows the motion within the step, so the peak; the integrated defect of the
+ * force between the nodes says what the step hands on, so impulse, velocities and later times. Radau
+ * nodes make the second far smaller than the first, except at the beginning and end of a contact,
+ * where the force starts like d^(3/2). */
+#include "adaptive.h"
+#include "radau.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Shares of rtol: of the polynomial's tail, and of what one step may hand on. Errors add up over some
+ * twenty steps of a contact, and grow from one contact to the next. */
+static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
+
+/* At the ends of a contact the force is no smooth function of time, and the quadrature of its defect
+ * misses part of it. */
+static const double END_SHARE = 0.03;
+
+/* How well events are hit, as a share of rtol, and the rounding of an indentation from the bodies'
+ * places. */
+static const double EVENT_SHARE = 0.01, PLACE_ROUNDING = 8.0;
+
+/* A contact need not be more exact than this share of the largest beside it. */
+static const double LESSER_SHARE = 0.01;
+
+/* A contact dozes off within this share of what it wakes up at. */
+static const double DOZING = 0.1;
+
+/* A step is not tried at more than 1/0.9 of the length that its error allows. */
+static const double CAUTION = 0.9;
+
+/* Where a law that may not pull has let go of bodies that still overlap, its return is looked for at the
+ * nodes: in steps that grow, but not by leaps. */
+static const double SLACK_GROWTH = 2.0;
+
+/* Newton's convergence is judged on no smaller indentation than this share of the largest. */
+static const double NEWTON_SHARE = 1e-6;
+
+double aoi_run_now(const aoi_adaptive *run) { return run->origin + run->elapsed; }
+
+static const aoi_law *law_of(const aoi_adaptive *run, const aoi_stage *stage)
+{
+    return run->system->joint[stage->joint].law;
+}
+
+int aoi_body_yields(const aoi_modes *body)
+{
+    for (size_t k = 0; k < body->ports * body->n; k++) {
+        if (body->push[k] != 0.0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int has_ledger(const aoi_modes *body)
+{
+    return body->gravity || body->decay || body->load_count > 0;
+}
+
+void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x, const double *v)
+{
+    const aoi_modes *body = &run->system->body[b];
+    const size_t at = run->system->first[b];
+    double work, dissipated;
+    if (has_ledger(body)) {
+        aoi_modes_flight_work(body, run->body[b].time, time, run->x + at, run->v + at, x, v,
+                              run->flight[0], &work, &dissipated);
+        run->body[b].work += work;
+        run->body[b].dissipated += dissipated;
+    }
+}
+
+void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
+{
+    aoi_follower *body = &run->body[b];
+    const size_t at = run->system->first[b];
+    const double now = aoi_run_now(run);
+    if (how > 1 && !aoi_body_yields(&run->system->body[b])) {
+        how = 1;
+    }
+    body->engaged = how > body->engaged ? how : body->engaged;
+    if (body->time < now) {
+        const size_t n = run->system->body[b].n;
+        for (size_t j = 0; j < n; j++) {
+            run->scratch[j] = run->x[at + j];
+            run->scratch[n + j] = run->v[at + j];
+        }
+        aoi_modes_fly(&run->system->body[b], body->time, now, run->scratch, run->scratch + n);
+        aoi_body_account(run, b, now, run->scratch, run->scratch + n);
+        for (size_t j = 0; j < n; j++) {
+            run->x[at + j] = run->scratch[j];
+            run->v[at + j] = run->scratch[n + j];
+        }
+        body->time = now;
+    }
+}
+
+void aoi_pair_now(aoi_adaptive *run, size_t joint, aoi_flight *pair)
+{
+    const aoi_joint *of = &run->system->joint[joint];
+    for (int side = 0; side < 2; side++) {
+        const size_t at = run->system->first[of->body[side]];
+        pair->body[side] = &run->system->body[of->body[side]];
+        pair->port[side] = of->port[side];
+        pair->x[side] = run->x + at;
+        pair->v[side] = run->v + at;
+    }
+    pair->gap = of->gap;
+    pair->time = aoi_run_now(run);
+}
+
+/* The rounding of an indentation that is a difference of places. */
+static double rounding_of(const aoi_flight *pair)
+{
+    double size = fabs(pair->gap);
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair->body[side];
+        for (size_t j = 0; j < body->n; j++) {
+            size += fabs(body->shape[pair->port[side] * body->n + j] * pair->x[side][j]);
+        }
+    }
+    return PLACE_ROUNDING * DBL_EPSILON * size;
+}
+
+void aoi_step_prepare(aoi_adaptive *run)
+{
+    const aoi_system *system = run->system;
+    run->closed_count = run->stage_count = 0;
+    for (size_t b = 0; b < system->body_count; b++) {
+        run->body[b].engaged = 0;
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (run->contact[c].closed) {
+            run->stage[run->closed_count++].joint = c;
+            aoi_body_engage(run, system->joint[c].body[0], 2);
+            aoi_body_engage(run, system->joint[c].body[1], 2);
+        }
+    }
+    run->stage_count = run->closed_count;
+    for (size_t c = 0; c < system->joint_count; c++) {
+        const size_t *body = system->joint[c].body;
+        if (!run->contact[c].closed &&
+            (run->body[body[0]].engaged == 2 || run->body[body[1]].engaged == 2)) {
+            run->stage[run->stage_count++].joint = c;
+            run->contact[c].free_until = -HUGE_VAL; /* whatever was known no longer holds */
+            run->contact[c].touches = 0;
+            aoi_body_engage(run, body[0], 1);
+            aoi_body_engage(run, body[1], 1);
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------- one attempt */
+
+/* The tables of a body for this step: the one not used for longest makes room. */
+static void make_response(aoi_adaptive *run, size_t b, double h, int level, int with_rates)
+{
+    aoi_follower *body = &run->body[b];
+    const aoi_modes *modes = &run->system->body[b];
+    size_t oldest = 0;
+    for (size_t i = 0; i < body->table_count; i++) {
+        if (body->table_use[i] > 0 && body->table_level[i] == level && level != AOI_NO_LEVEL &&
+            body->table[i].has_rates >= with_rates) {
+            body->table_use[i] = ++run->uses;
+            run->response[b] = body->table[i];
+            return;
+        }
+        oldest = body->table_use[i] < body->table_use[oldest] ? i : oldest;
+    }
+    aoi_response_make(&body->table[oldest], modes, h, with_rates,
+                      body->block + oldest * aoi_response_size(modes));
+    body->table_level[oldest] = level;
+    body->table_use[oldest] = ++run->uses;
+    run->response[b] = body->table[oldest];
+}
+
+/* The share of the residual compliances in a contact, of forces at the start (per newton of which the
+ * polynomials will take account): what the indentation would be more without them. */
+static double held_back(const aoi_adaptive *run, size_t joint, double *kept)
+{
+    const aoi_joint *of = &run->system->joint[joint];
+    double sum = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = &run->system->body[of->body[side]];
+        for (size_t t = 0; body->residual && t < run->closed_count; t++) {
+            const aoi_joint *by = &run->system->joint[run->stage[t].joint];
+            for (int other = 0; other < 2; other++) {
+                if (by->body[other] == of->body[side]) {
+                    const double compliance =
+                        body->residual[of->port[side] * body->ports + by->port[other]];
+                    sum += (side == other ? 1.0 : -1.0) * compliance *
+                           run->contact[run->stage[t].joint].force;
+                }
+            }
+        }
+    }
+    *kept = sum;
+    return sum;
+}
+
+static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_rates)
+{
+    const aoi_joint *joint = &run->system->joint[stage->joint];
+    double held;
+    const double start = stage->start + held_back(run, stage->joint, &held);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        stage->homogeneous[i] = start;
+        stage->homogeneous_rate[i] = -held / h * aoi_radau_slope_at_node[i][0];
+    }
+    for (int side = 0; side < 2; side++) {
+        const size_t b = joint->body[side], at = run->system->first[b];
+        aoi_response_homogeneous(&run->response[b], &run->system->body[b], joint->port[side],
+                                 side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
+                                 stage->homogeneous, with_rates ? stage->homogeneous_rate : NULL);
+    }
+}
+
+/* A guess: the last step's polynomial drawn on, where it reaches, or the motion without force; never
+ * deeper than that. */
+static void guess(const aoi_contact_state *contact, double h, double usual, aoi_stage *stage)
+{
+    const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
+    double largest = 0.0;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        stage->indentation[i] = stage->homogeneous[i];
+        stage->rate[i] = stage->homogeneous_rate[i];
+        if (known) {
+            double slope;
+            const double drawn_on = aoi_legendre_evaluate(
+                AOI_STAGES + 1, contact->last, 1.0 + aoi_radau_node[i] * h / contact->last_length,
+                &slope);
+            if (drawn_on < stage->homogeneous[i]) {
+                stage->indentation[i] = drawn_on;
+                stage->rate[i] = slope / contact->last_length;
+            }
+        }
+        largest = fmax(largest, fabs(stage->indentation[i]));
+    }
+    stage->scale = fmax(largest, NEWTON_SHARE * usual);
+}
+
+/* Fills the stage of a contact, open or closed, for a step of length h. */
+static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
+{
+    aoi_stage *stage = &run->stage[s];
+    const aoi_contact_state *contact = &run->contact[stage->joint];
+    stage->memory = contact->memory;
+    stage->piece = contact->closed ? contact->piece : AOI_SLACK;
+    stage->start_force = contact->force;
+    stage->start = contact->start;
+    stage->start_rate = contact->start_rate;
+    if (s >= run->closed_count) {
+        aoi_flight pair;
+        double acceleration;
+        aoi_pair_now(run, stage->joint, &pair);
+        aoi_flight_indentation(&pair, &stage->start, &stage->start_rate, &acceleration);
+        stage->start_force = 0.0;
+        double held;
+        stage->start -= held_back(run, stage->joint, &held);
+    }
+    homogeneous(run, stage, h, with_rates);
+    if (s < run->closed_count) {
+        guess(contact, h, run->indentation_scale, stage);
+    }
+}
+
+static double largest_of(const aoi_stage *stage)
+{
+    double largest = stage->start;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        largest = fmax(largest, stage->indentation[i]);
+    }
+    return largest;
+}
+
+/* What counts as large for a contact: what it has seen, or a small share of what the others have. */
+static double scale_of(const aoi_adaptive *run, const aoi_stage *stage, double largest)
+{
+    return fmax(fmax(run->contact[stage->joint].indentation_scale, largest),
+                LESSER_SHARE * run->indentation_scale);
+}
+
+/* By how much the step could be longer, as far as this contact goes. */
+static double growth_of(aoi_adaptive *run, aoi_stage *stage, double h)
+{
+    const aoi_joint *joint = &run->system->joint[stage->joint];
+    const aoi_contact_state *contact = &run->contact[stage->joint];
+    aoi_collocation_error error;
+    aoi_law_value value;
+    aoi_collocation_estimate(run->system, run->response, h, stage, &error);
+    if (stage->piece == AOI_SLACK) {
+        return SLACK_GROWTH;
+    }
+    const double largest = largest_of(stage), scale = scale_of(run, stage, largest);
+    const double impulse_scale =
+        fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
+    /* A massless contact changes its velocity at once where the force ends: a bend to fit. */
+    const int at_an_end = contact->last_length == 0.0 || stage->indentation[AOI_STAGES - 1] <= 0.0;
+    const int bends = run->system->body[joint->body[0]].residual != NULL ||
+                      run->system->body[joint->body[1]].residual != NULL;
+    const double end_share = at_an_end ? END_SHARE : 1.0;
+    /* No step can do better than rounding. */
+    const double tail_share =
+        fmax(TAIL_SHARE * (bends ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
+    const double step_share = fmax(STEP_SHARE * end_share * run->rtol, 2.0 * DBL_EPSILON);
+    /* A law of a high power makes more of an error of the indentation than Hertz's. */
+    aoi_law_push(joint->law, stage->memory, largest, stage->start_rate, &value);
+    /* Of the largest force: a small one at the end of a contact is not to be right to itself. */
+    const double force = fmax(value.force, contact->peak_force);
+    const double steepness = force > 0.0 ? value.stiffness * largest / (1.5 * force) : 1.0;
+    const double within = fmax(steepness, 1.0) * error.tail / (tail_share * scale);
+    const double handed_on =
+        (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) / step_share;
+    const double growth = CAUTION * fmin(pow(within, -1.0 / (AOI_STAGES + 1)),
+                                         pow(handed_on, -1.0 / (2 * AOI_STAGES)));
+    if (within <= 1.0 && handed_on <= 1.0) {
+        return fmax(growth, 1.0);
+    } /* NaN, too, is no success */
+    return growth < CAUTION ? growth : (isnan(within + handed_on) ? 0.0 : CAUTION);
+}
+
+/* ------------------------------------------------------------------------------------ events */
+
+/* A quantity that falls below zero: where, if before the contact's other events. Ending within tolerance
+ * below zero, without having been lower before, it falls at the end; else the step is to end where it
+ * will be there. */
+static void falls(const double *values, double tolerance, int kind, aoi_contact_state *contact,
+                  aoi_attempt *attempt)
+{
+    double coefficient[AOI_STAGES + 1], place = 1.0;
+    int early = 0;
+    for (size_t i = 1; i < AOI_STAGES; i++) {
+        early = early || values[i] < -tolerance;
+    }
+    if (!early && !(values[AOI_STAGES] < 0.0)) {
+        return;
+    }
+    if (early || values[AOI_STAGES] < -tolerance) {
+        aoi_legendre_fit(values, coefficient);
+        (void)aoi_legendre_falls(values, coefficient, -0.5 * tolerance, &place);
+    }
+    if (place < contact->event_place) {
+        contact->event_place = place;
+        contact->event = kind;
+    }
+    attempt->place = place < attempt->place ? place : attempt->place;
+}
+
+/* start and AOI_STAGES nodes of factor * value + shift. */
+static void line_up(double start, const double *nodes, double factor, double shift, double *values)
+{
+    values[0] = factor * start + shift;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        values[i + 1] = factor * nodes[i] + shift;
+    }
+}
+
+/* Where the law's own force, which is cut at zero, changes its sign. */
+static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
+{
+    aoi_contact_state *contact = &run->contact[stage->joint];
+    const aoi_law *law = law_of(run, stage);
+    double force[AOI_STAGES], values[AOI_STAGES + 1], largest = 0.0;
+    aoi_law_value value;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        aoi_law_force(law, stage->memory, stage->piece == AOI_SLACK ? 0 : stage->piece,
+                      stage->indentation[i], stage->rate[i], &value);
+        force[i] = value.force;
+        largest = fmax(largest, fabs(value.force));
+    }
+    largest = fmax(largest, contact->peak_force);
+    const double tolerance = fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) * largest;
+    if (stage->piece == AOI_SLACK) {
+        aoi_law_force(law, stage->memory, 0, stage->start, stage->start_rate, &value);
+        line_up(fmin(value.force, 0.0), force, -1.0, 0.0, values);
+        falls(values, tolerance, AOI_EVENT_TIGHTEN, contact, attempt);
+    } else {
+        line_up(fmax(stage->start_force, 0.0), force, 1.0, 0.0, values);
+        falls(values, tolerance, AOI_EVENT_SLACKEN, contact, attempt);
+    }
+}
+
+static void closed_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
+{
+    const aoi_law *law = law_of(run, stage);
+    aoi_contact_state *contact = &run->contact[stage->joint];
+    const double rest = aoi_law_rest(law, stage->memory);
+    const double tolerance = fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) *
+                             scale_of(run, stage, largest_of(stage));
+    double values[AOI_STAGES + 1];
+    line_up(stage->start, stage->indentation, 1.0, -rest, values);
+    falls(values, tolerance, AOI_EVENT_OPEN, contact, attempt);
+    if (law->depends_on_rate && !law->pulls) {
+        force_events(run, stage, attempt);
+    }
+    if (stage->piece != AOI_SLACK && contact->high < HUGE_VAL) {
+        line_up(stage->start, stage->indentation, -1.0, contact->high, values);
+        falls(values, tolerance, AOI_EVENT_ABOVE, contact, attempt);
+    }
+    if (stage->piece != AOI_SLACK && contact->low > rest) {
+        line_up(stage->start, stage->indentation, 1.0, -contact->low, values);
+        falls(values, tolerance, AOI_EVENT_BELOW, contact, attempt);
+    }
+    if (law->turns && stage->piece != AOI_SLACK && stage->start_rate > 0.0) {
+        const double slow = EVENT_SHARE * run->rtol * contact->rate_scale;
+        line_up(stage->start_rate, stage->rate, 1.0, 0.0, values);
+        falls(values, slow, AOI_EVENT_TURN, contact, attempt);
+    }
+}
+
+/* The step's forces on the ports of all bodies under force. */
+static void gather_forces(aoi_adaptive *run)
+{
+    const aoi_system *system = run->system;
+    for (size_t b = 0; b < system->body_count; b++) {
+        double *force = run->port_force + run->system->first_port[b] * AOI_STAGES;
+        for (size_t k = 0; run->body[b].engaged > 0 && k < system->body[b].ports * AOI_STAGES; k++) {
+            force[k] = 0.0;
+        }
+    }
+    for (size_t s = 0; s < run->closed_count; s++) {
+        const aoi_joint *joint = &system->joint[run->stage[s].joint];
+        for (int side = 0; side < 2; side++) {
+            const size_t port = run->system->first_port[joint->body[side]] + joint->port[side];
+            aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, run->stage[s].force,
+                           run->port_force + port * AOI_STAGES);
+        }
+    }
+}
+
+/* The displacement that they add to a port at the nodes. */
+static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double sign, double *indentation)
+{
+    const aoi_modes *body = &run->system->body[b];
+    for (size_t q = 0; q < body->ports; q++) {
+        const double *force = run->port_force + (run->system->first_port[b] + q) * AOI_STAGES;
+        const size_t pair = port * body->ports + q;
+        const double residual = body->residual ? body->residual[pair] : 0.0;
+        const double *influence = run->response[b].influence + pair * AOI_STAGES * AOI_STAGES;
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            indentation[i] += sign * (aoi_vector_dot(AOI_STAGES, influence + i * AOI_STAGES, force) +
+                                      residual * force[i]);
+        }
+    }
+}
+
+/* An open contact at rounding from a touch: within so much of it nothing happens. */
+static double touch_tolerance(aoi_adaptive *run, const aoi_stage *stage)
+{
+    aoi_flight pair;
+    aoi_pair_now(run, stage->joint, &pair);
+    return fmax(EVENT_SHARE * run->rtol * scale_of(run, stage, 0.0), rounding_of(&pair));
+}
+
+/* Behind a wave bodies go on side by side, with overlaps and velocities that are rounding. A force that
+ * would not change the last digit of the contact's impulse if it lasted to the end of the run has ended:
+ * else all that has ever been passed would be solved for in every step. */
+static void doze(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
+{
+    aoi_contact_state *contact = &run->contact[stage->joint];
+    const double rest = aoi_law_rest(law_of(run, stage), stage->memory);
+    const double tolerance = touch_tolerance(run, stage);
+    double deepest = stage->start - rest, force = fabs(stage->start_force);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        deepest = fmax(deepest, stage->indentation[i] - rest);
+        force = fmax(force, fabs(stage->force[i]));
+    }
+    const double left = run->end - aoi_run_now(run);
+    if (contact->event != AOI_EVENT_NONE || contact->begins || stage->piece == AOI_SLACK ||
+        !(deepest <= DOZING * tolerance) || !(force * left <= DBL_EPSILON * contact->impulse)) {
+        return;
+    }
+    contact->event = AOI_EVENT_OPEN;
+    contact->event_place = 1.0;
+    contact->slack = 0.5 * tolerance;
+    attempt->place = fmin(attempt->place, 1.0);
+}
+
+/* An open contact beside closed ones. It takes no force as long as it stays within the tolerance. */
+static void open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
+{
+    const aoi_joint *joint = &run->system->joint[stage->joint];
+    aoi_contact_state *contact = &run->contact[stage->joint];
+    const double rest = aoi_law_rest(joint->law, stage->memory);
+    double values[AOI_STAGES + 1], place = attempt->place;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        stage->indentation[i] = stage->homogeneous[i];
+    }
+    for (int side = 0; side < 2; side++) {
+        add_forced(run, joint->body[side], joint->port[side], side == 0 ? 1.0 : -1.0,
+                   stage->indentation);
+    }
+    const double tolerance = touch_tolerance(run, stage);
+    line_up(stage->start, stage->indentation, -1.0, rest + fmax(0.5 * tolerance, contact->slack),
+            values);
+    falls(values, tolerance, AOI_EVENT_TOUCH, contact, attempt);
+    if (contact->event == AOI_EVENT_TOUCH && values[0] <= 2.0 * tolerance) {
+        attempt->place = place;
+        contact->event = AOI_EVENT_NONE;
+        attempt->closed = 1;
+        aoi_contact_close(run, stage->joint);
+    }
+}
+
+/* ------------------------------------------------------------------------------- the attempt */
+
+static int wants_rates(const aoi_adaptive *run)
+{
+    for (size_t s = 0; s < run->closed_count; s++) {
+        const aoi_law *law = law_of(run, &run->stage[s]);
+        if (law->depends_on_rate || law->turns) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Contacts that share a body are at most so many stages apart. */
+static size_t span_of(const aoi_adaptive *run)
+{
+    return run->closed_count < 2 ? 0
+                                 : (run->span < run->closed_count ? run->span
+                                                                  : run->closed_count - 1);
+}
+
+void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
+{
+    const int with_rates = wants_rates(run);
+    *attempt = (aoi_attempt){h, 0.0, 2.0, 0};
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        if (run->body[b].engaged > 0) {
+            make_response(run, b, h, level, with_rates);
+        }
+    }
+    for (size_t s = 0; s < run->stage_count; s++) {
+        run->contact[run->stage[s].joint].event = AOI_EVENT_NONE;
+        run->contact[run->stage[s].joint].event_place = HUGE_VAL;
+        if (s < run->closed_count) {
+            run->contact[run->stage[s].joint].slack = 0.0;
+        }
+        begin_stage(run, s, h, with_rates);
+    }
+    if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
+                              run->stage, run->collocation) != AOI_OK) {
+        return;
+    }
+    gather_forces(run);
+    attempt->growth = HUGE_VAL;
+    for (size_t s = 0; s < run->closed_count; s++) {
+        const double growth = growth_of(run, &run->stage[s], h);
+        attempt->growth = growth < attempt->growth ? growth : attempt->growth;
+        closed_events(run, &run->stage[s], attempt);
+        doze(run, &run->stage[s], attempt);
+    }
+    for (size_t s = run->closed_count; s < run->stage_count; s++) {
+        open_events(run, &run->stage[s], attempt);
+    }
+}
+
+/* -------------------------------------------------------------------------------- acceptance */
+
+static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h, aoi_contact_state *contact)
+{
+    const aoi_law *law = law_of(run, stage);
+    double place = 1.0, slope, force = 0.0, by_force[AOI_STAGES];
+    const double *of = stage->legendre;
+    aoi_law_value value;
+    size_t count = AOI_STAGES + 1;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        force = fmax(force, stage->force[i]);
+    }
+    if (force < CAUTION * contact->peak_force) {
+        return;
+    }
+    if (law->depends_on_rate) { /* the force has its maximum before the indentation */
+        for (size_t k = 0; k < AOI_STAGES; k++) {
+            by_force[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], stage->force);
+        }
+        of = by_force;
+        count = AOI_STAGES;
+        if (stage->start_force > contact->peak_force) {
+            contact->peak_force = stage->start_force;
+            contact->peak_time = aoi_run_now(run);
+        }
+    }
+    double inside, rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1];
+    if (!aoi_legendre_top(count, of, &place, &inside)) {
+        place = 1.0;
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        rates[i + 1] = stage->rate[i];
+    }
+    aoi_legendre_fit(rates, by_rate); /* a slope over a very short step would be noise */
+    for (int end = 0; end < 2; end++) {
+        const double at = end ? 1.0 : place;
+        const double indentation =
+            aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, at, &slope);
+        aoi_law_force(law, stage->memory, stage->piece, indentation,
+                      aoi_legendre_evaluate(AOI_STAGES + 1, by_rate, at, &slope), &value);
+        if (value.force > contact->peak_force) {
+            contact->peak_force = value.force;
+            contact->peak_time = aoi_run_now(run) + at * h;
+        }
+    }
+}
+
+size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
+{
+    const aoi_system *system = run->system;
+    size_t at = AOI_TRACK_FIXED, bodies = 0;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const size_t n = system->body[b].n, first = system->first[b];
+        if (run->body[b].changed || (contacts > 0 && run->body[b].engaged == 2)) {
+            row[at++] = (double)b;
+            row[at++] = run->body[b].work;
+            row[at++] = run->body[b].dissipated;
+            for (size_t j = 0; j < n; j++) {
+                row[at + j] = run->x[first + j];
+                row[at + n + j] = run->v[first + j];
+            }
+            at += 2 * n;
+            bodies++;
+            run->body[b].changed = 0;
+        }
+    }
+    for (size_t s = 0; s < contacts; s++, at += AOI_TRACK_CONTACT_SIZE) {
+        const aoi_stage *stage = &run->stage[s];
+        const aoi_contact_state *contact = &run->contact[stage->joint];
+        double *of = row + at;
+        const int ends = contact->event == AOI_EVENT_OPEN || contact->event == AOI_EVENT_SLACKEN;
+        of[AOI_TRACK_JOINT] = (double)stage->joint;
+        of[AOI_TRACK_BEGINS] = contact->begins && stage->piece != AOI_SLACK;
+        of[AOI_TRACK_ENDS] = ends && stage->piece != AOI_SLACK;
+        of[AOI_TRACK_PIECE] = stage->piece;
+        of[AOI_TRACK_WORK] = contact->work;
+        for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
+            of[AOI_TRACK_MEMORY + i] = contact->memory[i];
+        }
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            of[AOI_TRACK_FORCE + i] = stage->force[i];
+        }
+        for (size_t i = 0; i <= AOI_STAGES; i++) {
+            of[AOI_TRACK_INDENTATION + i] = stage->legendre[i];
+        }
+    }
+    row[AOI_TRACK_START] = aoi_run_now(run);
+    row[AOI_TRACK_LENGTH] = h;
+    row[AOI_TRACK_BODIES] = (double)bodies;
+    row[AOI_TRACK_CONTACTS] = (double)contacts;
+    row[AOI_TRACK_SIZE] = (double)at;
+    return at;
+}
+
+/* Bodies under force to the end of the step. */
+static void move_body(aoi_adaptive *run, size_t b, double h)
+{
+    const aoi_modes *body = &run->system->body[b];
+    const double *force = run->port_force + run->system->first_port[b] * AOI_STAGES;
+    double *x = run->x + run->system->first[b], *v = run->v + run->system->first[b];
+    const double now = aoi_run_now(run);
+    double *before = run->flight[0], *scratch = run->flight[0] + 2 * body->n, work, dissipated;
+    const int booked = has_ledger(body);
+    for (size_t j = 0; booked && j < body->n; j++) {
+        before[j] = x[j];
+        before[body->n + j] = v[j];
+    }
+    aoi_response_propagate(&run->response[b], body, now, force, x, v);
+    if (booked) {
+        aoi_modes_step_work(body, now, h, 1.0, force, before, before + body->n, x, v, scratch, &work,
+                            &dissipated);
+        run->body[b].work += work;
+        run->body[b].dissipated += dissipated;
+    }
+}
+
+static void move_bodies(aoi_adaptive *run, double h, double later)
+{
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        if (run->body[b].engaged == 2) {
+            move_body(run, b, h);
+            run->body[b].time = later;
+            run->body[b].changed = 1;
+        }
+    }
+}
+
+/* What a contact has gone through in the step, and its state at the end. */
+static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h)
+{
+    aoi_contact_state *contact = &run->contact[stage->joint];
+    const aoi_law *law = law_of(run, stage);
+    const double largest = largest_of(stage);
+    const int end = AOI_STAGES - 1;
+    if (largest > law->limit) {
+        run->culprit = stage->joint;
+        return AOI_ERROR_PATCH;
+    }
+    if (stage->piece != AOI_SLACK) {
+        note_peak(run, stage, h, contact);
+        const double impulse = aoi_collocation_impulse(stage, h);
+        contact->impulse += impulse;
+        contact->since_touch += impulse;
+        contact->work += aoi_collocation_work(stage);
+    }
+    contact->impulse_scale = fmax(contact->impulse_scale, contact->since_touch);
+    contact->indentation_scale = fmax(contact->indentation_scale, largest);
+    for (size_t i = 0; i <= AOI_STAGES; i++) {
+        contact->last[i] = stage->legendre[i];
+    }
+    contact->last_length = h;
+    contact->begins = 0;
+    contact->start = stage->indentation[end];
+    contact->start_rate = stage->rate[end];
+    if (!wants_rates(run)) {
+        double slope;
+        (void)aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, 1.0, &slope);
+        contact->start_rate = slope / h;
+    }
+    contact->force = stage->force[end];
+    contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));
+    if (stage->piece != AOI_SLACK) {
+        aoi_law_remember(law, contact->start, contact->start_rate, contact->memory);
+    }
+    return AOI_OK;
+}
+
+/* On which piece of its law a closed contact goes on. */
+static void take_piece(const aoi_law *law, aoi_contact_state *contact, double indentation, int rising)
+{
+    aoi_law_value value;
+    contact->piece =
+        aoi_law_piece(law, contact->memory, indentation, rising, &contact->low, &contact->high);
+    aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
+    contact->force = value.force;
+}
+
+static void happen(aoi_adaptive *run, size_t joint, double now)
+{
+    aoi_contact_state *contact = &run->contact[joint];
+    const aoi_law *law = run->system->joint[joint].law;
+    switch (contact->event) {
+    case AOI_EVENT_OPEN:
+        contact->closed = 0;
+        contact->force = 0.0;
+        contact->touches = 0;
+        contact->free_until = now;
+        break;
+    case AOI_EVENT_SLACKEN:
+        contact->piece = AOI_SLACK;
+        contact->force = 0.0;
+        break;
+    case AOI_EVENT_TIGHTEN:
+        contact->begins = 1;
+        contact->last_length = 0.0;
+        take_piece(law, contact, contact->start, contact->start_rate > 0.0);
+        break;
+    case AOI_EVENT_TURN:
+        contact->start_rate = fmin(contact->start_rate, 0.0); /* or it would turn again, for ever */
+        take_piece(law, contact, contact->start, 0);
+        contact->last_length = 0.0;
+        break;
+    case AOI_EVENT_ABOVE:
+        take_piece(law, contact, fmax(contact->high, contact->start), 1);
+        break;
+    case AOI_EVENT_BELOW:
+        take_piece(law, contact, contact->low, 0);
+        break;
+    default:
+        break;
+    }
+}
+
+/* Whether an event at the very start is one only to a polynomial that is not good enough: a contact that
+ * opens in the first look at it, or leaves its piece by the end that it moves away from. */
+static int goes_back(const aoi_contact_state *contact)
+{
+    return (contact->event == AOI_EVENT_OPEN && contact->begins) ||
+           (contact->event == AOI_EVENT_ABOVE && contact->start_rate < 0.0) ||
+           (contact->event == AOI_EVENT_BELOW && contact->start_rate > 0.0);
+}
+
+int aoi_step_at_start(aoi_adaptive *run, double place)
+{
+    int some = 0;
+    for (size_t s = 0; s < run->closed_count; s++) {
+        aoi_contact_state *contact = &run->contact[run->stage[s].joint];
+        if (contact->event_place > place) {
+            continue;
+        }
+        if (goes_back(contact)) {
+            return 0;
+        }
+        happen(run, run->stage[s].joint, aoi_run_now(run));
+        some = 1;
+    }
+    return some;
+}
+
+int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
+{
+    const double h = attempt->h, later = run->origin + (run->elapsed + h);
+    *size = aoi_step_write(run, h, run->closed_count, row);
+    move_bodies(run, h, later);
+    for (size_t s = 0; s < run->closed_count; s++) {
+        const int status = move_contact(run, &run->stage[s], h);
+        if (status != AOI_OK) {
+            return status;
+        }
+    }
+    run->elapsed += h;
+    run->steps++;
+    run->indentation_scale = run->impulse_scale = 0.0;
+    for (size_t s = 0; s < run->stage_count; s++) {
+        const size_t joint = run->stage[s].joint;
+        if (run->contact[joint].event == AOI_EVENT_TOUCH) {
+            aoi_contact_close(run, joint);
+        } else if (s < run->closed_count) {
+            happen(run, joint, later);
+        }
+        run->indentation_scale =
+            fmax(run->indentation_scale, run->contact[joint].indentation_scale);
+        run->impulse_scale = fmax(run->impulse_scale, run->contact[joint].impulse_scale);
+    }
+    return AOI_OK;
+}

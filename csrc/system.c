@@ -1,0 +1,72 @@
+/* Bodies in modes and the contacts between them: whether they can be run. */
+#include "aoimpact.h"
+
+#include <math.h>
+
+static int all_finite(const double *values, size_t count)
+{
+    for (size_t i = 0; values && i < count; i++) {
+        if (!isfinite(values[i])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Whether values ascend from a least one; equal neighbours may be. */
+static int ascending(const double *values, size_t count, double least)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!(values[i] >= least && values[i] < HUGE_VAL)) {
+            return 0;
+        }
+        least = values[i];
+    }
+    return 1;
+}
+
+static int check_body(const aoi_modes *body)
+{
+    const size_t n = body->n, ports = body->ports;
+    if (n == 0 || ports == 0 || !ascending(body->omega, n, 0.0) ||
+        !ascending(body->load_time, body->load_count, -HUGE_VAL)) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    for (size_t j = 0; body->decay && j < n; j++) {
+        if (!(body->decay[j] >= 0.0)) {
+            return AOI_ERROR_ARGUMENT;
+        }
+    }
+    const int finite = all_finite(body->decay, n) && all_finite(body->shape, ports * n) &&
+                       all_finite(body->push, ports * n) && all_finite(body->gravity, n) &&
+                       all_finite(body->residual, ports * ports) && all_finite(body->inertia, n) &&
+                       all_finite(body->centre, n) && all_finite(body->centre_residual, ports) &&
+                       all_finite(body->load_force, body->load_count * ports);
+    return finite ? AOI_OK : AOI_ERROR_ARGUMENT;
+}
+
+static int check_joint(const aoi_system *system, const aoi_joint *joint)
+{
+    for (int side = 0; side < 2; side++) {
+        if (joint->body[side] >= system->body_count ||
+            joint->port[side] >= system->body[joint->body[side]].ports) {
+            return AOI_ERROR_ARGUMENT;
+        }
+    }
+    return joint->body[0] != joint->body[1] && isfinite(joint->gap) ? AOI_OK : AOI_ERROR_ARGUMENT;
+}
+
+int aoi_system_check(const aoi_system *system)
+{
+    for (size_t b = 0; b < system->body_count; b++) {
+        if (check_body(&system->body[b]) != AOI_OK) {
+            return AOI_ERROR_ARGUMENT;
+        }
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (check_joint(system, &system->joint[c]) != AOI_OK) {
+            return AOI_ERROR_ARGUMENT;
+        }
+    }
+    return AOI_OK;
+}

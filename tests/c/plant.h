@@ -1,0 +1,289 @@
+/* Bodies, contacts and an adaptive run of them with all the memory it takes; and the same motion by
+ * Runge and Kutta's classical method, which knows nothing of modes in closed form. */
+#ifndef AOIMPACT_TEST_PLANT_H
+#define AOIMPACT_TEST_PLANT_H
+
+#include "check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_MODES = 12, MOST_PORTS = 3, MOST_LOADS = 4, MOST_BODIES = 6, MOST_JOINTS = 6 };
+enum { ALL_MODES = MOST_MODES * MOST_BODIES, TRACK_ROOM = 4000000, ROW_ROOM = 40000 };
+
+/* A body: the arrays of its aoi_modes, and how it starts. */
+typedef struct part {
+    size_t n, ports, load_count;
+    int damped, pulled, massless;
+    double omega[MOST_MODES], decay[MOST_MODES], gravity[MOST_MODES], inertia[MOST_MODES];
+    double centre[MOST_MODES], shape[MOST_PORTS * MOST_MODES], push[MOST_PORTS * MOST_MODES];
+    double residual[MOST_PORTS * MOST_PORTS];
+    double load_time[MOST_LOADS], load_force[MOST_LOADS * MOST_PORTS];
+    double x[MOST_MODES], v[MOST_MODES];
+} part;
+
+typedef struct plant {
+    part part[MOST_BODIES];
+    aoi_modes body[MOST_BODIES];
+    size_t first[MOST_BODIES + 1], first_port[MOST_BODIES + 1], bodies, joints;
+    aoi_joint joint[MOST_JOINTS];
+    aoi_system system;
+    double x[ALL_MODES], v[ALL_MODES];
+    aoi_follower follower[MOST_BODIES];
+    aoi_contact_state contact[MOST_JOINTS];
+    aoi_stage stage[MOST_JOINTS];
+    aoi_response response[MOST_BODIES];
+    aoi_adaptive run;
+    double *work, *track;
+    size_t *index, used, rows;
+    aoi_sampler sampler;
+    size_t held[2 * (MOST_BODIES + MOST_JOINTS)];
+    double *sampler_work;
+} plant;
+
+static inline aoi_modes part_modes(const part *of)
+{
+    return (aoi_modes){.n = of->n,
+                       .ports = of->ports,
+                       .omega = of->omega,
+                       .decay = of->damped ? of->decay : NULL,
+                       .shape = of->shape,
+                       .push = of->push,
+                       .residual = of->massless ? of->residual : NULL,
+                       .gravity = of->pulled ? of->gravity : NULL,
+                       .inertia = of->inertia,
+                       .centre = of->centre,
+                       .load_count = of->load_count,
+                       .load_time = of->load_count > 0 ? of->load_time : NULL,
+                       .load_force = of->load_count > 0 ? of->load_force : NULL};
+}
+
+static inline part *add_rigid(plant *p, double mass, double velocity)
+{
+    part *made = &p->part[p->bodies++];
+    *made = (part){.n = 1, .ports = 1};
+    made->shape[0] = made->centre[0] = 1.0;
+    made->push[0] = 1.0 / mass;
+    made->inertia[0] = mass;
+    made->v[0] = velocity;
+    return made;
+}
+
+static inline part *add_wall(plant *p)
+{
+    part *made = add_rigid(p, 1.0, 0.0);
+    made->push[0] = made->inertia[0] = 0.0;
+    return made;
+}
+
+/* A free body of that mass, mass-normalised modes up to a highest frequency, flying undeformed. */
+static inline part *add_ringing(plant *p, size_t n, size_t ports, double mass, double highest,
+                                double velocity, uint64_t *seed)
+{
+    part *made = &p->part[p->bodies++];
+    *made = (part){.n = n, .ports = ports};
+    for (size_t j = 0; j < n; j++) {
+        made->omega[j] = highest * (double)j / (double)(n > 1 ? n - 1 : 1);
+        made->inertia[j] = 1.0;
+        for (size_t q = 0; q < ports; q++) {
+            const double side = uniform(seed) < 0.5 ? -1.0 : 1.0;
+            made->shape[q * n + j] =
+                (j == 0 ? 1.0 : side * (0.4 + 0.6 * uniform(seed))) / sqrt(mass);
+            made->push[q * n + j] = made->shape[q * n + j];
+        }
+    }
+    made->centre[0] = 1.0 / sqrt(mass);
+    made->v[0] = velocity * sqrt(mass);
+    return made;
+}
+
+static inline void join(plant *p, size_t one, size_t port, size_t other, size_t other_port, double gap,
+                        const aoi_law *law)
+{
+    p->joint[p->joints++] = (aoi_joint){{one, other}, {port, other_port}, gap, law};
+}
+
+static inline void join_rigid(plant *p, size_t one, size_t other, double gap, const aoi_law *law)
+{
+    join(p, one, 0, other, 0, gap, law);
+}
+
+static inline aoi_law law_named(const char *name, size_t count, double a, double b, double c)
+{
+    const double parameter[] = {a, b, c};
+    aoi_law law;
+    CHECK(aoi_law_create(&law, name, count, parameter) == AOI_OK, "the law %s", name);
+    return law;
+}
+
+static inline aoi_law hertz(double k) { return law_named("hertz", 1, k, 0.0, 0.0); }
+static inline aoi_law linear(double k) { return law_named("linear", 1, k, 0.0, 0.0); }
+
+/* The system, from what was added. */
+static inline void lay_out(plant *p)
+{
+    p->first[0] = p->first_port[0] = 0;
+    for (size_t b = 0; b < p->bodies; b++) {
+        p->body[b] = part_modes(&p->part[b]);
+        p->first[b + 1] = p->first[b] + p->part[b].n;
+        p->first_port[b + 1] = p->first_port[b] + p->part[b].ports;
+        memcpy(p->x + p->first[b], p->part[b].x, p->part[b].n * sizeof(double));
+        memcpy(p->v + p->first[b], p->part[b].v, p->part[b].n * sizeof(double));
+    }
+    p->system = (aoi_system){p->bodies, p->joints, p->body, p->first, p->first_port, p->joint};
+}
+
+static inline int begin(plant *p, double rtol, double end)
+{
+    size_t work, row;
+    lay_out(p);
+    aoi_adaptive_size(&p->system, &work, &row);
+    p->work = malloc(work * sizeof(double));
+    p->track = malloc(TRACK_ROOM * sizeof(double));
+    p->index = malloc(ROW_ROOM * sizeof(size_t));
+    p->sampler_work = malloc(aoi_sampler_size(&p->system) * sizeof(double));
+    p->used = p->rows = 0;
+    p->run = (aoi_adaptive){.system = &p->system, .rtol = rtol, .end = end};
+    p->run.x = p->x;
+    p->run.v = p->v;
+    p->run.body = p->follower;
+    p->run.contact = p->contact;
+    p->run.stage = p->stage;
+    p->run.response = p->response;
+    p->run.work = p->work;
+    return aoi_adaptive_start(&p->run);
+}
+
+static inline int go(plant *p, double rtol, double end)
+{
+    const int status = begin(p, rtol, end);
+    return status != AOI_OK ? status
+                            : aoi_adaptive_run(&p->run, TRACK_ROOM, ROW_ROOM, p->track, p->index,
+                                               &p->used, &p->rows);
+}
+
+static inline void must_go(plant *p, double rtol, double end)
+{
+    const int status = go(p, rtol, end);
+    CHECK(status == AOI_OK, "it runs: status %d at %g", status, p->run.time);
+    CHECK(p->run.time == end, "to the end: %.17g of %g", p->run.time, end);
+}
+
+static inline void release(plant *p)
+{
+    free(p->work);
+    free(p->track);
+    free(p->index);
+    free(p->sampler_work);
+}
+
+static inline int open_sampler(plant *p)
+{
+    p->sampler = (aoi_sampler){.system = &p->system, .size = p->used, .rows = p->rows};
+    p->sampler.track = p->track;
+    p->sampler.index = p->index;
+    p->sampler.body_row = p->held;
+    p->sampler.body_at = p->held + MOST_BODIES;
+    p->sampler.contact_row = p->held + 2 * MOST_BODIES;
+    p->sampler.contact_at = p->sampler.contact_row + MOST_JOINTS;
+    p->sampler.work = p->sampler_work;
+    return aoi_sampler_start(&p->sampler);
+}
+
+/* ------------------------------------------------------------------------- the second method */
+
+static inline double load_on(const part *of, size_t port, double time)
+{
+    const double *t = of->load_time, *f = of->load_force + port;
+    size_t i = 0;
+    while (i < of->load_count && t[i] <= time) {
+        i++;
+    }
+    if (of->load_count == 0) {
+        return 0.0;
+    }
+    if (i == 0 || i == of->load_count) {
+        return f[(i == 0 ? 0 : i - 1) * of->ports];
+    }
+    const double here = f[(i - 1) * of->ports], next = f[i * of->ports];
+    return here + (next - here) * (time - t[i - 1]) / (t[i] - t[i - 1]);
+}
+
+static inline double displacement_of(const plant *p, size_t b, size_t port, const double *x)
+{
+    double sum = 0.0;
+    for (size_t j = 0; j < p->part[b].n; j++) {
+        sum += p->part[b].shape[port * p->part[b].n + j] * x[p->first[b] + j];
+    }
+    return sum;
+}
+
+/* x'' of all modes; no residual compliance. */
+static inline void accelerations(const plant *p, double time, const double *x, const double *v,
+                                 double *a)
+{
+    double force[MOST_BODIES][MOST_PORTS];
+    for (size_t b = 0; b < p->bodies; b++) {
+        for (size_t q = 0; q < p->part[b].ports; q++) {
+            force[b][q] = load_on(&p->part[b], q, time);
+        }
+    }
+    for (size_t c = 0; c < p->joints; c++) {
+        const aoi_joint *of = &p->joint[c];
+        const double d = displacement_of(p, of->body[0], of->port[0], x) -
+                         displacement_of(p, of->body[1], of->port[1], x) - of->gap;
+        const double rate = displacement_of(p, of->body[0], of->port[0], v) -
+                            displacement_of(p, of->body[1], of->port[1], v);
+        const double none[AOI_LAW_MEMORY] = {0.0};
+        aoi_law_value value;
+        aoi_law_push(of->law, none, d, rate, &value);
+        force[of->body[0]][of->port[0]] -= value.force;
+        force[of->body[1]][of->port[1]] += value.force;
+    }
+    for (size_t b = 0; b < p->bodies; b++) {
+        const part *of = &p->part[b];
+        for (size_t j = 0; j < of->n; j++) {
+            const size_t at = p->first[b] + j;
+            a[at] = (of->pulled ? of->gravity[j] : 0.0) - of->omega[j] * of->omega[j] * x[at] -
+                    (of->damped ? 2.0 * of->decay[j] * v[at] : 0.0);
+            for (size_t q = 0; q < of->ports; q++) {
+                a[at] += of->push[q * of->n + j] * force[b][q];
+            }
+        }
+    }
+}
+
+/* From the start of the plant to a time, in equal steps; before `lay_out` or after. */
+static inline void runge_kutta(plant *p, double end, size_t steps, double *x, double *v)
+{
+    const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    const double h = end / (double)steps;
+    lay_out(p);
+    const size_t n = p->first[p->bodies];
+    memcpy(x, p->x, n * sizeof(double));
+    memcpy(v, p->v, n * sizeof(double));
+    for (size_t i = 0; i < steps; i++) {
+        double sum_x[ALL_MODES] = {0.0}, sum_v[ALL_MODES] = {0.0};
+        double dx[ALL_MODES] = {0.0}, dv[ALL_MODES] = {0.0};
+        for (int s = 0; s < 4; s++) {
+            double here[ALL_MODES], speed[ALL_MODES], a[ALL_MODES];
+            for (size_t j = 0; j < n; j++) {
+                here[j] = x[j] + share[s] * h * dx[j];
+                speed[j] = v[j] + share[s] * h * dv[j];
+            }
+            accelerations(p, h * ((double)i + share[s]), here, speed, a);
+            for (size_t j = 0; j < n; j++) {
+                dx[j] = speed[j];
+                dv[j] = a[j];
+                sum_x[j] += weight[s] * speed[j];
+                sum_v[j] += weight[s] * a[j];
+            }
+        }
+        for (size_t j = 0; j < n; j++) {
+            x[j] += h * sum_x[j];
+            v[j] += h * sum_v[j];
+        }
+    }
+}
+
+#endif

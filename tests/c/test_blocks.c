@@ -1,0 +1,160 @@
+/* Smoothing on T (x) S, with T the chain of springs tridiag(-1, 2, -1), whose eigenvectors are sines,
+ * and S = 1 + ones: what Chebyshev steps leave of each eigenvector is known in closed form. */
+#include "check.h"
+
+enum { NODES = 20, STORED = 3 * NODES - 2, WIDEST = AOI_BLOCKS_WIDEST };
+
+typedef struct chain {
+    int32_t start[NODES + 1], indices[STORED];
+    float values[STORED * WIDEST * WIDEST], inverse[NODES * WIDEST * WIDEST];
+    aoi_blocks matrix;
+} chain;
+
+static void chain_make(chain *c, size_t size)
+{
+    int32_t stored = 0;
+    for (int32_t i = 0; i < NODES; i++) {
+        c->start[i] = stored;
+        for (int32_t j = i > 0 ? i - 1 : 0; j <= i + 1 && j < NODES; j++) {
+            for (size_t k = 0; k < size * size; k++) {
+                const float entry = k % (size + 1) == 0 ? 2.0f : 1.0f; /* of S */
+                c->values[size * size * (size_t)stored + k] = i == j ? 2.0f * entry : -entry;
+            }
+            c->indices[stored++] = j;
+        }
+        for (size_t k = 0; k < size * size; k++) { /* (1 + ones)^-1 = 1 - ones/(1 + size) */
+            const double off = -1.0 / (1.0 + (double)size);
+            c->inverse[size * size * (size_t)i + k] =
+                (float)(0.5 * (k % (size + 1) == 0 ? 1.0 + off : off));
+        }
+    }
+    c->start[NODES] = stored;
+    c->matrix = (aoi_blocks){NODES, size, c->start, c->indices, c->values, c->inverse};
+}
+
+/* Mode (k, ones) has the eigenvalue (2 - 2 cos) (1 + size); (k, 1 -1 0 ...) has 2 - 2 cos. */
+static void mode(float *x, size_t size, int k, int alternating)
+{
+    for (size_t i = 0; i < NODES * size; i++) {
+        const double shape = alternating ? (i % size == 0) - (double)(i % size == 1) : 1.0;
+        x[i] = (float)(shape * sin(k * PI * (double)(i / size + 1) / (NODES + 1)));
+    }
+}
+
+static double farthest(size_t count, const float *x, double factor, const float *y)
+{
+    double worst = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        worst = fmax(worst, fabs(x[i] - factor * y[i]));
+    }
+    return worst;
+}
+
+static void products_have_the_eigenvectors(void)
+{
+    chain c;
+    float x[NODES * WIDEST], r[NODES * WIDEST];
+    for (size_t size = 1; size <= WIDEST; size++) {
+        chain_make(&c, size);
+        CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_OK, "blocks of %d", (int)size);
+        for (int k = 1; k <= NODES; k++) {
+            for (int alternating = 0; alternating < (size > 1 ? 2 : 1); alternating++) {
+                const double value = 2.0 - 2.0 * cos(k * PI / (NODES + 1));
+                const double eigenvalue = alternating ? value : value * (1.0 + (double)size);
+                mode(x, size, k, alternating);
+                mode(r, size, k, alternating);
+                aoi_blocks_subtract(&c.matrix, x, r);
+                CHECK(farthest(NODES * size, r, 1.0 - eigenvalue, x) < 2e-6 * (1.0 + (double)size),
+                      "blocks of %d, mode %d: x - A x", (int)size, k);
+            }
+        }
+    }
+}
+
+static double chebyshev(size_t degree, double x)
+{
+    double before = 1.0, now = x;
+    for (size_t k = 1; k < degree; k++) {
+        const double next = 2.0 * x * now - before;
+        before = now;
+        now = next;
+    }
+    return now;
+}
+
+/* For f = 0 the iterate is the error: it shrinks by T_k((theta - lambda)/delta) / T_k(theta/delta),
+ * with lambda of D^-1 A, here 1 - cos. */
+static void steps_damp_as_chebyshev_polynomials(void)
+{
+    const double low = 0.25, high = 2.1, middle = 0.5 * (low + high), half = 0.5 * (high - low);
+    chain c;
+    float x[NODES * WIDEST], before[NODES * WIDEST], r[NODES * WIDEST], exact[NODES * WIDEST];
+    float work[2 * NODES * WIDEST];
+    for (size_t size = 1; size <= WIDEST; size++) {
+        const size_t n = NODES * size;
+        chain_make(&c, size);
+        for (size_t steps = 1; steps <= 5; steps++) {
+            for (int k = 1; k <= NODES; k += 3) {
+                const double value = 1.0 - cos(k * PI / (NODES + 1));
+                const double left = chebyshev(steps, (middle - value) / half) /
+                                    chebyshev(steps, middle / half);
+                mode(x, size, k, 0);
+                mode(before, size, k, 0);
+                for (size_t i = 0; i < n; i++) {
+                    r[i] = 0.0f;
+                }
+                aoi_blocks_subtract(&c.matrix, x, r);
+                CHECK(aoi_blocks_smooth(&c.matrix, steps, low, high, 1, x, r, work) == AOI_OK,
+                      "%d steps", (int)steps);
+                CHECK(farthest(n, x, left, before) < 1e-5, "blocks of %d, %d steps: mode %d, by %g",
+                      (int)size, (int)steps, k, left);
+                for (size_t i = 0; i < n; i++) {
+                    exact[i] = 0.0f;
+                }
+                aoi_blocks_subtract(&c.matrix, x, exact);
+                CHECK(farthest(n, r, 1.0, exact) < 2e-5, "finished: r = f - A x");
+            }
+        }
+    }
+}
+
+static void unfinished_smoothing_does_the_same_to_x(void)
+{
+    chain c;
+    float x[3 * NODES], y[3 * NODES], r[3 * NODES], s[3 * NODES], work[6 * NODES];
+    chain_make(&c, 3);
+    for (size_t i = 0; i < 3 * NODES; i++) {
+        x[i] = y[i] = 0.0f;
+        r[i] = s[i] = (float)sin((double)i);
+    }
+    aoi_blocks_smooth(&c.matrix, 3, 0.2, 2.0, 1, x, r, work);
+    aoi_blocks_smooth(&c.matrix, 3, 0.2, 2.0, 0, y, s, work);
+    CHECK(farthest(3 * NODES, x, 1.0, y) == 0.0, "x with and without the last residual");
+    CHECK(farthest(3 * NODES, r, 1.0, s) > 0.0, "the residual is one product behind");
+}
+
+static void what_is_no_interval_is_refused(void)
+{
+    chain c;
+    float x[NODES] = {0.0f}, r[NODES] = {0.0f}, work[2 * NODES];
+    chain_make(&c, 1);
+    CHECK(aoi_blocks_smooth(&c.matrix, 3, 0.0, 2.0, 1, x, r, work) == AOI_ERROR_ARGUMENT, "low 0");
+    CHECK(aoi_blocks_smooth(&c.matrix, 3, 2.0, 2.0, 1, x, r, work) == AOI_ERROR_ARGUMENT, "empty");
+    CHECK(aoi_blocks_smooth(&c.matrix, 0, 1.0, 2.0, 1, x, r, work) == AOI_ERROR_ARGUMENT, "no step");
+    c.matrix.size = WIDEST + 1;
+    CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_ERROR_ARGUMENT, "too wide a block");
+    c.matrix.size = 0;
+    CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_ERROR_ARGUMENT, "no block");
+    c.matrix.size = 1;
+    c.indices[4] = NODES;
+    CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_ERROR_ARGUMENT, "a column that is not there");
+}
+
+int main(void)
+{
+    products_have_the_eigenvectors();
+    steps_damp_as_chebyshev_polynomials();
+    unfinished_smoothing_does_the_same_to_x();
+    what_is_no_interval_is_refused();
+    return check_report();
+}

@@ -1,0 +1,196 @@
+/* An impact in a few numbers, against closed forms of rigid bodies and a linear law. */
+#include "check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROWS = 2000, ROOM = 400000 };
+
+/* Two bodies of one mode each, and all that a run of them needs. */
+typedef struct pair {
+    double omega[2], shape[2], push[2], inertia[2], centre[2], x[2], v[2];
+    aoi_modes body[2];
+    aoi_law law;
+    aoi_joint joint;
+    size_t first[3], first_port[3];
+    aoi_system system;
+    aoi_follower follower[2];
+    aoi_contact_state contact;
+    aoi_stage stage;
+    aoi_response response[2];
+    aoi_adaptive run;
+    aoi_sampler sampler;
+    size_t place[6], index[ROWS];
+    double *work, *sampling, *track, *record;
+} pair;
+
+static void make_pair(pair *p, double first_mass, double second_mass, double k, double gap)
+{
+    memset(p, 0, sizeof *p);
+    for (size_t b = 0; b < 2; b++) {
+        const double mass = b == 0 ? first_mass : second_mass;
+        p->shape[b] = p->centre[b] = 1.0;
+        p->push[b] = isinf(mass) ? 0.0 : 1.0 / mass;
+        p->inertia[b] = isinf(mass) ? 0.0 : mass;
+        p->body[b] = (aoi_modes){.n = 1, .ports = 1, .omega = &p->omega[b], .shape = &p->shape[b],
+                                 .push = &p->push[b], .inertia = &p->inertia[b],
+                                 .centre = &p->centre[b]};
+        p->first[b + 1] = p->first_port[b + 1] = b + 1;
+    }
+    CHECK(aoi_law_create(&p->law, "linear", 1, &k) == AOI_OK, "law");
+    p->joint = (aoi_joint){{0, 1}, {0, 0}, gap, &p->law};
+    p->system = (aoi_system){2, 1, p->body, p->first, p->first_port, &p->joint};
+}
+
+static int brief_of(pair *p, double velocity, double end, size_t most, aoi_brief *brief)
+{
+    size_t work, row;
+    aoi_adaptive_size(&p->system, &work, &row);
+    p->work = calloc(work, sizeof(double));
+    p->sampling = calloc(aoi_sampler_size(&p->system), sizeof(double));
+    p->record = calloc(aoi_sampler_rows(&p->system), sizeof(double));
+    p->track = calloc(ROOM, sizeof(double));
+    p->v[0] = velocity;
+    p->run = (aoi_adaptive){.system = &p->system, .rtol = 1e-9, .end = end, .x = p->x, .v = p->v};
+    p->run.body = p->follower;
+    p->run.contact = &p->contact;
+    p->run.stage = &p->stage;
+    p->run.response = p->response;
+    p->run.work = p->work;
+    p->sampler = (aoi_sampler){.body_row = p->place, .body_at = p->place + 2,
+                               .contact_row = p->place + 4, .contact_at = p->place + 5,
+                               .work = p->sampling};
+    const int status =
+        aoi_brief_run(&p->run, ROOM, most, p->track, p->index, &p->sampler, p->record, brief);
+    free(p->work);
+    free(p->sampling);
+    free(p->record);
+    free(p->track);
+    return status;
+}
+
+/* Half a swing of the relative motion; momentum changes hands. */
+static void balls_collide(void)
+{
+    const double m = 0.3, n = 0.5, k = 1e6, gap = 1e-3, velocity = 2.0;
+    const double reduced = m * n / (m + n), swing = PI * sqrt(reduced / k);
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, m, n, k, gap);
+    CHECK(brief_of(&p, velocity, 0.1, ROWS, &brief) == AOI_OK, "it runs");
+    CHECK(brief.touches == 1 && !brief.lasting, "once, and over");
+    CHECK(near(brief.start, gap / velocity, 1e-14), "touch");
+    CHECK(near(brief.end - brief.start, swing, 1e-8), "duration");
+    CHECK(near(brief.peak_time - brief.start, 0.5 * swing, 1e-6), "time of the peak");
+    CHECK(near(brief.peak_force, velocity * sqrt(k * reduced), 1e-8), "peak");
+    CHECK(near(brief.impulse, 2.0 * reduced * velocity, 1e-8), "impulse");
+    CHECK(near(brief.velocity[0], velocity * (m - n) / (m + n), 1e-7), "first flies on");
+    CHECK(near(brief.velocity[1], velocity * 2.0 * m / (m + n), 1e-8), "second flies off");
+}
+
+static void a_wall_gives_the_velocity_back(void)
+{
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, 0.3, (double)INFINITY, 1e6, 0.0);
+    CHECK(brief_of(&p, 2.0, 0.1, ROWS, &brief) == AOI_OK, "it runs");
+    CHECK(near(brief.velocity[0], -2.0, 1e-8), "thrown back");
+    CHECK(brief.velocity[1] == 0.0, "the wall stays");
+    CHECK(brief.start == 0.0, "touching at the start");
+}
+
+static void a_record_may_end_in_contact(void)
+{
+    const double m = 0.3, k = 1e6, end = 0.25 * PI * sqrt(m / k);
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, m, (double)INFINITY, k, 0.0);
+    CHECK(brief_of(&p, 2.0, end, ROWS, &brief) == AOI_OK, "it runs");
+    CHECK(brief.touches == 1 && brief.lasting, "still touching");
+    CHECK(brief.end == end, "up to the end");
+    CHECK(near(brief.velocity[0], 2.0 * cos(0.25 * PI), 1e-8), "an eighth of a swing");
+}
+
+static void bodies_may_miss(void)
+{
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, 0.3, 0.5, 1e6, 1.0);
+    CHECK(brief_of(&p, 2.0, 0.1, ROWS, &brief) == AOI_OK, "it runs");
+    CHECK(brief.touches == 0 && !brief.lasting, "no touch");
+    CHECK(brief.peak_force == 0.0 && brief.impulse == 0.0, "no force");
+    CHECK(brief.start == 0.0 && brief.end == 0.0, "no times");
+    CHECK(brief.velocity[0] == 2.0 && brief.velocity[1] == 0.0, "as before");
+}
+
+/* A light ball that bounces on a heavy one on a spring is met again. */
+static void touches_are_counted(void)
+{
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
+    p.omega[1] = 1000.0;
+    CHECK(brief_of(&p, 2.0, 0.05, ROWS, &brief) == AOI_OK, "it runs");
+    CHECK(brief.touches > 1, "%d touches", (int)brief.touches);
+    CHECK(brief.start == 0.0, "the first one's start");
+    CHECK(brief.end > 1e-3 && brief.end < 0.05, "the last one's end: %g", brief.end);
+}
+
+/* After they have parted a held body swings on: its velocity is that of the parting. */
+static void what_comes_later_does_not_count(void)
+{
+    pair p;
+    aoi_brief early, late;
+    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
+    p.omega[1] = 200.0;
+    CHECK(brief_of(&p, 0.5, 5e-3, ROWS, &early) == AOI_OK, "it runs");
+    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
+    p.omega[1] = 200.0;
+    CHECK(brief_of(&p, 0.5, 7e-3, ROWS, &late) == AOI_OK, "it runs");
+    CHECK(early.touches == 1 && late.touches == 1, "once");
+    CHECK(late.velocity[1] == early.velocity[1] && late.end == early.end, "the same parting");
+    CHECK(late.velocity[1] > 0.1, "it moves on: %g", late.velocity[1]);
+}
+
+/* A dashpot pulls before the bodies part: the touch ends with the force, m x'' = 0. */
+static void a_touch_ends_with_the_force(void)
+{
+    const double m = 0.3, k = 1e6, c = 200.0, decay = c / (2.0 * m);
+    const double omega = sqrt(k / m - decay * decay), parameter[] = {k, c};
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, m, (double)INFINITY, k, 0.0);
+    CHECK(aoi_law_create(&p.law, "kelvin_voigt", 2, parameter) == AOI_OK, "law");
+    CHECK(brief_of(&p, 2.0, 0.1, ROWS, &brief) == AOI_OK, "it runs");
+    const double end = atan2(2.0 * decay * omega, decay * decay - omega * omega) / omega;
+    CHECK(brief.touches == 1 && !brief.lasting, "once, and over");
+    CHECK(near(brief.end, end, 1e-8), "duration");
+    const double speed = 2.0 * exp(-decay * end) * (cos(omega * end) - decay / omega * sin(omega * end));
+    CHECK(near(brief.velocity[0], speed, 1e-8), "the velocity then");
+}
+
+static void what_cannot_be_summed_up(void)
+{
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
+    CHECK(brief_of(&p, 2.0, 0.1, 3, &brief) == AOI_ERROR_TOO_LONG, "three rows are few");
+    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
+    p.system.joint_count = 0;
+    CHECK(brief_of(&p, 2.0, 0.1, ROWS, &brief) == AOI_ERROR_ARGUMENT, "no contact");
+    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
+    CHECK(brief_of(&p, 2.0, -1.0, ROWS, &brief) != AOI_OK, "an end before the start");
+}
+
+int main(void)
+{
+    balls_collide();
+    a_wall_gives_the_velocity_back();
+    a_record_may_end_in_contact();
+    bodies_may_miss();
+    touches_are_counted();
+    what_comes_later_does_not_count();
+    a_touch_ends_with_the_force();
+    what_cannot_be_summed_up();
+    return check_report();
+}

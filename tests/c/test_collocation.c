@@ -1,0 +1,332 @@
+/* One step of contact: contacts solved together are what each is alone, forces between bodies balance,
+ * and errors fall with the order that the method has. */
+#include "numeric.h"
+#include "plant.h"
+
+enum { MOST_WORK = 200000 };
+
+/* All joints closed, at the beginning of a step of length h from the plant's start, solved. */
+static int solve(plant *p, double h, size_t span, int with_rates)
+{
+    static double work[MOST_WORK];
+    CHECK(aoi_collocation_size(p->joints, span) <= MOST_WORK, "room");
+    for (size_t b = 0; b < p->bodies; b++) {
+        double *block = p->work + b * 20000;
+        CHECK(aoi_response_size(&p->body[b]) < 20000, "room");
+        aoi_response_make(&p->response[b], &p->body[b], h, with_rates, block);
+    }
+    for (size_t c = 0; c < p->joints; c++) {
+        const aoi_joint *joint = &p->joint[c];
+        double rate = 0.0, start = -joint->gap;
+        aoi_stage *stage = &p->stage[c];
+        *stage = (aoi_stage){.joint = c, .piece = 0};
+        for (int side = 0; side < 2; side++) {
+            const double sign = side == 0 ? 1.0 : -1.0;
+            const size_t b = joint->body[side];
+            start += sign * displacement_of(p, b, joint->port[side], p->x);
+            rate += sign * displacement_of(p, b, joint->port[side], p->v);
+        }
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            stage->homogeneous[i] = start;
+        }
+        for (int side = 0; side < 2; side++) {
+            const size_t b = joint->body[side], at = p->first[b];
+            aoi_response_homogeneous(&p->response[b], &p->body[b], joint->port[side],
+                                     side == 0 ? 1.0 : -1.0, 0.0, p->x + at, p->v + at,
+                                     stage->homogeneous, stage->homogeneous_rate);
+        }
+        stage->start = start;
+        stage->start_rate = rate;
+        stage->scale = fabs(start);
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            stage->indentation[i] = stage->homogeneous[i];
+            stage->rate[i] = stage->homogeneous_rate[i];
+            stage->scale = fmax(stage->scale, fabs(stage->homogeneous[i]));
+        }
+    }
+    return aoi_collocation_solve(&p->system, p->response, h, p->joints, span, p->stage, work);
+}
+
+/* A plant with room for responses. */
+static void prepare(plant *p)
+{
+    lay_out(p);
+    p->work = malloc(MOST_BODIES * 20000 * sizeof(double));
+}
+
+/* The forces of the solved step on the ports of a body. */
+static void forces_on(const plant *p, size_t b, double *force)
+{
+    memset(force, 0, MOST_PORTS * AOI_STAGES * sizeof *force);
+    for (size_t c = 0; c < p->joints; c++) {
+        for (int side = 0; side < 2; side++) {
+            if (p->joint[c].body[side] == b) {
+                aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, p->stage[c].force,
+                               force + p->joint[c].port[side] * AOI_STAGES);
+            }
+        }
+    }
+}
+
+/* All bodies to the end of the step. */
+static void take_step(plant *p)
+{
+    for (size_t b = 0; b < p->bodies; b++) {
+        double force[MOST_PORTS * AOI_STAGES];
+        forces_on(p, b, force);
+        aoi_response_propagate(&p->response[b], &p->body[b], 0.0, force, p->x + p->first[b],
+                               p->v + p->first[b]);
+    }
+}
+
+/* What the law makes of the indentations is the force, and what the bodies make of the forces is the
+ * indentation. */
+static void check_solution(const plant *p, double h, const char *what)
+{
+    for (size_t c = 0; c < p->joints; c++) {
+        const aoi_joint *joint = &p->joint[c];
+        const aoi_stage *stage = &p->stage[c];
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            aoi_law_value value;
+            aoi_law_force(joint->law, NULL, 0, stage->indentation[i], stage->rate[i], &value);
+            CHECK(near(stage->force[i], value.force, 1e-13), "%s: contact %zu, node %zu: the law", what, c, i);
+            double indentation = -joint->gap, rate = 0.0;
+            for (int side = 0; side < 2; side++) {
+                const size_t b = joint->body[side], n = p->part[b].n;
+                double x[MOST_MODES], v[MOST_MODES], force[MOST_PORTS * AOI_STAGES], u, du;
+                memcpy(x, p->x + p->first[b], n * sizeof(double));
+                memcpy(v, p->v + p->first[b], n * sizeof(double));
+                forces_on(p, b, force);
+                aoi_modes_fly(&p->body[b], 0.0, h * aoi_radau_node[i], x, v);
+                aoi_response_push(&p->body[b], h, force, aoi_radau_node[i], x, v);
+                aoi_modes_port(&p->body[b], joint->port[side], x, v, &u, &du);
+                for (size_t q = 0; p->body[b].residual && q < p->body[b].ports; q++) {
+                    u += p->body[b].residual[joint->port[side] * p->body[b].ports + q] *
+                         force[q * AOI_STAGES + i];
+                }
+                indentation += side == 0 ? u : -u;
+                rate += side == 0 ? du : -du;
+            }
+            CHECK(fabs(stage->indentation[i] - indentation) < 1e-13 * stage->scale,
+                  "%s: contact %zu, node %zu: %.16g, not %.16g", what, c, i, stage->indentation[i],
+                  indentation);
+            if (joint->law->depends_on_rate) {
+                CHECK(fabs(stage->rate[i] - rate) < 1e-12, "%s: contact %zu, node %zu: rate", what, c, i);
+            }
+        }
+    }
+}
+
+/* Two pairs that do not know of each other, solved together and one by one. */
+static void strangers_do_not_disturb_each_other(void)
+{
+    const aoi_law law = hertz(1e9);
+    plant both = {.bodies = 0}, alone = {.bodies = 0};
+    for (int i = 0; i < 2; i++) {
+        add_rigid(&both, 1.0 + i, 1.0 + 0.5 * i);
+        add_rigid(&both, 3.0, -0.2);
+        join_rigid(&both, 2 * (size_t)i, 2 * (size_t)i + 1, -1e-5, &law);
+    }
+    add_rigid(&alone, 2.0, 1.5);
+    add_rigid(&alone, 3.0, -0.2);
+    join_rigid(&alone, 0, 1, -1e-5, &law);
+    prepare(&both);
+    prepare(&alone);
+    CHECK(solve(&both, 1e-5, 0, 0) == AOI_OK && solve(&alone, 1e-5, 0, 0) == AOI_OK, "solved");
+    check_solution(&both, 1e-5, "two pairs");
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        CHECK(near(both.stage[1].force[i], alone.stage[0].force[i], 1e-14), "node %zu", i);
+    }
+    free(both.work);
+    free(alone.work);
+}
+
+/* A row of ringing bodies pressed together, each but the ends in two contacts. */
+static void make_row(plant *p, const aoi_law *law, int massless)
+{
+    uint64_t seed = 31;
+    for (size_t b = 0; b < 4; b++) {
+        part *of = add_ringing(p, 4, 2, 0.5 + 0.1 * (double)b, 3e5, 1.0 - 0.6 * (double)b, &seed);
+        of->massless = massless;
+        of->residual[0] = of->residual[3] = 2e-9;
+        of->residual[1] = of->residual[2] = -5e-10;
+        if (b > 0) {
+            join(p, b - 1, 1, b, 0, -1e-5, law);
+        }
+    }
+}
+
+static void contacts_that_share_bodies_are_solved_together(void)
+{
+    const aoi_law elastic = hertz(1e9), viscous = law_named("hunt_crossley", 3, 1e9, 0.3, 1.5);
+    for (int kind = 0; kind < 4; kind++) {
+        plant p = {.bodies = 0};
+        make_row(&p, kind % 2 ? &viscous : &elastic, 0);
+        if (kind >= 2) { /* in another order, so that those that share a body are two apart */
+            const aoi_joint kept = p.joint[1];
+            p.joint[1] = p.joint[2];
+            p.joint[2] = kept;
+        }
+        prepare(&p);
+        CHECK(solve(&p, 2e-5, kind >= 2 ? 2 : 1, kind % 2) == AOI_OK, "solved");
+        check_solution(&p, 2e-5, "a row");
+        free(p.work);
+    }
+}
+
+static void massless_contacts_share_their_compliance(void)
+{
+    const aoi_law law = hertz(1e9);
+    plant p = {.bodies = 0};
+    make_row(&p, &law, 1);
+    prepare(&p);
+    CHECK(solve(&p, 2e-5, 1, 0) == AOI_OK, "solved");
+    check_solution(&p, 2e-5, "massless");
+    free(p.work);
+}
+
+/* Over a step of h, then two of h/2, and so on, of a linear contact of two bodies: the exact end is a
+ * sine. Radau's end is of order 15. */
+static void the_end_of_a_step_is_of_order_fifteen(void)
+{
+    const aoi_law law = linear(4.0);
+    double before = 0.0;
+    for (int halved = 0; halved < 3; halved++) {
+        plant p = {.bodies = 0};
+        const double h = ldexp(3.0, -halved), omega = 2.0; /* of k / m, m = 1 against a wall */
+        double x = 0.4, v = 0.7;
+        add_rigid(&p, 1.0, v);
+        p.part[0].x[0] = x;
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        prepare(&p);
+        CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
+        take_step(&p);
+        const double exact = x * cos(omega * h) + v / omega * sin(omega * h);
+        const double error = fabs(p.x[0] - exact);
+        /* One step's own error is an order higher. */
+        CHECK(halved == 0 || error < before / pow(2.0, 14.0) || error < 1e-14,
+              "h %g: error %g, before %g", h, error, before);
+        CHECK(halved > 0 || (error > 1e-8 && error < 1e-1), "h %g: error %g is not rounding", h, error);
+        before = error;
+        free(p.work);
+    }
+}
+
+/* The estimates are near what they estimate: under Hertz's law what a step hands on, and under a linear
+ * one, whose defect Radau's nodes leave without effect, how far the motion within the step is off. */
+static void the_estimate_is_the_error(void)
+{
+    const aoi_law law = hertz(4.0);
+    const double lengths[] = {1.0, 1.4, 1.8}; /* of a contact of 3.2 s */
+    for (int i = 0; i < 3; i++) {
+        plant p = {.bodies = 0};
+        double x[ALL_MODES], v[ALL_MODES];
+        const double h = lengths[i];
+        add_rigid(&p, 1.0, 1.0);
+        p.part[0].x[0] = 0.1;
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        runge_kutta(&p, h, 4000, x, v);
+        prepare(&p);
+        CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
+        aoi_collocation_error estimate;
+        aoi_collocation_estimate(&p.system, p.response, h, &p.stage[0], &estimate);
+        take_step(&p);
+        const double error = fabs(p.v[0] - v[0]), off = fabs(p.x[0] - x[0]);
+        /* The defect's impulse does not yet know that the law answers to its own error. */
+        CHECK(fabs(estimate.impulse) > 0.2 * error && fabs(estimate.impulse) < 5.0 * error,
+              "h %g: impulse off by %g, estimated %g", h, error, estimate.impulse);
+        CHECK(fabs(estimate.indentation) > 0.2 * off && fabs(estimate.indentation) < 5.0 * (off + h * error),
+              "h %g: place off by %g, estimated %g", h, off, estimate.indentation);
+        free(p.work);
+    }
+}
+
+static void the_tail_is_the_error_within_the_step(void)
+{
+    const aoi_law law = linear(4.0);
+    const double lengths[] = {1.0, 2.0, 3.0};
+    for (int i = 0; i < 3; i++) {
+        plant p = {.bodies = 0};
+        const double h = lengths[i], x = 0.4, v = 0.7;
+        add_rigid(&p, 1.0, v);
+        p.part[0].x[0] = x;
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        prepare(&p);
+        CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
+        aoi_collocation_error estimate;
+        aoi_collocation_estimate(&p.system, p.response, h, &p.stage[0], &estimate);
+        double worst = 0.0;
+        for (int k = 0; k <= 100; k++) {
+            double slope;
+            const double t = 0.01 * k * h;
+            const double ours = aoi_legendre_evaluate(AOI_STAGES + 1, p.stage[0].legendre, 0.01 * k, &slope);
+            worst = fmax(worst, fabs(ours - x * cos(2.0 * t) - v / 2.0 * sin(2.0 * t)));
+        }
+        CHECK(estimate.tail > worst && estimate.tail < 100.0 * worst,
+              "h %g: within the step off by %g, tail %g", h, worst, estimate.tail);
+        free(p.work);
+    }
+}
+
+/* Impulse and work of the step are momentum and energy of the bodies. */
+static void impulse_and_work_are_momentum_and_energy(void)
+{
+    const aoi_law law = hertz(1e9);
+    const double m[] = {0.7, 1.1}, v[] = {2.0, -1.0}, h = 8e-6;
+    plant p = {.bodies = 0};
+    add_rigid(&p, m[0], v[0]);
+    add_rigid(&p, m[1], v[1]);
+    join_rigid(&p, 0, 1, -2e-5, &law);
+    prepare(&p);
+    CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
+    const double impulse = aoi_collocation_impulse(&p.stage[0], h);
+    const double work = aoi_collocation_work(&p.stage[0]);
+    take_step(&p);
+    double lost = 0.0;
+    for (int b = 0; b < 2; b++) {
+        CHECK(near(m[b] * (v[b] - p.v[b]), b == 0 ? impulse : -impulse, 1e-11), "momentum of %d", b);
+        lost += 0.5 * m[b] * (v[b] * v[b] - p.v[b] * p.v[b]);
+    }
+    CHECK(near(work, lost, 1e-9), "work %.15g, kinetic energy lost %.15g", work, lost);
+    CHECK(near(work, 0.4e9 * (pow(p.stage[0].indentation[AOI_STAGES - 1], 2.5) - pow(2e-5, 2.5)), 1e-9),
+          "and stored in the law");
+    free(p.work);
+}
+
+/* A law that gives no number, or a step far too long for it, is said so. */
+static void not_force(const aoi_law *law, const double *memory, int piece, double indentation, double rate,
+                      aoi_law_value *value)
+{
+    (void)law;
+    (void)memory;
+    (void)piece;
+    value->force = value->stiffness = value->damping = (indentation + rate) * NAN;
+}
+
+static void no_number_is_no_solution(void)
+{
+    const aoi_law law = {.force = not_force, .limit = HUGE_VAL};
+    plant p = {.bodies = 0};
+    add_rigid(&p, 1.0, 1.0);
+    add_wall(&p);
+    join_rigid(&p, 0, 1, -1e-6, &law);
+    prepare(&p);
+    CHECK(solve(&p, 1e-5, 0, 0) == AOI_ERROR_NO_CONVERGENCE, "no solution");
+    free(p.work);
+}
+
+int main(void)
+{
+    strangers_do_not_disturb_each_other();
+    contacts_that_share_bodies_are_solved_together();
+    massless_contacts_share_their_compliance();
+    the_end_of_a_step_is_of_order_fifteen();
+    the_estimate_is_the_error();
+    the_tail_is_the_error_within_the_step();
+    impulse_and_work_are_momentum_and_energy();
+    no_number_is_no_solution();
+    return check_report();
+}

@@ -1,0 +1,279 @@
+/* Dense output: what a track says at any time between its rows, and that its ledger of energies closes. */
+#include "plant.h"
+
+enum { MOST_ROWS = 128 };
+
+/* All energies, losses less works of a record: constant. */
+static double ledger(const plant *p, const double *record)
+{
+    double sum = 0.0;
+    for (size_t c = 0; c < p->joints; c++, record += AOI_CONTACT_ROWS) {
+        sum += record[2] + record[3];
+    }
+    for (size_t b = 0; b < p->bodies; b++) {
+        sum += record[AOI_BODY_KINETIC] + record[AOI_BODY_ELASTIC] + record[AOI_BODY_DISSIPATED] -
+               record[AOI_BODY_WORK];
+        record += AOI_BODY_ROWS + AOI_PORT_ROWS * p->part[b].ports;
+    }
+    return sum;
+}
+
+/* What a scene of two ringing bodies and a contact is made of. */
+enum { GRAVITY = 1, STEADY = 2, RISING = 4, DAMPED = 8, MASSLESS = 16, VISCOUS = 32, PRESSED = 64 };
+
+static void furnish(plant *p, int with, const aoi_law *law)
+{
+    uint64_t seed = 41;
+    for (size_t b = 0; b < 2; b++) {
+        part *of = add_ringing(p, 5, 2, 1.0 + (double)b, 4e3, b == 0 ? 1.0 : -0.5, &seed);
+        const double rise = with & RISING ? 40.0 : 0.0;
+        of->pulled = (with & GRAVITY) != 0;
+        of->gravity[0] = b == 0 ? 9.81 : -4.0;
+        of->damped = (with & DAMPED) != 0;
+        of->massless = (with & MASSLESS) != 0;
+        of->residual[0] = of->residual[3] = 3e-7;
+        of->residual[1] = of->residual[2] = 1e-7;
+        of->load_count = with & (STEADY | RISING) ? 3 : 0;
+        for (size_t i = 0; i < 3; i++) {
+            of->load_time[i] = 4e-3 * (double)i;
+            of->load_force[2 * i] = 20.0 + rise * (double)(i % 2);
+            of->load_force[2 * i + 1] = -10.0 + rise * (double)(i * i);
+        }
+        for (size_t j = 0; j < of->n; j++) {
+            of->decay[j] = 20.0 * (double)(j * j);
+        }
+    }
+    join(p, 0, 0, 1, 1, with & PRESSED ? -1e-4 : 1e-4, law);
+}
+
+static void the_ledger_closes(int with, const char *what)
+{
+    const double end = 0.012, rtol = 1e-10;
+    const aoi_law law = with & VISCOUS ? law_named("hunt_crossley", 3, 1e7, 0.2, 1.5) : hertz(1e7);
+    double record[MOST_ROWS], first = 0.0, scale = 1.0;
+    plant p = {.bodies = 0};
+    furnish(&p, with, &law);
+    must_go(&p, rtol, end);
+    CHECK(p.contact[0].impulse > 0.5, "%s: they meet", what);
+    CHECK(open_sampler(&p) == AOI_OK && aoi_sampler_rows(&p.system) <= MOST_ROWS, "%s: sampled", what);
+    for (int i = 0; i <= 400; i++) {
+        const double t = end * i / 400.0;
+        CHECK(aoi_sampler_column(&p.sampler, t, 1, record, 1) == AOI_OK, "%s: sampled", what);
+        first = i == 0 ? ledger(&p, record) : first;
+        CHECK(i > 0 || (fabs(record[4 + AOI_BODY_WORK]) < 1e-12 && fabs(record[14 + AOI_BODY_WORK]) < 1e-12),
+              "%s: no work at the start", what);
+        CHECK(fabs(ledger(&p, record) - first) < 30.0 * rtol * scale, "%s: at %g the ledger is off by %g J", what,
+              t, ledger(&p, record) - first);
+    }
+    release(&p);
+}
+
+static void ledgers_close(void)
+{
+    the_ledger_closes(0, "alone");
+    the_ledger_closes(GRAVITY, "gravity");
+    the_ledger_closes(STEADY, "steady loads");
+    the_ledger_closes(RISING, "rising loads");
+    the_ledger_closes(MASSLESS, "massless contacts");
+    the_ledger_closes(DAMPED, "damping");
+    the_ledger_closes(VISCOUS, "viscous contact");
+    the_ledger_closes(STEADY | MASSLESS, "steady loads on massless contacts");
+    the_ledger_closes(RISING | MASSLESS, "rising loads on massless contacts");
+    the_ledger_closes(RISING | DAMPED, "rising loads, damping");
+    the_ledger_closes(RISING | PRESSED | MASSLESS, "pressed together from the start");
+    the_ledger_closes(RISING | GRAVITY | DAMPED | MASSLESS | VISCOUS, "everything");
+}
+
+/* No force acts on a mass but a load that rises: v = f' t^2 / 2m, and its work is its kinetic energy; a
+ * damped mass loses what is missing. */
+static void work_and_losses_are_those_of_the_motion(void)
+{
+    for (int damped = 0; damped < 2; damped++) {
+        plant p = {.bodies = 0};
+        part *ball = add_rigid(&p, 2.0, 0.0);
+        ball->damped = damped;
+        ball->decay[0] = 3.0;
+        ball->load_count = 2;
+        ball->load_time[1] = 1.0;
+        ball->load_force[1] = 12.0;
+        must_go(&p, 1e-9, 1.0);
+        double record[AOI_BODY_ROWS + AOI_PORT_ROWS];
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        CHECK(aoi_sampler_column(&p.sampler, 0.5, 1, record, 1) == AOI_OK, "sampled");
+        /* v' + 2 s v = 6 t: v = (6 t - v_lag)/(2 s), v_lag = 6 (1 - e^(-2 s t))/(2 s). */
+        const double q = 6.0, t = 0.5, e = exp(-q * t);
+        const double v = damped ? 6.0 * (t / q - (1.0 - e) / (q * q)) : 3.0 * t * t;
+        CHECK(near(record[AOI_BODY_CENTRE_VELOCITY], v, 1e-13), "velocity %.15g, not %.15g",
+              record[AOI_BODY_CENTRE_VELOCITY], v);
+        CHECK(near(record[AOI_BODY_KINETIC], v * v, 1e-13), "m v^2 / 2");
+        /* int f v dt, f = 12 t */
+        const double moment = (1.0 - e * (1.0 + q * t)) / (q * q); /* of e^(-q t) */
+        const double work =
+            damped ? 72.0 * (t * t * t / (3.0 * q) - (t * t / 2.0 - moment) / (q * q)) : v * v;
+        CHECK(near(record[AOI_BODY_WORK], work, 1e-12), "work %.15g, not %.15g", record[AOI_BODY_WORK], work);
+        CHECK(fabs(record[AOI_BODY_DISSIPATED] - (work - v * v)) < 1e-13, "the rest is lost");
+        release(&p);
+    }
+}
+
+/* From the row before alone, its end is where the next one starts. */
+static void dense_output_meets_the_rows(void)
+{
+    uint64_t seed = 12;
+    const aoi_law law = hertz(1e9);
+    plant p = {.bodies = 0};
+    add_ringing(&p, 2, 1, 0.1, 1e5, 1.0, &seed);
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 0.0, &law);
+    must_go(&p, 1e-9, 1e-3);
+    const size_t rows = p.rows, *index = p.index;
+    for (size_t r = 0; r + 1 < rows; r++) {
+        const double *row = p.track + index[r], *next = p.track + index[r + 1];
+        const double time = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
+        double state[4];
+        p.rows = r + 1;
+        p.used = index[r + 1];
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        CHECK(aoi_sampler_state(&p.sampler, time, 0, state) == AOI_OK, "state");
+        CHECK(row[AOI_TRACK_LENGTH] == 0.0 || near(next[AOI_TRACK_START], time, 1e-15), "no hole");
+        if (row[AOI_TRACK_LENGTH] > 0.0) {
+            const double *of = next + AOI_TRACK_FIXED + AOI_TRACK_STATE;
+            CHECK(next[AOI_TRACK_FIXED] == 0.0, "the moved body is in the next row");
+            for (size_t j = 0; j < 4; j++) {
+                CHECK(fabs(state[j] - of[j]) < (j < 2 ? 1e-16 : 1e-12), "row %zu: %zu", r, j);
+            }
+            aoi_modes_fly(p.body, time, time + 1e-5, state, state + 2);
+            double later[4];
+            CHECK(aoi_sampler_state(&p.sampler, time + 1e-5, 0, later) == AOI_OK, "state");
+            for (size_t j = 0; j < 4; j++) {
+                CHECK(fabs(state[j] - later[j]) < (j < 2 ? 1e-16 : 1e-12), "row %zu: %zu flies on", r, j);
+            }
+        }
+    }
+    p.rows = 0;
+    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "a track without rows has no states");
+    release(&p);
+}
+
+/* The columns of the record, in contact and after it, by the states that the track gives. */
+static void columns_are_those_of_the_states(void)
+{
+    const aoi_law law = hertz(1e7);
+    plant p = {.bodies = 0};
+    furnish(&p, GRAVITY | DAMPED | STEADY, &law);
+    must_go(&p, 1e-9, 0.012);
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    for (int i = 0; i <= 100; i++) {
+        double record[MOST_ROWS], state[2][2 * MOST_MODES], u[2][2], du[2][2];
+        const double t = 0.012 * i / 100.0;
+        CHECK(aoi_sampler_column(&p.sampler, t, 1, record, 1) == AOI_OK, "sampled");
+        const double *row = record + AOI_CONTACT_ROWS;
+        for (size_t b = 0; b < 2; b++) {
+            const size_t n = p.part[b].n;
+            double kinetic, elastic;
+            CHECK(aoi_sampler_state(&p.sampler, t, b, state[b]) == AOI_OK, "state");
+            aoi_modes_energy(&p.body[b], state[b], state[b] + n, NULL, &kinetic, &elastic);
+            CHECK(near(row[AOI_BODY_CENTRE], p.part[b].centre[0] * state[b][0], 1e-13), "centre");
+            CHECK(near(row[AOI_BODY_KINETIC], kinetic, 1e-13) && near(row[AOI_BODY_ELASTIC], elastic, 1e-13),
+                  "energies");
+            for (size_t q = 0; q < 2; q++) {
+                aoi_modes_port(&p.body[b], q, state[b], state[b] + n, &u[b][q], &du[b][q]);
+                CHECK(near(row[AOI_BODY_ROWS + 2 * q], u[b][q], 1e-13), "body %zu, port %zu", b, q);
+                CHECK(near(row[AOI_BODY_ROWS + 2 * q + 1], du[b][q], 1e-13), "body %zu, port %zu", b, q);
+            }
+            row += AOI_BODY_ROWS + 2 * AOI_PORT_ROWS;
+        }
+        const double indentation = u[0][0] - u[1][1] - 1e-4;
+        CHECK(fabs(record[1] - indentation) < 1e-12, "t %g: indentation %.12g, not %.12g", t, record[1],
+              indentation);
+        CHECK(fabs(record[0] - 1e7 * pow(fmax(indentation, 0.0), 1.5)) < 1e-5, "t %g: the law's force", t);
+        CHECK(fabs(record[2] - 0.4e7 * pow(fmax(indentation, 0.0), 2.5)) < 1e-9, "t %g: elastic", t);
+        CHECK(fabs(record[3]) < 1e-9, "t %g: Hertz's law loses nothing", t);
+    }
+    release(&p);
+}
+
+/* A sample is the same whether others were asked for before it or not, and whatever the stride. */
+static void samples_do_not_depend_on_each_other(void)
+{
+    const aoi_law law = hertz(1e7);
+    plant p = {.bodies = 0};
+    furnish(&p, GRAVITY, &law);
+    must_go(&p, 1e-8, 0.012);
+    static double all[MOST_ROWS * 50];
+    const size_t rows = aoi_sampler_rows(&p.system);
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    for (size_t i = 0; i < 50; i++) {
+        CHECK(aoi_sampler_column(&p.sampler, 0.012 * (double)i / 49.0, 1, all + i, 50) == AOI_OK, "sampled");
+    }
+    for (size_t i = 0; i < 50; i += 7) {
+        double record[MOST_ROWS];
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        CHECK(aoi_sampler_column(&p.sampler, 0.012 * (double)i / 49.0, 1, record, 1) == AOI_OK, "sampled");
+        for (size_t k = 0; k < rows; k++) {
+            CHECK(record[k] == all[k * 50 + i], "column %zu, row %zu", i, k);
+        }
+    }
+    double record[MOST_ROWS];
+    for (size_t k = 0; k < rows; k++) {
+        record[k] = -77.0;
+    }
+    CHECK(open_sampler(&p) == AOI_OK && aoi_sampler_column(&p.sampler, 0.006, 0, record, 1) == AOI_OK,
+          "sampled");
+    CHECK(record[2] == -77.0 && record[3] == -77.0 && record[4 + AOI_BODY_KINETIC] == -77.0 &&
+              record[4 + AOI_BODY_WORK] == -77.0 && record[4] != -77.0,
+          "energies that nobody wants are left alone");
+    release(&p);
+}
+
+/* Tracks that are not whole, or not of this system, are refused before anything is read. */
+static void what_is_no_track_is_refused(void)
+{
+    const aoi_law law = hertz(1e7);
+    plant p = {.bodies = 0};
+    furnish(&p, 0, &law);
+    must_go(&p, 1e-6, 2e-3);
+    const size_t used = p.used, rows = p.rows, last = p.index[rows - 1];
+    size_t contact_row = 0;
+    while (p.track[p.index[contact_row] + AOI_TRACK_CONTACTS] == 0.0) {
+        contact_row++;
+    }
+    const size_t row = p.index[contact_row];
+    const size_t contact = row + (size_t)p.track[row + AOI_TRACK_SIZE] - AOI_TRACK_CONTACT_SIZE;
+    const struct {
+        size_t at;
+        double value;
+    } wrong[] = {{AOI_TRACK_BODIES, 3.0},      {AOI_TRACK_BODIES, -1.0}, {AOI_TRACK_BODIES, NAN},
+                 {AOI_TRACK_BODIES, 1.0},      {AOI_TRACK_CONTACTS, 2.0}, {AOI_TRACK_CONTACTS, 0.5},
+                 {AOI_TRACK_FIXED, 2.0},       {AOI_TRACK_FIXED, 1e300},  {contact, 1.0},
+                 {contact + AOI_TRACK_PIECE, NAN}, {contact + AOI_TRACK_PIECE, -2.0}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        const double kept = p.track[wrong[i].at];
+        p.track[wrong[i].at] = wrong[i].value;
+        CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "case %zu", i);
+        p.track[wrong[i].at] = kept;
+    }
+    p.used = used - 1;
+    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "cut off");
+    p.used = used + 1;
+    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "more than its rows");
+    p.used = used;
+    p.index[rows - 1] = SIZE_MAX;
+    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "pointing far away");
+    p.index[rows - 1] = used;
+    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "pointing past the end");
+    p.index[rows - 1] = last;
+    CHECK(open_sampler(&p) == AOI_OK, "the track itself is sound");
+    release(&p);
+}
+
+int main(void)
+{
+    what_is_no_track_is_refused();
+    ledgers_close();
+    work_and_losses_are_those_of_the_motion();
+    dense_output_meets_the_rows();
+    columns_are_those_of_the_states();
+    samples_do_not_depend_on_each_other();
+    return check_report();
+}

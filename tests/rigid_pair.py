@@ -1,0 +1,40 @@
+"""A rigid mass on a force that the test writes out, by SciPy in plain time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.integrate
+
+Force = Callable[[float, float], float]
+
+
+def rebound(force: Force, mass: float, velocity: float, *, pulls: bool = False) -> float:
+    """Restitution of m x'' = -F(x, x') from x = 0 to where F, or x if F pulls, falls to zero."""
+    # Unit of length so that F(s) s = m V², of time s/V.
+    s = 1.0
+    for _ in range(200):
+        s *= (mass * velocity**2 / (force(s, 0.0) * s)) ** 0.4
+    scale = s / (mass * velocity**2)
+
+    def push(x: float, v: float) -> float:
+        return scale * force(s * max(x, 0.0), velocity * v)
+
+    def ends(_: float, y: np.ndarray) -> float:
+        if y[1] > 0.0:
+            return 1.0
+        return float(y[0]) if pulls else push(y[0], y[1]) if y[0] > 0.0 else -1.0
+
+    ends.terminal = True
+    run = scipy.integrate.solve_ivp(
+        lambda _, y: [y[1], -push(y[0], y[1])],
+        (0.0, 1e7),
+        [0.0, 1.0],
+        method="DOP853",
+        rtol=1e-13,
+        atol=1e-17,
+        events=ends,
+    )
+    assert run.t_events[0].size
+    return float(-run.y_events[0][0, 1])

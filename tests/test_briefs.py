@@ -1,0 +1,124 @@
+"""Plain impacts made together have the numbers of `simulate`, to the last bit."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact import _core
+from aoimpact.briefs import BRIEF, brief_numbers
+from aoimpact.study_scenes import beam_star, pair
+
+NAMES = tuple(sorted(BRIEF))
+
+SPHERE = pair()["projectile"]
+BALL = ao.rigid(mass=0.03)
+HERTZ = ao.Hertz(k=1e10)
+
+
+def case(**changes: Any) -> dict[str, Any]:
+    return {
+        "projectile": BALL,
+        "target": SPHERE,
+        "law": HERTZ,
+        "velocity": 1.0,
+        "duration": 1e-3,
+    } | changes
+
+
+def numbers_of(result: ao.Result) -> dict[str, float]:
+    own = {name: getattr(result, name) for name in NAMES if name != "error.time"}
+    assert result.error.time is not None
+    return own | {"error.time": result.error.time}
+
+
+PLAIN = [
+    case(),
+    case(velocity=-2.0, solver=ao.Adaptive(rtol=1e-6)),
+    case(target=ao.rigid(mass=math.inf), duration=2e-4),
+    case(projectile=SPHERE, target=BALL, gap=1e-5),
+    case(projectile=ao.rigid(mass=math.inf), target=BALL),
+    case(target=ao.AOModel(m0=0.0, k0=1e6, m=[0.2], k=[1e8]), duration=1e-4),
+    case(target=beam_star(), duration=2e-4),
+    case(gap=1.0),
+    case(law=ao.HuntCrossley(k=1e10, damping=0.3)),
+    case(law=ao.Thornton(k=1e10, yield_force=100.0)),
+    case(law=ao.Tabulated([1e-6, 1e-4], [10.0, 2e4])),
+    case(law=ao.KelvinVoigt(k=1e8, c=100.0)),
+    case(velocity=2, duration=np.float64(1e-3)),
+]
+
+
+def test_every_plain_impact_has_the_numbers_of_simulate() -> None:
+    together = brief_numbers(PLAIN, NAMES)
+    for one, found in zip(PLAIN, together, strict=True):
+        assert found == numbers_of(ao.simulate(**one)), one
+
+
+def test_the_company_makes_no_difference() -> None:
+    alone = [brief_numbers([one], NAMES)[0] for one in PLAIN]
+    assert brief_numbers(PLAIN[::-1], NAMES)[::-1] == alone
+    assert brief_numbers(PLAIN * 3, NAMES) == alone * 3
+
+
+def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:
+    """A free bar hit off its centre turns: its star is lighter than the bar."""
+    bar = ao.FEModel.from_mesh(
+        ao.box_mesh((0.1, 0.01, 0.01), (6, 1, 1)), ao.Material(E=70e9, nu=0.3, rho=2700)
+    )
+    star = ao.antioscillators(bar.contact(point=(0.1, 0, 0), direction=(0, 0, 1)), n=3)
+    truncated = ao.modal(bar.contact(point=(0.0, 0, 0), direction=(0, 0, 1)), n=12)
+    assert star.mass > star.static_mass
+    times = {"duration": 8e-5}  # they meet again later
+    cases = [
+        case(projectile=star, target=BALL, **times),
+        case(projectile=truncated, target=star, **times),
+    ]
+    for one, found in zip(cases, brief_numbers(cases, NAMES), strict=True):
+        assert found == numbers_of(ao.simulate(**one))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"solver": ao.Newmark(dt=1e-6)},
+        {"target": beam_star(), "duration": 20e-3, "projectile": ao.rigid(mass=0.5)},  # meets twice
+        {"duration": 1e-5},  # ends in contact
+        {"law": ao.UserLaw(lambda depth, rate: 1e8 * depth)},
+        {"velocity": 0.0},
+        {"velocity": math.nan},
+        {"velocity": "1"},
+        {"velocity": True},
+        {"duration": 0.0},
+        {"duration": math.inf},
+        {"gap": -1.0},
+        {"law": None},
+        {"target": None},
+        {"energies": "no"},
+        {"speed": 1.0},
+        {"solver": ao.Adaptive(rtol=1e-13), "law": ao.PowerLaw(k=1e300, n=40.0)},
+    ],
+)
+def test_what_is_not_plain_is_left_to_simulate(change: dict[str, Any]) -> None:
+    assert brief_numbers([case(**change), case()], NAMES)[0] is None
+
+
+def test_what_is_no_case_is_left_to_simulate() -> None:
+    assert brief_numbers([3, None, {}, (1, 2), case()], NAMES)[:4] == [None] * 4
+
+
+def test_the_core_takes_no_places_out_of_stock() -> None:
+    ball = ao.modalbody.modal_body(BALL)
+    stock = (ball.for_core(),), (ball.moving,), (HERTZ.for_core(),)
+    numbers, answers = np.array([[1.0, 0.0, 1e-3, 1e-6]]), np.empty((1, 10))
+    for which in ([0, 1, 0], [0, 0, 1], [-1, 0, 0]):
+        with pytest.raises(ao.InputError, match="many impacts"):
+            _core.briefs(*stock, np.array([which], dtype=np.int32), numbers, answers)
+    with pytest.raises(ValueError, match="which must hold 3 values"):
+        _core.briefs(*stock, np.zeros(2, dtype=np.int32), numbers, answers)
+    with pytest.raises(TypeError, match="tuple of 1"):
+        _core.briefs(stock[0], (), stock[2], np.zeros(3, dtype=np.int32), numbers, answers)

@@ -1,0 +1,173 @@
+"""Damping: what it is in numbers, on every kind of model, and that all of them die away alike."""
+
+import math
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.newmark import Newmark, newmark_scene
+from aoimpact.players import StarPlayer, player
+
+from slender import beam
+
+STAR = {"m0": 0.02, "k0": 1e7, "m": [0.3, 0.1], "k": [4e8, 2e9]}
+
+
+def dashpot_receptance(star, alpha, beta, omega):
+    """u/f of the star's own springs, masses and dashpots, put together by hand."""
+
+    def spring(k):
+        return k * (1 + 1j * omega * beta)
+
+    def mass(m):
+        return -(omega**2) * m + 1j * omega * alpha * m
+
+    hung = sum(1 / (1 / spring(k) + 1 / mass(m)) for m, k in zip(star.m, star.k, strict=True))
+    return 1 / (spring(star.k0) + mass(star.m0) + hung)
+
+
+def test_decay_is_what_the_names_say():
+    omega = np.array([0.0, 10.0, 200.0])
+    rayleigh = ao.Rayleigh(alpha=3.0, beta=1e-3)
+    np.testing.assert_allclose(rayleigh.decay(omega), [1.5, 1.55, 21.5])
+    np.testing.assert_allclose(ao.ModalDamping(0.02).decay(omega), [0.0, 0.2, 4.0])
+    assert isinstance(ao.ModalDamping(0.02).decay(10.0), float)
+
+
+@pytest.mark.parametrize(("alpha", "beta"), [(200.0, 0.0), (0.0, 3e-7), (50.0, 1e-6)])
+def test_rayleigh_on_a_star_is_dashpots_beside_its_springs_and_to_the_ground(alpha, beta):
+    star = ao.AOModel(**STAR, damping=ao.Rayleigh(alpha=alpha, beta=beta))
+    omega = np.geomspace(1e2, 1e6, 50)
+    expected = dashpot_receptance(star, alpha, beta, omega)
+    np.testing.assert_allclose(star.receptance(omega), expected, rtol=1e-9)
+    assert isinstance(star.receptance(1e4), complex)
+    assert np.isrealobj(ao.AOModel(**STAR).receptance(omega))
+
+
+def test_a_massless_contact_keeps_its_springs_and_is_the_limit_of_a_light_one():
+    omega = np.geomspace(1e2, 3e4, 20)
+    light, none = (
+        ao.AOModel(**{**STAR, "m0": m0}, damping=ao.ModalDamping(0.01)) for m0 in (1e-9, 0.0)
+    )
+    np.testing.assert_allclose(none.receptance(omega), light.receptance(omega), rtol=1e-4)
+
+
+def test_models_inherit_the_bodys_damping():
+    K, M = beam(10, fixed=[0, 20])
+    damping = ao.Rayleigh(alpha=0.1, beta=1e-3)
+    body = ao.FEModel(K=K, M=M, damping=damping)
+    tip = body.contact(dof=9)
+    omega = np.linspace(0.1, 30.0, 40)
+    C = 0.1 * M + 1e-3 * K
+    expected = [
+        np.linalg.solve((K - w**2 * M + 1j * w * C).toarray(), tip.b) @ tip.b for w in omega
+    ]
+    star, modes = ao.antioscillators(tip), ao.modal(tip, body.n_dofs).star
+    assert star.damping == star.truncated(3).damping == modes.damping == damping
+    for model in (star, modes):
+        np.testing.assert_allclose(model.receptance(omega), expected, rtol=1e-6)
+
+
+def test_damping_that_does_nothing_is_none():
+    assert ao.AOModel(**STAR, damping=ao.Rayleigh()).damping is None
+    assert ao.AOModel(**STAR, damping=ao.ModalDamping(0.0)).damping is None
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: ao.Rayleigh(alpha=-1.0), "alpha must not be negative"),
+        (lambda: ao.Rayleigh(beta=math.nan), "beta must be a number"),
+        (lambda: ao.ModalDamping(-0.1), "ratio must not be negative"),
+        (lambda: ao.ModalDamping("1 %"), "ratio must be a real number"),
+        (lambda: ao.AOModel(m0=1.0, damping=0.02), r"damping must be Rayleigh\(alpha=, beta=\)"),
+    ],
+)
+def test_bad_damping_is_named(make, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        make()
+
+
+# ---------------------------------------------------------------------------------- in time
+
+
+def let_go(bodies, duration, dt, start):
+    """Displacement of each body's contact after a start `start` m away, alone."""
+    rule = Newmark(dt=dt)
+    cores = [body.for_core(rule, dt, state=(u, np.zeros_like(u))) for body, u in bodies]
+    record = newmark_scene(cores, [], rule=rule, dt=dt, duration=duration)
+    return record, [record.rows[8 * i + 6] for i in range(len(bodies))]
+
+
+@pytest.mark.parametrize("damping", [ao.Rayleigh(alpha=300.0, beta=1e-5), ao.ModalDamping(0.05)])
+def test_an_oscillator_dies_away_as_in_its_closed_form(damping):
+    k, m, start = 5e5, 0.2, 1e-3
+    omega = math.sqrt(k / m)
+    sigma = damping.decay(omega)
+    fast = math.sqrt(omega**2 - sigma**2)
+    errors = []
+    for steps in (2000, 4000):
+        dt = 0.02 / steps
+        body = StarPlayer(ao.AOModel(m0=m, k0=k, damping=damping), 0.0)
+        record, (x,) = let_go([(body, np.array([start]))], 0.02, dt, start)
+        t = record.t
+        exact = start * np.exp(-sigma * t) * (np.cos(fast * t) + sigma / fast * np.sin(fast * t))
+        errors.append(np.abs(x - exact).max())
+        total = record.rows[2] + record.rows[3] + record.rows[4]
+        assert np.ptp(total) < 1e-12 * total[0]
+        assert record.rows[4][-1] > 0.5 * total[0]
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)
+
+
+@pytest.mark.parametrize("damping", [ao.Rayleigh(alpha=0.05, beta=0.02), ao.ModalDamping(0.05)])
+def test_star_modal_and_full_model_die_away_alike(damping):
+    K, M = beam(8, fixed=[0, 16])
+    body = ao.FEModel(K=K, M=M, damping=damping)
+    tip = body.contact(dof=7)
+    hits = [
+        ao.simulate(
+            projectile=ao.rigid(mass=0.1),
+            target=target,
+            law=ao.Hertz(k=1e4),
+            velocity=0.1,
+            duration=20.0,
+            solver=ao.Newmark(dt=4e-3, estimate=False),
+        )
+        for target in (tip, ao.antioscillators(tip), ao.modal(tip, body.n_dofs))
+    ]
+    full = hits[0]
+    assert full.peak_force > 0
+    late = np.abs(full.target.displacement[-500:]).max()
+    assert late < 0.5 * np.abs(full.target.displacement).max()
+    for other in hits[1:]:
+        np.testing.assert_allclose(other.force, full.force, atol=1e-7 * full.peak_force)
+        scale = np.abs(full.target.displacement).max()
+        np.testing.assert_allclose(
+            other.target.displacement, full.target.displacement, atol=1e-7 * scale
+        )
+
+
+def test_a_large_full_model_with_damping_of_its_modes_says_what_to_do():
+    K, M = beam(1600, fixed=[0])
+    tip = ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01)).contact(dof=7)
+    with pytest.raises(ao.InputError, match="give Rayleigh"):
+        player("target", tip, 0.0).for_core(Newmark(dt=1e-3), 1e-3)
+
+
+@pytest.mark.parametrize("damping", [ao.Rayleigh(alpha=300.0, beta=2e-6), ao.ModalDamping(0.05)])
+def test_newmark_converges_to_the_adaptive_run_of_a_damped_star(damping):
+    star = ao.AOModel(m0=2e-3, k0=3e5, m=[0.01, 0.02], k=[4e6, 9e7], damping=damping)
+    ball = ao.rigid(mass=0.02)
+    scene = {"projectile": ball, "target": star, "law": ao.Hertz(k=1e9), "velocity": 1.0}
+    exact = ao.simulate(duration=2e-3, solver=ao.Adaptive(rtol=1e-10), **scene)
+    assert exact.error.energy is not None
+    assert exact.error.energy < 1e-9
+    apart = []
+    for dt in (4e-7, 2e-7):
+        run = ao.simulate(duration=2e-3, solver=ao.Newmark(dt=dt, estimate=False), **scene)
+        other = exact.at(np.minimum(run.t, exact.t[-1]))
+        apart.append(np.abs(run.target.displacement - other.target.displacement).max())
+        lost = run.energy.dissipated[-1]
+        assert lost == pytest.approx(exact.energy.dissipated[-1], rel=1e-3)
+    assert apart[0] / apart[1] == pytest.approx(4.0, rel=0.3)

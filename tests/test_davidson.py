@@ -1,0 +1,85 @@
+"""The lowest modes by V-cycles: those of a dense solution, multiple ones and all."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+import aoimpact as ao
+from aoimpact.davidson import davidson
+from aoimpact.generate import box_mesh, sphere_mesh
+from aoimpact.spectra import lowest
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+
+
+def by_multigrid(body, n):
+    invert = partial(body.inverse, solver="multigrid")
+    return lowest(body.K, body.M, n, known=body.rigid_modes, invert=invert)
+
+
+def check_orthonormal(body, modes):
+    gram = modes.T @ (body.M @ modes)
+    np.testing.assert_allclose(gram, np.eye(len(gram)), atol=1e-10)
+
+
+@pytest.mark.parametrize("n", [8, 16])
+def test_modes_of_a_free_ball_come_in_fives_and_threes(n):
+    """A ball's lowest modes: five of one frequency, then five of another."""
+    body = ao.FEModel.from_mesh(sphere_mesh(0.01, 5e-3), STEEL)
+    omega2, modes = by_multigrid(body, n)
+    reference, _ = lowest(body.K, body.M, n, known=body.rigid_modes)
+    np.testing.assert_allclose(omega2, reference, rtol=1e-8)
+    check_orthonormal(body, modes)
+    np.testing.assert_array_equal(omega2[:6], 0.0)
+
+
+def test_modes_of_a_long_bar_are_those_of_a_beam():
+    """Bending of a square bar in two planes: ω = (βL)²/L² √(EI/ρA) (Euler-Bernoulli)."""
+    body = ao.FEModel.from_mesh(
+        box_mesh((1.0, 0.02, 0.02), (60, 1, 1), kind="tetra10"), STEEL, fixed=[("xmin", "xyz")]
+    )
+    omega2, modes = by_multigrid(body, 4)
+    beam = np.array([1.87510407, 4.69409113]) ** 2 * np.sqrt(210e9 * 0.02**2 / 12 / 7800)
+    np.testing.assert_allclose(np.sqrt(omega2), np.repeat(beam, 2), rtol=6e-3)
+    check_orthonormal(body, modes)
+    _, reference = lowest(body.K, body.M, 4, known=body.rigid_modes)
+    cosines = la.svdvals(reference.T @ (body.M @ modes))
+    assert np.sqrt(1.0 - cosines.min() ** 2) < 1e-6  # the same space
+
+
+def test_exact_multiplicities_are_found_in_full():
+    """Three equal, unconnected chains: each frequency three times."""
+    line = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(200, 200))
+    K = sp.csr_array(sp.kron(sp.eye_array(3), line))
+    M = sp.eye_array(600, format="csr")
+    factors = spla.splu((K + 1e-4 * M).tocsc())
+    omega2, _ = davidson(K, M, factors.solve, 8, away_from=np.zeros((600, 0)))
+    expected = np.repeat(2.0 - 2.0 * np.cos(np.arange(1, 4) * np.pi / 201), 3)[:8]
+    np.testing.assert_allclose(omega2, expected, rtol=1e-9)
+
+
+def test_known_modes_are_kept_out():
+    K = sp.diags_array(np.arange(1.0, 401.0)).tocsr()
+    M = sp.eye_array(400, format="csr")
+    known = np.eye(400)[:, :5]
+    omega2, modes = davidson(K, M, lambda f: f / np.arange(2.0, 402.0), 3, away_from=known)
+    np.testing.assert_allclose(omega2, [6.0, 7.0, 8.0], rtol=1e-12)
+    assert np.abs(known.T @ modes).max() < 1e-12
+
+
+def test_a_poor_preconditioner_cuts_the_basis_back_and_gets_there():
+    line = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(60, 60)).tocsr()
+    M = sp.eye_array(60, format="csr")
+    omega2, _ = davidson(line, M, lambda f: 0.5 * f, 2, away_from=np.zeros((60, 0)))
+    np.testing.assert_allclose(omega2, la.eigvalsh(line.toarray())[:2], rtol=1e-9)
+
+
+def test_what_does_not_converge_is_told(monkeypatch):
+    monkeypatch.setattr("aoimpact.davidson._MOST_STEPS", 2)
+    body = ao.FEModel.from_mesh(sphere_mesh(0.01, 5e-3), STEEL)
+    with pytest.raises(ao.ConvergenceError, match="2 of 2 modes of 6171 dofs did not converge"):
+        by_multigrid(body, 8)

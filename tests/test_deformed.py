@@ -1,0 +1,76 @@
+"""The picture of a deformed body: its whole surface, in place, in its colours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import matplotlib as mpl
+import numpy as np
+import numpy.typing as npt
+import pytest
+from bodies import distorted_box
+
+import aoimpact as ao
+from aoimpact.deformed import outlines, plot_deformed
+from aoimpact.elements import KINDS
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@pytest.fixture(autouse=True)
+def _close_figures() -> Iterator[None]:
+    yield
+    plt.close("all")
+
+
+def area(polygon: FloatArray) -> FloatArray:
+    """The vector area: its length is the area, its direction the normal."""
+    arms = polygon - polygon.mean(axis=0)
+    return 0.5 * np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_outlines_are_the_whole_surface_and_look_outward(kind: str) -> None:
+    mesh = distorted_box(kind, (2.0, 1.5, 1.0))
+    drawn = [mesh.nodes[face] for face in outlines(mesh)]
+    areas = np.array([area(polygon) for polygon in drawn])
+    assert np.linalg.norm(areas, axis=1).sum() == pytest.approx(2 * (3.0 + 2.0 + 1.5), rel=1e-6)
+    outward = np.array([polygon.mean(axis=0) for polygon in drawn]) - [1.0, 0.75, 0.5]
+    assert (np.einsum("fi,fi->f", areas, outward) > 0.0).all()
+
+
+@pytest.mark.parametrize(("scale", "top"), [(None, 1.2), (1e5, 1.2), (0.0, 1.0)])
+def test_it_is_enlarged_to_a_tenth_or_as_told(scale: float | None, top: float) -> None:
+    mesh = ao.box_mesh((2.0, 1.0, 1.0), (2, 1, 1))
+    moved = np.zeros_like(mesh.nodes)
+    moved[:, 2] = 1e-6 * mesh.nodes[:, 0]
+    ax = plot_deformed(mesh, moved, np.ones(len(moved)), 0.0, scale=scale)
+    assert ax.get_zlim() == pytest.approx((0.0, top))
+
+
+def test_units_time_and_colours_are_said() -> None:
+    mesh = ao.box_mesh((0.2, 0.02, 0.02), (2, 1, 1))
+    von_mises = 1e8 * mesh.nodes[:, 0]
+    ax = plot_deformed(mesh, np.zeros_like(mesh.nodes), von_mises, 25e-6, alpha=0.5)
+    assert [axis.get_label_text() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)] == [
+        "x [mm]",
+        "y [mm]",
+        "z [mm]",
+    ]
+    assert "25 µs" in ax.get_title()
+    (drawn,) = ax.collections
+    assert drawn.get_alpha() == 0.5
+    colours = drawn.get_array()
+    assert (colours.min(), colours.max()) == (0.0, 20.0)  # MPa, at the two ends
+    assert drawn.colorbar.ax.get_ylabel() == "von Mises stress [MPa]"
+
+
+def test_it_draws_on_the_axes_given() -> None:
+    mesh = ao.box_mesh((1.0, 1.0, 1.0), (1, 1, 1))
+    ax = plt.figure().add_subplot(projection="3d")
+    assert plot_deformed(mesh, np.zeros((8, 3)), np.zeros(8), 0.0, ax) is ax
+    with pytest.raises(ao.InputTypeError, match=r"three-dimensional axes, .* got Axes"):
+        plot_deformed(mesh, np.zeros((8, 3)), np.zeros(8), 0.0, plt.subplots()[1])

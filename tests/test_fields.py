@@ -1,0 +1,85 @@
+"""Fields at chosen times: the stress they have, the files they write, the pictures they draw."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import meshio
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.fields import Field
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+STEEL = ao.Material(E=200e9, nu=0.25, rho=7800)
+TIMES = np.array([0.0, 1e-5, 2e-5])
+# A bar stretched along x, twice as much at each time: σxx = E ε, freely thinning.
+STRAIN = 1e-4 * np.array([0.0, 1.0, 2.0])
+
+
+def stretched(*, held: bool = False) -> Field:
+    mesh = ao.box_mesh((2.0, 1.0, 1.0), (2, 1, 1), kind="tetra10")
+    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "x")] if held else None)
+    shape = mesh.nodes * [1.0, -STEEL.nu, -STEEL.nu]
+    displacement = STRAIN[:, None, None] * shape
+    return Field(body, TIMES, displacement, displacement / 1e-5)
+
+
+@pytest.mark.parametrize("at", ["nodes", "gauss"])
+def test_a_stretched_bar_has_the_stress_of_its_strain(at: str) -> None:
+    stress = stretched().stress(at)
+    exact = (STEEL.E * STRAIN).reshape(3, *(1,) * (stress.von_mises.ndim - 1))
+    np.testing.assert_allclose(stress["xx"] - exact, 0.0, atol=1e-3)
+    np.testing.assert_allclose(stress.von_mises - exact, 0.0, atol=1e-3)
+    np.testing.assert_allclose(stress.principal[..., 1:], 0.0, atol=1e-3)
+
+
+def test_files_hold_the_field(tmp_path: Path) -> None:
+    field = stretched()
+    listing = field.to_vtu(tmp_path / "bar.pvd")
+    assert listing == tmp_path / "bar.pvd"
+    stress = field.stress()
+    for i in range(3):
+        read = meshio.read(tmp_path / f"bar_{i}.vtu").point_data
+        for name, values in (
+            ("displacement", field.displacement),
+            ("velocity", field.velocity),
+            ("stress", stress.components),
+            ("von_mises", stress.von_mises),
+            ("principal", stress.principal),
+        ):
+            np.testing.assert_array_equal(read[name], values[i])
+
+
+def test_pictures_are_of_the_time_asked_for() -> None:
+    field = stretched(held=True)
+    ax = field.plot(which=2, scale=100.0)
+    assert "20 µs" in ax.get_title()
+    # σ = 40 MPa all over; 2 m stretched by 2e-4, a hundred times enlarged, and held at x = 0.
+    np.testing.assert_allclose(ax.collections[0].get_array(), 40.0)
+    assert ax.get_xlim() == pytest.approx((0.0, 2.04))
+    plt.close("all")
+
+
+def test_bodies_that_fly_stay_in_the_picture() -> None:
+    field = stretched()
+    away = Field(field.body, TIMES, field.displacement + 7.0, field.velocity)
+    boxes = [one.plot(which=1).get_w_lims() for one in (field, away)]
+    np.testing.assert_allclose(boxes[0], boxes[1], atol=1e-6)
+    plt.close("all")
+
+
+def test_nonsense_is_refused() -> None:
+    field = stretched()
+    with pytest.raises(ao.InputError, match=r"at must be one of 'nodes', 'gauss'"):
+        field.stress("node")
+    with pytest.raises(ao.InputError, match="which must be from 0 to 2, got 3"):
+        field.plot(which=3)
+    with pytest.raises(ao.InputError, match="scale must not be negative"):
+        field.plot(scale=-1.0)
+    assert "t = 0, 1e-05, 2e-05 s of FEModel(" in repr(field)
+    plt.close("all")

@@ -1,0 +1,103 @@
+"""A digest changes with the content and with nothing else."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.fingerprint import DIGEST_SIZE, Fingerprints
+
+STAR = {"m0": 0.1, "k0": 1e5, "m": [0.2, 0.3], "k": [1e6, 2e6]}
+
+
+def digest(value: Any) -> bytes:
+    return Fingerprints().of(value)
+
+
+def case(**changes: Any) -> dict[str, Any]:
+    return {
+        "projectile": ao.rigid(mass=0.1),
+        "target": ao.AOModel(**STAR),
+        "law": ao.Hertz(k=1e9),
+        "velocity": 1.0,
+        "duration": 1e-3,
+    } | changes
+
+
+def test_equal_content_has_one_digest() -> None:
+    assert digest(case()) == digest(case())
+    assert len(digest(case())) == DIGEST_SIZE
+
+
+def test_order_of_keywords_does_not_count() -> None:
+    assert digest(case()) == digest(dict(reversed(case().items())))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"velocity": math.nextafter(1.0, 2.0)},
+        {"velocity": -1.0},
+        {"law": ao.PowerLaw(k=1e9, n=1.5)},
+        {"law": ao.Hertz(k=1.0000000001e9)},
+        {"target": ao.AOModel(**STAR | {"m": [0.3, 0.2]})},
+        {"solver": ao.Adaptive(rtol=1e-6)},
+        {"gap": 0.0},
+    ],
+)
+def test_any_change_shows(change: dict[str, Any]) -> None:
+    assert digest(case(**change)) != digest(case())
+
+
+def test_what_was_computed_and_kept_does_not_count() -> None:
+    body = ao.FEModel.from_mesh(
+        ao.box_mesh((0.1, 0.01, 0.01), (2, 1, 1)), ao.Material(E=70e9, nu=0.3, rho=2700)
+    )
+    before = digest(body)
+    assert body.rigid_modes.shape[1] == 6
+    assert digest(body) == before
+    assert digest(pickle.loads(pickle.dumps(body))) == before
+
+
+def test_neighbours_are_not_mixed_up() -> None:
+    values = [("ab", "c"), ("a", "bc"), ["ab", "c"], 1, 1.0, True, "1", None, (), [], {}, b"1"]
+    values += [np.zeros(2), np.zeros((2, 1)), np.zeros(2, np.float32), np.zeros(4), {1, 2}, {1, 3}]
+    assert len({digest(value) for value in values}) == len(values)
+
+
+def test_functions_are_told_apart_by_what_they_do() -> None:
+    def scaled(factor: float) -> Any:
+        return lambda result: factor * result.peak_force
+
+    assert digest(scaled(2.0)) == digest(scaled(2.0))
+    assert digest(scaled(2.0)) != digest(scaled(3.0))
+    assert digest(lambda x: x + 1) != digest(lambda x: x - 1)
+
+
+def test_a_thing_inside_itself_ends() -> None:
+    loop: list[Any] = [1]
+    loop.append(loop)
+    other: list[Any] = [2]
+    other.append(other)
+    assert digest(loop) != digest(other)
+
+
+def test_the_same_in_another_process() -> None:
+    code = (
+        "import aoimpact as ao; from aoimpact.fingerprint import Fingerprints;"
+        "print(Fingerprints().of({'b': {'y', 'x', 'z'}, 'a': ao.Hertz(k=2.0)}).hex())"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == digest({"a": ao.Hertz(k=2.0), "b": {"x", "y", "z"}}).hex()
+
+
+def test_what_cannot_be_looked_into_is_refused_by_name() -> None:
+    with pytest.raises(ao.InputTypeError, match=r"case\['law'\], generator: a checkpoint cannot"):
+        digest({"law": (i for i in range(3))})

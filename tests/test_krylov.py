@@ -1,0 +1,324 @@
+"""Scene-fitted anti-oscillators: few give the full model's force, and what a subspace keeps."""
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+import scipy.sparse as sp
+import scipy.sparse.linalg
+
+import aoimpact as ao
+from aoimpact.generate import box_mesh
+from aoimpact.krylov import Subspace
+from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
+from aoimpact.paper_sphere import BALL_MASS
+
+from slender import beam, in_a_row, rod
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+
+
+def fitted(K, M, dof, n, **options):
+    return ao.antioscillators(ao.FEModel(K=K, M=M).contact(dof=dof), n, method="krylov", **options)
+
+
+def laplace_receptance(body, b, s):
+    """U = bᵀX for F = 1 at the frequency i s: real, smooth, and what a blow of some 10/s sees."""
+    dense = body.K.toarray(), body.M.toarray()
+    return np.array([b @ la.solve(dense[0] + x**2 * dense[1], b, assume_a="pos") for x in s])
+
+
+def star_at(star, s):
+    """The star's receptance at i s, from its masses and springs."""
+    inertia = star.m0 + sum(k / (k / m + s**2) for m, k in zip(star.m, star.k, strict=True))
+    return 1 / (star.k0 + s**2 * inertia)
+
+
+# ------------------------------------------------------------------------- the paper's two bodies
+
+
+@pytest.fixture(scope="module")
+def paper_beam():
+    tip = beam_model().contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+    return tip, beam_force(ao.antioscillators(tip))
+
+
+def beam_force(target):
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=BALL_MASS), target=target, law=LAW, velocity=1.0, duration=250e-6
+    )
+    return hit.at(np.linspace(0, 250e-6, 501)).force
+
+
+def test_few_antioscillators_give_the_force_on_the_papers_beam(paper_beam):
+    """The paper takes 28 by their mass for .3 %; largest difference over 250 µs to all of them."""
+    tip, full = paper_beam
+    space = ao.KrylovSpace(tip, contact_time=90e-6)
+    error = {
+        n: np.abs(beam_force(space.antioscillators(n)) - full).max() / full.max()
+        for n in (3, 5, 8, 28)
+    }
+    assert error[3] <= 0.03
+    assert error[5] <= 0.012
+    assert error[8] <= 0.003
+    assert error[28] <= 0.0008
+    assert space.solves == 29  # one factorisation, and each of the four models
+
+
+def test_the_bodys_own_contact_time_does_as_well(paper_beam):
+    tip, full = paper_beam
+    star = ao.antioscillators(tip, 5, method="krylov")
+    assert np.abs(beam_force(star) - full).max() <= 0.012 * full.max()
+
+
+def test_contact_time_need_not_be_known_well(paper_beam):
+    """Half and twice the true one, 90 µs."""
+    tip, full = paper_beam
+    for contact_time in (45e-6, 180e-6):
+        star = ao.antioscillators(tip, 8, method="krylov", contact_time=contact_time)
+        assert np.abs(beam_force(star) - full).max() <= 0.005 * full.max()
+
+
+@pytest.mark.slow
+def test_one_antioscillator_gives_the_force_of_the_papers_spheres():
+    body = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), STEEL)
+    tip = body.contact(point=(0.01, 0, 0), direction=(1, 0, 0))
+    law = ao.Hertz.between(STEEL, 0.01, STEEL, 0.01)
+
+    def force(star):
+        hit = ao.simulate(projectile=star, target=star, law=law, velocity=1.0, duration=150e-6)
+        return hit.at(np.linspace(0, 150e-6, 301)).force
+
+    full = force(ao.antioscillators(tip))
+    one = force(ao.antioscillators(tip, 1, method="krylov", contact_time=72e-6))
+    assert np.abs(one - full).max() <= 0.005 * full.max()
+
+
+# ------------------------------------------------------------------------------- what is kept
+
+
+@pytest.fixture(scope="module")
+def block():
+    """A free block struck off its centre line."""
+    mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, STEEL)
+    return body.contact(point=(0.03, 0.02, 0.02 / 3), direction=(1, 0, 0))
+
+
+def test_a_free_body_keeps_its_mass_and_the_motion_of_its_centre(block):
+    """Seen from the contact its mass is 1/Σr² of its rigid motions; its centre moves by φ_st's."""
+    whole = ao.antioscillators(block, 0)
+    for n in (1, 3, 8):
+        star = ao.antioscillators(block, n, method="krylov", contact_time=20e-6)
+        assert star.k0 == 0.0
+        assert star.mass == pytest.approx(STEEL.rho * 12e-6, rel=1e-10)
+        assert star.static_mass == pytest.approx(whole.static_mass, rel=1e-10)
+        # Oscillators that vibrate about a centre at rest: their weights are their masses' shares.
+        weights = star.centre_weights
+        assert weights.sum() == pytest.approx(whole.centre_weights.sum(), rel=1e-10)
+        shares = np.concatenate([[star.m0], star.m]) / star.static_mass * weights.sum()
+        np.testing.assert_allclose(weights, shares, atol=1e-10)
+
+
+def test_momentum_of_a_free_body_is_the_impulse(block):
+    star = ao.antioscillators(block, 4, method="krylov", contact_time=20e-6)
+    law = ao.Hertz(k=1e10)
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=0.05), target=star, law=law, velocity=1.0, duration=1e-4
+    )
+    assert 0.05 * (1.0 - hit.rebound_velocity) == pytest.approx(hit.impulse, rel=1e-7)
+    gained = star.mass * hit.target.centre_velocity[-1]
+    assert gained == pytest.approx(hit.impulse, rel=1e-7)
+
+
+def test_receptance_is_right_over_the_band(block):
+    """Real frequencies up to 1/s T = 1, and the imaginary ones of a blow, from 1/T to 30/T."""
+    T = 20e-6
+    star = ao.antioscillators(block, 12, method="krylov", contact_time=T)
+    s = np.geomspace(1.0, 30.0, 25) / T
+    np.testing.assert_allclose(
+        star_at(star, s), laplace_receptance(block.body, block.b, s), rtol=1e-6
+    )
+    omega = np.linspace(0.05, 2 * np.pi, 40) / T
+    K, M = block.body.K.toarray(), block.body.M.toarray()
+    full = [block.b @ la.solve(K - w**2 * M, block.b) for w in omega]
+    np.testing.assert_allclose(star.receptance(omega), full, rtol=1e-6)
+
+
+def test_order_n_plus_one_costs_one_solve(block):
+    space = ao.KrylovSpace(block, contact_time=20e-6)
+    for n in range(1, 5):
+        assert space.antioscillators(n).n == n
+        assert space.solves == n  # a free body's static mode costs none
+    # Smaller models are still what they were.
+    again = ao.KrylovSpace(block, contact_time=20e-6).antioscillators(2)
+    np.testing.assert_array_equal(space.antioscillators(2).m, again.m)
+
+
+def test_expand_gives_back_the_full_displacement(block):
+    """bᵀX is the contact coordinate; kinetic and elastic energy are those of the star."""
+    star = ao.antioscillators(block, 5, method="krylov", contact_time=20e-6)
+    x = np.random.default_rng(0).standard_normal(6)
+    full = star.expand(x)
+    assert block.b @ full == pytest.approx(x[0], rel=1e-9)
+    K, M = block.body.K, block.body.M
+    assert full @ (K @ full) == pytest.approx(star.k @ (x[1:] - x[0]) ** 2, rel=1e-8)
+    kinetic = star.m0 * x[0] ** 2 + star.m @ x[1:] ** 2
+    assert full @ (M @ full) == pytest.approx(kinetic, rel=1e-8)
+
+
+def test_static_stiffness_with_a_duration():
+    """Fitted to slow motion as well, a held rod has k0 = EA/L = 1; fitted to a blow alone, more."""
+    K, M = rod(100, fixed=[0])
+    assert fitted(K, M, 99, 4, contact_time=0.1, duration=1e4).k0 == pytest.approx(1.0, rel=1e-6)
+    assert fitted(K, M, 99, 4, contact_time=0.1).k0 > 1.5
+
+
+def test_a_whole_subspace_is_the_body():
+    """As many vectors as dofs: the receptance is the body's at every frequency."""
+    K, M = rod(12, fixed=[0])
+    star = fitted(K, M, 11, 11, contact_time=1.0)
+    omega = np.linspace(0.1, 60, 30)
+    dense = K.toarray(), M.toarray()
+    full = [la.inv(dense[0] - w**2 * dense[1])[11, 11] for w in omega]
+    np.testing.assert_allclose(star.receptance(omega), full, rtol=1e-7)
+    every = ao.antioscillators(ao.FEModel(K=K, M=M).contact(dof=11), order="frequency")
+    np.testing.assert_allclose(star.m, every.m, rtol=1e-7)
+
+
+# -------------------------------------------------------------------------------- hard cases
+
+
+def test_only_what_the_contact_excites():
+    """A beam struck at midspan moves symmetrically: 19 oscillators, however many are asked for."""
+    K, M = beam(20, fixed=[0, 40])
+    every = ao.antioscillators(ao.FEModel(K=K, M=M).contact(dof=19), order="frequency")
+    with pytest.warns(ao.AOImpactWarning, match="only 19 anti-oscillators carry mass"):
+        star = fitted(K, M, 19, 35, contact_time=0.1)
+    np.testing.assert_allclose(star.frequencies, every.frequencies, rtol=1e-6)
+    np.testing.assert_allclose(star.m, every.m, rtol=1e-5)
+
+
+def test_multiple_eigenvalues_of_symmetric_bodies():
+    """Three equal rods on one struck mass: every constraint mode is threefold, and one is seen."""
+    one_K, one_M = rod(30)
+    join = sp.lil_matrix((93, 91))
+    for k in range(3):
+        join[31 * k, 0] = 1
+        for i in range(1, 31):
+            join[31 * k + i, 30 * k + i] = 1
+    K, M = ((join.T @ in_a_row(*[each] * 3) @ join).tocsr() for each in (one_K, one_M))
+    star, single = (fitted(*pair, 0, 10, contact_time=0.3) for pair in ((K, M), (one_K, one_M)))
+    np.testing.assert_allclose(star.m, 3 * single.m, rtol=1e-6)
+    np.testing.assert_allclose(star.k, 3 * single.k, rtol=1e-6)
+
+
+def test_nearly_incompressible_material(block):
+    mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
+    rubber = ao.Material(E=5e6, nu=0.4999, rho=1000)
+    tip = ao.FEModel.from_mesh(mesh, rubber, fixed=[("xmin", "xyz")]).contact(
+        point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0)
+    )
+    T = 2e-3
+    star = ao.antioscillators(tip, 12, method="krylov", contact_time=T)
+    s = np.geomspace(2.0, 30.0, 10) / T
+    np.testing.assert_allclose(star_at(star, s), laplace_receptance(tip.body, tip.b, s), rtol=1e-5)
+
+
+def test_elements_of_very_different_size():
+    """A rod of a hundred elements between 1 and 1e-4 of the largest's length."""
+    h = np.geomspace(1, 1e-4, 100)
+    h /= h.sum()
+    n = len(h)
+    K, M = sp.lil_matrix((n + 1, n + 1)), sp.lil_matrix((n + 1, n + 1))
+    for i, length in enumerate(h):
+        here = slice(i, i + 2)
+        K[here, here] += np.array([[1, -1], [-1, 1]]) / length
+        M[here, here] += np.array([[2, 1], [1, 2]]) * length / 6
+    body = ao.FEModel(K=K.tocsr()[1:, 1:], M=M.tocsr()[1:, 1:])
+    tip = body.contact(dof=n - 1)
+    star = ao.antioscillators(tip, 15, method="krylov", contact_time=1.0)
+    s = np.geomspace(3.0, 30.0, 10)
+    np.testing.assert_allclose(star_at(star, s), laplace_receptance(body, tip.b, s), rtol=1e-6)
+
+
+def test_rounding_in_the_symmetry_of_k():
+    K, M = rod(60, fixed=[0])
+    chosen = np.random.default_rng(3).random((60, 60)) < 0.05
+    noise = sp.csr_array(chosen.astype(np.float64)).multiply(K)
+    clean, noisy = (fitted(K + e * noise, M, 59, 8, contact_time=0.2) for e in (0.0, 4e-12))
+    np.testing.assert_allclose(noisy.m, clean.m, rtol=1e-8)
+
+
+def test_a_mechanism_is_named():
+    """Two blocks that share nothing but one edge: a hinge."""
+    left = box_mesh((0.02, 0.02, 0.02), (2, 2, 2))
+    shift = left.nodes + np.array([0.02, 0.0, 0.02])
+    nodes = np.concatenate([left.nodes, shift])
+    _, first, index = np.unique(np.round(nodes, 9), axis=0, return_index=True, return_inverse=True)
+    cells = np.concatenate([left.cells, left.cells + left.n_nodes])
+    mesh = ao.Mesh(nodes[first], index.ravel()[cells], left.kind, {})
+    tip = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.04, 0.01, 0.03), direction=(0, 0, 1))
+    with pytest.raises(ao.SingularError, match="mechanism"):
+        ao.antioscillators(tip, 12, method="krylov", contact_time=1e-4)
+
+
+def test_a_contact_time_far_off_is_refused_or_harmless(block):
+    with pytest.raises(ao.InputError, match="shorter than what the mesh resolves"):
+        ao.antioscillators(block, 3, method="krylov", contact_time=1e-8)
+    # Much longer ones give the same first oscillators: those of the slow motion.
+    slow = ao.antioscillators(block, 8, method="krylov", contact_time=1e-2)
+    exact = ao.antioscillators(block, order="frequency")
+    np.testing.assert_allclose(slow.frequencies[:2], exact.frequencies[:2], rtol=1e-4)
+
+
+def test_two_functionals_share_one_subspace(block):
+    other = block.body.contact(point=(0, 0, 0), direction=(0, 1, 0))
+    B = np.stack([block.b, other.b])
+    s = 5e5
+    omega2, modes = Subspace(block.body, B, [s]).ritz(12)
+    gram = modes.T @ (block.body.M @ modes)
+    np.testing.assert_allclose(gram, np.eye(12), atol=1e-9)
+    r = B @ modes
+    K, M = block.body.K.toarray(), block.body.M.toarray()
+    np.testing.assert_allclose((r / (omega2 + s**2)) @ r.T, B @ la.solve(K + s**2 * M, B.T))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"n": None}, "give n"),
+        ({"n": -1}, "n must be from 0"),
+        ({"n": 3, "order": "mass"}, "order must be"),
+        ({"n": 3, "contact_time": 0.0}, "contact_time must be positive"),
+        ({"n": 3, "contact_time": float("nan")}, "contact_time"),
+        ({"n": 3, "contact_time": "soon"}, "contact_time"),
+        ({"n": 3, "contact_time": 1e-4, "duration": -1.0}, "duration must be positive"),
+        ({"n": 3, "method": "eigen", "contact_time": 1e-4}, "method='krylov'"),
+    ],
+)
+def test_bad_arguments_are_named(block, options, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        ao.antioscillators(block, **{"method": "krylov", **options})
+
+
+def test_a_body_without_contact_is_refused(block):
+    with pytest.raises(ao.InputTypeError, match="tip must come from"):
+        ao.antioscillators(block.body, 3, method="krylov")
+
+
+def test_one_factorisation_and_a_solve_a_vector_by_the_users_own_solver(block):
+    calls = {"factorisations": 0, "solves": 0}
+
+    def own(matrix):
+        calls["factorisations"] += 1
+        solve = scipy.sparse.linalg.factorized(matrix)
+
+        def counted(rhs):
+            calls["solves"] += 1
+            return solve(rhs)
+
+        return counted
+
+    star = ao.antioscillators(block, 4, method="krylov", contact_time=20e-6, solver=own)
+    assert calls == {"factorisations": 1, "solves": 4}
+    assert star.origin.solver == "own"

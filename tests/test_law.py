@@ -1,0 +1,183 @@
+"""A law with its patch's compliance taken out: F = law(δ + c F), to rounding."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from every_law import LAWS, law_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import aoimpact as ao
+from aoimpact.law import PatchLaw
+
+K, C = 1.0878566e10, 3e-10  # of steel balls of 10 mm, of a patch of some 4 mm
+
+
+def exact(k, c, delta, n=1.5, factor=1.0):
+    """Force and its slope by mpmath: the smaller root d of d - c k factor dⁿ = δ."""
+    with mpmath.workdps(60):
+        k, c, delta, n = (mpmath.mpf(x) for x in (k, c, delta, n))
+        k = k * mpmath.mpf(factor)
+        d = delta
+        for _ in range(400):  # Newton from below on a concave function does not overshoot
+            step = (delta - d + c * k * d**n) / (1 - c * k * n * d ** (n - 1))
+            d += step
+            if abs(step) < mpmath.mpf(10) ** -50 * d:
+                break
+        slope = k * n * d ** (n - 1)
+        return float(k * d**n), float(slope / (1 - c * slope))
+
+
+@given(
+    k=st.floats(1e3, 1e14),
+    share=st.floats(1e-9, 0.949),
+    n=st.sampled_from([1.2, 1.5, 2.0, 2.5]),
+    rate=st.floats(-1.0, 1.0),
+)
+@settings(max_examples=200)
+def test_force_and_slope_are_those_of_the_inverted_law(k, share, n, rate):
+    """From where c F vanishes beside δ up to nearly where nothing is left of the law."""
+    deep = 1e-5
+    factor = 1.0 + 0.3 * rate
+    c = share / (k * factor * n * deep ** (n - 1))
+    delta = deep - c * k * factor * deep**n
+    law = PatchLaw(ao.HuntCrossley(k, 0.3, n), c)
+    force, stiffness, damping = (
+        float(value) for value in law._evaluate(np.array(delta), np.array(rate))
+    )
+    wanted, slope = exact(k, c, delta, n, factor)
+    # δ itself is only known to rounding, which the slope passes on.
+    slack = 4e-15 + 4e-16 * slope * delta / wanted
+    assert force == pytest.approx(wanted, rel=slack)
+    assert stiffness == pytest.approx(slope, rel=4e-14 / (1.0 - share))
+    assert damping == pytest.approx(
+        0.3 / factor * wanted * stiffness / (slope * (1 - share)), rel=1e-12
+    )
+
+
+def test_hertz_in_closed_form():
+    """δ(F) = (F/k)^(2/3) - c F."""
+    force = np.geomspace(1e-6, 2000.0, 200)
+    law = ao.Hertz(K).within_patch(C)
+    delta = (force / K) ** (2 / 3) - C * force
+    inside = delta <= law.limit
+    assert inside.sum() > 150
+    np.testing.assert_allclose(law.force(delta[inside]), force[inside], rtol=3e-14)
+
+
+def test_energy_is_the_work_of_the_force():
+    law = ao.Hertz(K).within_patch(C)
+    x, w = np.polynomial.legendre.leggauss(40)
+    for delta in (1e-7, 1e-5, 0.99 * law.limit):
+        s = 0.5 + 0.5 * x
+        work = float(np.sum(w * s * delta * law.force(delta * s**2)))
+        assert law.potential(delta) == pytest.approx(work, rel=1e-9)
+
+
+def test_the_law_stands_while_the_contact_is_narrower_than_the_patch():
+    """With c = 1.2/(r E) of two like bodies, c dF/dδ = 1.2 a/r: a is 0.95/1.2 r at the limit."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    modulus, radius, r = 210e9 / (1 - 0.3**2), 0.005, 2e-4
+    hertz = ao.Hertz.between(steel, 0.01, steel, 0.01)
+    law = hertz.within_patch(1.2 / (r * modulus), radius=r, relative_radius=radius)
+    own = law.limit + law.compliance * law.force(law.limit)
+    assert math.sqrt(radius * own) == pytest.approx(0.95 / 1.2 * r, rel=1e-9)
+    # Where only one body has a patch and the other is soft, the radius itself is the bound.
+    stiff = hertz.within_patch(0.1 / (r * modulus), radius=r, relative_radius=radius)
+    own = stiff.limit + stiff.compliance * stiff.force(stiff.limit)
+    assert math.sqrt(radius * own) == pytest.approx(r, rel=1e-12)
+
+
+def test_a_plastic_law_stands_while_its_unloading_does():
+    """It starts with Hertz's slope at the deepest point, 3/2 k √δ*, steeper than the way in."""
+    law = ao.Thornton(K, 10.0).within_patch(2e-8)
+    own = law.limit + law.compliance * law.force(law.limit)
+    assert 2e-8 * 1.5 * K * math.sqrt(own) == pytest.approx(0.95, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", sorted(LAWS))
+@pytest.mark.parametrize("energy", [1e-20, 1e-8, 1.0])
+def test_the_stroke_of_an_energy_is_where_the_work_is_that(name, energy):
+    law = law_of(name)
+    depth = law.stroke(energy)
+    x, w = np.polynomial.legendre.leggauss(60)
+    s = 0.5 + 0.5 * x
+    work = float(np.sum(w * s * depth * law.force(depth * s**2)))
+    assert work == pytest.approx(energy, rel=2e-3 if name == "Tabulated" else 1e-4)
+
+
+def test_the_stroke_ends_where_the_law_does():
+    law = ao.Hertz(K).within_patch(3e-8)
+    assert law.stroke(100.0) == pytest.approx(law.limit, rel=1e-9)
+    with pytest.raises(ao.InputError, match="energy must be positive"):
+        law.stroke(0.0)
+
+
+def test_beyond_the_limit_is_an_error_that_names_the_cure():
+    law = ao.Hertz(K).within_patch(C)
+    assert law.force(law.limit * 0.999999) > 0.0
+    with pytest.raises(ao.InputError, match="with a patch, take a larger radius"):
+        law.force(law.limit * 1.001)
+
+
+def test_an_impact_beyond_the_limit_stops_there():
+    law = ao.Hertz(K).within_patch(3e-8)
+    with pytest.raises(ao.InputError, match=r"at t = .* take a larger radius"):
+        ao.simulate(
+            projectile=ao.rigid(mass=0.03),
+            target=ao.rigid(mass=math.inf),
+            law=law,
+            velocity=3.0,
+            duration=1e-4,
+            solver=ao.Newmark(dt=1e-7),
+        )
+
+
+@pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-8), ao.Adaptive(rtol=1e-9)])
+def test_an_elastic_impact_on_a_patch_keeps_its_energy(solver):
+    mass, speed, law = 0.016, 1.0, ao.Hertz(K).within_patch(C)
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=mass),
+        target=ao.rigid(mass=math.inf),
+        law=law,
+        velocity=speed,
+        duration=1e-4,
+        solver=solver,
+    )
+    assert hit.restitution == pytest.approx(1.0, abs=1e-6)
+    deepest = hit.indentation.max()
+    assert law.potential(deepest) == pytest.approx(mass * speed**2 / 2, rel=1e-3)
+    assert hit.peak_force > ao.Hertz(K).force(deepest)
+
+
+def test_a_thornton_contact_on_a_patch_loses_what_its_law_does():
+    """Restitution by the energies of the law, and by a run."""
+    law = ao.Thornton(K, 200.0).within_patch(C)
+    mass, speed = 0.016, 0.7
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=mass),
+        target=ao.rigid(mass=math.inf),
+        law=law,
+        velocity=speed,
+        duration=1e-4,
+        solver=ao.Newmark(dt=1e-8),
+    )
+    assert hit.restitution == pytest.approx(ao.restitution(law, mass, speed), rel=1e-5)
+    assert 0.5 < hit.restitution < 0.95
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: ao.Linear(1e9).within_patch(2e-9), "nothing is left of the law"),
+        (lambda: ao.Hertz(K).within_patch(0.0), "compliance must be positive"),
+        (lambda: ao.Hertz(K).within_patch(C, radius=-1.0), "radius must be positive"),
+        (lambda: ao.Hertz(K).within_patch(C, radius=1.0, relative_radius=0.0), "relative_radius"),
+        (lambda: ao.Hertz(K).within_patch(C).within_patch(C), "law without a patch"),
+    ],
+)
+def test_bad_input_is_named(make, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        make()

@@ -1,0 +1,65 @@
+"""Every law in the solvers, between rigid bodies and ringing ones, over six decades of velocity."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from every_law import LAWS, MASS, law_of
+
+import aoimpact as ao
+
+VELOCITIES = [1e-4, 1e-2, 1.0, 1e2]
+WALL = ao.rigid(mass=math.inf)
+ADAPTIVE = ao.Adaptive(rtol=1e-8)
+
+# What a step of T/2000 leaves: a force that starts with a jump, or as steeply as d^(1/4), costs
+# the rule its second order.
+SLACK = {"Tsuji": 5e-5, "pulling KelvinVoigt": 3e-4, "Thornton": 1e-4}
+
+
+def scene(name: str, velocity: float) -> tuple[ao.ContactLaw, float, dict[str, Any]]:
+    """Return the law, about how long it keeps a rigid mass, and what of a run hangs on that."""
+    law = law_of(name)
+    time = 3.0 * law.stroke(0.5 * MASS * velocity**2) / velocity
+    return law, time, {"law": law, "velocity": velocity, "duration": 2.5 * time}
+
+
+@pytest.mark.parametrize("velocity", VELOCITIES)
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_a_rigid_ball_on_a_wall_gets_its_restitution_back(name: str, velocity: float) -> None:
+    law, time, options = scene(name, velocity)
+    delivered = ao.restitution(law, MASS, velocity)
+    options["duration"] = time * (2.0 + 1.0 / delivered)  # the way out is that much slower
+    ball = ao.rigid(mass=MASS)
+    step = ao.Newmark(dt=time / 2000, estimate=False)
+    hit = ao.simulate(projectile=ball, target=WALL, solver=step, **options)
+    assert len(hit.contacts) == 1
+    assert hit.restitution == pytest.approx(delivered, abs=SLACK.get(name, 1e-5))
+    hit = ao.simulate(projectile=ball, target=WALL, solver=ADAPTIVE, **options)
+    assert hit.restitution == pytest.approx(delivered, abs=1e-8)
+
+
+@pytest.mark.filterwarnings("ignore:.*ends in contact")
+@pytest.mark.parametrize("velocity", VELOCITIES)
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_bodies_that_ring_lose_what_the_law_takes_and_gain_nothing(
+    name: str, velocity: float
+) -> None:
+    law, time, options = scene(name, velocity)
+    w = 2.0 * math.pi / time
+    oscillators = np.array([0.7, 0.29]) * MASS
+    ball = ao.AOModel(m0=0.01 * MASS, k0=0.0, m=oscillators, k=oscillators * [9 * w**2, 81 * w**2])
+    beam = ao.AOModel(m0=MASS, k0=MASS * w**2 / 4, m=[MASS], k=[4 * MASS * w**2])
+    step = ao.Newmark(dt=time / 2000, estimate=False)
+    hit = ao.simulate(projectile=ball, target=beam, solver=step, **options)
+    start = 0.5 * MASS * velocity**2
+    energy = hit.energy.kinetic + hit.energy.elastic + hit.energy.contact
+    assert np.diff(energy).max() < 1e-6 * start
+    assert hit.impulse > 0.5 * MASS * velocity
+    if not (law.depends_on_rate or law.has_memory):
+        assert energy[-1] == pytest.approx(start, rel=1e-5)
+        exact = ao.simulate(projectile=ball, target=beam, solver=ADAPTIVE, **options)
+        assert hit.peak_force == pytest.approx(exact.peak_force, rel=1e-4)

@@ -1,0 +1,91 @@
+"""Thornton's elastic-plastic contact: its restitution in closed form, and its memory."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import aoimpact as ao
+
+K, FORCE, MASS = 1e10, 100.0, 0.016
+LAW = ao.Thornton(K, FORCE)
+
+
+def thornton(ratio):
+    """e(V_y/V) of Thornton (1997), eq. (18)."""
+    return (
+        math.sqrt(6 * math.sqrt(3) / 5)
+        * math.sqrt(1 - ratio**2 / 6)
+        * (ratio / (ratio + 2 * math.sqrt(6 / 5 - ratio**2 / 5))) ** 0.25
+    )
+
+
+@given(st.floats(1.0, 1e6))
+def test_restitution_is_thorntons(times):
+    found = ao.restitution(LAW, MASS, times * LAW.yield_velocity(MASS))
+    assert found == pytest.approx(thornton(1 / times), rel=1e-10)
+
+
+@given(st.floats(1e-6, 1.0, exclude_max=True))
+def test_below_yield_nothing_is_lost(share):
+    assert ao.restitution(LAW, MASS, share * LAW.yield_velocity(MASS)) == pytest.approx(
+        1.0, rel=1e-12
+    )
+
+
+def test_force_and_slope_are_continuous_at_yield():
+    start = LAW.yield_indentation
+    assert LAW.force(start) == pytest.approx(FORCE, rel=1e-14)
+    below, above = LAW.force(start * np.array([1 - 1e-7, 1 + 1e-7]))
+    assert above - FORCE == pytest.approx(FORCE - below, rel=1e-6)
+    assert LAW.force(3 * start) == pytest.approx(FORCE + 2 * start * 1.5 * K * math.sqrt(start))
+
+
+def test_yield_of_spheres_is_johnsons():
+    """F_y = π³R²p³/(6E*²), and m V_y²/2 ≈ 53 R³ Y⁵/E*⁴ for p = 1.6 Y: his (4.24) and (11.20)."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    modulus, radius, pressure = 210e9 / (2 * (1 - 0.3**2)), 0.005, 1.6 * 500e6
+    law = ao.Thornton.between(steel, 0.01, steel, 0.01, yield_pressure=pressure)
+    # Hertz's largest pressure under that force: (6 F E*²/(π³ R²))^(1/3)
+    under = (6 * law.yield_force * modulus**2 / (math.pi**3 * radius**2)) ** (1 / 3)
+    assert under == pytest.approx(pressure, rel=1e-12)
+    assert law.k == ao.Hertz.between(steel, 0.01, steel, 0.01).k
+    energy = MASS * law.yield_velocity(MASS) ** 2 / 2
+    assert energy == pytest.approx(53.0 * radius**3 * 500e6**5 / modulus**4, rel=1e-2)
+
+
+@pytest.mark.parametrize("times", [1.5, 5.0, 50.0])
+def test_a_run_rebounds_with_that_restitution(times):
+    speed = times * LAW.yield_velocity(MASS)
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=MASS),
+        target=ao.rigid(mass=math.inf),
+        law=LAW,
+        velocity=speed,
+        duration=1e-4,
+        solver=ao.Newmark(dt=5e-9),
+    )
+    assert hit.restitution == pytest.approx(thornton(1 / times), rel=1e-5)
+    # It lets go where the flattened radius does, with a residual indentation d_p = d* - F*/(k √d*).
+    deepest = hit.indentation.max()
+    rest = deepest - LAW.force(deepest) / (K * math.sqrt(deepest))
+    last = hit.indentation[np.flatnonzero(hit.force > 0.0)[-1]]
+    assert last == pytest.approx(rest, rel=1e-3 + 1e-2 / times)
+
+
+def test_a_second_blow_no_harder_than_the_first_is_elastic():
+    """On a spring the ball comes back: the contact remembers, and reloads where it unloaded."""
+    speed = 3.0 * LAW.yield_velocity(MASS)
+    swing = ao.AOModel(m0=MASS, k0=MASS * 2e3**2, m=[], k=[])  # swings back after half a period
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=100 * MASS),
+        target=swing,
+        law=LAW,
+        velocity=speed,
+        duration=1.5e-2,
+        solver=ao.Newmark(dt=2e-7),
+    )
+    assert len(hit.contacts) >= 2
+    assert np.all(np.diff(hit.energy.total) < 1e-5 * hit.energy.total[0])  # nothing is ever gained

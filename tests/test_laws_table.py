@@ -1,0 +1,104 @@
+"""A law through points."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.interpolate
+from hypothesis import given
+from hypothesis import strategies as st
+
+import aoimpact as ao
+
+DEPTH = np.linspace(0.0, 1e-4, 25)
+LAW = ao.Tabulated(DEPTH, 1e10 * DEPTH**1.5)
+
+steps = st.lists(
+    st.tuples(st.floats(1e-7, 1e-3), st.just(0.0) | st.floats(1e-3, 1e5)), min_size=1, max_size=12
+).filter(lambda s: s[0][1] > 0.0)
+
+
+def points(parts):
+    return tuple(np.concatenate([[0.0], np.cumsum(column)]) for column in zip(*parts, strict=True))
+
+
+@given(steps)
+def test_it_is_scipys_pchip_and_its_integral(parts):
+    depth, force = points(parts)
+    law, spline = ao.Tabulated(depth, force), scipy.interpolate.PchipInterpolator(depth, force)
+    between = np.linspace(0.0, depth[-1], 101)
+    np.testing.assert_allclose(
+        law.force(between), spline(between), rtol=1e-12, atol=1e-12 * force[-1]
+    )
+    energy = spline.antiderivative()(between)
+    np.testing.assert_allclose(law.potential(between), energy, rtol=1e-12, atol=1e-12 * energy[-1])
+
+
+@given(steps)
+def test_it_goes_through_its_points_and_nowhere_falls(parts):
+    depth, force = points(parts)
+    law = ao.Tabulated(depth[1:], force[1:])  # the origin is understood
+    np.testing.assert_allclose(law.force(depth), force, rtol=1e-14)
+    fine = law.force(np.linspace(0.0, depth[-1], 500))
+    assert np.diff(fine).min() >= -1e-12 * force[-1]
+
+
+@pytest.mark.parametrize("solver", [ao.Newmark(dt=1e-7), ao.Adaptive(rtol=1e-7)])
+def test_a_fine_table_of_hertz_is_hertz(solver):
+    scene = {
+        "projectile": ao.rigid(mass=0.016),
+        "target": ao.rigid(mass=math.inf),
+        "velocity": 1.0,
+        "duration": 1e-4,
+        "solver": solver,
+    }
+    fine = np.linspace(0.0, 1.0, 300) ** 2 * 1e-4
+    table = ao.simulate(law=ao.Tabulated(fine, 1e10 * fine**1.5), **scene)
+    hertz = ao.simulate(law=ao.Hertz(1e10), **scene)
+    assert table.peak_force == pytest.approx(hertz.peak_force, rel=1e-5)
+    assert table.contact_duration == pytest.approx(hertz.contact_duration, rel=1e-5)
+
+
+def test_what_lies_beyond_the_table_is_not_made_up():
+    assert LAW.force(1e-4) == pytest.approx(1e10 * 1e-6)
+    with pytest.raises(ao.InputError, match="with a table, give deeper values"):
+        LAW.force(1.001e-4)
+    with pytest.raises(ao.InputError, match="give deeper values"):
+        ao.simulate(
+            projectile=ao.rigid(mass=1.0),
+            target=ao.rigid(mass=math.inf),
+            law=LAW,
+            velocity=3.0,
+            duration=1e-3,
+            solver=ao.Newmark(dt=1e-6),
+        )
+
+
+def test_it_is_a_value_that_owns_its_points():
+    depth = DEPTH.copy()
+    law = ao.Tabulated(depth, 1e10 * depth**1.5)
+    depth[:] = 0.0
+    assert law == LAW
+    assert law.indentation == tuple(DEPTH.tolist())
+    assert repr(law) == "Tabulated(25 points up to 0.0001 m, 10000 N)"
+
+
+@pytest.mark.parametrize(
+    ("indentation", "force", "message"),
+    [
+        ([0, 1e-5, 1e-5], [0, 1, 2], "indentation must increase .* after 1e-05 m comes 1e-05 m"),
+        ([0, 2e-5, 1e-5], [0, 1, 2], "indentation must increase"),
+        ([0, 1e-5, 2e-5], [0, 2, 1], "force must never fall .* after 2 N comes 1 N"),
+        ([0, 1e-5], [1, 2], "force must be 0 N at indentation 0"),
+        ([-1e-5, 1e-5], [0, 2], "must not be negative"),
+        ([0, 1e-5, 2e-5], [0, 0, 1], "force must be positive at indentation 1e-05 m"),
+        ([0, 1e-5], [0, 1, 2], r"force must have shape \(2,\)"),
+        ([0, math.nan], [0, 1], "indentation must be finite"),
+        ([], [], "a point besides"),
+        ([0], [0], "a point besides"),
+        ("table", [0], "indentation must be an array"),
+    ],
+)
+def test_bad_tables_are_named(indentation, force, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        ao.Tabulated(indentation, force)

@@ -1,0 +1,213 @@
+"""Laws that the user writes: what they may be made of, and what happens when they go wrong."""
+
+import ctypes
+import ctypes.util
+import math
+import pickle
+import shutil
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+from every_law import damped_hertz
+
+import aoimpact as ao
+
+K, CHI = 1e10, 0.5
+BUILT_IN = ao.HuntCrossley(K, CHI)
+SOURCE = """
+#include <math.h>
+double force(double d, double v) { return 1e10 * d * sqrt(d) * (1.0 + 0.5 * v); }
+double stiffness(double d, double v) { return 1.5e10 * sqrt(d) * (1.0 + 0.5 * v); }
+double damping(double d, double v) { return 0.5e10 * d * sqrt(d) + 0.0 * v; }
+double energy(double d, double v) { return 0.4e10 * d * d * sqrt(d) + 0.0 * v; }
+double broken(double d, double v) { return d > 1e-6 ? NAN : d + 0.0 * v; }
+"""
+DOUBLE_OF_TWO = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.c_double)
+
+
+def hit(law, solver=None, **changes):
+    scene = {
+        "projectile": ao.rigid(mass=0.016),
+        "target": ao.AOModel(m0=1.0, k0=1e6, m=[0.2], k=[1e8]),
+        "velocity": 1.0,
+        "duration": 1e-4,
+        "solver": solver or ao.Newmark(dt=2e-7),
+    }
+    return ao.simulate(law=law, **scene | changes)
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    """The law as C functions of a shared library."""
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None or sys.platform == "win32":
+        pytest.skip("no C compiler at hand")
+    folder = tmp_path_factory.mktemp("law")
+    (folder / "law.c").write_text(SOURCE)
+    command = [compiler, "-O2", "-shared", "-fPIC", "law.c", "-o", "law.so", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    loaded = ctypes.CDLL(str(folder / "law.so"))
+    for name in ("force", "stiffness", "damping", "energy", "broken"):
+        getattr(loaded, name).argtypes = [ctypes.c_double] * 2
+        getattr(loaded, name).restype = ctypes.c_double
+    return loaded
+
+
+def same_as_built_in(law, rel=1e-9):
+    depth = np.geomspace(1e-9, 1e-4, 30)
+    for rate in (-1.0, 0.0, 2.0):
+        np.testing.assert_allclose(law.force(depth, rate), BUILT_IN.force(depth, rate), rtol=1e-14)
+    np.testing.assert_allclose(law.potential(depth), BUILT_IN.potential(depth), rtol=1e-13)
+    run, reference = hit(law), hit(BUILT_IN)
+    np.testing.assert_allclose(run.force, reference.force, rtol=rel, atol=rel * 1e3)
+    assert run.restitution == pytest.approx(reference.restitution, rel=rel)
+
+
+def test_a_python_function():
+    same_as_built_in(ao.UserLaw(damped_hertz))
+
+
+def test_a_python_function_with_its_derivatives():
+    law = ao.UserLaw(
+        damped_hertz,
+        stiffness=lambda d, v: 1.5 * K * math.sqrt(d) * (1 + CHI * v),
+        damping=lambda d, v: CHI * K * d**1.5,
+        energy=lambda d, v: 0.4 * K * d**2.5,
+    )
+    same_as_built_in(law)
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_c_function_by_ctypes(library, whole):
+    more = {name: getattr(library, name) for name in ("stiffness", "damping", "energy")}
+    same_as_built_in(ao.UserLaw(library.force, **(more if whole else {})))
+
+
+def test_a_c_function_by_its_address(library):
+    address = ctypes.cast(library.force, ctypes.c_void_p).value
+    same_as_built_in(ao.UserLaw(address))
+    with pytest.raises(TypeError, match="cannot be pickled"):
+        pickle.dumps(ao.UserLaw(address))
+
+
+def test_a_python_function_in_a_ctypes_callback():
+    same_as_built_in(ao.UserLaw(DOUBLE_OF_TWO(damped_hertz)))
+
+
+def test_a_c_function_by_cffi(library):
+    cffi = pytest.importorskip("cffi")
+    ffi = cffi.FFI()
+    address = ctypes.cast(library.force, ctypes.c_void_p).value
+    same_as_built_in(ao.UserLaw(ffi.cast("double (*)(double, double)", address)))
+    with pytest.raises(ao.InputTypeError, match="no double f"):
+        ao.UserLaw(ffi.cast("double (*)(double)", address))
+
+
+def test_a_numba_cfunc():
+    numba = pytest.importorskip("numba")
+    same_as_built_in(ao.UserLaw(numba.cfunc("float64(float64, float64)")(damped_hertz)))
+
+
+def test_a_law_without_rate_runs_adaptively():
+    law = ao.UserLaw(lambda d, v: K * d**1.5, depends_on_rate=False)
+    solver = ao.Adaptive(rtol=1e-8)
+    assert hit(law, solver).peak_force == pytest.approx(
+        hit(ao.Hertz(K), solver).peak_force, rel=1e-8
+    )
+
+
+def test_a_law_that_would_pull_is_cut_unless_it_means_to():
+    assert ao.UserLaw(lambda d, v: -1.0).force(1e-6) == 0.0
+    assert ao.UserLaw(lambda d, v: -1.0, pulls=True).force(1e-6) == -1.0
+    assert ao.UserLaw(lambda d, v: -1.0, pulls=True).force(-1e-6) == 0.0
+
+
+class OwnError(Exception):
+    """A user's own exception."""
+
+
+@pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-7), ao.Adaptive(rtol=1e-8)])
+def test_what_a_law_raises_arrives_unchanged(solver):
+    fault = OwnError("beyond 10 um")
+
+    def law(d, v):
+        if d > 1e-5:
+            raise fault
+        return K * d**1.5
+
+    with pytest.raises(OwnError) as caught:
+        hit(ao.UserLaw(law, depends_on_rate=False), solver)
+    assert caught.value is fault
+
+
+@pytest.mark.parametrize(
+    "answer", [None, "12", np.ones(1), np.ones(2), np.array(1.0), [1.0], 1j, {}, b"1"]
+)
+def test_what_is_no_number_is_named_with_its_state(answer):
+    with pytest.raises(ao.InputTypeError, match="must return a real number, but at indentation = "):
+        hit(ao.UserLaw(lambda d, v: answer))
+
+
+@pytest.mark.parametrize("answer", [1, True, np.float32(1.0), np.float64(1.0), np.int32(1)])
+def test_what_is_a_number_is_taken(answer):
+    assert ao.UserLaw(lambda d, v: answer).force(1e-6) == 1.0
+
+
+@pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-7), ao.Adaptive(rtol=1e-8)])
+def test_nan_stops_with_the_state_that_gave_it(solver):
+    law = ao.UserLaw(lambda d, v: K * d**1.5 if d < 1e-5 else math.nan, depends_on_rate=False)
+    with pytest.raises(
+        ao.ConvergenceError, match=r"the contact law gave NaN, at indentation = 1.*e-05"
+    ):
+        hit(law, solver)
+    with pytest.raises(ao.ConvergenceError, match=r"at indentation = 0.002 m and rate = -3 m/s"):
+        law.force(0.002, -3.0)
+
+
+def test_nan_of_a_c_function_stops_too(library):
+    with pytest.raises(ao.ConvergenceError, match="the contact law gave NaN, at indentation = "):
+        hit(ao.UserLaw(library.broken))
+
+
+def test_python_laws_run_in_many_threads():
+    law = ao.UserLaw(damped_hertz)
+    expected = hit(law).peak_force
+    found, faults = [], []
+
+    def work(number):
+        try:
+            if number % 2:
+                hit(ao.UserLaw(lambda d, v: 1 / 0))
+            found.append(hit(law).peak_force)
+        except ZeroDivisionError as error:
+            faults.append(error)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [expected] * 4
+    assert len(faults) == 4
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: ao.UserLaw(None), "function must be a Python or C function"),
+        (lambda: ao.UserLaw("f"), "function must be a Python function or a C function"),
+        (lambda: ao.UserLaw(True), "function must be a Python function or a C function"),
+        (lambda: ao.UserLaw(0), "must not be a null pointer"),
+        (lambda: ao.UserLaw(-5), "function must be an address"),
+        (lambda: ao.UserLaw(damped_hertz, stiffness=4), "all Python functions or all C ones"),
+        (lambda: ao.UserLaw(damped_hertz, depends_on_rate=1), "depends_on_rate must be True"),
+        (lambda: ao.UserLaw(damped_hertz, pulls=None), "pulls must be True"),
+        (lambda: ao.UserLaw(ctypes.CFUNCTYPE(ctypes.c_int)(int)), "not declared as double f"),
+    ],
+)
+def test_bad_functions_are_named(make, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        make()

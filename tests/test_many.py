@@ -1,0 +1,415 @@
+"""Many impacts: the same bits whoever computes them, and nothing finished is lost."""
+
+from __future__ import annotations
+
+import gc
+import itertools
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+import tracemalloc
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.checkpoint import Checkpoint
+from aoimpact.study_scenes import beam_star, pair
+
+NAMES = ("peak_force", "peak_time", "contact_duration", "impulse", "rebound_velocity")
+
+
+def balls(velocity: float, **changes: Any) -> dict[str, Any]:
+    """Two rigid balls under Hertz's law."""
+    return {
+        "projectile": ao.rigid(mass=0.03),
+        "target": ao.rigid(mass=0.05),
+        "law": ao.Hertz(k=1e10),
+        "velocity": velocity,
+        "duration": 2e-4,
+    } | changes
+
+
+def mixed() -> list[dict[str, Any]]:
+    """Stars of several kinds, both solvers, one contact and many."""
+    beam = {"target": beam_star(6), "duration": 1e-3, "projectile": ao.rigid(mass=0.03)}
+    return [
+        *(balls(v) for v in (0.1, 1.0, -1.0, 3.0)),
+        *(pair() | {"velocity": v} for v in (0.5, 1.0)),
+        *(balls(v, **beam, solver=ao.Adaptive(rtol=1e-6)) for v in (0.5, 2.0)),
+        balls(1.0, solver=ao.Newmark(dt=1e-6)),
+        balls(1.0, gap=1.0),
+        balls(0.0),
+    ]
+
+
+def same(ours: list[Any], theirs: list[Any]) -> bool:
+    """Equal to the last bit; exceptions by type and text."""
+
+    def plain(item: Any) -> Any:
+        return (type(item), str(item)) if isinstance(item, Exception) else item
+
+    return [plain(item) for item in ours] == [plain(item) for item in theirs]
+
+
+def peak(result: Any) -> float:
+    return float(result.peak_force)
+
+
+def interrupt(result: Any) -> float:
+    raise KeyboardInterrupt
+
+
+def test_results_are_those_of_simulate_in_order() -> None:
+    cases = [balls(v) for v in (1.0, 0.1, 2.0)]
+    for case, result in zip(cases, ao.simulate_many(cases, workers=2), strict=True):
+        alone = ao.simulate(**case)
+        assert np.array_equal(result.t, alone.t)
+        assert np.array_equal(result.force, alone.force)
+        assert result.rebound_velocity == alone.rebound_velocity
+
+
+def test_hertz_s_powers_of_the_velocity() -> None:
+    """Peak as v^(6/5), duration as v^(-1/5): K. L. Johnson, section 11.4."""
+    speeds = [0.1, 1.0, 10.0]
+    cases = [balls(v, duration=1e-3) for v in speeds]
+    kept = ao.simulate_many(cases, keep=("peak_force", "contact_duration"))
+    for v, numbers in zip(speeds, kept, strict=True):
+        assert numbers["peak_force"] == pytest.approx(kept[1]["peak_force"] * v**1.2, rel=1e-7)
+        duration = kept[1]["contact_duration"] * v**-0.2
+        assert numbers["contact_duration"] == pytest.approx(duration, rel=1e-7)
+
+
+def test_kept_numbers_are_those_of_the_results() -> None:
+    cases = [case for case in mixed() if case["velocity"]]
+    results = ao.simulate_many(cases)
+    kept = ao.simulate_many(cases, keep=NAMES)
+    assert kept == [{name: getattr(result, name) for name in NAMES} for result in results]
+    assert ao.simulate_many(cases, keep=peak) == [result.peak_force for result in results]
+    assert ao.simulate_many(cases, keep="error.energy") == [
+        {"error.energy": result.error.energy} for result in results
+    ]
+    assert ao.simulate_many(cases[:1], keep="contacts.0.1") == [
+        {"contacts.0.1": results[0].contacts[0][1]}
+    ]
+
+
+@pytest.mark.parametrize("workers", [2, 3, 7])
+def test_the_same_bits_from_any_number_of_threads(workers: int) -> None:
+    cases = 4 * mixed()
+    assert same(ao.simulate_many(cases, keep=NAMES), ao.simulate_many(cases, workers, keep=NAMES))
+
+
+def test_the_same_bits_from_any_executor() -> None:
+    cases = 2 * mixed()
+    alone = ao.simulate_many(cases, keep=NAMES)
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, mp_context=context) as executor:
+        assert same(ao.simulate_many(cases, executor, keep=NAMES), alone)
+        whole = ao.simulate_many(cases[:2], executor)
+        assert [result.peak_force for result in whole] == [item["peak_force"] for item in alone[:2]]
+        assert np.array_equal(whole[0].at([1e-5]).force, ao.simulate(**cases[0]).at([1e-5]).force)
+    with ThreadPoolExecutor(2) as executor:
+        assert same(ao.simulate_many(cases, executor, keep=NAMES), alone)
+
+    class MapAlone:
+        def map(self, function: Any, items: Any) -> Iterator[Any]:
+            return map(function, items)
+
+    assert same(ao.simulate_many(cases, MapAlone(), keep=NAMES), alone)
+
+
+def test_a_failed_case_is_its_own_exception() -> None:
+    cases = [balls(1.0), balls(0.0), {"velocty": 1.0}, 3, balls(1.0, law=None), balls(2.0)]
+    results = ao.simulate_many(cases, workers=2)
+    assert [isinstance(result, ao.Result) for result in results] == [1, 0, 0, 0, 0, 1]
+    assert "velocity is 0" in str(results[1])
+    assert "did you mean 'velocity'" in str(results[2])
+    assert isinstance(results[3], ao.InputTypeError)
+    assert isinstance(results[4], TypeError)
+    assert all(result.__traceback__ is None for result in results[1:5])
+
+
+def test_an_interrupt_stops_them_all() -> None:
+    for workers in (1, 2):
+        with pytest.raises(KeyboardInterrupt):
+            ao.simulate_many([balls(1.0)] * 4, workers, keep=interrupt)
+
+
+def test_warnings_come_once_and_name_the_case() -> None:
+    short = balls(1.0, duration=1e-5)
+    with pytest.warns(ao.AOImpactWarning, match=r"case 1: .*ends in contact") as seen:
+        ao.simulate_many([balls(1.0), short, short], workers=2)
+    assert len(seen) == 1
+    assert "1 more of 3 cases" in str(seen[0].message)
+    assert seen[0].filename == __file__
+
+
+def test_a_scene_and_its_duration() -> None:
+    class Scene:
+        def simulate(self, *, duration: float) -> ao.Result:
+            return ao.simulate(**balls(1.0, duration=duration))
+
+    (result,) = ao.simulate_many([(Scene(), 1e-4)])
+    assert result.t[-1] == 1e-4
+
+
+# ----------------------------------------------------------------------------------- streams
+
+
+def test_an_endless_stream_is_drawn_from_as_it_goes() -> None:
+    drawn = itertools.count()
+
+    def endless() -> Iterator[dict[str, Any]]:
+        while True:
+            next(drawn)
+            yield balls(1.0)
+
+    stream = ao.iterate_many(endless(), workers=2, keep="peak_force")
+    first = list(itertools.islice(stream, 20))
+    stream.close()  # type: ignore[attr-defined]
+    assert len(first) == 20
+    assert next(drawn) < 5000
+
+
+@pytest.mark.parametrize("keep", ["impulse", peak])
+def test_memory_does_not_grow_with_the_stream(keep: Any) -> None:
+    """5000 results hold some 40 MB; a task is never more than a tenth of a second of cases."""
+    cases = (balls(1.0) for _ in range(5000))
+    tracemalloc.start()
+    count = sum(1 for _ in ao.iterate_many(cases, keep=keep))
+    used = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert count == 5000
+    assert used < 2e7
+
+
+@pytest.mark.parametrize("keep", ["peak_force", peak])
+def test_bodies_of_past_cases_are_forgotten(keep: Any) -> None:
+    def held(count: int) -> int:
+        cases = (balls(1.0, projectile=ao.rigid(mass=0.03)) for _ in range(count))
+        for _ in ao.iterate_many(cases, keep=keep):
+            pass
+        gc.collect()
+        return tracemalloc.get_traced_memory()[0]
+
+    tracemalloc.start()
+    before = held(20)
+    assert held(300) - before < 100_000
+    tracemalloc.stop()
+
+
+MILLION = """
+import resource
+import aoimpact as ao
+
+def cases():
+    for i in range(10**6):
+        yield dict(projectile=ball, target=other, law=law, velocity=1.0 + 1e-6 * i, duration=1e-4,
+                   solver=rule)
+
+ball, other, law = ao.rigid(mass=0.03), ao.rigid(mass=0.05), ao.Hertz(k=1e10)
+rule = ao.Adaptive(rtol=1e-3)
+largest = max(kept["peak_force"] for kept in ao.iterate_many(cases(), keep="peak_force"))
+print(largest, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="ru_maxrss in KiB")
+def test_a_million_cases_stay_within_two_gib() -> None:
+    env = os.environ | {"PYTHONPATH": str(Path(str(ao.__file__)).parent.parent)}
+    command = [sys.executable, "-c", MILLION]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
+    largest, most = map(float, done.stdout.split())
+    # Hertz: the peak goes as v^(6/5).
+    (one,) = ao.simulate_many([balls(1.0)], keep="peak_force")
+    assert largest == pytest.approx(one["peak_force"] * (2.0 - 1e-6) ** 1.2, rel=2e-3)
+    assert most * 1024 < 2 * 2**30
+
+
+# ------------------------------------------------------------------------------- checkpoints
+
+
+def counted(path: Path) -> int:
+    with Checkpoint(path) as store:
+        return len(store)
+
+
+def test_a_second_run_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, cases = tmp_path / "sweep", mixed()
+    first = ao.simulate_many(cases, keep=NAMES, checkpoint=path)
+    assert counted(path) == len(cases)
+
+    def never(**_: Any) -> None:
+        raise AssertionError("computed again")
+
+    monkeypatch.setattr("aoimpact.many.simulate", never)
+    for workers in (1, 2):
+        assert same(ao.simulate_many(cases, workers, keep=NAMES, checkpoint=path), first)
+
+
+def test_whole_results_are_kept_too(tmp_path: Path) -> None:
+    path = tmp_path / "sweep"
+    (first,) = ao.simulate_many([balls(1.0)], checkpoint=path)
+    (second,) = ao.simulate_many([balls(1.0)], checkpoint=path)
+    assert np.array_equal(first.force, second.force)
+    assert not second.force.flags.writeable
+
+
+def test_a_changed_sweep_computes_what_has_changed(tmp_path: Path) -> None:
+    path = tmp_path / "sweep"
+    ao.simulate_many([balls(1.0), balls(2.0)], keep="impulse", checkpoint=path)
+    ao.simulate_many([balls(2.0), balls(3.0), balls(1.0)], keep="impulse", checkpoint=path)
+    assert counted(path) == 3
+    ao.simulate_many([balls(1.0)], keep="peak_force", checkpoint=path)
+    assert counted(path) == 4
+
+
+def test_errors_that_may_pass_are_tried_again(tmp_path: Path) -> None:
+    path = tmp_path / "sweep"
+    lack = iter([MemoryError("just now"), None])
+
+    class Scene:
+        def simulate(self, *, duration: float) -> ao.Result:
+            if error := next(lack):
+                raise error
+            return ao.simulate(**balls(1.0))
+
+    class Case(Scene):
+        pass
+
+    (first,) = ao.simulate_many([(Case(), 1.0)], keep="impulse", checkpoint=path)
+    assert isinstance(first, MemoryError)
+    (second,) = ao.simulate_many([(Case(), 1.0)], keep="impulse", checkpoint=path)
+    assert second["impulse"] > 0.0
+
+
+SWEEP = """
+import sys
+import aoimpact as ao
+from concurrent.futures import ProcessPoolExecutor
+
+def cases():
+    for i in range(400):
+        yield dict(projectile=ao.rigid(mass=.03), target=ao.rigid(mass=.05), law=ao.Hertz(k=1e10),
+                   velocity=1.0 + 1e-3 * i, duration=2e-4, solver=ao.Newmark(dt=2e-8))
+
+def main(path, kind):
+    workers = ProcessPoolExecutor(2) if kind == "processes" else int(kind)
+    for kept in ao.iterate_many(cases(), workers, keep="peak_force", checkpoint=path):
+        print(kept["peak_force"].hex(), flush=True)
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kill -9")
+@pytest.mark.parametrize("kind", ["1", "2", "processes"])
+def test_killed_half_way_it_goes_on_where_it_was(kind: str, tmp_path: Path) -> None:
+    script, path = tmp_path / "sweep.py", tmp_path / "checkpoint"
+    script.write_text(SWEEP)
+    command = [sys.executable, str(script), str(path), kind]
+    env = os.environ | {"PYTHONPATH": str(Path(str(ao.__file__)).parent.parent)}
+    finished, told = 0, tmp_path / "told"
+    for _ in range(3):
+        with (
+            told.open("w") as output,
+            subprocess.Popen(command, stdout=output, env=env, start_new_session=True) as sweep,
+        ):
+            _wait_for_growth(path)
+            sweep.kill()
+            sweep.wait()
+        # Workers that the sweep leaves behind must not keep the file from its successor.
+        before, finished = finished, counted(path)
+        if kind == "processes":
+            os.killpg(sweep.pid, signal.SIGKILL)
+        assert max(before + 1, len(told.read_text().splitlines())) <= finished < 400
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
+    assert counted(path) == 400
+    fresh = [sys.executable, str(script), str(tmp_path / "other"), "2"]
+    again = subprocess.run(fresh, capture_output=True, text=True, check=True, env=env)
+    assert len(again.stdout.split()) == 400
+    assert done.stdout == again.stdout
+
+
+def _wait_for_growth(path: Path) -> None:
+    """Wait until another run has finished some cases more."""
+    before = path.stat().st_size if path.exists() else 8
+    for _ in range(3000):
+        time.sleep(0.01)
+        if path.exists() and path.stat().st_size > before + 500:
+            return
+    pytest.fail("the sweep did not get on")
+
+
+def die(result: Any) -> float:
+    """Kill the worker that comes to a certain case."""
+    if result.velocity == 7.0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return float(result.peak_force)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kill -9")
+def test_a_lost_worker_is_said_and_what_is_finished_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "sweep"
+    context = multiprocessing.get_context("spawn")
+    cases = [balls(float(v)) for v in range(1, 11)]
+    with (
+        ProcessPoolExecutor(1, mp_context=context) as executor,
+        pytest.raises(ao.WorkerError, match="worker was lost"),
+    ):
+        ao.simulate_many(cases, executor, keep=die, checkpoint=path)
+    # The cases of the batch that died with its worker are the only ones to be done again.
+    assert 0 < counted(path) < 7
+
+
+# --------------------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"cases": []}, "cases is empty"),
+        ({"cases": iter(())}, "cases is empty"),
+        ({"cases": balls(1.0)}, "must be a list"),
+        ({"cases": 3}, "must be a list"),
+        ({"workers": 0}, "workers must be at least 1"),
+        ({"workers": 2.0}, "number of threads"),
+        ({"workers": True}, "number of threads"),
+        ({"workers": "two"}, "number of threads"),
+        ({"keep": ()}, "keep has no names"),
+        ({"keep": "peak_forse"}, "did you mean 'peak_force'"),
+        ({"keep": ("peak force",)}, "no name of a quantity"),
+        ({"keep": (3,)}, "must hold names"),
+        ({"keep": 3}, "must be names"),
+        ({"progress": 1}, "progress must be True or False"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments: dict[str, Any], text: str) -> None:
+    with pytest.raises(ao.AOImpactError, match=text):
+        ao.simulate_many(**{"cases": [balls(1.0)]} | arguments)
+
+
+@pytest.mark.parametrize("name", ["contacts", "error.tme", "contacts.5.0", "contacts.0.peak_force"])
+def test_a_name_that_leads_nowhere_fails_its_case(name: str) -> None:
+    (error,) = ao.simulate_many([balls(1.0)], keep=name)
+    assert isinstance(error, ao.AOImpactError)
+    assert name in str(error)
+
+
+def test_what_cannot_be_sent_is_said() -> None:
+    with (
+        ProcessPoolExecutor(1) as executor,
+        pytest.raises(ao.WorkerError, match="must be picklable"),
+    ):
+        ao.simulate_many([balls(1.0)], executor, keep=lambda result: result.impulse)

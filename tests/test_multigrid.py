@@ -1,0 +1,256 @@
+"""Multigrid: few iterations at every size, the residual asked for, and honest failures."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+from bodies import distorted_box
+
+import aoimpact as ao
+from aoimpact.coarsening import aggregated, corner_interpolation
+from aoimpact.generate import box_mesh, sphere_mesh
+from aoimpact.multigrid import Multigrid
+from aoimpact.pencil import Pencil
+from aoimpact.rigidity import rigid_motions
+from aoimpact.smoother import Smoother
+
+from slender import rod
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+RUBBER = ao.Material(E=2e9, nu=0.499, rho=1100)
+
+# 1/(contact time of some 70 µs) times what a model of few oscillators is best shifted by, squared.
+SHIFT = (1.5e5) ** 2
+
+
+def held_bar(divisions, kind="tetra10", lengths=(0.4, 0.02, 0.02), material=STEEL):
+    mesh = box_mesh(lengths, divisions, kind=kind)
+    return ao.FEModel.from_mesh(mesh, material, fixed=[("xmin", "xyz")])
+
+
+def ball(size, material=STEEL):
+    return ao.FEModel.from_mesh(sphere_mesh(0.01, size), material)
+
+
+def pencil_of(body, s2, *, mesh=True, nodes=True):
+    where = (body.nodes, body.free) if nodes else (None, None)
+    return Pencil(body.K, body.M, s2, *where, body.mesh if mesh else None)
+
+
+def load_on(body):
+    load = np.zeros(body.n_dofs)
+    load[-1] = 1.0
+    return load
+
+
+def solved(pencil, load, tolerance=1e-8):
+    """Solve, check the residual, and return the number of iterations."""
+    solver = Multigrid(pencil, tolerance)
+    x = solver.solve(load)
+    rounding = 2e-14 * pencil.scale * np.linalg.norm(x)
+    residual = np.linalg.norm(load - pencil.product(x))
+    assert residual <= 1.1 * tolerance * np.linalg.norm(load) + rounding
+    return solver.iterations
+
+
+# ------------------------------------------------------------------------- how many iterations
+
+
+BODIES = {
+    "ball": lambda: ball(3e-3),
+    "ball, coarse": lambda: ball(5e-3),
+    "ball, ν = .499": lambda: ball(4e-3, RUBBER),
+    "bar": lambda: held_bar((60, 3, 3)),
+    "long bar": lambda: held_bar((150, 2, 2), lengths=(1.0, 0.01, 0.01)),
+    "hexahedron20": lambda: held_bar((40, 3, 3), "hexahedron20"),
+    "hexahedron27": lambda: held_bar((30, 3, 3), "hexahedron27"),
+    "hexahedron": lambda: held_bar((80, 5, 5), "hexahedron"),
+    "wedge": lambda: held_bar((60, 4, 4), "wedge"),
+    "tetra": lambda: held_bar((60, 4, 4), "tetra"),
+}
+
+
+@pytest.mark.parametrize("name", [name for name in BODIES if "," not in name])
+def test_at_most_20_iterations_on_every_kind_of_element(name):
+    body = BODIES[name]()
+    assert solved(pencil_of(body, SHIFT), load_on(body)) <= 20
+    if body.rigid_modes.shape[1] == 0:
+        assert solved(pencil_of(body, 0.0), load_on(body)) <= 20
+
+
+def test_iterations_do_not_grow_with_the_mesh():
+    counts = [
+        solved(pencil_of(body, SHIFT), load_on(body)) for body in map(ball, (5e-3, 3e-3, 2e-3))
+    ]
+    assert max(counts) <= min(counts) + 4
+    assert max(counts) <= 20
+
+
+def test_nearly_incompressible_bodies_take_longer_and_arrive():
+    body = BODIES["ball, ν = .499"]()
+    assert 20 < solved(pencil_of(body, SHIFT), load_on(body)) < 200
+
+
+def test_curved_elements_of_uneven_size_are_no_harder():
+    mesh = distorted_box("tetra10")
+    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz"), ("ymin", "y")])
+    assert solved(pencil_of(body, 1e6), load_on(body)) <= 20
+
+
+def test_supports_may_hold_single_components():
+    mesh = box_mesh((0.2, 0.02, 0.02), (30, 3, 3), kind="tetra10")
+    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xz"), ("xmax", "yz"), ("zmin", "y")])
+    assert solved(pencil_of(body, 0.0), load_on(body)) <= 20
+
+
+def test_nodes_alone_do_nearly_as_well_as_the_mesh():
+    body = BODIES["bar"]()
+    assert solved(pencil_of(body, SHIFT, mesh=False), load_on(body)) <= 25
+    assert solved(pencil_of(body, 0.0, mesh=False), load_on(body)) <= 30
+
+
+def test_dofs_may_come_in_any_order():
+    body = BODIES["bar"]()
+    order = np.random.default_rng(0).permutation(body.n_dofs)
+    K, M = (matrix[order][:, order].tocsr() for matrix in (body.K, body.M))
+    mixed = Pencil(K, M, SHIFT, body.nodes, body.free[order], body.mesh)
+    x = Multigrid(mixed, 1e-10).solve(load_on(body)[order])
+    reference = Multigrid(pencil_of(body, SHIFT), 1e-10).solve(load_on(body))
+    np.testing.assert_allclose(x, reference[order], atol=1e-8 * np.abs(reference).max())
+
+
+def test_matrices_without_nodes_are_solved_all_the_same():
+    body = BODIES["ball"]()
+    load = load_on(body)
+    assert solved(pencil_of(body, SHIFT, mesh=False, nodes=False), load) <= 60
+    # Nor need there be three dofs to a node: a grid of springs has one.
+    line = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(40, 40))
+    eye = sp.eye_array(40)
+    K = sp.csr_array(sp.kron(line, eye) + sp.kron(eye, line))
+    assert solved(Pencil(K, sp.eye_array(1600, format="csr")), np.ones(1600)) <= 40
+
+
+# ----------------------------------------------------------------------------- same as others
+
+
+@pytest.mark.parametrize("name", ["ball, coarse", "bar", "hexahedron"])
+def test_the_solution_is_that_of_a_factorisation(name):
+    body = BODIES[name]()
+    loads = np.random.default_rng(0).standard_normal((body.n_dofs, 2))
+    direct = body.inverse(SHIFT, solver="superlu").solve(loads)
+    multigrid = body.inverse(SHIFT, solver="multigrid")
+    assert multigrid.name == "multigrid"
+    x = multigrid.solve(loads)
+    np.testing.assert_allclose(x, direct, atol=1e-9 * np.abs(direct).max())
+    np.testing.assert_array_equal(multigrid.solve(loads[:, 0]), x[:, 0])  # the same bits
+
+
+def test_oscillators_by_multigrid_are_those_of_factors():
+    body = held_bar((30, 2, 2))
+    tip = body.contact(point=(0.4, 0.01, 0.01), direction=(0, 0, 1))
+    direct = ao.antioscillators(tip, 3, order="frequency", solver="superlu")
+    star = ao.antioscillators(tip, 3, order="frequency", solver="multigrid")
+    assert star.origin.solver == "multigrid"
+    np.testing.assert_allclose(star.m, direct.m, rtol=1e-7)
+    np.testing.assert_allclose(star.k, direct.k, rtol=1e-7)
+
+
+# -------------------------------------------------------------------------------- its parts
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27"])
+def test_the_coarse_space_of_the_corners_holds_every_linear_field(kind):
+    mesh = box_mesh((2.0, 1.5, 1.0), (3, 2, 2), kind=kind)
+    weights, corners = corner_interpolation(mesh)
+    np.testing.assert_allclose(weights @ mesh.nodes[corners], mesh.nodes, atol=1e-12)
+    np.testing.assert_allclose(weights.sum(axis=1), 1.0, rtol=1e-12)
+
+
+def test_aggregates_reproduce_the_rigid_motions():
+    """Tentative candidates are exact; smoothing leaves them so where K does not resist them."""
+    body = ball(4e-3)
+    A = body.K.tobsr((3, 3))
+    A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
+    motions = rigid_motions(body.nodes)
+    smoother = Smoother(A, scale=float(A.diagonal().max()), band=20.0, what="K")
+    prolongation, coarse = aggregated(A, motions.reshape(-1, 3, 6), smoother.highest)
+    np.testing.assert_allclose(prolongation @ coarse.reshape(-1, 6), motions, atol=1e-9)
+
+
+def test_the_bound_of_the_smoother_is_just_above_the_largest_eigenvalue():
+    K, _ = rod(300, fixed=[0])
+    A = K.tobsr((1, 1))
+    A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
+    smoother = Smoother(A, scale=float(A.diagonal().max()), band=20.0, what="K")
+    scaled = K.toarray() / K.diagonal()[:, None]
+    largest = np.linalg.eigvals(scaled).real.max()
+    assert 1.0 <= smoother.highest / largest <= 1.11
+
+
+def test_the_preconditioner_is_symmetric_to_single_precision():
+    body = ball(5e-3)
+    solver = Multigrid(pencil_of(body, SHIFT), 1e-8)
+    x, y = np.random.default_rng(0).standard_normal((2, body.n_dofs))
+    assert x @ solver.precondition(y) == pytest.approx(y @ solver.precondition(x), rel=1e-4)
+    assert x @ solver.precondition(x) > 0.0
+
+
+def test_units_do_not_matter():
+    """A body in millimetres, tonnes and years has the same solution, scaled, in as many steps."""
+    body = held_bar((40, 3, 3))
+    load = load_on(body)
+    for factor in (1e-40, 1e40):
+        scaled = Pencil(body.K * factor, body.M * factor, SHIFT, body.nodes, body.free, body.mesh)
+        solver = Multigrid(scaled, 1e-8)
+        x = solver.solve(load)
+        reference = Multigrid(pencil_of(body, SHIFT), 1e-8)
+        np.testing.assert_allclose(x * factor, reference.solve(load), rtol=1e-3, atol=1e-16)
+        assert solver.iterations == reference.iterations
+
+
+# ----------------------------------------------------------------------------------- failures
+
+
+@pytest.mark.parametrize("mesh", [True, False])
+def test_a_free_body_without_a_shift_is_singular(mesh):
+    body = ball(3e-3)
+    with pytest.raises(ao.SingularError, match="the stiffness matrix is singular"):
+        Multigrid(pencil_of(body, 0.0, mesh=mesh), 1e-8)
+
+
+def test_a_bar_on_one_hinge_is_a_mechanism():
+    mesh = box_mesh((0.4, 0.02, 0.02), (40, 2, 2), kind="tetra10")
+    hinge = np.flatnonzero((mesh.nodes[:, 0] == 0.0) & (mesh.nodes[:, 2] == 0.0))
+    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[(hinge, "xyz")])
+    load = load_on(body)
+    with pytest.raises((ao.SingularError, ao.ConvergenceError), match=r"singular"):
+        body.inverse(0.0, solver="multigrid").solve(load)
+
+
+def test_indefinite_matrices_are_refused():
+    body = held_bar((40, 3, 3))
+    lowest = spla.eigsh(body.K, 1, body.M, sigma=0.0, return_eigenvectors=False)[0]
+    turned = Pencil(body.K - 50.0 * lowest * body.M, body.M, 0.0, body.nodes, body.free, body.mesh)
+    with pytest.raises(ao.SingularError, match="not positive definite"):
+        Multigrid(turned, 1e-8).solve(load_on(body))
+
+
+def test_what_is_not_coupled_has_no_coarse_level():
+    K = sp.diags_array(np.arange(1.0, 200001.0)).tocsr()
+    with pytest.raises(ao.ConvergenceError, match="too few of them are coupled"):
+        Multigrid(Pencil(K, K), 1e-8)
+
+
+def test_too_few_iterations_are_told(monkeypatch):
+    monkeypatch.setattr("aoimpact.multigrid._MOST_ITERATIONS", 3)
+    body = held_bar((40, 3, 3))
+    with pytest.raises(ao.ConvergenceError, match=r"reached .* in 3 iterations, 1e-08 was asked"):
+        Multigrid(pencil_of(body, SHIFT), 1e-8).solve(load_on(body))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ball", "bar"])
+def test_a_hundred_thousand_dofs(name):
+    body = ball(1.35e-3) if name == "ball" else held_bar((120, 6, 6))
+    assert 8e4 < body.n_dofs < 1.5e5
+    assert solved(pencil_of(body, SHIFT), load_on(body)) <= 20

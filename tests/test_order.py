@@ -1,0 +1,126 @@
+"""The search for the least orders, on bodies whose answers are known functions of the order."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.errors import held_warnings
+from aoimpact.order import KrylovLadder, StarLadder, least_orders
+
+from slender import rod
+
+MANY = ao.AOModel(m0=1.0, m=np.ones(200), k=np.arange(1.0, 201.0))
+
+
+def search(answer, rtol, bodies=(MANY, MANY), contact_time=1e-4):
+    """Search with runs whose answer is that function of both orders; and how many runs."""
+    runs = []
+
+    def run(models):
+        runs.append(models)
+        return SimpleNamespace(
+            value=answer(models[0].n, models[1].n),
+            contacts=[(0.0, contact_time)],
+            contact_duration=contact_time,
+        )
+
+    found = least_orders(
+        bodies,
+        run=run,
+        difference=lambda one, other: abs(one.value - other.value) / abs(other.value),
+        span=lambda _: contact_time,
+        rtol=rtol,
+    )
+    return found, len(runs)
+
+
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3, 1e-6])
+def test_exponential_convergence(rtol):
+    """Errors e^-n and e^-2m: the least that adds up to the tolerance."""
+    found, runs = search(lambda n, m: 1.0 + np.exp(-n) + np.exp(-2.0 * m), rtol)
+    n, m = found.orders
+    error = np.exp(-n) + np.exp(-2.0 * m)
+    assert error <= rtol
+    assert error <= found.error <= rtol
+    least = min(
+        i + j for i in range(40) for j in range(40) if np.exp(-i) + np.exp(-2.0 * j) <= rtol
+    )
+    assert n + m <= least + 1
+    assert runs < 120
+
+
+def test_slow_convergence_is_seen_through():
+    """Successive orders 50 and 51 of a sequence 1 + 1/n differ by 4e-4, but err by 2e-2."""
+    found, _ = search(lambda n, m: 1.0 + 1.0 / (n + 1), 1e-1)
+    assert 1 / (found.orders[0] + 1) <= 1e-1
+    assert found.orders[0] <= 11
+    assert found.orders[1] == 0
+
+
+def test_a_pause_does_not_deceive():
+    """Orders 6 to 13 give the same answer, as a body does whose next motion is far off."""
+    found, _ = search(lambda n, m: 1.0 + (0.2 if n < 14 else 0.0), 1e-2)
+    assert found.orders == (14, 0)
+
+
+def test_what_does_not_converge_is_refused():
+    endless = ao.AOModel(m0=1.0, m=np.ones(1000), k=np.arange(1.0, 1001.0))
+    with pytest.raises(ao.ConvergenceError, match="still change the answer"):
+        search(lambda n, m: 1.0 + 0.1 * np.sin(n), 1e-3, bodies=(endless, ao.rigid(mass=1.0)))
+
+
+def test_a_whole_star_is_the_truth_itself():
+    """All of its oscillators are needed, and there is nothing beyond to compare with."""
+    small = ao.AOModel(m0=1.0, m=np.ones(8), k=np.arange(1.0, 9.0))
+    found, _ = search(lambda n, m: 2.0**n, 1e-6, bodies=(small, ao.rigid(mass=1.0)))
+    assert found.orders == (8, 0)
+    assert found.error == 0.0
+
+
+def test_ladder_of_a_free_star():
+    ladder = StarLadder(ao.AOModel(m0=1.0, m=[1.0, 2.0], k=[1.0, 5.0]))
+    assert [ladder.model(order).label for order in range(4)] == ["rigid", "AO(1)", "AO(2)", "AO(2)"]
+    assert ladder.model(0).m0 == 4.0
+    assert not ladder.is_whole(1)
+    assert ladder.is_whole(2)
+
+
+def test_ladder_of_a_held_star_begins_with_a_wall():
+    ladder = StarLadder(ao.AOModel(m0=1.0, k0=3.0, m=[1.0], k=[1.0]))
+    assert [ladder.model(order).label for order in range(3)] == ["wall", "AO(0)", "AO(1)"]
+    assert StarLadder(ao.rigid(mass=np.inf)).model(5).label == "wall"
+
+
+def test_a_rigid_body_does_not_give_way_under_its_patch():
+    """So that nothing of the law is taken out for it."""
+    ball = ao.FEModel.from_mesh(
+        ao.sphere_mesh(0.01, 0.0035), ao.Material(E=210e9, nu=0.3, rho=7800)
+    )
+    with held_warnings():
+        tip = ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0.004)
+    ladder = KrylovLadder(tip, 7e-5, None)
+    assert ladder.model(1).origin.tip.patch is tip.patch is not None
+    assert ladder.model(0).origin.tip.patch is None
+    assert ladder.model(0).m0 == pytest.approx(ball.mass, rel=1e-6)
+
+
+def test_ladder_of_a_body_is_nested_and_ends():
+    K, M = rod(30, fixed=[0])
+    ladder = KrylovLadder(ao.FEModel(K=K, M=M).contact(dof=29), 0.3, None)
+    assert ladder.model(0).label == "wall"
+    assert ladder.model(4).label == "AO(3)"
+    assert ladder.model(4) is ladder.model(4)
+    assert ladder.stand_in(3) == 3
+    assert ladder.stand_in(4) == 30  # a small body: rather all of it
+    assert ladder.is_whole(30)
+    assert ladder.model(30).n == ladder.model(10**6).n == 29
+
+
+def test_slow_motion_is_fitted_where_the_body_has_any():
+    """A held rod's static stiffness EA/L = 1, after a blow a hundredth of its own period long."""
+    K, M = rod(200, fixed=[0])
+    tip = ao.FEModel(K=K, M=M).contact(dof=199)
+    assert KrylovLadder(tip, 0.1, None).model(4).k0 > 1.5
+    assert KrylovLadder(tip, 0.1, 1e3).model(12).k0 == pytest.approx(1.0, rel=1e-4)

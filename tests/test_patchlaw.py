@@ -1,0 +1,158 @@
+"""With the patches' own part out of the law, the force between solids forgets the mesh."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from aoimpact.contact import ContactPoint
+from aoimpact.errors import InputError, LawLimitError
+from aoimpact.fem import FEModel
+from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from aoimpact.laws import ContactLaw, Hertz, HuntCrossley, Linear, PatchLaw, PowerLaw
+from aoimpact.material import Material
+from aoimpact.modes import modal
+from aoimpact.newmark import Newmark
+from aoimpact.patchlaw import effective_law, own_law
+from aoimpact.reduction import antioscillators
+from aoimpact.simulate import simulate
+from aoimpact.star import AOModel, rigid
+
+STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
+LAW = Hertz.between(STEEL, 0.01, STEEL, 0.01)
+SCENE: dict[str, Any] = {"velocity": 1.0, "duration": 100e-6}
+
+# The impact with its contact resolved, see test_resolved.py; N, s.
+FORCE, DURATION = 1014.7, 59.41e-6
+
+
+@cache
+def tip(mesh: str, radius: float) -> ContactPoint:
+    made = {"paper": paper_sphere_mesh, "coarse": lambda: sphere_mesh(0.01, 0.008)}[mesh]()
+    body = FEModel.from_mesh(made, STEEL)
+    return body.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=radius)
+
+
+@cache
+def sphere(mesh: str, radius: float) -> AOModel:
+    return antioscillators(tip(mesh, radius), n=1)
+
+
+# ------------------------------------------------------------------------- the law
+
+
+def test_bodies_without_patches_leave_the_law_as_it_is() -> None:
+    assert effective_law(LAW, (rigid(mass=1.0), sphere("paper", 0.0))) is LAW
+    assert own_law(LAW) is LAW
+
+
+def test_each_patch_gives_its_half_space_s_part() -> None:
+    part = 0.6 / (0.004 * 210e9 / 0.91)
+    one = effective_law(LAW, (sphere("paper", 0.004), rigid(mass=1.0)))
+    both = effective_law(LAW, (sphere("paper", 0.004), tip("paper", 0.004)))
+    assert isinstance(one, PatchLaw)
+    assert isinstance(both, PatchLaw)
+    assert one.compliance == pytest.approx(part)
+    assert both.compliance == pytest.approx(2 * part)
+    assert own_law(both) is LAW
+    assert effective_law(both, (sphere("paper", 0.004),)) is both  # not twice
+
+
+def test_every_model_of_a_body_remembers_its_patch() -> None:
+    patch = tip("coarse", 0.0045).patch
+    assert patch is not None
+    assert sphere("coarse", 0.0045).patch is patch
+    assert sphere("coarse", 0.0045).truncated(0).patch is patch
+    assert modal(tip("coarse", 0.0045), n=12).patch is patch
+    assert modal(tip("coarse", 0.0045), n=12).star.patch is patch
+    assert rigid(mass=1.0).patch is None
+
+
+# ------------------------------------------------------------------------- the impact
+
+
+@pytest.mark.parametrize(
+    ("mesh", "radius"), [("coarse", 0.0045), ("paper", 0.003), ("paper", 0.004)]
+)
+def test_two_spheres_meet_as_the_resolved_contact_does(mesh: str, radius: float) -> None:
+    body = sphere(mesh, radius)
+    hit = simulate(projectile=body, target=body, law=LAW, **SCENE)
+    assert hit.peak_force == pytest.approx(FORCE, rel=5e-3)
+    assert hit.contact_duration == pytest.approx(DURATION, rel=5e-3)
+    assert hit.restitution == pytest.approx(1.0, abs=1e-4)
+    assert hit.error.energy == pytest.approx(0.0, abs=1e-7)
+
+
+def test_a_single_node_is_a_fifth_off() -> None:
+    body = sphere("paper", 0.0)
+    hit = simulate(projectile=body, target=body, law=LAW, **SCENE)
+    assert hit.peak_force < 0.85 * FORCE
+
+
+def test_the_full_model_and_both_solvers_agree() -> None:
+    # On 927 dofs; each body's own model, and the star of all its modes.
+    full, few = tip("coarse", 0.0045), sphere("coarse", 0.0045)
+    step = Newmark(dt=0.05e-6)
+    runs = [
+        simulate(projectile=full, target=full, law=LAW, solver=step, **SCENE),
+        simulate(projectile=few, target=few, law=LAW, solver=step, **SCENE),
+        simulate(projectile=few, target=few, law=LAW, **SCENE),
+    ]
+    assert [run.peak_force for run in runs] == pytest.approx([runs[-1].peak_force] * 3, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    "law", [PowerLaw(k=LAW.k, n=1.5), HuntCrossley(k=LAW.k, damping=0.2), PowerLaw(k=1e9, n=1.3)]
+)
+def test_any_law_forgets_the_mesh(law: ContactLaw) -> None:
+    peaks = []
+    for mesh, radius in (("coarse", 0.0045), ("paper", 0.003), ("paper", 0.004)):
+        body = sphere(mesh, radius)
+        hit = simulate(projectile=body, target=body, law=law, solver=Newmark(dt=0.05e-6), **SCENE)
+        peaks.append(hit.peak_force)
+    assert np.ptp(peaks) < 5e-3 * min(peaks)
+
+
+def test_the_result_says_what_was_taken_out_and_draws_the_law_that_was_given() -> None:
+    body = sphere("paper", 0.004)
+    hit = simulate(projectile=body, target=body, law=LAW, **SCENE)
+    assert f"compliance={hit.law.compliance}" in str(hit)
+    (*_, drawn) = hit.plot_interaction().get_lines()
+    depth, force = np.array(drawn.get_data())
+    assert force[-1] / force[len(force) // 2] == pytest.approx(
+        (depth[-1] / depth[len(depth) // 2]) ** 1.5
+    )
+
+
+# ------------------------------------------------------------------------- too wide a contact
+
+
+@pytest.mark.parametrize("solver", [None, Newmark(dt=2e-8)])
+def test_a_contact_wider_than_its_patch_is_refused_with_a_radius_that_will_do(
+    solver: Newmark | None,
+) -> None:
+    block = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.05), (8, 8, 3), kind="hexahedron20"), STEEL)
+    law = Hertz.between(STEEL, 0.5, STEEL, float("inf"))
+    scene: dict[str, Any] = {"law": law, "velocity": 80.0, "duration": 40e-6, "solver": solver}
+
+    def strike(radius: float) -> float:
+        place = block.contact(point=(0.05, 0.05, 0.05), radius=radius)
+        target = antioscillators(place, n=5, method="krylov", contact_time=30e-6)
+        return simulate(projectile=rigid(mass=0.1), target=target, **scene).indentation.max()
+
+    with pytest.raises(LawLimitError, match=r"of radius 0\.01 m .* radius=(\S+) m or more") as says:
+        strike(0.01)
+    told = float(str(says.value).rpartition("radius=")[2].split(" ")[0])
+    assert 0.012 < told < 0.03
+    assert strike(told) > 0.0
+
+
+def test_a_law_stiffer_than_the_patch_is_refused() -> None:
+    body = sphere("paper", 0.004)
+    with pytest.raises(
+        InputError, match=r"patches of radius 0\.004 m, .* even the lightest contact"
+    ):
+        simulate(projectile=body, target=body, law=Linear(k=1e10), **SCENE)

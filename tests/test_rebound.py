@@ -1,0 +1,183 @@
+"""Restitution: closed forms against integration in plain time, and their inverses."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.special
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rigid_pair import rebound
+
+import aoimpact as ao
+from aoimpact.rebound import (
+    hunt_crossley_damping,
+    hunt_crossley_restitution,
+    integrated_restitution,
+    kuwabara_kono_restitution,
+    oscillator_damping,
+    oscillator_restitution,
+    swing_damping,
+    swing_restitution,
+)
+
+K, MASS, SPEED = 1.3e10, 0.016, 0.7
+WANTED = [0.01, 0.03, 0.1, 0.3, 0.5, 0.8, 0.95, 0.999, 1.0]
+
+
+@pytest.mark.parametrize("ratio", [1e-6, 0.01, 0.3, 0.7, 0.9, 1.0, 1.1, 2.0, 6.0])
+def test_an_oscillator_that_is_let_go_where_its_force_ends(ratio):
+    found = rebound(lambda x, v: x + 2 * ratio * v, 1.0, 1.0)
+    assert oscillator_restitution(ratio) == pytest.approx(found, rel=1e-10)
+
+
+@pytest.mark.parametrize("ratio", [1e-6, 0.01, 0.3, 0.9])
+def test_an_oscillator_that_swings_back_to_zero(ratio):
+    found = rebound(lambda x, v: x + 2 * ratio * v, 1.0, 1.0, pulls=True)
+    assert swing_restitution(ratio) == pytest.approx(found, rel=1e-10)
+
+
+def test_an_overdamped_oscillator_never_swings_back():
+    assert swing_restitution(1.0) == swing_restitution(3.0) == 0.0
+
+
+@given(st.floats(1e-3, 300.0))
+def test_hunt_crossley_is_lamberts_w(damping):
+    start = -(1.0 + damping)
+    e = (1.0 + float(scipy.special.lambertw(start * math.exp(start)).real)) / damping
+    # For little damping that formula itself loses digits: the argument of W nears -1/e.
+    assert hunt_crossley_restitution(damping) == pytest.approx(
+        e, rel=1e-13 / min(damping, 1.0) ** 2
+    )
+
+
+@pytest.mark.parametrize("damping", [1e-12, 1e-9, 1e-6, 1e-4, 1e-2])
+def test_hunt_crossley_of_little_damping_is_its_series(damping):
+    """e = 1 - 2/3 u + 4/9 u² + O(u³), from the same relation."""
+    lost = 1.0 - hunt_crossley_restitution(damping)
+    assert lost == pytest.approx(2 / 3 * damping - 4 / 9 * damping**2, abs=0.4 * damping**3 + 4e-16)
+
+
+@given(st.floats(1e-6, 1.0))
+@settings(max_examples=200)
+def test_dampings_are_inverse_to_restitutions(e):
+    assert hunt_crossley_restitution(hunt_crossley_damping(e)) == pytest.approx(e, rel=1e-12)
+    assert oscillator_restitution(oscillator_damping(e)) == pytest.approx(e, rel=1e-12)
+    assert swing_restitution(swing_damping(e)) == pytest.approx(e, rel=1e-12)
+
+
+@pytest.mark.parametrize("e", WANTED)
+@pytest.mark.parametrize("n", [1.0, 1.2, 1.5, 2.0, 2.5])
+def test_hunt_crossley_delivers_what_was_asked(e, n):
+    law = ao.HuntCrossley.from_restitution(K, e, SPEED, n)
+    # Its force ends where the indentation does.
+    push = lambda d, v: K * d**n * (1 + law.damping * v)  # noqa: E731
+    found = rebound(push, MASS, SPEED, pulls=True)
+    assert found == pytest.approx(e, rel=1e-9)
+
+
+@pytest.mark.parametrize("e", WANTED)
+def test_tsuji_delivers_what_was_asked_at_any_velocity(e):
+    law = ao.Tsuji.from_restitution(K, e, MASS)
+    damping = law.alpha * math.sqrt(MASS * K)
+    found = rebound(lambda d, v: K * d**1.5 + damping * d**0.25 * v, MASS, SPEED)
+    assert found == pytest.approx(e, rel=1e-9)
+    assert ao.restitution(law, MASS, 1e3) == pytest.approx(e, rel=1e-12)
+
+
+@pytest.mark.parametrize("e", WANTED)
+def test_kuwabara_kono_delivers_what_was_asked(e):
+    law = ao.KuwabaraKono.from_restitution(K, e, SPEED, MASS)
+    found = rebound(lambda d, v: K * (d**1.5 + 1.5 * law.A * math.sqrt(d) * v), MASS, SPEED)
+    assert found == pytest.approx(e, rel=1e-9)
+
+
+@pytest.mark.parametrize("e", WANTED)
+@pytest.mark.parametrize("end", ["force", "indentation"])
+def test_kelvin_voigt_delivers_what_was_asked(e, end):
+    law = ao.KelvinVoigt.from_restitution(1e7, e, MASS, end)
+    found = rebound(lambda d, v: 1e7 * d + law.c * v, MASS, SPEED, pulls=end == "indentation")
+    assert found == pytest.approx(e, rel=1e-9)
+
+
+def test_kuwabara_kono_depends_on_one_number():
+    """1 - e = 1.15344 (k/m)^(2/5) 3/2 A V^(1/5) for little A: Brilliantov and Poeschel (2004)."""
+    for m, k, v in ((1.0, 1.0, 1.0), (0.02, 3e9, 2.5)):
+        lag = 1e-7 / ((k / m) ** 0.4 * v**0.2)
+        lost = 1.0 - ao.restitution(ao.KuwabaraKono(k, lag), m, v)
+        assert lost == pytest.approx(1.15344 * 1.5e-7, rel=1e-5)
+    assert kuwabara_kono_restitution(0.0) == 1.0
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        lambda d, v: 1e10 * d**1.5,
+        lambda d, v: max(0.0, 1e10 * d**1.5 * (1 + 0.8 * v)),
+        lambda d, v: max(0.0, 1e7 * d + 300.0 * v),
+        lambda d, v: max(0.0, 1e10 * (d**1.5 + 2e-5 * math.sqrt(d) * v)),
+    ],
+)
+def test_integration_of_any_force(force):
+    found = integrated_restitution(force, 0.02, 1.5, 1e-4)
+    assert found == pytest.approx(rebound(force, 0.02, 1.5), rel=1e-9)
+
+
+def test_no_published_formula_delivers_its_nominal_restitution():
+    """design.md: nominal .5 gives .66 with Hunt and Crossley's 3(1-e)/(2V), .47 with Flores's."""
+    published = ao.HuntCrossley(K, 3 * (1 - 0.5) / (2 * SPEED))
+    assert ao.restitution(published, MASS, SPEED) == pytest.approx(0.66, abs=0.01)
+    flores = ao.Flores(K, 0.5, SPEED)
+    assert ao.restitution(flores, MASS, SPEED) == pytest.approx(0.47, abs=0.005)
+    delivered = [
+        ao.restitution(law(K, e, SPEED), MASS, SPEED)
+        for law in (ao.LankaraniNikravesh, ao.HerbertMcWhannell, ao.LeeWang, ao.Gonthier)
+        for e in (0.1, 0.5)
+    ]
+    assert not np.allclose(delivered, 4 * [0.1, 0.5], atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("law", "share"),
+    [
+        (ao.LankaraniNikravesh, 1),
+        (ao.HerbertMcWhannell, 1),
+        (ao.LeeWang, 1 / 2),
+        (ao.Flores, 16 / 15),
+        (ao.Gonthier, 4 / 3),
+    ],
+)
+def test_published_formulas_where_little_is_lost(law, share):
+    """1 - e = 2/3 chi V to first order, and each formula's chi V is its own multiple of 1 - e."""
+    lost = 1.0 - ao.restitution(law(K, 1.0 - 1e-6, SPEED), MASS, SPEED)
+    assert lost == pytest.approx(share * 1e-6, rel=1e-5)
+    assert ao.restitution(law(K, 1.0, SPEED), MASS, SPEED) == 1.0
+
+
+def test_elastic_laws_lose_nothing():
+    for law in (ao.Hertz(K), ao.Linear(1e7), ao.PowerLaw(K, 2.2), ao.Tabulated([1e-4], [3.0])):
+        assert ao.restitution(law, MASS, SPEED) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: ao.restitution(1e10, 1.0, 1.0), "law must be a contact law"),
+        (lambda: ao.restitution(ao.Hertz(K), 0.0, 1.0), "mass must be positive"),
+        (lambda: ao.restitution(ao.Hertz(K), 1.0, -1.0), "velocity must be positive"),
+        (lambda: ao.HuntCrossley.from_restitution(K, 0.0, 1.0), "restitution must be positive"),
+        (lambda: ao.HuntCrossley.from_restitution(K, 1.01, 1.0), "restitution must be from above"),
+        (lambda: ao.HuntCrossley.from_restitution(K, 0.5, 0.0), "velocity must be positive"),
+        (lambda: ao.Tsuji.from_restitution(K, -0.5, 1.0), "restitution must be positive"),
+        (lambda: ao.KelvinVoigt.from_restitution(K, 2.0, 1.0), "restitution must be from above"),
+        (lambda: ao.KelvinVoigt.from_restitution(K, 0.5, 1.0, "never"), "end must be one of"),
+        (lambda: ao.KuwabaraKono.from_restitution(K, math.nan, 1.0, 1.0), "restitution"),
+        (lambda: ao.Flores(K, 0.0, 1.0), "restitution must be positive"),
+        (lambda: ao.LeeWang(K, 1.5, 1.0), "restitution must be from above 0 to 1, got 1.5"),
+        (lambda: ao.Gonthier(K, 0.5, 0.0), "velocity must be positive"),
+        (lambda: ao.LankaraniNikravesh(K, 0.5, 1.0, 0.9), "n must be at least 1"),
+    ],
+)
+def test_bad_input_is_named(call, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        call()

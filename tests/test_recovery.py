@@ -1,0 +1,156 @@
+"""From star coordinates back to the body: exact where closed forms say what is exact."""
+
+from __future__ import annotations
+
+import pickle
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import scipy.linalg as la
+import scipy.sparse as sp
+
+import aoimpact as ao
+from aoimpact.recovery import Recovery
+from aoimpact.reduced import reduced_interface, reduced_star
+
+FloatArray = npt.NDArray[np.float64]
+
+MATERIAL = ao.Material(E=70e9, nu=0.3, rho=2700)
+SUPPORTS: list[Any] = [[("xmin", "xyz")], [("xmin", "x")], None]
+MODELS: list[Any] = [
+    lambda tip: ao.antioscillators(tip, 1),
+    lambda tip: ao.antioscillators(tip, 5),
+    lambda tip: ao.antioscillators(tip, 4, method="krylov", contact_time=1e-4),
+    lambda tip: ao.modal(tip, 8).star,
+    lambda tip: ao.modal(tip, 30).star,
+]
+
+# Far below all natural frequencies that are not zero, so that the correction is the static one.
+SLOW = 1.0
+
+
+def tip_of(fixed: Any) -> ao.ContactPoint:
+    mesh = ao.box_mesh((0.2, 0.02, 0.02), (6, 1, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, MATERIAL, fixed=fixed)
+    return body.contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1))
+
+
+def flexibility(tip: ao.ContactPoint) -> FloatArray:
+    """Σ φ_j φ_jᵀb / ω_j² over the elastic modes, for a unit force at the contact."""
+    omega2, modes = la.eigh(tip.body.K.toarray(), tip.body.M.toarray())
+    elastic = modes[:, tip.body.rigid_modes.shape[1] :]
+    return elastic @ (elastic.T @ tip.b / omega2[-elastic.shape[1] :])
+
+
+def some_motion(star: ao.AOModel) -> FloatArray:
+    """Coordinates in which every oscillator is strained alike, at two times."""
+    rng = np.random.default_rng(0)
+    force = rng.uniform(0.5, 1.0, (star.n, 2))
+    contact = np.full((1, 2), 1e-3)
+    return np.concatenate([contact, contact - force / star.k[:, None]])
+
+
+@pytest.mark.parametrize("fixed", SUPPORTS)
+def test_a_star_with_all_its_oscillators_leaves_nothing_to_correct(fixed: Any) -> None:
+    star = ao.antioscillators(tip_of(fixed))
+    coordinates = some_motion(star)
+    found = Recovery(reduced_star(star), 1e5).displacement(coordinates, np.array([[1e3, -2e3]]))
+    exact = star.expand(coordinates)
+    np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("s", [1e3, 1e5])
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("fixed", SUPPORTS)
+def test_growth_at_its_own_pace_is_exact_with_any_model(fixed: Any, model: Any, s: float) -> None:
+    # Under F e^{st}: X = (K + s²M)⁻¹ b F, and the star's coordinates from its own equations.
+    tip = tip_of(fixed)
+    star, force = model(tip), 1e3
+    hung = star.k / (star.k + s**2 * star.m)  # of the contact's displacement
+    contact = force / (star.k0 + s**2 * (star.m0 + (star.m * hung).sum()))
+    coordinates = contact * np.concatenate([[1.0], hung])[:, None]
+    found = Recovery(reduced_star(star), s).displacement(coordinates, np.array([[force]]))[:, 0]
+    exact = np.linalg.solve((tip.body.K + s**2 * tip.body.M).toarray(), force * tip.b)
+    np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("fixed", SUPPORTS)
+def test_growth_under_several_forces_is_exact_with_few_modes(fixed: Any) -> None:
+    tip, s = tip_of(fixed), 5e4
+    other = tip.body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1))
+    model = ao.interface([tip, other], 10, contact_time=1e-4)
+    forces = np.array([[1e3], [-400.0]])
+    coordinates = model.participation.T @ forces / (model.omega**2 + s**2)[:, None]
+    found = Recovery(reduced_interface(model), s).displacement(coordinates, forces)[:, 0]
+    loads = np.stack([tip.b, other.b], axis=1) @ forces[:, 0]
+    exact = np.linalg.solve((tip.body.K + s**2 * tip.body.M).toarray(), loads)
+    np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_resting_force_deforms_a_held_body_as_statics_says(model: Any) -> None:
+    tip = tip_of(SUPPORTS[0])
+    star, force = model(tip), np.array([[1e3]])
+    coordinates = np.full((star.n + 1, 1), 1e3 / star.k0)
+    found = Recovery(reduced_star(star), SLOW).displacement(coordinates, force)[:, 0]
+    exact = 1e3 * flexibility(tip)
+    np.testing.assert_allclose(found, exact, atol=1e-6 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_steady_push_deforms_a_free_body_as_inertia_relief_says(model: Any) -> None:
+    tip = tip_of(None)
+    star, force, place = model(tip), 1e3, 1e-5
+    # Each oscillator hangs back by what its spring needs to carry it along.
+    lag = force / star.static_mass * star.m / star.k
+    coordinates = np.concatenate([[place], place - lag])[:, None]
+    found = Recovery(reduced_star(star), SLOW).displacement(coordinates, np.array([[force]]))[:, 0]
+    rigid = found - force * flexibility(tip)
+    modes = tip.body.rigid_modes
+    only_rigid = modes @ (modes.T @ (tip.body.M @ rigid))
+    np.testing.assert_allclose(rigid, only_rigid, atol=1e-6 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_momentum_of_a_free_body_needs_no_correction(model: Any) -> None:
+    tip = tip_of(None)
+    star = model(tip)
+    coordinates = some_motion(star)
+    found = Recovery(reduced_star(star), 1e4).displacement(coordinates, np.array([[1e3, -2e3]]))
+    momentum = tip.body.rigid_modes.T @ (tip.body.M @ (found - star.expand(coordinates)))
+    size = np.abs(tip.body.rigid_modes.T @ (tip.body.M @ found)).max()
+    assert np.abs(momentum).max() < 1e-8 * size
+
+
+@pytest.mark.parametrize("count", [2, 40])
+@pytest.mark.parametrize("fixed", SUPPORTS)
+def test_functionals_are_those_of_the_displacement(fixed: Any, count: int) -> None:
+    tip = tip_of(fixed)
+    star = ao.antioscillators(tip, 5)
+    rows = np.random.default_rng(2).standard_normal((count, tip.body.n_dofs))
+    coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
+    recovery = Recovery(reduced_star(star), 1e5)
+    of_coordinates, of_forces = recovery.functionals(sp.csr_array(rows))
+    found = of_coordinates @ coordinates + of_forces @ force
+    exact = rows @ recovery.displacement(coordinates, force)
+    np.testing.assert_allclose(found, exact, atol=1e-9 * np.abs(exact).max())
+
+
+def test_many_times_go_the_same_way_as_few() -> None:
+    star = ao.antioscillators(tip_of(None), 3)
+    coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
+    recovery = Recovery(reduced_star(star), 1e5)
+    few = recovery.displacement(coordinates, force)
+    many = recovery.displacement(np.tile(coordinates, (1, 5)), np.tile(force, (1, 5)))
+    np.testing.assert_allclose(many, np.tile(few, (1, 5)), atol=1e-9 * np.abs(few).max())
+
+
+def test_it_survives_pickling() -> None:
+    star = ao.antioscillators(tip_of(None), 3)
+    coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
+    recovery = Recovery(reduced_star(star), 1e5)
+    expected = recovery.displacement(coordinates, force)
+    again = pickle.loads(pickle.dumps(recovery))
+    np.testing.assert_array_equal(again.displacement(coordinates, force), expected)

@@ -1,0 +1,210 @@
+"""Probes and fields of a run: what they show agrees with the record, and nonsense is refused."""
+
+from __future__ import annotations
+
+import pickle
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import aoimpact as ao
+
+ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
+LENGTH, WIDTH = 0.2, 0.02
+TIP = (LENGTH, WIDTH / 2, WIDTH)
+
+
+def body(fixed: Any = (("xmin", "xyz"),)) -> ao.FEModel:
+    mesh = ao.box_mesh((LENGTH, WIDTH, WIDTH), (8, 1, 1), kind="hexahedron20")
+    return ao.FEModel.from_mesh(mesh, ALU, fixed=list(fixed))
+
+
+@cache
+def impact(solver: str = "adaptive", kind: str = "ao", held: bool = True) -> ao.Result:
+    tip = body((("xmin", "xyz"),) if held else ()).contact(point=TIP, direction=(0, 0, -1))
+    target: Any = {"ao": lambda: ao.antioscillators(tip, 6), "modal": lambda: ao.modal(tip, 12)}[
+        kind
+    ]()
+    return ao.simulate(
+        projectile=ao.rigid(mass=0.05),
+        target=target,
+        law=ao.Hertz(k=5e8),
+        velocity=1.0,
+        duration=6e-4,
+        solver={"adaptive": ao.Adaptive(), "newmark": ao.Newmark(dt=5e-7, estimate=False)}[solver],
+    )
+
+
+CASES = [("adaptive", "ao"), ("newmark", "ao"), ("adaptive", "modal")]
+
+
+def test_the_struck_point_moves_as_the_contact_coordinate() -> None:
+    # But for what the correction adds there.
+    for solver in ("adaptive", "newmark"):
+        hit = impact(solver)
+        seen = hit.target.probe(TIP, (0, 0, -2))
+        np.testing.assert_array_equal(seen.t, hit.t)
+        size, speed = np.abs(hit.target.displacement).max(), np.abs(hit.target.velocity).max()
+        np.testing.assert_allclose(seen.displacement, hit.target.displacement, atol=1e-3 * size)
+        np.testing.assert_allclose(seen.velocity, hit.target.velocity, atol=1e-2 * speed)
+
+
+@pytest.mark.parametrize(("solver", "kind"), CASES)
+def test_velocity_is_the_rate_of_displacement(solver: str, kind: str) -> None:
+    times = np.linspace(0.0, 6e-4, 2401)
+    seen = impact(solver, kind).target.probe((0.1, 0.01, 0.02), times=times)
+    slope = np.gradient(seen.displacement, times, axis=0)
+    size = np.abs(seen.velocity).max()
+    # Steps of 0.5 µs leave Newmark's straight lines between steps, and so half a step's change.
+    room = 1e-3 if solver == "adaptive" else 2e-2
+    np.testing.assert_allclose(seen.velocity[2:-2], slope[2:-2], atol=room * size)
+
+
+@pytest.mark.parametrize(("solver", "kind"), CASES)
+def test_a_probe_at_nodes_is_the_field_there(solver: str, kind: str) -> None:
+    hit = impact(solver, kind)
+    times = [1e-4, 2.2e-4]
+    field = hit.target.field(times)
+    seen = hit.target.probe(nodes="xmax", times=times)
+    mesh = hit.target._responding.body.mesh
+    assert mesh is not None
+    chosen = mesh.node_sets["xmax"]
+    np.testing.assert_allclose(seen.points, mesh.nodes[chosen])
+    for one, whole in (
+        (seen.displacement, field.displacement),
+        (seen.velocity, field.velocity),
+        (seen.stress.components, field.stress().components),
+    ):
+        np.testing.assert_allclose(one, whole[:, chosen], atol=1e-7 * np.abs(whole).max())
+
+
+def test_what_is_held_does_not_move() -> None:
+    field = impact().target.field(1e-4)
+    clamped = body().nodes[:, 0] == 0.0
+    assert not field.displacement[0, clamped].any()
+    assert not field.velocity[0, clamped].any()
+
+
+def test_the_centre_of_mass_of_a_free_field_is_that_of_the_record() -> None:
+    hit = impact(held=False)
+    free = body(())
+    times = hit.t[:: len(hit.t) // 7]
+    field = hit.target.field(times)
+    at = np.searchsorted(hit.t, times)
+    weights = free.com_functional((0, 0, -1))
+    for values, record in (
+        (field.displacement, hit.target.centre_displacement),
+        (field.velocity, hit.target.centre_velocity),
+    ):
+        seen = values.reshape(len(times), -1) @ weights
+        np.testing.assert_allclose(seen, record[at], atol=1e-6 * np.abs(record).max())
+
+
+def test_shapes_tell_points_directions_and_sets_apart() -> None:
+    target, times = impact().target, [1e-4, 2e-4, 3e-4]
+    along, two = (0, 0, 1), [(0.1, 0.01, 0.0), (0.13, 0.004, 0.015)]
+    one = target.probe(two[0], along, times=times)
+    assert (one.displacement.shape, one.stress.components.shape) == ((3,), (3, 6))
+    assert target.probe(two[0], times=times).velocity.shape == (3, 3)
+    both = target.probe(two, along, times=times)
+    assert (both.displacement.shape, both.stress.components.shape) == ((3, 2), (3, 2, 6))
+    assert target.probe(two, times=times).displacement.shape == (3, 2, 3)
+    assert target.probe(nodes=[5], times=times).displacement.shape == (3, 1, 3)
+    np.testing.assert_allclose(both.displacement[:, 0], one.displacement)
+    np.testing.assert_allclose(both.stress.von_mises[:, 0], one.stress.von_mises)
+
+
+def test_dense_output_probes_at_its_own_times() -> None:
+    hit = impact()
+    times = np.array([1e-4, 1.5e-4])
+    seen = hit.at(times).target.probe(TIP)
+    np.testing.assert_array_equal(seen.t, times)
+
+
+def test_a_body_of_matrices_and_nodes_has_displacements_but_no_stress() -> None:
+    solid = body()
+    bare = ao.FEModel(K=solid.K, M=solid.M, nodes=solid.nodes, free=solid.free)
+    target = ao.antioscillators(bare.contact(point=TIP, direction=(0, 0, -1)), 6)
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=0.05),
+        target=target,
+        law=ao.Hertz(k=5e8),
+        velocity=1.0,
+        duration=6e-4,
+    )
+    times = [1e-4, 2e-4]
+    seen = hit.target.probe((0.1, 0.0, 0.02), times=times)
+    expected = impact().target.probe((0.1, 0.0, 0.02), times=times)
+    np.testing.assert_allclose(seen.displacement, expected.displacement, rtol=1e-6, atol=1e-12)
+    with pytest.raises(ao.InputError, match=r"stress needs elements .* given by its matrices"):
+        _ = seen.stress
+    for use in ("stress", "plot"):
+        with pytest.raises(ao.InputError, match=f"{use} needs elements"):
+            getattr(hit.target.field(), use)()
+    with pytest.raises(ao.InputError, match="to_vtu needs elements"):
+        hit.target.to_vtu("nothing")
+    with pytest.raises(ao.InputError, match="is no node, and the body has no elements"):
+        hit.target.probe((0.1001, 0.0, 0.02))
+
+
+def test_bodies_without_places_say_so() -> None:
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=0.05),
+        target=ao.antioscillators(ao.FEModel(K=body().K, M=body().M).contact(dof=30), 3),
+        law=ao.Hertz(k=5e8),
+        velocity=1.0,
+        duration=6e-4,
+    )
+    with pytest.raises(ao.InputError, match="the body has no nodes"):
+        hit.target.probe(TIP)
+    with pytest.raises(ao.InputError, match="the body has no nodes"):
+        hit.target.field()
+    for call in (hit.projectile.probe, hit.projectile.field):
+        with pytest.raises(ao.InputError, match=r"'rigid' was given by numbers .* antioscillators"):
+            call()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"point": (0.3, 0.01, 0.01)}, "off the body"),
+        ({}, "either point or nodes"),
+        ({"point": TIP, "nodes": [1]}, "either point or nodes"),
+        ({"point": (0.1, 0.1)}, r"point must have shape \(3,\) or \(p, 3\)"),
+        ({"point": np.zeros((0, 3))}, "point must have shape"),
+        ({"point": (np.nan, 0, 0)}, "point must be finite"),
+        ({"nodes": []}, "selects no nodes"),
+        ({"nodes": "xmox"}, "no node set 'xmox' .did you mean 'xm"),
+        ({"nodes": lambda x: x[:, 0] > 9.0}, "selects no nodes"),
+        ({"nodes": [100000]}, "nodes run from 0"),
+        ({"point": TIP, "direction": (0, 0, 0)}, "direction must not be the zero vector"),
+        ({"point": TIP, "times": [0.0, 1.0]}, "times must lie within the record, 0 to 0.0006 s"),
+        ({"point": TIP, "times": [-1e-9]}, "times must lie within the record"),
+        ({"point": TIP, "times": [2e-4, 1e-4]}, "times must be a flat ascending list"),
+        ({"point": TIP, "times": []}, "times must be a flat ascending list"),
+        ({"point": TIP, "times": [np.inf]}, "times must be finite"),
+    ],
+)
+@pytest.mark.parametrize("solver", ["adaptive", "newmark"])
+def test_senseless_questions_are_refused(solver: str, arguments: Any, words: str) -> None:
+    with pytest.raises(ao.InputError, match=words):
+        impact(solver).target.probe(**arguments)
+
+
+@pytest.mark.parametrize("times", [1.0, -1e-9, [2e-4, 1e-4], [[1e-4]]])
+def test_fields_outside_the_record_are_refused(times: npt.ArrayLike) -> None:
+    with pytest.raises(ao.InputError, match="times must"):
+        impact().target.field(times)
+
+
+@pytest.mark.parametrize("solver", ["adaptive", "newmark"])
+def test_results_that_were_looked_at_survive_pickling(solver: str) -> None:
+    hit = impact(solver)
+    seen = hit.target.probe(TIP, (0, 0, -1))
+    again = pickle.loads(pickle.dumps(hit)).target.probe(TIP, (0, 0, -1))
+    np.testing.assert_array_equal(again.displacement, seen.displacement)
+    copied = pickle.loads(pickle.dumps(seen))
+    np.testing.assert_array_equal(copied.stress.components, seen.stress.components)

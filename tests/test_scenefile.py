@@ -1,0 +1,392 @@
+"""Scene files: the same impact as in Python, and errors that name the line."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact import scenefile_schema
+from aoimpact.schema import Chosen, Either, Kind, Listed, Named, Table, Variants
+
+from scenes import BAR, ROW, STARS
+
+ROOT = Path(__file__).parent.parent
+ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
+EXAMPLE = ROOT / "examples" / "sphere_on_beam.toml"
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def line(text: str, start: str) -> int:
+    return text[: text.index(start)].count("\n") + 1
+
+
+# ------------------------------------------------------------------------------ what it means
+
+
+def test_the_same_as_in_python(tmp_path: Path) -> None:
+    hit = ao.read_scene(written(tmp_path, STARS)).simulate()
+    same = ao.simulate(
+        projectile=ao.rigid(mass=0.03),
+        target=ao.AOModel(m0=0.1, k0=1e5, m=[0.2], k=[1e6]),
+        law=ao.Hertz(k=1e9),
+        velocity=2.0,
+        duration=1e-3,
+        gap=1e-5,
+        solver=ao.Newmark(dt=1e-6),
+    )
+    assert np.array_equal(hit.force, same.force)
+
+
+def test_a_meshed_body(tmp_path: Path) -> None:
+    target = ao.read_scene(written(tmp_path, BAR)).case()["target"]
+    bar = ao.FEModel.from_mesh(
+        ao.box_mesh((0.1, 0.01, 0.01), (4, 1, 1)),
+        ao.Material(E=70e9, nu=0.3, rho=2700),
+        fixed=[("xmin", "xyz"), ([4, 5], "z")],
+    )
+    same = ao.antioscillators(bar.contact(point=(0.1, 0, 0), direction=(0, 0, 1)), n=2)
+    assert np.array_equal(target.m, same.m)
+    assert np.array_equal(target.k, same.k)
+
+
+def test_every_kind_of_model(tmp_path: Path) -> None:
+    for model, label in (("full", "full"), ("modal", "modal(3)"), ("antioscillators", "AO(2)")):
+        n = {"full": "", "modal": ", n = 3", "antioscillators": ", n = 2"}[model]
+        text = BAR.replace('type = "antioscillators", n = 2', f'type = "{model}"{n}')
+        hit = ao.read_scene(written(tmp_path, text)).simulate()
+        assert hit.target.label.startswith(label)
+
+
+def test_a_support_on_planes_is_the_edge_where_they_meet(tmp_path: Path) -> None:
+    text = BAR.replace('{ nodes = "xmin", hold = "xyz" }', '{ x = 0.0, z = 0.0, hold = "xyz" }')
+    ours = ao.read_scene(written(tmp_path, text)).case()["target"]
+    edge = BAR.replace('"xmin"', "[0, 10]")
+    mesh = ao.box_mesh((0.1, 0.01, 0.01), (4, 1, 1))
+    nodes = np.flatnonzero((mesh.nodes[:, 0] == 0.0) & (mesh.nodes[:, 2] == 0.0))
+    edge = BAR.replace('nodes = "xmin"', f"nodes = {nodes.tolist()}")
+    assert np.array_equal(ours.k, ao.read_scene(written(tmp_path, edge)).case()["target"].k)
+
+
+def test_meshes_lie_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import meshio
+
+    mesh = ao.box_mesh((100.0, 10.0, 10.0), (4, 1, 1))  # mm
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    meshio.Mesh(mesh.nodes, [("hexahedron", mesh.cells)]).write(folder / "bar.vtu")
+    text = BAR.replace(
+        "mesh = { box = [0.1, 0.01, 0.01], divisions = [4, 1, 1] }",
+        'mesh = { file = "bar.vtu", scale = 1e-3 }',
+    ).replace('{ nodes = "xmin", hold = "xyz" }', '{ x = 0.0, hold = "xyz" }')
+    path = written(folder, text)
+    monkeypatch.chdir(tmp_path)
+    target = ao.read_scene(path).case()["target"]
+    same = ao.read_scene(written(tmp_path, BAR)).case()["target"]
+    np.testing.assert_allclose(target.k, same.k, rtol=1e-9)
+
+
+def test_hertz_s_stiffness_of_two_surfaces() -> None:
+    case = ao.read_scene(EXAMPLE).case()
+    steel, alu = ao.Material(210e9, 0.3, 7800), ao.Material(70e9, 0.3, 2400)
+    assert case["law"] == ao.Hertz.between(steel, 0.01, alu, math.inf)
+    assert case["solver"] == ao.Adaptive(rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "same"),
+    [
+        ('type = "Linear", k = 1e7', ao.Linear(k=1e7)),
+        (
+            'type = "KelvinVoigt", k = 1e7, c = 3, end = "indentation"',
+            ao.KelvinVoigt(k=1e7, c=3.0, end="indentation"),
+        ),
+        (
+            'type = "Tabulated", indentation = [1e-6, 1e-5], force = [1, 100]',
+            ao.Tabulated([1e-6, 1e-5], [1.0, 100.0]),
+        ),
+        (
+            'type = "HuntCrossley", damping = 0.2, k = { between = [{ material = "alu", '
+            'radius = [0.01, inf] }, { material = "alu", radius = 0.02 }], angle = 0.5 }',
+            ao.HuntCrossley(
+                ao.Hertz.between(ALU, (0.01, math.inf), ALU, 0.02, angle=0.5).k, damping=0.2
+            ),
+        ),
+    ],
+)
+def test_every_law_by_its_parameters(law: str, same: Any, tmp_path: Path) -> None:
+    text = BAR.replace('type = "Linear", k = 1e6', law)
+    assert ao.read_scene(written(tmp_path, text)).case()["law"] == same
+
+
+def test_two_surfaces_have_hertz_s_power(tmp_path: Path) -> None:
+    surface = '{ material = "alu", radius = 1.0 }'
+    law = f'type = "HuntCrossley", damping = 0, n = 1.4, k = {{ between = [{surface}, {surface}] }}'
+    path = written(tmp_path, BAR.replace('type = "Linear", k = 1e6', law))
+    with pytest.raises(ao.SceneFileError, match="belongs to n ="):
+        ao.read_scene(path).case()
+
+
+@pytest.mark.slow
+def test_the_example_is_the_paper_s_impact() -> None:
+    scene = ao.read_scene(EXAMPLE)
+    hit = scene.simulate()
+    assert scene.reported == ("peak_force", "contact_duration", "rebound_velocity")
+    # The sphere's star and the beam's, by the functions of the package.
+    sphere = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), ao.Material(210e9, 0.3, 7800))
+    star = ao.antioscillators(sphere.contact(point=(0.01, 0, 0), direction=(1, 0, 0)), n=1)
+    again = ao.simulate(**scene.case() | {"projectile": star})
+    assert hit.peak_force == again.peak_force
+
+
+def row_of_balls() -> ao.Scene:
+    """The scene of ROW."""
+    scene = ao.Scene(gravity=9.81)
+    first = scene.add(ao.rigid(mass=0.03), velocity=1.0, position=-1e-3)
+    second = scene.add(ao.rigid(mass=0.03))
+    wall = scene.add(ao.rigid(mass=math.inf), position=2e-3)
+    scene.connect(first, second, ao.Hertz(k=1e10))
+    scene.connect(second, wall, ao.Linear(k=1e7), gap=1e-3)
+    scene.apply(second, force=([0.0, 1e-3], [0.0, 2.0]))
+    return scene
+
+
+def test_a_scene_of_several_bodies(tmp_path: Path) -> None:
+    file = ao.read_scene(written(tmp_path, ROW))
+    run = file.simulate()
+    same = row_of_balls().simulate(duration=1e-2, solver=ao.Adaptive(rtol=1e-9))
+    assert np.array_equal(run.t, same.t)
+    for ours, theirs in zip(run.contacts, same.contacts, strict=True):
+        assert np.array_equal(ours.force, theirs.force)
+    assert file.reported[2] == "contacts.1.peak_force"
+    (kept,) = ao.simulate_many([file.case()], keep=file.reported)
+    assert kept["contacts.1.peak_force"] == same.contacts[1].peak_force
+
+
+def test_a_scene_may_start_from_rest(tmp_path: Path) -> None:
+    """A ball that lies on a spring's stop under gravity stays there: force m g throughout."""
+    text = ROW.replace("duration = 1e-2", "duration = 1e-2\npreload = true")
+    text = text[: text.index("[[scene.bodies]]")] + (
+        '[[scene.bodies]]\nbody = "ball"\n[[scene.bodies]]\nbody = "wall"\n'
+        '[[scene.contacts]]\nbetween = ["ball", "wall"]\nlaw = { type = "Linear", k = 1e4 }\n'
+    )
+    run = ao.read_scene(written(tmp_path, text)).simulate()
+    np.testing.assert_allclose(run.contacts[0].force, 0.03 * 9.81, rtol=1e-6)
+
+
+def test_a_body_touched_in_several_places(tmp_path: Path) -> None:
+    contact = "contact = { point = [0.1, 0.0, 0.0], direction = [0, 0, 1] }"
+    other = "{ point = [0.05, 0.0, 0.0], direction = [0, 0, 1] }"
+    scene = """
+[scene]
+duration = 1e-3
+[[scene.bodies]]
+body = "bar"
+[[scene.bodies]]
+body = "ball"
+velocity = 1.0
+[[scene.contacts]]
+between = ["ball", { body = "bar", port = 1 }]
+law = { type = "Linear", k = 1e6 }
+"""
+    text = BAR[: BAR.index("[impact]")].replace(contact, f"contact = [{contact[10:]}, {other}]")
+    text = text.replace('type = "antioscillators", n = 2', 'type = "interface", n = 6') + scene
+    run = ao.read_scene(written(tmp_path, text)).simulate()
+    bar = ao.read_scene(written(tmp_path, BAR.replace(contact, f"contact = {other}"))).simulate()
+    assert run.contacts[0].peak_force == pytest.approx(bar.peak_force, rel=0.05)
+    wrong = text.replace('type = "interface", n = 6', 'type = "modal", n = 6')
+    with pytest.raises(ao.SceneFileError, match="a list of contacts needs the model 'interface'"):
+        ao.read_scene(written(tmp_path, wrong)).simulate()
+
+
+def test_a_tolerance_reduces_the_bodies(tmp_path: Path) -> None:
+    text = BAR.replace('model = { type = "antioscillators", n = 2 }', "")
+    text = text.replace("velocity = 1.0", 'velocity = 1.0\nquantity = "impulse"\ntolerance = 0.02')
+    scene = ao.read_scene(written(tmp_path, text))
+    assert isinstance(scene.case()["target"], ao.ContactPoint)
+    hit = scene.simulate()
+    assert hit.target.label.startswith("AO(")
+    full = ao.simulate(**scene.case() | {"quantity": None, "rtol": None})
+    assert hit.impulse == pytest.approx(full.impulse, rel=0.02)
+
+
+def test_windows_ends_of_lines(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(STARS.replace("velocity", "velocty").replace("\n", "\r\n").encode())
+    with pytest.raises(ao.SceneFileError, match=r"scene.toml:13: .*did you mean 'velocity'"):
+        ao.read_scene(path)
+
+
+# ---------------------------------------------------------------------------------- what is wrong
+
+
+def assert_blamed(right: str, old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
+    """With `old` replaced by `new`, the error has a text and the line of `at`."""
+    assert old in right
+    wrong = right.replace(old, new, 1)
+    path = written(tmp_path, wrong)
+    with pytest.raises(ao.SceneFileError) as error:
+        ao.read_scene(path).simulate()
+    assert re.search(text, str(error.value)), str(error.value)
+    assert f"{path}:{line(wrong, at)}: " in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at", "text"),
+    [
+        ("velocity = 2.0", "velocty = 2.0", "velocty", r"unknown name 'velocty' \(did you mean"),
+        ("velocity = 2.0", 'velocity = "2"', "velocity", r"must be a number \(m/s\), got '2'"),
+        ("velocity = 2.0", "velocity = true", "velocity", "must be a number.*got true"),
+        ("velocity = 2.0\n", "", "[impact]", "'velocity' is missing, a number"),
+        ("velocity = 2.0", "velocity = 0.0", "velocity", "velocity is 0 m/s"),
+        ("velocity = 2.0", "velocity = nan", "velocity", "velocity must be a number, got nan"),
+        ("duration = 1e-3", "duration = -1e-3", "duration", "duration must be positive"),
+        ('"beam"', '"baem"', "target", r"\[bodies\] has no 'baem' \(did you mean 'beam'\?\)"),
+        ('"beam"', "7", "target", r"must be a name from \[bodies\], got 7"),
+        ("Hertz", "Herz", "law", r"must be one of .*'Herz' \(did you mean 'Hertz'\?\)"),
+        ("k = 1e9", "n = 1e9", "law", "unknown name 'n'"),
+        ("k = 1e9", "k = -1e9", "law", "k must be positive"),
+        ("mass = 0.03", "mass = -0.03", "mass", "mass must be positive"),
+        ("mass = 0.03", "weight = 0.03", "[bodies.ball]", "one of 'mass', 'm0', 'mesh' is missing"),
+        ("mass = 0.03", "mass = 0.03\nm0 = 1.0", "[bodies.ball]", "exclude each other"),
+        ("m = [0.2]", "m = [0.2, true]", "m = [", r"bodies.beam.m.1: must be a number \(kg\)"),
+        ("m = [0.2]", "m = [0.2, 0.3]", "m = [", "must have the same length"),
+        ("m = [0.2]", "m = 0.2", "m = 0.2", "must be a list of values"),
+        ("dt = 1e-6", "dt = 0", "solver", "dt must be positive"),
+        ("dt = 1e-6", 'estimate = "no"', "solver", "must be true or false"),
+        ("[bodies.ball]", "[bodies]\nball = 3\n[x]", "ball", "must be a table, got 3"),
+        ("[impact]", "report = 1\n[impact]", "report", "unknown name 'report'"),
+        ("gap = 1e-5", 'report = ["peak_forc"]', "report", "did you mean 'peak_force'"),
+        ("gap = 1e-5", 'quantity = "peak_forc"', "quantity", "did you mean 'peak_force'"),
+        ('solver = { type = "Newmark", dt = 1e-6 }', "tolerance = 2.0", "tolerance", "rtol must"),
+    ],
+)
+def test_the_line_of_what_is_wrong(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
+    assert_blamed(STARS, old, new, at, text, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at", "text"),
+    [
+        ("nu = 0.3", "nu = 0.5", "nu", "nu must lie between"),
+        ("nu = 0.3\n", "", "[materials.alu]", "'nu' is missing"),
+        ('material = "alu"', 'material = "al"', "material =", "did you mean 'alu'"),
+        ("box = [0.1, 0.01, 0.01]", "box = [0.1, 0.01]", "mesh", "must have 3 entries, got 2"),
+        ("divisions = [4, 1, 1]", "divisions = [4, 1, 1.5]", "mesh", "must be a whole number"),
+        ("divisions = [4, 1, 1]", "divisions = [4, 1, 0]", "mesh", "must be at least 1"),
+        ("{ box = [0.1", '{ file = "no.msh", size = [0.1', "mesh", "unknown name 'size'"),
+        ('"xmin"', '"xmim"', "fixed", "did you mean 'xmin'"),
+        ('nodes = "xmin"', "x = 0.2", "    { x", "no node lies on x = 0.2 m; the mesh spans"),
+        ('nodes = "xmin", ', "", "    { hold", "needs either nodes, or planes"),
+        ("[0.1, 0.0, 0.0]", "[0.2, 0.0, 0.0]", "contact", "off the body"),
+        ("[0, 0, 1]", "[0, 0, 0]", "contact", "must not be the zero vector"),
+        ("direction = [0, 0, 1]", "dof = 1", "contact", "exclude each other"),
+        ("n = 2", "n = -2", "model", "n must be from 0"),
+        ("n = 2", "m = 2", "model", "unknown name 'm'"),
+    ],
+)
+def test_the_line_in_a_meshed_body(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
+    assert_blamed(BAR, old, new, at, text, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at", "text"),
+    [
+        ('["first", "second"]', '["first", "secnd"]', "[[scene.contacts]]", "'second'"),
+        ('["first", "second"]', '["first", "first"]', "[[scene.contacts]]", "cannot touch itself"),
+        ('["first", "second"]', '["first"]', "between", "must have 2 entries"),
+        ('name = "second"', 'name = "first"', 'name = "first"\nbody = "ball"\n\n', "two bodies"),
+        ('body = "wall"', 'body = "wal"', 'body = "wal"', r"\[bodies\] has no 'wal'"),
+        ("gap = 1e-3", "gap = -1.0", "[scene]", "overlap"),
+        ("forces = [0.0, 2.0]", "forces = [0.0]", "[[scene.loads]]", "as many forces as times"),
+        ("forces = [0.0, 2.0]", "force = 1.0", "[[scene.loads]]", "exclude each other"),
+        ("gravity = 9.81", "gravity = nan", "gravity", "must be a number"),
+        ('"Hertz", k = 1e10', '"Hertz", k = 0', "law", "k must be positive"),
+    ],
+)
+def test_the_line_in_a_scene(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
+    assert_blamed(ROW, old, new, at, text, tmp_path)
+
+
+def test_all_problems_at_once(tmp_path: Path) -> None:
+    wrong = STARS.replace("mass", "mas").replace("gap", "gab").replace("m0 = 0.1", 'm0 = "x"')
+    with pytest.raises(ao.SceneFileError) as error:
+        ao.read_scene(written(tmp_path, wrong))
+    found = [int(text.split(":")[1]) for text in str(error.value).splitlines()]
+    assert {2, 5, 15} <= set(found)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a = \n", r"is not TOML: .*line 1"),
+        ("", "one of 'impact', 'scene' is missing"),
+        ("impact = {}\nscene = {}", "'impact' and 'scene' exclude each other"),
+        ("[impact]", "'bodies' is missing"),
+        ("bodies = 3\nimpact = {}", ":1: bodies: must be a table, got 3"),
+        ("materials = []\nbodies = {}\nimpact = {}", ":1: materials: must be a table, got a list"),
+    ],
+)
+def test_files_that_are_no_scenes(text: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(ao.SceneFileError, match=message):
+        ao.read_scene(written(tmp_path, text))
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    with pytest.raises(ao.SceneFileError, match="cannot be read"):
+        ao.read_scene(tmp_path / "none.toml")
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b"title = '\xff'")
+    with pytest.raises(ao.SceneFileError, match="not UTF-8"):
+        ao.read_scene(path)
+
+
+# ---------------------------------------------------------------------------------------- documents
+
+
+def names(kind: Kind) -> set[str]:
+    """Every name that a kind of value knows."""
+    if isinstance(kind, Table):
+        inside = {name for field in kind.fields.values() for name in names(field.kind)}
+        return set(kind.fields) | inside
+    if isinstance(kind, Variants):
+        return {name for table in kind.tables.values() for name in names(table)}
+    if isinstance(kind, Chosen):
+        below = {name for table in kind.tables.values() for name in names(table)}
+        return {kind.key} | set(kind.tables) | below
+    if isinstance(kind, Either):
+        return {name for one in kind.kinds for name in names(one)}
+    if isinstance(kind, (Listed, Named)):
+        return names(kind.of)
+    return set()
+
+
+def test_every_name_is_documented() -> None:
+    text = (ROOT / "docs" / "scene-files.md").read_text("utf-8")
+    documented = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`]*)`|^    .*$", text, re.M))))
+    documented |= set(re.findall(r"\w+", " ".join(re.findall(r"```toml(.*?)```", text, re.S))))
+    assert names(scenefile_schema.SCENE_FILE) <= documented
+
+
+def test_the_examples_are_right() -> None:
+    for path in (ROOT / "examples").glob("*.toml"):
+        ao.read_scene(path)
+
+
+def test_the_examples_of_the_documents_are_right(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "scene-files.md").read_text("utf-8")
+    blocks: list[Any] = re.findall(r"```toml\n(.*?)```", text, re.S)
+    assert blocks
+    for block in blocks:
+        if "duration" in block:
+            ao.read_scene(written(tmp_path, block)).case()

@@ -1,0 +1,155 @@
+"""`simulate`: gaps, misses, bodies hit off their centre, and arguments that make no sense."""
+
+import concurrent.futures
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+from slender import rod
+
+BALL = ao.rigid(mass=0.0327)
+LAW = ao.Hertz(k=1e10)
+
+
+def hit(**changes):
+    arguments = {
+        "projectile": BALL,
+        "target": BALL,
+        "law": LAW,
+        "velocity": 1.0,
+        "duration": 100e-6,
+        "solver": ao.Newmark(dt=1e-7),
+    }
+    return ao.simulate(**(arguments | changes))
+
+
+def test_a_gap_only_delays_the_impact():
+    now, later = hit(), hit(gap=50e-6, duration=150e-6)
+    assert later.contacts[0][0] == pytest.approx(50e-6, abs=1e-7)
+    assert later.peak_force == pytest.approx(now.peak_force, rel=1e-5)
+    assert later.contact_duration == pytest.approx(now.contact_duration, rel=1e-4)
+
+
+@pytest.mark.parametrize("changes", [{"gap": 1.0}, {"velocity": -1.0}])
+def test_bodies_that_do_not_meet(changes):
+    miss = hit(**changes)
+    assert miss.contacts == []
+    assert (miss.peak_force, miss.contact_duration, miss.impulse) == (0.0, 0.0, 0.0)
+    assert miss.rebound_velocity == changes.get("velocity", 1.0)
+    assert miss.error.time == 0.0
+    assert np.isfinite(miss.restitution)
+
+
+def test_a_record_that_ends_in_contact_says_so():
+    with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
+        cut = hit(duration=30e-6)
+    assert cut.in_contact_at_end
+    assert cut.contacts == [(0.0, pytest.approx(30e-6))]
+
+
+def test_duration_is_covered_by_whole_steps():
+    assert hit(duration=100e-6).t[-1] == pytest.approx(100e-6, rel=1e-12)
+    assert len(hit(duration=100e-6).t) == 1001
+    assert hit(duration=100.01e-6).t[-1] == pytest.approx(100.1e-6, rel=1e-12)
+
+
+def test_without_energies_the_rest_is_the_same():
+    with_energies, without = hit(), hit(energies=False)
+    assert without.force.tobytes() == with_energies.force.tobytes()
+    with pytest.raises(ao.InputError, match="energies"):
+        _ = without.energy
+
+
+def test_a_star_of_a_body_hit_off_its_centre_keeps_all_its_mass_and_energy():
+    """A bar of two balls, hit at one of them: the other does not feel it at first."""
+    nodes = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-3, 0.0], [0.5, 0.0, 1e-3]])
+    spacing = nodes[:, None] - nodes
+    K = np.zeros((12, 12))
+    for i in range(4):
+        for j in range(i):
+            along = spacing[i, j] / np.linalg.norm(spacing[i, j])
+            stretch = np.zeros(12)
+            stretch[3 * i : 3 * i + 3], stretch[3 * j : 3 * j + 3] = along, -along
+            K += 1e9 * np.outer(stretch, stretch)
+    masses = np.repeat([1.0, 1.0, 1e-3, 1e-3], 3)
+    body = ao.FEModel(K=K, M=np.diag(masses), nodes=nodes)
+    tip = body.contact(point=(0.0, 0.0, 0.0), direction=(0.0, 1.0, 0.0))
+    star = ao.antioscillators(tip, 0)
+    # Effective mass at the end: translation and rotation take part, the far ball does not move.
+    assert star.static_mass < 1.01
+    assert star.mass == pytest.approx(masses.sum() / 3, rel=1e-12)
+    flying = hit(projectile=star, target=ao.rigid(mass=1.0), duration=1e-3)
+    # Momentum of the bar's centre of mass and of the target.
+    momentum = star.mass * flying.projectile.centre_velocity + flying.target.centre_velocity
+    assert momentum[0] == pytest.approx(star.mass, rel=1e-9)
+    assert np.ptp(momentum) < 1e-9 * star.mass
+    assert flying.energy.total[0] == pytest.approx(0.5 * star.mass, rel=1e-9)
+    # Newton's rule e = 1 holds at the contact point.
+    approach = flying.projectile.velocity - flying.target.velocity
+    assert approach[-1] == pytest.approx(-approach[0], rel=1e-4)
+
+
+def test_a_partly_held_projectile_struck_obliquely_starts_alike_as_star_and_as_full_model():
+    """Held along x it cannot translate along (1, 1, 0): both move as the static mode."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    mesh = ao.box_mesh((0.1, 0.02, 0.02), (6, 2, 2))
+    body = ao.FEModel.from_mesh(mesh, steel, fixed=[("xmin", "x")])
+    tip = body.contact(point=(0.1, 0.01, 0.01), direction=(1.0, 1.0, 0.0))
+    options = {"target": ao.rigid(mass=0.2), "duration": 400e-6, "solver": ao.Newmark(dt=1e-6)}
+    full, star = hit(projectile=tip, **options), hit(projectile=ao.antioscillators(tip), **options)
+    assert star.energy.total[0] == pytest.approx(full.energy.total[0], rel=1e-9)
+    assert star.peak_force == pytest.approx(full.peak_force, rel=1e-9)
+
+
+def test_simulations_run_side_by_side_and_agree():
+    star = ao.AOModel(m0=1e-3, k0=1e5, m=[0.1] * 40, k=np.geomspace(1e3, 1e9, 40))
+    alone = hit(target=star, duration=1e-3).force.tobytes()
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        runs = [pool.submit(hit, target=star, duration=1e-3) for _ in range(12)]
+        assert all(run.result().force.tobytes() == alone for run in runs)
+
+
+def test_results_travel_between_processes():
+    result = hit()
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy.force.tobytes() == result.force.tobytes()
+    assert copy.peak_force == result.peak_force
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"velocity": 0.0}, "velocity is 0 m/s"),
+        ({"velocity": math.nan}, "velocity must be a number"),
+        ({"velocity": math.inf}, "velocity must be finite"),
+        ({"velocity": 1e200}, "velocity=1e.200 m/s: its square is beyond the range"),
+        ({"velocity": 1e-200}, "beyond the range"),
+        ({"velocity": "fast"}, "velocity must be a real number"),
+        ({"duration": 0.0}, "duration must be positive, got 0 s"),
+        ({"duration": -1.0}, "duration must be positive"),
+        ({"duration": 1e6}, "GiB"),
+        ({"gap": -1e-6}, "gap must not be negative"),
+        ({"law": 1e10}, "law must be a contact law"),
+        ({"solver": 1e-6}, r"solver must be Adaptive\(...\) or Newmark"),
+        ({"projectile": 0.0327}, "projectile must be an AOModel"),
+        ({"target": None}, "target must be an AOModel"),
+        ({"energies": 1}, "energies must be True or False"),
+        (
+            {"projectile": ao.rigid(mass=math.inf), "target": ao.rigid(mass=math.inf)},
+            "both of infinite mass",
+        ),
+    ],
+)
+def test_senseless_arguments_are_named(changes, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        hit(**changes)
+
+
+def test_a_body_itself_is_no_player():
+    K, M = rod(5)
+    with pytest.raises(ao.InputTypeError, match=r"body.contact\(...\)"):
+        hit(target=ao.FEModel(K=K, M=M))

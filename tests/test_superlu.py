@@ -1,0 +1,55 @@
+"""Factorisations: exact on what is definite, honest about what is not."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import aoimpact as ao
+from aoimpact import _core
+from aoimpact.superlu import factorize
+
+from slender import beam, rod
+
+
+def test_solution_of_a_static_problem():
+    """A clamped rod under an end load is stretched by FL/EA, linearly along it."""
+    K, _ = rod(1000, fixed=[0])
+    load = np.zeros(1000)
+    load[-1] = 3.0
+    np.testing.assert_allclose(factorize(K).solve(load), 3.0 * np.arange(1, 1001) / 1000, rtol=1e-9)
+
+
+def test_the_cores_sweeps_solve_the_same_system():
+    K, M = beam(500, fixed=[0, 1])
+    factors = factorize(K + 1e4 * M)
+    b = np.random.default_rng(0).standard_normal(1000)
+    x = b.copy()
+    _core.factors_solve(factors.for_core(), np.empty(1000), x)
+    A = K + 1e4 * M
+    backward_error = np.abs(A @ x - b) / (abs(A) @ np.abs(x) + np.abs(b))
+    assert backward_error.max() < 1e-13
+
+
+def test_singular_matrices_are_refused_not_solved():
+    K, _ = rod(200)
+    with pytest.raises(ao.SingularError, match="the stiffness is singular"):
+        factorize(K, what="the stiffness")
+    with pytest.raises(ao.SingularError):
+        factorize(sp.csr_matrix((5, 5)))
+
+
+def test_elements_of_very_different_size_are_not_called_singular():
+    k = np.geomspace(1.0, 1e12, 60)
+    K = sp.diags([k + np.append(k[1:], 0.0), -k[1:], -k[1:]], [0, 1, -1]).tocsr()
+    ones = np.ones(60)
+    np.testing.assert_allclose(factorize(K).solve(K @ ones), ones, rtol=1e-3)
+
+
+def test_indefinite_matrices_are_refused_with_the_number_of_negative_eigenvalues():
+    """As many pivots are negative as eigenvalues (Sylvester): three springs pushed, not pulled."""
+    K = sp.diags([2.0, -1.0, -1.0], [0, 1, -1], shape=(1000, 1000)).tolil()
+    for place in (100, 500, 900):
+        K[place, place] = 0.5
+    assert (np.linalg.eigvalsh(K.toarray()) < 0.0).sum() == 3
+    with pytest.raises(ao.SingularError, match=r"K is not positive definite \(3 negative"):
+        factorize(K, what="K")

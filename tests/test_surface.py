@@ -1,0 +1,110 @@
+"""The surface of a mesh is closed, and places on it are found where they are."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from bodies import distorted_box
+from skfem.quadrature import get_quadrature
+from skfem.refdom import RefQuad, RefTri
+
+from aoimpact.elements import KINDS
+from aoimpact.fem import FEModel
+from aoimpact.generate import box_mesh, sphere_mesh
+from aoimpact.material import Material
+from aoimpact.surface import Surface, boundary
+
+FloatArray = npt.NDArray[np.float64]
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def integrals(surface: Surface) -> tuple[float, FloatArray, float]:
+    """Area, ∮ n dA, and ∮ x·n dA/3, which is the volume."""
+    area, normal, volume = 0.0, np.zeros(3), 0.0
+    for face in range(len(surface.cell)):
+        triangle = np.allclose(surface.middle(np.array([face])), 1 / 3)
+        points, weights = get_quadrature(RefTri if triangle else RefQuad, 12)
+        x, tangents = surface.at(np.full(len(weights), face), points.T)
+        vector = np.cross(tangents[:, 0], tangents[:, 1]) * weights[:, None]
+        area += np.linalg.norm(vector, axis=1).sum()
+        normal += vector.sum(axis=0)
+        volume += np.einsum("ni,ni->", x, vector) / 3.0
+    return area, normal, volume
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_surface_of_a_distorted_box_is_the_box_s(kind: str) -> None:
+    area, normal, volume = integrals(boundary(distorted_box(kind)))
+    assert area == pytest.approx(2 * (2.0 * 1.5 + 2.0 * 1.0 + 1.5 * 1.0), rel=1e-12)
+    assert volume == pytest.approx(2.0 * 1.5 * 1.0, rel=1e-12)
+    np.testing.assert_allclose(normal, 0.0, atol=1e-13)
+
+
+def test_surface_of_a_ball() -> None:
+    mesh = sphere_mesh(1.0, 0.33)
+    area, normal, volume = integrals(boundary(mesh))
+    assert area == pytest.approx(4 * math.pi, rel=1e-4)
+    # Gauss's theorem against the mass of the elements.
+    mass = FEModel.from_mesh(mesh, Material(E=1.0, nu=0.3, rho=1.0)).mass
+    assert volume == pytest.approx(mass, rel=1e-12)
+    np.testing.assert_allclose(normal, 0.0, atol=1e-13)
+
+
+def test_counts_by_hand() -> None:
+    assert len(boundary(box_mesh((1, 1, 1), (2, 3, 4))).cell) == 2 * (6 + 8 + 12)
+    assert len(boundary(box_mesh((1, 1, 1), (2, 3, 4), kind="tetra10")).cell) == 4 * (6 + 8 + 12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_point_of_the_surface_is_found_where_it_is(kind: str) -> None:
+    surface = boundary(distorted_box(kind))
+    for point in ([1.3, 0.7, 1.0], [2.0, 0.11, 0.2], [0.4, 0.0, 0.63]):
+        (place, *_) = surface.nearest(np.array(point))
+        assert place.distance[0] < 1e-12
+        np.testing.assert_allclose(surface.at(place.face, place.uv)[0][0], point, atol=1e-12)
+
+
+def test_a_corner_belongs_to_all_of_its_faces() -> None:
+    surface = boundary(box_mesh((1, 1, 1), (2, 2, 2)))
+    assert len(surface.nearest(np.array([0.0, 0.0, 0.0]))) == 3
+    assert len(surface.nearest(np.array([0.5, 0.5, 1.0]))) == 4
+    assert len(surface.nearest(np.array([0.25, 0.25, 1.0]))) == 1
+
+
+def test_the_nearest_place_to_a_point_off_a_ball_lies_on_its_radius() -> None:
+    surface = boundary(sphere_mesh(1.0, 0.33))
+    toward = np.array([0.48, -0.6, 0.64])
+    for distance in (0.9, 1.3):
+        place = surface.nearest(distance * toward)[0]
+        np.testing.assert_allclose(place.x[0], toward, atol=2e-3)
+        assert place.distance[0] == pytest.approx(abs(distance - 1.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_lines_pierce_the_side_that_is_asked_for(kind: str) -> None:
+    surface = boundary(distorted_box(kind))
+    points = np.random.default_rng(1).uniform([0, 0, 0.9], [2.0, 1.5, 1.1], (200, 3))
+    top = surface.pierced(points, UP, reach=0.2)
+    bottom = surface.pierced(points, UP, reach=2.0, outward=False)
+    for place, height in ((top, 1.0), (bottom, 0.0)):
+        wanted = np.column_stack([points[:, :2], np.full(200, height)])
+        np.testing.assert_allclose(place.x, wanted, atol=1e-12)
+        np.testing.assert_allclose(place.distance, np.abs(points[:, 2] - height), atol=1e-12)
+        np.testing.assert_allclose(surface.at(place.face, place.uv)[0], wanted, atol=1e-12)
+
+
+def test_lines_beside_the_body_and_beyond_reach_pierce_nothing() -> None:
+    surface = boundary(box_mesh((1, 1, 1), (2, 2, 2)))
+    points = np.array([[1.1, 0.5, 1.0], [0.5, 0.5, 2.0], [0.5, 0.5, 1.05]])
+    assert (surface.pierced(points, UP, reach=0.1).face >= 0).tolist() == [False, False, True]
+
+
+def test_normals_of_a_ball_point_away_from_its_centre() -> None:
+    surface = boundary(sphere_mesh(1.0, 0.33))
+    face = np.arange(len(surface.cell))
+    normal = surface.normal(face, surface.middle(face))
+    x, _ = surface.at(face, surface.middle(face))
+    assert np.einsum("ni,ni->n", normal, x).min() > 0.999

@@ -1,0 +1,222 @@
+"""Sweeps: every combination once, in order, and a table that says what failed."""
+
+from __future__ import annotations
+
+import csv
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+from scenes import BAR
+
+BASE = {
+    "projectile": ao.rigid(mass=0.03),
+    "target": ao.rigid(mass=math.inf),
+    "law": ao.Hertz(k=1e10),
+    "velocity": 1.0,
+    "duration": 1e-3,
+}
+
+
+def drop(height: float, mass: float) -> dict[str, Any]:
+    """A ball that falls on a floor."""
+    return BASE | {
+        "projectile": ao.rigid(mass=mass),
+        "velocity": math.sqrt(2.0 * 9.81 * height),
+    }
+
+
+def test_hertz_s_law_of_the_drop_height() -> None:
+    """Peak (5/4 m v²)^(3/5) k^(2/5): K. L. Johnson, eq. (11.22), by F = k δ^(3/2)."""
+    table = ao.sweep(drop, {"height": [0.1, 0.4, 1.6], "mass": [0.01, 0.02]})
+    speed2 = 2.0 * 9.81 * table["height"]
+    expected = (1.25 * table["mass"] * speed2) ** 0.6 * 1e10**0.4
+    np.testing.assert_allclose(table["peak_force"], expected, rtol=1e-7)
+    momentum = 2.0 * table["mass"] * np.sqrt(speed2)
+    np.testing.assert_allclose(table["impulse"], momentum, rtol=1e-7)
+
+
+def test_the_last_parameter_varies_fastest() -> None:
+    table = ao.sweep(drop, {"height": [1.0, 2.0, 3.0], "mass": [0.01, 0.02]}, keep="impulse")
+    assert table.shape == (3, 2)
+    assert len(table) == 6
+    assert table["mass"].tolist() == [0.01, 0.02] * 3
+    assert table["height"].reshape(table.shape)[:, 0].tolist() == [1.0, 2.0, 3.0]
+    assert table.columns == ("height", "mass", "impulse")
+    assert table.data.dtype.names == table.columns
+    assert not table.data.flags.writeable
+
+
+def test_any_keyword_of_simulate_is_a_parameter() -> None:
+    laws = [ao.Hertz(k=1e10), ao.Linear(k=1e7)]
+    table = ao.sweep(BASE, {"law": laws, "gap": [0, 1e-6]}, workers=2)
+    assert table["law"].tolist() == [laws[0], laws[0], laws[1], laws[1]]
+    assert table["gap"].dtype.kind in "if"
+    # A linear spring's half swing: π √(m/k).
+    swing = math.pi * math.sqrt(0.03 / 1e7)
+    assert table["contact_duration"][2] == pytest.approx(swing, rel=1e-7)
+
+
+def test_a_scene_file_s_places_are_parameters(tmp_path: Path) -> None:
+    path = tmp_path / "bar.toml"
+    path.write_text(BAR, encoding="utf-8")
+    grid = {"impact.velocity": [0.5, 1.0], "bodies.bar.model.n": np.array([1, 3])}
+    table = ao.sweep(path, grid, keep=("peak_force", "restitution"))
+    alone = ao.read_scene(path).replaced({"impact.velocity": 0.5, "bodies.bar.model.n": 3})
+    assert table["peak_force"][1] == alone.simulate().peak_force
+    assert table["bodies.bar.model.n"].dtype.kind == "i"
+
+
+@pytest.mark.parametrize(
+    ("grid", "text"),
+    [
+        ({"impact.velocty": [1.0]}, "did you mean 'velocity'"),
+        ({"impct.velocity": [1.0]}, "no table 'impct'"),
+        ({"impact.velocity": ["fast"]}, "must be a number"),
+    ],
+)
+def test_a_scene_file_knows_its_places(grid: Any, text: str, tmp_path: Path) -> None:
+    path = tmp_path / "bar.toml"
+    path.write_text(BAR, encoding="utf-8")
+    with pytest.raises(ao.SceneFileError, match=text):
+        ao.sweep(path, grid)
+
+
+def test_a_scene_is_given_what_its_run_takes() -> None:
+    scene = ao.Scene()
+    ball = scene.add(ao.rigid(mass=0.03), velocity=1.0)
+    scene.connect(ball, scene.add(ao.rigid(mass=math.inf)), ao.Hertz(k=1e10), gap=1e-3)
+    grid = {"duration": [0.5e-3, 2e-3], "solver": [ao.Adaptive(), ao.Adaptive(rtol=1e-5)]}
+    table = ao.sweep(scene, grid, keep="contacts.0.peak_force")
+    assert table["contacts.0.peak_force"][:2].tolist() == [0.0, 0.0]
+    assert table["contacts.0.peak_force"][2] == pytest.approx((1.25 * 0.03) ** 0.6 * 1e10**0.4)
+    with pytest.raises(ao.InputError, match="did you mean 'duration'"):
+        ao.sweep(scene, {"duratio": [1.0]})
+    with pytest.raises(ao.InputError, match="needs 'duration'"):
+        ao.sweep(scene, {"preload": [False]})
+
+
+def test_a_function_names_its_own_columns() -> None:
+    def keep(result: ao.Result) -> dict[str, float]:
+        return {"ratio": result.peak_force / result.impulse, "contacts": len(result.contacts)}
+
+    table = ao.sweep(BASE, {"velocity": [1.0, 2.0]}, keep=keep)
+    assert table.quantities == ("ratio", "contacts")
+    assert table["contacts"].tolist() == [1.0, 1.0]
+    one = ao.sweep(BASE, {"velocity": [1.0]}, keep=lambda result: result.impulse)
+    assert one["value"][0] == pytest.approx(0.06)
+
+
+def test_a_failed_case_is_a_row_of_nan() -> None:
+    table = ao.sweep(BASE, {"velocity": [1.0, 0.0, 2.0]})
+    assert np.isnan(table["peak_force"]).tolist() == [False, True, False]
+    assert list(table.errors) == [1]
+    assert "velocity is 0" in str(table.errors[1])
+    assert "3 cases, 1 failed; row 1: velocity is 0" in repr(table)
+    fails = ao.sweep(drop, {"height": [-1.0], "mass": [1.0]})
+    assert isinstance(fails.errors[0], ValueError)
+    assert np.isnan(fails["peak_force"]).all()
+
+
+def test_csv_reads_back_bit_for_bit(tmp_path: Path) -> None:
+    table = ao.sweep(BASE, {"velocity": [0.1, 0.0, 0.3]})
+    table.to_csv(tmp_path / "sweep.csv")
+    with open(tmp_path / "sweep.csv", newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    assert head[:3] == ["velocity", "peak_force [N]", "peak_time [s]"]
+    assert head[-1] == "error"
+    for name, column in zip(table.columns, zip(*rows, strict=True), strict=False):
+        np.testing.assert_array_equal(np.array(column, float), table[name])
+    assert "velocity is 0" in rows[1][-1]
+
+
+def test_dataframe() -> None:
+    pandas = pytest.importorskip("pandas")
+    table = ao.sweep(BASE, {"velocity": [1.0, 0.0], "law": [ao.Hertz(k=1e10)]})
+    frame = table.to_dataframe()
+    assert isinstance(frame, pandas.DataFrame)
+    assert list(frame.columns) == [*table.columns, "error"]
+    assert frame["peak_force"][0] == table["peak_force"][0]
+    assert frame["law"][0] == ao.Hertz(k=1e10)
+
+
+def test_without_pandas_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    table = ao.sweep(BASE, {"velocity": [1.0]})
+    with pytest.raises(ImportError, match="pip install pandas"):
+        table.to_dataframe()
+
+
+def test_plot_draws_a_line_for_each_of_the_others() -> None:
+    table = ao.sweep(drop, {"mass": [0.01, 0.02, 0.04], "height": [4.0, 1.0]})
+    ax = table.plot(x="height", y="peak_force")
+    assert len(ax.get_lines()) == 3
+    x, y = ax.get_lines()[1].get_data()
+    assert x.tolist() == [1.0, 4.0]
+    rows = [3, 2]
+    np.testing.assert_allclose(y, 1e-3 * table["peak_force"][rows])
+    assert ax.get_ylabel() == "peak_force [kN]"
+    assert ax.get_legend().get_texts()[0].get_text() == "mass=0.01"
+    assert len(table.plot().get_lines()) == 2
+    assert table.plot(y="impulse", ax=ax) is ax
+
+
+def test_it_prints_itself() -> None:
+    table = ao.sweep(BASE, {"velocity": np.linspace(1.0, 2.0, 12)})
+    assert "velocity" in repr(table)
+    assert "..." in repr(table)
+    assert "<table>" in table._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("base", "grid", "text"),
+    [
+        (BASE, {}, "grid has no parameters"),
+        (BASE, {"velocity": []}, r"grid\['velocity'\] has no values: the sweep is empty"),
+        (BASE, {"velocity": 1.0}, "must be a list of values"),
+        (BASE, {"velocity": "fast"}, "must be a list of values"),
+        (BASE, [1.0], "grid must be a dict"),
+        (BASE, {1: [1.0]}, "must be text"),
+        (BASE, {"velocty": [1.0]}, "did you mean 'velocity'"),
+        (BASE | {"lav": 1}, {"velocity": [1.0]}, "did you mean 'law'"),
+        ({}, {"velocity": [1.0]}, "neither the base nor the grid has 'projectile'"),
+        (3, {"velocity": [1.0]}, "sweep needs a function"),
+    ],
+)
+def test_bad_sweeps_are_refused(base: Any, grid: Any, text: str) -> None:
+    with pytest.raises(ao.AOImpactError, match=text):
+        ao.sweep(base, grid)
+
+
+@pytest.mark.parametrize(
+    ("keep", "text"),
+    [
+        (None, "keep=None"),
+        (lambda result: "much", "must return a number"),
+        (lambda result: {"velocity": 1.0}, "'velocity' is a parameter"),
+        (lambda result: {str(result.velocity): 1.0}, "the same names"),
+        ("rebound", "did you mean 'rebound_velocity'"),
+    ],
+)
+def test_bad_columns_are_refused(keep: Any, text: str) -> None:
+    with pytest.raises(ao.AOImpactError, match=text):
+        ao.sweep(BASE, {"velocity": [1.0, 2.0]}, keep=keep)
+
+
+def test_bad_plots_are_refused() -> None:
+    table = ao.sweep(BASE, {"law": [ao.Hertz(k=1e10)]})
+    with pytest.raises(ao.InputError, match="no parameter of this sweep is a number"):
+        table.plot()
+    table = ao.sweep(BASE, {"velocity": [1.0]})
+    with pytest.raises(ao.InputError, match="did you mean 'peak_force'"):
+        table.plot(y="peak_forc")
+    with pytest.raises(ao.InputTypeError, match="must be the Axes"):
+        table.plot(ax=3)  # type: ignore[arg-type]
+    with pytest.raises(ao.InputError, match="column must be one of"):
+        table["forc"]
