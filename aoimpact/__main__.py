@@ -6,12 +6,13 @@ import argparse
 import io
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from . import __version__
 from .errors import AOImpactError, InputError
 
 Command = Callable[[argparse.Namespace], None]
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -19,6 +20,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     options = parser.parse_args(arguments)
     command: Command = options.command
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
     try:
         command(options)
     except InputError as error:
@@ -48,9 +51,33 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_paper(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    command = commands.add_parser(
+def _add(
+    commands: Commands, name: str, command: Command, *, help: str, description: str
+) -> argparse.ArgumentParser:
+    parser = commands.add_parser(name, help=help, description=description)
+    parser.set_defaults(command=command)
+    return parser
+
+
+def _add_scene(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", metavar="SCENE.toml", help="the scene file")
+
+
+def _add_out(parser: argparse.ArgumentParser, files: str, default: str | None = None) -> None:
+    without = "nothing is written" if default is None else "%(default)s"
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        default=default,
+        help=f"folder for {files}, made if there is none (default: {without})",
+    )
+
+
+def _add_paper(commands: Commands) -> None:
+    command = _add(
+        commands,
         "paper",
+        _paper,
         help="recompute the paper's tables and figures beside its numbers",
         description=(
             "Recompute every table and Figures 3 to 11 of E. Jacquelin, 'On the rigid projectile "
@@ -58,30 +85,23 @@ def _add_paper(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
             "agrees, what does not, and why. Takes about a minute."
         ),
     )
-    command.add_argument(
-        "--out",
-        metavar="DIR",
-        default="paper-results",
-        help="folder for the figures (PNG) and for results.csv and results.md, made if there is "
-        "none (default: %(default)s)",
-    )
-    command.set_defaults(command=_paper)
+    _add_out(command, "the figures (PNG) and for results.csv and results.md", "paper-results")
 
 
 def _paper(options: argparse.Namespace) -> None:
     from .paper import reproduce
 
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
     done = reproduce(options.out)
     print(done)
     print(f"\n{len(done.files)} files in {done.files[0].parent}:")
     print("  " + ", ".join(file.name for file in done.files))
 
 
-def _add_study(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    command = commands.add_parser(
+def _add_study(commands: Commands) -> None:
+    command = _add(
+        commands,
         "study",
+        _study,
         help="measure speed against error, beside other methods",
         description=(
             "Measure what Adaptive and Newmark need for what they get right, and SciPy's solvers "
@@ -90,46 +110,33 @@ def _add_study(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         ),
     )
     command.add_argument("--scene", choices=("pair", "beam"), help="one of them (default: both)")
-    command.add_argument(
-        "--out",
-        metavar="DIR",
-        default="study-results",
-        help="folder for tables (CSV) and figures (PNG), made if there is none (default: "
-        "%(default)s)",
-    )
+    _add_out(command, "tables (CSV) and figures (PNG)", "study-results")
     command.add_argument("--scipy", action="store_true", help="measure SciPy's solvers as well")
-    command.set_defaults(command=_study)
 
 
 def _study(options: argparse.Namespace) -> None:
     from .study_scenes import SCENES, report
 
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
     for scene in (options.scene,) if options.scene else SCENES:
         study, files = report(scene, options.out, scipy=options.scipy)
         print(study)
         print(f"{', '.join(file.name for file in files)} in {files[0].parent}\n")
 
 
-def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    command = commands.add_parser(
+def _add_run(commands: Commands) -> None:
+    command = _add(
+        commands,
         "run",
+        _run,
         help="run a scene file",
         description=(
             "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
             "comes of it: peak force, contact time, rebound, and how wrong they may be."
         ),
     )
-    command.add_argument("scene", metavar="SCENE.toml", help="the scene file")
-    command.add_argument(
-        "--out",
-        metavar="DIR",
-        help="folder for histories (CSV), figures (PNG) and fields of meshed bodies (VTU), made if "
-        "there is none (default: nothing is written)",
-    )
+    _add_scene(command)
+    _add_out(command, "histories (CSV), figures (PNG) and fields of meshed bodies (VTU)")
     command.add_argument("--json", action="store_true", help="print JSON, for machines")
-    command.set_defaults(command=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
@@ -137,8 +144,6 @@ def _run(options: argparse.Namespace) -> None:
     from .run_files import as_json, numbers, write_files
     from .scenefile import read_scene
 
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
     scene = read_scene(options.scene)
     with held_warnings() as warnings:
         result = scene.simulate()
@@ -156,9 +161,11 @@ def _run(options: argparse.Namespace) -> None:
         print(f"{', '.join(file.name for file in files)} in {files[0].parent}")
 
 
-def _add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    command = commands.add_parser(
+def _add_compare(commands: Commands) -> None:
+    command = _add(
+        commands,
         "compare",
+        _compare,
         help="compare models of a scene file's impact, from rigid to full",
         description=(
             "Run the impact that a TOML file describes with rigid bodies, with more and more "
@@ -166,14 +173,13 @@ def _add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
             "wrong it is."
         ),
     )
-    command.add_argument("scene", metavar="SCENE.toml", help="the scene file")
-    command.add_argument("--out", metavar="DIR", help="folder for the table (CSV) and figure (PNG)")
+    _add_scene(command)
+    _add_out(command, "the table (CSV) and figure (PNG)")
     command.add_argument(
         "--no-full",
         action="store_true",
         help="leave out the full model; errors are then relative to the most anti-oscillators",
     )
-    command.set_defaults(command=_compare)
 
 
 def _compare(options: argparse.Namespace) -> None:
@@ -182,8 +188,6 @@ def _compare(options: argparse.Namespace) -> None:
     from .compare import compare
     from .scenefile import read_scene
 
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
     scene = read_scene(options.scene)
     if scene.kind != "impact":
         raise InputError(f"{scene.path}: compare needs an [impact] of two bodies, not a [scene]")

@@ -230,20 +230,9 @@ def test_windows_ends_of_lines(tmp_path: Path) -> None:
 # ---------------------------------------------------------------------------------- what is wrong
 
 
-def assert_blamed(right: str, old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
-    """With `old` replaced by `new`, the error has a text and the line of `at`."""
-    assert old in right
-    wrong = right.replace(old, new, 1)
-    path = written(tmp_path, wrong)
-    with pytest.raises(ao.SceneFileError) as error:
-        ao.read_scene(path).simulate()
-    assert re.search(text, str(error.value)), str(error.value)
-    assert f"{path}:{line(wrong, at)}: " in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "at", "text"),
-    [
+# What is put for what in a right file, the start of the line that is blamed, what is said of it.
+WRONG = {
+    STARS: [
         ("velocity = 2.0", "velocty = 2.0", "velocty", r"unknown name 'velocty' \(did you mean"),
         ("velocity = 2.0", 'velocity = "2"', "velocity", r"must be a number \(m/s\), got '2'"),
         ("velocity = 2.0", "velocity = true", "velocity", "must be a number.*got true"),
@@ -270,14 +259,7 @@ def assert_blamed(right: str, old: str, new: str, at: str, text: str, tmp_path: 
         ("gap = 1e-5", 'quantity = "peak_forc"', "quantity", "did you mean 'peak_force'"),
         ('solver = { type = "Newmark", dt = 1e-6 }', "tolerance = 2.0", "tolerance", "rtol must"),
     ],
-)
-def test_the_line_of_what_is_wrong(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
-    assert_blamed(STARS, old, new, at, text, tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "at", "text"),
-    [
+    BAR: [
         ("nu = 0.3", "nu = 0.5", "nu", "nu must lie between"),
         ("nu = 0.3\n", "", "[materials.alu]", "'nu' is missing"),
         ('material = "alu"', 'material = "al"', "material =", "did you mean 'alu'"),
@@ -294,14 +276,7 @@ def test_the_line_of_what_is_wrong(old: str, new: str, at: str, text: str, tmp_p
         ("n = 2", "n = -2", "model", "n must be from 0"),
         ("n = 2", "m = 2", "model", "unknown name 'm'"),
     ],
-)
-def test_the_line_in_a_meshed_body(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
-    assert_blamed(BAR, old, new, at, text, tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "at", "text"),
-    [
+    ROW: [
         ('["first", "second"]', '["first", "secnd"]', "[[scene.contacts]]", "'second'"),
         ('["first", "second"]', '["first", "first"]', "[[scene.contacts]]", "cannot touch itself"),
         ('["first", "second"]', '["first"]', "between", "must have 2 entries"),
@@ -313,9 +288,27 @@ def test_the_line_in_a_meshed_body(old: str, new: str, at: str, text: str, tmp_p
         ("gravity = 9.81", "gravity = nan", "gravity", "must be a number"),
         ('"Hertz", k = 1e10', '"Hertz", k = 0', "law", "k must be positive"),
     ],
+}
+
+
+@pytest.mark.parametrize(
+    ("right", "old", "new", "at", "text"),
+    [
+        pytest.param(right, *case, id=f"{case[0]} -> {case[1]}")
+        for right, cases in WRONG.items()
+        for case in cases
+    ],
 )
-def test_the_line_in_a_scene(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
-    assert_blamed(ROW, old, new, at, text, tmp_path)
+def test_the_line_of_what_is_wrong(
+    right: str, old: str, new: str, at: str, text: str, tmp_path: Path
+) -> None:
+    assert old in right
+    wrong = right.replace(old, new, 1)
+    path = written(tmp_path, wrong)
+    with pytest.raises(ao.SceneFileError) as error:
+        ao.read_scene(path).simulate()
+    assert re.search(text, str(error.value)), str(error.value)
+    assert f"{path}:{line(wrong, at)}: " in str(error.value)
 
 
 def test_all_problems_at_once(tmp_path: Path) -> None:
