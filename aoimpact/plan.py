@@ -83,6 +83,8 @@ class Plan:
         Whether to record them.
     preload : bool
         Whether to start at rest under gravity and loads.
+    scene : str
+        The mark of the scene's handles.
     """
 
     players: Sequence[Player]
@@ -93,6 +95,7 @@ class Plan:
     duration: float
     energies: bool
     preload: bool = False
+    scene: str = ""
 
     @cached_property
     def modal(self) -> tuple[ModalBody, ...]:

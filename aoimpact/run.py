@@ -135,6 +135,8 @@ class Run:
         How time was integrated.
     energies : bool
         Whether energies are recorded.
+    scene : str
+        The mark of the scene's handles.
     """
 
     infos: tuple[BodyInfo, ...]
@@ -145,6 +147,7 @@ class Run:
     time_error: float | None
     recorder: Recorder = field(repr=False)
     drifts: tuple[Drift | None, ...] = field(repr=False)
+    scene: str = field(default="", repr=False)
     reduction_error: float | None = None
     asked: FloatArray | None = field(default=None, repr=False)
 
@@ -192,6 +195,11 @@ class Run:
     def __getitem__(self, body: Handle | int) -> BodyResult:
         if isinstance(body, bool) or not isinstance(body, (Handle, int, np.integer)):
             raise InputTypeError(f"a run is read by the handles of its scene, got {body!r}")
+        if isinstance(body, Handle) and body.scene != self.scene:
+            raise InputError(
+                f"{body!r} is of another scene than this run; read the run by the handles that its "
+                "own scene's add returned"
+            )
         index = body.body if isinstance(body, Handle) else int(body)
         if not 0 <= index < len(self.infos):
             raise InputError(f"there is no body {index}: the scene has {len(self.infos)}")

@@ -266,6 +266,7 @@ class Scene:
             length,
             energies,
             preload,
+            self._mark,
         )
         return solve(plan, solver)
 

@@ -82,6 +82,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
         time_error=error,
         recorder=Sampled(track),
         drifts=plan.drifts,
+        scene=plan.scene,
     )
 
 

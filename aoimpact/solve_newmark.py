@@ -69,6 +69,7 @@ def solve_newmark(plan: Plan, rule: Newmark) -> Run:
         time_error=error,
         recorder=Recorded(record.t, record.rows),
         drifts=plan.drifts,
+        scene=plan.scene,
     )
 
 

@@ -471,6 +471,21 @@ def test_handles_of_another_scene_are_refused():
     assert copied.connect(same, beam, HERTZ) == 0
 
 
+def test_a_run_is_read_by_its_own_handles_only():
+    scene, (ball, *_) = row_of_balls(2)
+    others, (stranger, *_) = row_of_balls(3)
+    run = scene.simulate(duration=1e-4)
+    assert run[ball].velocity[0] == 1.0
+    assert pickle.loads(pickle.dumps(run))[pickle.loads(pickle.dumps(ball))].velocity[0] == 1.0
+    with pytest.raises(ao.InputError, match="of another scene than this run"):
+        run[stranger]
+    # Where there are as many bodies as in this run, and more.
+    with pytest.raises(ao.InputError, match="of another scene than this run"):
+        run[others.add(BALL)]
+    with pytest.raises(ao.InputError, match="of another scene"):
+        ao.simulate(projectile=BALL, target=WALL, law=HERTZ, velocity=1.0, duration=1e-4).run[ball]
+
+
 def test_the_same_contact_twice_is_a_mistake():
     scene, ball, beam = pair()
     scene.connect(ball, beam, HERTZ)
