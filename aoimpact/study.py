@@ -13,6 +13,7 @@ from .checks import choice, integer, positive
 from .errors import AOImpactError, AOImpactWarning, InputError, InputTypeError
 from .laws import ContactLaw
 from .newmark import Newmark
+from .patchlaw import effective_law
 from .players import Player, StarPlayer, player
 from .result import Result
 from .simulate import simulate
@@ -96,12 +97,13 @@ def work_precision(
         "energies": False,
     }
     exact = _given(reference) if reference is not None else _reference(scene)
-    contact_time = _contact_time(bodies, law, velocity)
+    between = effective_law(law, (projectile, target))
+    contact_time = _contact_time(bodies, between, velocity)
     ode = None
     if names:
         ode = ode_scene(
             (bodies[0].model, bodies[1].model),
-            law,
+            between,
             velocity=velocity,
             duration=duration,
             gap=gap,

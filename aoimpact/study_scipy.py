@@ -16,7 +16,8 @@ import numpy.typing as npt
 import scipy.integrate
 
 from .errors import ConvergenceError, InputError
-from .laws import ContactLaw, Hertz, Linear, PowerLaw
+from .laws import ContactLaw, Hertz, Linear, PatchLaw, PowerLaw
+from .patchlaw import own_law
 from .star import AOModel
 
 __all__ = ["METHODS", "OdeScene", "Outcome", "ode_scene"]
@@ -24,6 +25,7 @@ __all__ = ["METHODS", "OdeScene", "Outcome", "ode_scene"]
 FloatArray = npt.NDArray[np.float64]
 Slope = Callable[[float, FloatArray], FloatArray]
 Event = Callable[[float, FloatArray], float]
+ForceLaw = Callable[[float], tuple[float, float]]
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
@@ -81,7 +83,7 @@ class OdeScene:
     matrix, push, depth, centre, start : ndarrays
         `centre` y is the velocity of the projectile's centre of mass, `start` is y at t = 0.
     compliance, gap : float
-        c, of massless contacts, m/N; m.
+        c, of massless contacts less what patches give way, m/N; m.
     force : callable
         F and dF/dδ at δ > 0.
     scale : ndarray
@@ -95,12 +97,12 @@ class OdeScene:
     start: FloatArray
     compliance: float
     gap: float
-    force: Callable[[float], tuple[float, float]]
+    force: ForceLaw
     scale: FloatArray
     duration: float
 
     def indentation(self, y: FloatArray) -> float:
-        """δ where there is no force: what would be, were it not for massless contacts."""
+        """δ where there is no force: what would be, were it not for the compliance."""
         return float(self.depth @ y) - self.gap
 
     def contact_force(self, free: float) -> tuple[float, float]:
@@ -109,11 +111,11 @@ class OdeScene:
         if self.compliance == 0.0:
             return force, stiffness
         delta = free
-        for _ in range(200):  # Newton on a convex function from above falls monotonically
+        for _ in range(200):  # Newton from below on a concave function, or above on a convex one
             step = (delta - free + self.compliance * force) / (1.0 + self.compliance * stiffness)
             delta -= step
             force, stiffness = self.force(delta)
-            if step <= 1e-15 * free:
+            if abs(step) <= 1e-15 * free:
                 break
         return force, stiffness / (1.0 + self.compliance * stiffness)
 
@@ -239,6 +241,8 @@ def ode_scene(
 
     Parameters
     ----------
+    law : ContactLaw
+        Of patches what is left of it: see `effective_law`.
     length : float
         Size of the displacements, m, for absolute tolerances.
 
@@ -253,6 +257,12 @@ def ode_scene(
     stiffness = np.zeros((n, n))
     stiffness[:ours, :ours], stiffness[ours:, ours:] = (half.stiffness for half in halves)
     contact = np.concatenate([halves[0].contact, -halves[1].contact])
+    compliance, force = halves[0].compliance + halves[1].compliance, _force(own_law(law))
+    if isinstance(law, PatchLaw):
+        # F = law(δ + c F): what the patches give way is a compliance in series, of negative sign.
+        compliance -= law.compliance
+        if math.isfinite(law.limit):
+            force = _straight_beyond(force, law.limit + law.compliance * law.force(law.limit))
     matrix = np.zeros((2 * n, 2 * n))
     matrix[:n, n:] = np.eye(n)
     matrix[n:, :n] = -stiffness / mass[:, None]
@@ -265,15 +275,15 @@ def ode_scene(
         depth=np.concatenate([contact, np.zeros(n)]),
         centre=centre,
         start=start,
-        compliance=halves[0].compliance + halves[1].compliance,
+        compliance=compliance,
         gap=gap,
-        force=_force(law),
+        force=force,
         scale=np.concatenate([np.full(n, length), np.full(n, abs(velocity))]),
         duration=duration,
     )
 
 
-def _force(law: ContactLaw) -> Callable[[float], tuple[float, float]]:
+def _force(law: ContactLaw) -> ForceLaw:
     if isinstance(law, Hertz):
         k, n = law.k, 1.5
     elif isinstance(law, PowerLaw):
@@ -293,3 +303,15 @@ def _force(law: ContactLaw) -> Callable[[float], tuple[float, float]]:
         return slope * delta, n * slope
 
     return force
+
+
+def _straight_beyond(force: ForceLaw, deepest: float) -> ForceLaw:
+    """A law that goes on straight: SciPy's steps try what they then reject."""
+    most, stiffness = force(deepest)
+
+    def straight(delta: float) -> tuple[float, float]:
+        if delta <= deepest:
+            return force(delta)
+        return most + stiffness * (delta - deepest), stiffness
+
+    return straight

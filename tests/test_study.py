@@ -2,6 +2,7 @@
 
 import csv
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,25 @@ def test_two_methods_of_nothing_in_common_agree(m0):
     )
     assert table.reference.independent < 1e-9
     assert table.reference.uncertainty >= table.reference.independent
+    assert table.fastest("Adaptive", 1e-8) is not None
+
+
+@pytest.mark.parametrize("law", ["hertz", ao.Linear(k=1e8)])
+@pytest.mark.parametrize("massless", [False, True])
+def test_of_patched_bodies_both_methods_take_what_is_left_of_the_law(law, massless):
+    """F = law(δ + c F) of the patch on both sides; a massless contact has its own compliance."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.0035), steel)
+    star = ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.004), 1)
+    table = study(
+        projectile=replace(star, m0=0.0, origin=None) if massless else star,
+        target=star,
+        law=ao.Hertz.between(steel, 0.01, steel, 0.01) if law == "hertz" else law,
+        duration=1e-4,
+        scipy=["RK45"],
+        adaptive=(1e-8,),
+    )
+    assert table.reference.independent < 1e-9
     assert table.fastest("Adaptive", 1e-8) is not None
 
 
