@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import csv
-import html
 import os
 from dataclasses import astuple, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+from .axes import error_axes, given_axes
+from .cells import aligned, html_table
 from .units import quantity
 
 if TYPE_CHECKING:
@@ -85,15 +86,8 @@ class Comparison:
         -------
         Axes
         """
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            ax = plt.subplots(layout="constrained")[1]
-        for kind, name in (
-            ("AO", "anti-oscillators"),
-            ("modal", "natural modes"),
-            ("rigid", "rigid"),
-        ):
+        ax = given_axes(ax)
+        for kind, name in _KINDS.items():
             rows = [
                 row
                 for row in self.rows
@@ -102,13 +96,7 @@ class Comparison:
             if rows:
                 style = {"marker": "o", "label": name} | kwargs
                 ax.plot([row.dofs for row in rows], [getattr(row, error) for row in rows], **style)
-        ax.set_xscale("log")
-        ax.set_yscale("log")
-        ax.set_xlabel("degrees of freedom")
-        ax.set_ylabel(f"relative error of the {error}")
-        ax.grid(True, which="major", alpha=0.3)
-        ax.legend()
-        return ax
+        return error_axes(ax, "degrees of freedom", f"relative error of the {error}")
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table: one row a model, times in s, errors relative."""
@@ -118,35 +106,21 @@ class Comparison:
             writer.writerows(astuple(row) for row in self.rows)
 
     def __repr__(self) -> str:
-        table = [_HEADINGS, *(_cells(row) for row in self.rows)]
-        widths = [max(len(line[i]) for line in table) for i in range(len(_HEADINGS))]
-        lines = [self.scene, self._reference()]
-        for line, failure in zip(table, ["", *(row.failure for row in self.rows)], strict=True):
-            first, *rest = (cell.rjust(width) for cell, width in zip(line, widths, strict=True))
-            text = "  ".join([first.strip().ljust(widths[0]), *rest])
-            lines.append((text + ("  " + failure if failure else "")).rstrip())
-        return "\n".join(lines)
+        lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0})
+        failures = ["", *(row.failure for row in self.rows)]
+        told = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
+        return "\n".join([self.scene, self._reference(), *told])
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in (*_HEADINGS, ""))
-        body = "".join(
-            "<tr>"
-            + "".join(f"<td>{html.escape(cell)}</td>" for cell in (*_cells(row), row.failure))
-            + "</tr>"
-            for row in self.rows
-        )
-        title = f"{html.escape(self.scene)}<br>{html.escape(self._reference())}"
-        return (
-            f"<table><caption>{title}</caption><thead><tr>{head}</tr></thead>"
-            f"<tbody>{body}</tbody></table>"
-        )
+        rows = [(*_cells(row), row.failure) for row in self.rows]
+        return html_table((*_HEADINGS, ""), rows, caption=(self.scene, self._reference()))
 
     def _reference(self) -> str:
         known = "" if self.exact_error is None else f" (in time right to {self.exact_error:.1g})"
         return f"errors relative to {self.exact}{known}"
 
 
-_KINDS = {"rigid": "rigid", "AO": "anti-oscillators", "modal": "natural modes"}
+_KINDS = {"AO": "anti-oscillators", "modal": "natural modes", "rigid": "rigid"}
 
 _HEADINGS = ("model", "dofs", "build", "run", "force", "duration", "impulse", "displacement")
 

@@ -11,7 +11,8 @@ import os
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
-from html import escape
+
+from .cells import aligned, html_table
 
 _CLOSE = 0.01
 _HEADINGS = ("quantity", "paper", "computed", "difference", "verdict")
@@ -104,17 +105,8 @@ class Table:
         return "\n".join(_text_lines(self))
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{escape(name)}</th>" for name in _headings(self))
-        body = "".join(
-            "<tr>"
-            + "".join(f"<td>{escape(cell)}</td>" for cell in (*row.cells(), row.why))
-            + "</tr>"
-            for row in self.rows
-        )
-        return (
-            f"<table><caption>{escape(self.title)}</caption><thead><tr>{head}<th></th></tr></thead>"
-            f"<tbody>{body}</tbody></table>"
-        )
+        rows = [(*row.cells(), row.why) for row in self.rows]
+        return html_table((*_headings(self), ""), rows, caption=[self.title])
 
 
 def _headings(table: Table) -> tuple[str, ...]:
@@ -136,7 +128,7 @@ def _text_lines(table: Table) -> list[str]:
         lines.append((name + mark, *rest))
     if not any(row.paper for row in table.rows):
         lines = [(line[0], line[2]) for line in lines]
-    shown = _aligned(lines)
+    shown = aligned(lines, left={0, _HEADINGS.index("verdict")})
     rule = "-" * max(map(len, shown))
     text = [table.title, rule, shown[0], rule, *shown[1:], rule]
     for number, note in enumerate(notes, start=1):
@@ -144,16 +136,6 @@ def _text_lines(table: Table) -> list[str]:
             note, _WIDTH, initial_indent=f"  [{number}] ", subsequent_indent="      "
         )
     return text
-
-
-def _aligned(lines: list[tuple[str, ...]]) -> list[str]:
-    """Columns side by side: the first and the verdict to the left, numbers to the right."""
-    columns = []
-    for number, cells in enumerate(zip(*lines, strict=True)):
-        width = max(map(len, cells))
-        to_left = number in (0, _HEADINGS.index("verdict"))
-        columns.append([cell.ljust(width) if to_left else cell.rjust(width) for cell in cells])
-    return ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
 
 
 def markdown(tables: Iterable[Table]) -> str:

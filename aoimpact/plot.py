@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from .axes import given_axes
 from .checks import choice
-from .errors import InputTypeError
 from .events import FloatArray
 from .patchlaw import own_law
 from .table import body_names
@@ -132,15 +132,7 @@ def _draw(
     kwargs: dict[str, Any],
 ) -> Axes:
     """Draw curves over (values, name, unit) `across`, on axes labelled with units."""
-    import matplotlib.axes
-    import matplotlib.pyplot as plt
-
-    if ax is None:
-        ax = plt.subplots(layout="constrained")[1]
-    elif not isinstance(ax, matplotlib.axes.Axes):
-        raise InputTypeError(
-            f"ax must be the Axes to draw on, such as plt.subplots()[1], got {type(ax).__name__}"
-        )
+    ax = given_axes(ax)
     x, x_name, x_unit = across
     largest = max(float(np.max(np.abs(y), initial=0.0)) for y, _ in curves)
     scales = _axis_scales(ax, x_unit, unit)

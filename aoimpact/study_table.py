@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import csv
-import html
 import os
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+from .axes import error_axes, given_axes
+from .cells import aligned, html_table
 from .checks import choice, positive
 from .study_scipy import Outcome
 from .units import quantity
@@ -118,24 +119,16 @@ class WorkPrecision:
 
         The reference's own uncertainty is shaded. Returns the axes.
         """
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            ax = plt.subplots(layout="constrained")[1]
+        ax = given_axes(ax)
         for method in self.methods:
             rows = [row for row in self.rows if row.method == method and not row.failure]
             errors = [max(row.error, 1e-16) for row in rows]
             style = {"marker": "o", "label": method} | kwargs
             ax.plot([1e3 * row.seconds for row in rows], errors, **style)
-        ax.set_xscale("log")
-        ax.set_yscale("log")
+        error_axes(ax, "time of the call [ms]", "worst relative error")
         if self.reference.uncertainty:
             ax.axhspan(1e-16, self.reference.uncertainty, color="0.9", zorder=0)
-        ax.set_xlabel("time of the call [ms]")
-        ax.set_ylabel("worst relative error")
         ax.set_title(self.scene, fontsize="medium", wrap=True)
-        ax.grid(True, which="major", alpha=0.3)
-        ax.legend()
         return ax
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -148,31 +141,15 @@ class WorkPrecision:
                 writer.writerow([getattr(row, name) for name in names])
 
     def __repr__(self) -> str:
-        lines = [self.scene, str(self.reference)]
-        table = [_HEADINGS, *(_cells(row) for row in self.rows)]
-        widths = [max(len(line[i]) for line in table) for i in range(len(_HEADINGS))]
-        for line, failure in zip(table, ["", *(row.failure for row in self.rows)], strict=True):
-            cells = (
-                cell.ljust(width) if i < 2 else cell.rjust(width)
-                for i, (cell, width) in enumerate(zip(line, widths, strict=True))
-            )
-            lines.append(("  ".join(cells) + ("  " + failure if failure else "")).rstrip())
-        return "\n".join([*lines, *self._comparisons()])
+        lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0, 1})
+        failures = ["", *(row.failure for row in self.rows)]
+        told = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
+        return "\n".join([self.scene, str(self.reference), *told, *self._comparisons()])
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in (*_HEADINGS, ""))
-        body = "".join(
-            "<tr>"
-            + "".join(f"<td>{html.escape(cell)}</td>" for cell in (*_cells(row), row.failure))
-            + "</tr>"
-            for row in self.rows
-        )
-        title = f"{html.escape(self.scene)}<br>{html.escape(str(self.reference))}"
-        notes = "<br>".join(map(html.escape, self._comparisons()))
-        return (
-            f"<table><caption>{title}</caption><thead><tr>{head}</tr></thead>"
-            f"<tbody>{body}</tbody></table><p>{notes}</p>"
-        )
+        rows = [(*_cells(row), row.failure) for row in self.rows]
+        caption = self.scene, str(self.reference)
+        return html_table((*_HEADINGS, ""), rows, caption=caption, below=self._comparisons())
 
     def _comparisons(self) -> list[str]:
         """The fastest run of each method at some errors, and how many times the quickest's time."""

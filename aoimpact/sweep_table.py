@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import html
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from .axes import given_axes
+from .cells import aligned, html_table
 from .checks import choice
 from .errors import AOImpactError, InputError, InputTypeError, MissingPackageError
 from .quantities import Named, keeper, quantity_unit
@@ -109,15 +110,9 @@ class SweepTable:
         -------
         Axes
         """
-        import matplotlib.axes
-        import matplotlib.pyplot as plt
-
         along = self._along(x)
         name = self.quantities[0] if y is None else choice("y", y, self.quantities)
-        if ax is None:
-            ax = plt.subplots(layout="constrained")[1]
-        elif not isinstance(ax, matplotlib.axes.Axes):
-            raise InputTypeError(f"ax must be the Axes to draw on, got {type(ax).__name__}")
+        ax = given_axes(ax)
         largest = np.abs(self[name][np.isfinite(self[name])]).max(initial=0.0)
         scale = scale_for(float(largest), quantity_unit(name))
         lines = self._lines(along, name)
@@ -168,22 +163,12 @@ class SweepTable:
         return text
 
     def __repr__(self) -> str:
-        table = self._shown()
-        widths = [max(len(row[i]) for row in table) for i in range(len(table[0]))]
-        lines = [
-            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
-            for row in table
-        ]
         more = ["..."] if len(self) > _SHOWN else []
-        return "\n".join([*lines, *more, self._note()])
+        return "\n".join([*aligned(self._shown()), *more, self._note()])
 
     def _repr_html_(self) -> str:
-        head, *rows = [[html.escape(cell) for cell in row] for row in self._shown()]
-        body = "".join("<tr><td>" + "</td><td>".join(row) + "</td></tr>" for row in rows)
-        return (
-            f"<table><thead><tr><th>{'</th><th>'.join(head)}</th></tr></thead>"
-            f"<tbody>{body}</tbody></table><p>{html.escape(self._note())}</p>"
-        )
+        headings, *rows = self._shown()
+        return html_table(headings, rows, below=[self._note()])
 
 
 def sweep_table(grid: Mapping[str, Sequence[Any]], values: Iterable[Any], keep: Any) -> SweepTable:

@@ -1,0 +1,40 @@
+"""Rows of cells as a table: aligned for a terminal, HTML for a notebook."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from html import escape
+
+__all__ = ["aligned", "html_table"]
+
+
+def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> list[str]:
+    """Return a line for each row, columns side by side and to the right, but those in `left`."""
+    columns = []
+    for number, cells in enumerate(zip(*rows, strict=True)):
+        width = max(map(len, cells))
+        columns.append(
+            [cell.ljust(width) if number in left else cell.rjust(width) for cell in cells]
+        )
+    return ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
+
+
+def html_table(
+    headings: Iterable[str],
+    rows: Iterable[Iterable[str]],
+    *,
+    caption: Iterable[str] = (),
+    below: Iterable[str] = (),
+) -> str:
+    """Return an HTML table; each line of `caption` and of the text `below` has its own."""
+    head = "".join(f"<th>{escape(name)}</th>" for name in headings)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
+    )
+    title, notes = "<br>".join(map(escape, caption)), "<br>".join(map(escape, below))
+    return (
+        "<table>"
+        + (f"<caption>{title}</caption>" if title else "")
+        + f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        + (f"<p>{notes}</p>" if notes else "")
+    )
