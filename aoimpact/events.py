@@ -8,6 +8,7 @@ solver that locates its events itself hands them over as an :class:`Events` inst
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,30 @@ class Events:
     peak_time: float
     contacts: tuple[tuple[float, float], ...]
     impulse: float
+
+
+class _HasEvents(Protocol):
+    @property
+    def events(self) -> Events: ...
+
+
+class Eventful:
+    """What is read off `events`, for the classes that have them."""
+
+    @property
+    def peak_force(self: _HasEvents) -> float:
+        """Largest force of the record [N]; 0.0 without contact."""
+        return self.events.peak_force
+
+    @property
+    def peak_time(self: _HasEvents) -> float:
+        """When the largest force acts [s]."""
+        return self.events.peak_time
+
+    @property
+    def impulse(self: _HasEvents) -> float:
+        """Integral of the force over the record [N s]."""
+        return self.events.impulse
 
 
 def find_events(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -13,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .errors import InputError
-from .events import Events, FloatArray
+from .events import Eventful, Events, FloatArray
 from .fields import Field, Probe
 from .response import Response
 
@@ -125,6 +126,16 @@ class BodyInfo:
     ports: int = 1
     response: Callable[[], Response | None] | None = None
 
+    @property
+    def wall(self) -> bool:
+        """Whether it is of infinite mass."""
+        return self.mass is not None and math.isinf(self.mass)
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it cannot fly off: held by supports, or a wall."""
+        return self.held or self.wall
+
 
 @dataclass(frozen=True, eq=False)
 class BodyResult(Frozen):
@@ -160,11 +171,6 @@ class BodyResult(Frozen):
     port_velocities: FloatArray
     _times: FloatArray = field(repr=False)
     _respond: Callable[[], Response | None] | None = field(default=None, repr=False)
-
-    @property
-    def fixed(self) -> bool:
-        """Whether it cannot fly off: held by supports, or of infinite mass."""
-        return self.held or (self.mass is not None and bool(np.isinf(self.mass)))
 
     def probe(
         self,
@@ -240,7 +246,7 @@ class BodyResult(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class ContactResult(Frozen):
+class ContactResult(Frozen, Eventful):
     """One contact over time.
 
     Attributes
@@ -264,21 +270,6 @@ class ContactResult(Frozen):
     def intervals(self) -> list[tuple[float, float]]:
         """Start and end [s] of every interval in which the force acts."""
         return list(self.events.contacts)
-
-    @property
-    def peak_force(self) -> float:
-        """Largest force of the record [N]; 0.0 without contact."""
-        return self.events.peak_force
-
-    @property
-    def peak_time(self) -> float:
-        """When it acts [s]."""
-        return self.events.peak_time
-
-    @property
-    def impulse(self) -> float:
-        """Integral of the force over the record [N s]."""
-        return self.events.impulse
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,20 @@ CONTACT_ROWS = 4
 
 @dataclass(frozen=True)
 class Joint:
-    """A contact: body and port, body and port, law, and how far they are apart at the start, m."""
+    """A contact of two bodies.
+
+    Attributes
+    ----------
+    first, first_port, second, second_port : int
+        Numbers of the bodies in the plan, and of the places where they are touched; the indentation
+        is the first's coordinate minus the second's minus the gap.
+    law : ContactLaw
+        What acts between the models: without what their patches give way themselves.
+    gap : float
+        How far they are apart at the start, m.
+    ends : tuple of (model, model)
+        The models or points that may have patches.
+    """
 
     first: int
     first_port: int
@@ -37,7 +50,7 @@ class Joint:
     second_port: int
     law: ContactLaw
     gap: float
-    ends: tuple[Any, Any] = (None, None)  # the models or points that may have patches
+    ends: tuple[Any, Any] = (None, None)
 
     @property
     def ends_at(self) -> tuple[int, int, int, int]:
@@ -56,7 +69,15 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """A force on a port that runs straight between times: shapes (m,), s and N."""
+    """A force on a port, straight between times and constant outside them.
+
+    Attributes
+    ----------
+    body, port : int
+        As in :class:`Joint`.
+    times, forces : ndarrays, shape (m,)
+        s, ascending; N, along the direction of travel.
+    """
 
     body: int
     port: int

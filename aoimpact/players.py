@@ -7,9 +7,10 @@ in other coordinates), and the finite-element model itself.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -36,41 +37,67 @@ State = tuple[FloatArray, FloatArray]
 _MODAL_MOST = 3000
 
 
-class Player(Protocol):
-    """A body with an initial velocity, about to take part in an impact."""
+@dataclass(frozen=True, eq=False)
+class Player(ABC):
+    """A body about to take part in a scene, moving as a whole.
+
+    Attributes
+    ----------
+    model : AOModel, InterfaceModel or ContactPoint
+    velocity : float
+        m/s.
+    """
+
+    model: Any
+    velocity: float
 
     @property
-    def velocity(self) -> float: ...
+    @abstractmethod
+    def label(self) -> str:
+        """What the body is, in a word."""
+
     @property
-    def label(self) -> str: ...
+    @abstractmethod
+    def mass(self) -> float | None:
+        """kg; None where it is not known."""
+
     @property
-    def mass(self) -> float | None: ...
+    @abstractmethod
+    def held(self) -> bool:
+        """Whether supports or a ground spring hold it."""
+
     @property
-    def held(self) -> bool: ...
+    @abstractmethod
+    def static_mass(self) -> float:
+        """What a blow at its lightest port has to move in all, kg, eq. (10)."""
+
     @property
-    def static_mass(self) -> float: ...
-    @property
-    def unseen(self) -> tuple[float, float]:
-        """Share of the centre of mass's velocity, and mass, that the model leaves out."""
-        ...
+    @abstractmethod
+    def modal(self) -> ModalBody:
+        """The body in its natural modes; a full model in all of them."""
 
     @property
     def ports(self) -> int:
         """Number of places where it may be touched."""
-        ...
+        return 1
 
     @property
-    def modal(self) -> ModalBody:
-        """The body in its natural modes; a full model in all of them."""
-        ...
+    def unseen(self) -> tuple[float, float]:
+        """Share of the centre of mass's velocity, and mass, kg, that the model leaves out."""
+        return 0.0, 0.0
 
+    @property
+    @abstractmethod
+    def undeformed(self) -> State:
+        """The state, as `for_core` takes it, that moves as a whole."""
+
+    @abstractmethod
     def weight(self, gravity: float) -> FloatArray | None:
         """Return the forces of gravity, m/s², on the coordinates that `for_core` takes them for."""
-        ...
 
+    @abstractmethod
     def pressed(self, x: FloatArray) -> State:
         """Return the state, as `for_core` takes it, moving from modes `x` with its velocity."""
-        ...
 
     def for_core(
         self,
@@ -92,19 +119,25 @@ class Player(Protocol):
         state : (u, v), optional
             The model's coordinates and rates at the start; moving undeformed if not given.
         """
-        ...
+        u, v = self.undeformed if state is None else state
+        return self._stepped(rule, dt, gravity, u.copy(), v.copy())
+
+    @abstractmethod
+    def _stepped(
+        self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
+    ) -> CoreBody:
+        """What `for_core` returns; u and v are written to."""
 
     def coordinates(self, values: FloatArray) -> FloatArray:
         """Return the model's coordinates (or rates) from those that the core steps."""
-        ...
+        return values
 
 
 @dataclass(frozen=True, eq=False)
-class StarPlayer:
-    """A star moving with one velocity, m/s, at the start."""
+class StarPlayer(Player):
+    """A star."""
 
     model: AOModel
-    velocity: float
 
     @property
     def label(self) -> str:
@@ -123,22 +156,8 @@ class StarPlayer:
         return self.model.static_mass
 
     @property
-    def ports(self) -> int:
-        return 1
-
-    @property
     def modal(self) -> ModalBody:
         return modal_body(self.model)
-
-    def weight(self, gravity: float) -> FloatArray | None:
-        star = self.model
-        if math.isinf(star.m0) or (star.origin is None and star.held):
-            return None
-        forces: FloatArray = gravity * star.mass * star.centre_weights
-        return forces
-
-    def pressed(self, x: FloatArray) -> State:
-        return self.modal.coordinates(x), np.full(self.model.n + 1, self.velocity)
 
     @property
     def unseen(self) -> tuple[float, float]:
@@ -148,6 +167,20 @@ class StarPlayer:
         seen = float(self.model.centre_weights.sum())
         return 1.0 - seen, self.model.mass - self.model.static_mass
 
+    @property
+    def undeformed(self) -> State:
+        return np.zeros(self.model.n + 1), np.full(self.model.n + 1, self.velocity)
+
+    def weight(self, gravity: float) -> FloatArray | None:
+        star = self.model
+        if math.isinf(star.m0) or (star.origin is None and star.held):
+            return None
+        forces: FloatArray = gravity * star.mass * star.centre_weights
+        return forces
+
+    def pressed(self, x: FloatArray) -> State:
+        return self.modal.coordinates(x), self.undeformed[1]
+
     @cached_property
     def _modes(self) -> StarModes | None:
         """Its natural modes, where the core cannot step the star itself."""
@@ -156,18 +189,10 @@ class StarPlayer:
             return None
         return star_modes(star)
 
-    def for_core(
-        self,
-        rule: Newmark,
-        dt: float,
-        *,
-        gravity: FloatArray | None = None,
-        state: State | None = None,
+    def _stepped(
+        self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
     ) -> CoreBody:
         star = self.model
-        u, v = (
-            (np.zeros(star.n + 1), np.full(star.n + 1, self.velocity)) if state is None else state
-        )
         if self._modes is not None:
             return _modal_core(self._modes, gravity, u, v)
         damping = star.damping if isinstance(star.damping, Rayleigh) else Rayleigh()
@@ -181,8 +206,8 @@ class StarPlayer:
             damping.beta,
             gravity,
             np.ascontiguousarray(star.centre_weights),
-            u.copy(),
-            v.copy(),
+            u,
+            v,
         )
 
     def coordinates(self, values: FloatArray) -> FloatArray:
@@ -207,75 +232,72 @@ def _modal_core(
 
 
 @dataclass(frozen=True, eq=False)
-class FullPlayer:
+class FullPlayer(Player):
     """A finite-element body; at the start it translates where it may, else it moves in φ_st."""
 
-    tip: ContactPoint
-    velocity: float
+    model: ContactPoint
 
     @property
     def label(self) -> str:
-        return f"full({self.tip.body.n_dofs})"
+        return f"full({self.model.body.n_dofs})"
 
     @property
     def mass(self) -> float | None:
-        return self.tip.body.mass
+        return self.model.body.mass
 
     @cached_property
     def held(self) -> bool:
-        return not moves_rigidly(self.tip)
+        return not moves_rigidly(self.model)
 
     @cached_property
     def static_mass(self) -> float:
-        return static_mode(self.tip).mass
-
-    @property
-    def ports(self) -> int:
-        return 1
+        return static_mode(self.model).mass
 
     @cached_property
     def _star(self) -> AOModel:
-        return antioscillators(self.tip)
+        return antioscillators(self.model)
 
     @property
     def modal(self) -> ModalBody:
         return modal_body(self._star)
 
     def weight(self, gravity: float) -> FloatArray | None:
-        if self.mass is None or self.tip.direction is None:
+        if self.mass is None or self.model.direction is None:
             raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")
         forces: FloatArray = gravity * self.mass * self._centre
         return forces
 
     def pressed(self, x: FloatArray) -> State:
-        return self._star.expand(self.modal.coordinates(x)), self._start()
-
-    @property
-    def unseen(self) -> tuple[float, float]:
-        return 0.0, 0.0
+        return self._star.expand(self.modal.coordinates(x)), self._start
 
     @cached_property
     def _centre(self) -> FloatArray:
-        if self.tip.direction is not None:
-            return np.ascontiguousarray(self.tip.body.com_functional(self.tip.direction))
-        static = static_mode(self.tip)
+        if self.model.direction is not None:
+            return np.ascontiguousarray(self.model.body.com_functional(self.model.direction))
+        static = static_mode(self.model)
         return static.m_phi / static.mass
 
+    @property
+    def undeformed(self) -> State:
+        return np.zeros(self.model.body.n_dofs), self._start
+
+    @cached_property
     def _start(self) -> FloatArray:
+        """The velocities of all dofs."""
         if self.velocity == 0.0:
-            return np.zeros(self.tip.body.n_dofs)
-        if self.tip.direction is not None and translates(self.tip):
-            return self.velocity * self.tip.body.translation(self.tip.direction)
-        return self.velocity * static_mode(self.tip).phi
+            return np.zeros(self.model.body.n_dofs)
+        if self.model.direction is not None and translates(self.model):
+            return self.velocity * self.model.body.translation(self.model.direction)
+        return self.velocity * static_mode(self.model).phi
 
     @cached_property
     def _matrices(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        return _rows(self.tip.body.K), _rows(self.tip.body.M)
+        return _rows(self.model.body.K), _rows(self.model.body.M)
 
     @cached_property
     def _modes(self) -> ModalModel | None:
         """All natural modes, where damping is given by them."""
-        body = self.tip.body
+        body = self.model.body
         if not isinstance(body.damping, ModalDamping):
             return None
         if body.n_dofs > _MODAL_MOST:
@@ -284,18 +306,12 @@ class FullPlayer:
                 f"its modes, which are computed up to {_MODAL_MOST} dofs; give Rayleigh(alpha=, "
                 "beta=), or simulate a reduced model: antioscillators(tip) or modal(tip, n)"
             )
-        return modal(self.tip, body.n_dofs)
+        return modal(self.model, body.n_dofs)
 
-    def for_core(
-        self,
-        rule: Newmark,
-        dt: float,
-        *,
-        gravity: FloatArray | None = None,
-        state: State | None = None,
+    def _stepped(
+        self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
     ) -> CoreBody:
-        body = self.tip.body
-        u, v = (np.zeros(body.n_dofs), self._start()) if state is None else state
+        body = self.model.body
         if self._modes is not None:
             return self._in_modes(self._modes, gravity, u, v)
         damping = body.damping if isinstance(body.damping, Rayleigh) else Rayleigh()
@@ -306,22 +322,22 @@ class FullPlayer:
         return (
             "full",
             *self._matrices,
-            np.ascontiguousarray(self.tip.b),
+            np.ascontiguousarray(self.model.b),
             damping.alpha,
             damping.beta,
             factors.for_core(),
             gravity,
             self._centre,
-            u.copy(),
-            v.copy(),
+            u,
+            v,
         )
 
     def _in_modes(
         self, modes: ModalModel, gravity: FloatArray | None, u: FloatArray, v: FloatArray
     ) -> CoreBody:
-        phi, mass = modes.modes, self.tip.body.M
+        phi, mass = modes.modes, self.model.body.M
         omega = modes.angular_frequencies
-        damping = self.tip.body.damping
+        damping = self.model.body.damping
         return (
             "modal",
             omega,
@@ -339,11 +355,10 @@ class FullPlayer:
 
 
 @dataclass(frozen=True, eq=False)
-class InterfacePlayer:
+class InterfacePlayer(Player):
     """A body touched in several places, in the modes that they excite."""
 
     model: InterfaceModel
-    velocity: float
 
     @property
     def label(self) -> str:
@@ -371,8 +386,8 @@ class InterfacePlayer:
         return modal_body(self.model)
 
     @property
-    def unseen(self) -> tuple[float, float]:
-        return 0.0, 0.0
+    def undeformed(self) -> State:
+        return self.pressed(np.zeros(self.modal.n))
 
     def weight(self, gravity: float) -> FloatArray | None:
         return gravity * self.modal.weight
@@ -380,16 +395,10 @@ class InterfacePlayer:
     def pressed(self, x: FloatArray) -> State:
         return x, self.velocity * self.modal.moving
 
-    def for_core(
-        self,
-        rule: Newmark,
-        dt: float,
-        *,
-        gravity: FloatArray | None = None,
-        state: State | None = None,
+    def _stepped(
+        self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
     ) -> CoreBody:
         modal = self.modal
-        u, v = self.pressed(np.zeros(modal.n)) if state is None else state
         return (
             "modal",
             modal.omega,
@@ -398,12 +407,9 @@ class InterfacePlayer:
             np.zeros((self.ports, self.ports)) if modal.residual is None else modal.residual,
             gravity,
             modal.centre,
-            u.copy(),
-            v.copy(),
+            u,
+            v,
         )
-
-    def coordinates(self, values: FloatArray) -> FloatArray:
-        return values
 
 
 def _rows(matrix: Any) -> tuple[Any, ...]:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import plot
-from .events import Events, FloatArray
+from .events import Eventful, Events, FloatArray
 from .motion import BodyEnergy, BodyInfo, BodyResult, Energy, ErrorEstimate
 from .run import Run
 from .summary import summary_html, summary_text
@@ -28,7 +28,7 @@ __all__ = ["BodyEnergy", "BodyInfo", "BodyResult", "Energy", "ErrorEstimate", "R
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Result:
+class Result(Eventful):
     """An impact of a projectile on a target; curves are computed when they are asked for.
 
     Attributes
@@ -111,16 +111,7 @@ class Result:
     def at(self, times: npt.ArrayLike) -> Result:
         """Return the same impact at other times: dense output, as exact as the run itself.
 
-        Parameters
-        ----------
-        times : array_like, shape (m,)
-            Ascending, within the record [s].
-
-        Raises
-        ------
-        InputError
-            If the run was made with fixed steps, between which nothing is known, or the times do
-            not ascend within the record.
+        `times` [s], shape (m,), ascend within the record; see `Run.at` for what is refused.
         """
         return replace(self, run=self.run.at(times))
 
@@ -130,16 +121,6 @@ class Result:
     def events(self) -> Events:
         """The events: the solver's own where it locates them, else found between the steps."""
         return self.run.events[0]
-
-    @property
-    def peak_force(self) -> float:
-        """Largest force of the record [N]; 0.0 without contact."""
-        return self.events.peak_force
-
-    @property
-    def peak_time(self) -> float:
-        """When the largest force acts [s]."""
-        return self.events.peak_time
 
     @property
     def contacts(self) -> list[tuple[float, float]]:
@@ -156,11 +137,6 @@ class Result:
             return 0.0
         start, end = self.events.contacts[0]
         return end - start
-
-    @property
-    def impulse(self) -> float:
-        """Integral of the force over the record [N s]."""
-        return self.events.impulse
 
     @property
     def in_contact_at_end(self) -> bool:
@@ -183,9 +159,7 @@ class Result:
         of infinite mass. −1 if the bodies have not met.
         """
         ours, theirs = self._parting
-        info = self.run.infos[1]
-        fixed = info.held or (info.mass is not None and bool(np.isinf(info.mass)))
-        return ((0.0 if fixed else theirs) - ours) / self.velocity
+        return ((0.0 if self.run.infos[1].fixed else theirs) - ours) / self.velocity
 
     @cached_property
     def _parting(self) -> tuple[float, float]:

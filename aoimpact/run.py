@@ -37,7 +37,19 @@ _CONTACT_ROWS, _BODY_ROWS = 4, 6
 
 @dataclass(frozen=True)
 class Handle:
-    """A body of a scene; `port` says where it is touched, if it may be in several places."""
+    """A body of a scene, to connect, load and read it by.
+
+    Attributes
+    ----------
+    body : int
+        Its number in the order of `add`.
+    at : int
+        Which of its places of contact is meant, if it may be touched in several; see `port`.
+    name : str
+        As it was added, for messages.
+    scene : str
+        The mark of the scene that it is of.
+    """
 
     body: int
     at: int = 0
@@ -69,12 +81,25 @@ class Recorder(Protocol):
         """Whether it can be read at any times."""
         ...
 
-    def rows(self, times: FloatArray, energies: bool) -> FloatArray: ...
+    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
+        """Return the record at times, shape (rows, n), for the caller to write on."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
 class Recorded(Frozen):
-    """The record of a solver with fixed steps."""
+    """The record of a solver with fixed steps.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        s.
+    record : ndarray, shape (rows, n)
+        Four rows a contact (force, indentation, energies stored and lost), six a body and two a
+        port of it, as the core lays them out.
+    events, dense
+        As in :class:`Recorder`: it locates none, and knows nothing between its steps.
+    """
 
     times: FloatArray
     record: FloatArray
@@ -135,8 +160,18 @@ class Run:
         How time was integrated.
     energies : bool
         Whether energies are recorded.
+    time_error : float or None
+        Of the peak force, relative, from integrating in time.
+    recorder : Recorder
+        The solver's own record, from which curves are read.
+    drifts : tuple of Drift or None
+        What each reduced body leaves out.
     scene : str
         The mark of the scene's handles.
+    reduction_error : float or None
+        Of the quantity asked for, relative, where models were chosen for it.
+    asked : ndarray, shape (n,), or None
+        The times asked for, s; the solver's own if None.
     """
 
     infos: tuple[BodyInfo, ...]
@@ -316,10 +351,7 @@ class Run:
     @property
     def _driven(self) -> bool:
         """Whether a wall moves: it brings energy that is not counted."""
-        return any(
-            info.mass is not None and np.isinf(info.mass) and self.bodies[i].velocity.any()
-            for i, info in enumerate(self.infos)
-        )
+        return any(info.wall and self.bodies[i].velocity.any() for i, info in enumerate(self.infos))
 
     @cached_property
     def error(self) -> ErrorEstimate:
