@@ -120,6 +120,14 @@ class FEModel:
         damping : Rayleigh or ModalDamping, optional
             Inherited by the models made from this one.
 
+        Raises
+        ------
+        InputError, InputTypeError
+            If `material` is none, a support selects no node or unknown components, or volumes, mass
+            or stiffness leave the range of numbers.
+        MeshError
+            If the mesh cannot be read, or has elements that are inside out, flat or there twice.
+
         Warns
         -----
         AOImpactWarning
@@ -177,6 +185,11 @@ class FEModel:
         ----------
         direction : array_like, shape (3,)
             Any length but zero.
+
+        Raises
+        ------
+        InputError
+            If the model has no nodes.
         """
         along = unit_vector("direction", direction)
         if self.free is None:
@@ -187,6 +200,11 @@ class FEModel:
         """Return h, shape (n_dofs,), with hᵀx the displacement of the centre of mass.
 
         h = M g / m with g the translation of all nodes, those held included.
+
+        Parameters
+        ----------
+        direction : array_like, shape (3,)
+            Along which to measure, any length but zero.
 
         Raises
         ------
@@ -268,6 +286,22 @@ class FEModel:
             follows the mesh; with a patch that the mesh resolves, it does not.
         expected : float, optional
             For "auto": the largest radius of the contact itself, m; √(Rδ) for Hertz's law.
+
+        Returns
+        -------
+        ContactPoint
+
+        Raises
+        ------
+        InputError
+            If the place is not on the body, cannot move in the direction, has no normal (an edge),
+            or the patch reaches beyond the surface.
+
+        Warns
+        -----
+        AOImpactWarning
+            If the point taken is not the one given; if the mesh is too coarse for the patch; with
+            "auto", if the body is too small about the patch for a half-space.
         """
         tip = contact_point(
             self, point=point, direction=direction, dof=dof, radius=radius, expected=expected

@@ -49,6 +49,12 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     -------
     Mesh
         With the node set "surface".
+
+    Raises
+    ------
+    InputError
+        If `radius` or `size` is not positive, `size` more than the diameter, or so small that the
+        mesh would fill the memory.
     """
     R = positive("radius", radius, unit="m")
     h = positive("size", size, unit="m")
@@ -177,6 +183,12 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     -------
     Mesh
         With the node sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax" of the six faces.
+
+    Raises
+    ------
+    InputError
+        If a length is not positive, a division less than one, `kind` unknown, or the mesh so fine
+        that it would fill the memory.
 
     Examples
     --------

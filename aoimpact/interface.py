@@ -151,6 +151,11 @@ class InterfaceModel:
         -------
         ndarray, shape (n_dofs,) or (n_dofs, times)
             On the free dofs, in the order of the rows of K, m.
+
+        Raises
+        ------
+        InputError
+            If the shape is wrong.
         """
         values = finite_array("coordinates", coordinates)
         if values.ndim not in (1, 2) or values.shape[0] != self.n:

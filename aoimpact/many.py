@@ -93,6 +93,21 @@ def iterate_many(
 
     `cases` may be a generator; only what the workers are busy with, a few tasks of a tenth of a
     second each, is drawn from it ahead of what has been yielded.
+
+    Parameters
+    ----------
+    cases, workers, keep, checkpoint, progress
+        As of `simulate_many`.
+
+    Yields
+    ------
+    Result, Run, or what is kept of them
+        In the order of the cases; for a failed case its exception.
+
+    Raises
+    ------
+    InputError, InputTypeError, WorkerError
+        As from `simulate_many`.
     """
     if isinstance(cases, Mapping) or not isinstance(cases, Iterable):
         raise InputTypeError(

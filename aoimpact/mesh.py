@@ -91,10 +91,12 @@ class Mesh:
 
     @property
     def n_nodes(self) -> int:
+        """Number of nodes."""
         return len(self.nodes)
 
     @property
     def n_cells(self) -> int:
+        """Number of elements."""
         return len(self.cells)
 
     @property

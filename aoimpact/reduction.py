@@ -216,6 +216,11 @@ def antioscillators(
         If `n` is not in 0 … n_dofs - 1, or None on a body too large for all of them.
     SingularError
         If part of the body is a mechanism.
+
+    Warns
+    -----
+    AOImpactWarning
+        If b excites fewer than `n` oscillators, or it is not proven that they are the heaviest.
     """
     if not isinstance(tip, ContactPoint):
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")

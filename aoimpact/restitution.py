@@ -29,6 +29,11 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     -------
     float
         e, from 0 to 1.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If `law` is none, or `mass` or `velocity` is not positive.
     """
     if not isinstance(law, ContactLaw):
         raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")

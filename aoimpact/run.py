@@ -57,7 +57,7 @@ class Handle:
     scene: str = field(default="", compare=False, repr=False)
 
     def port(self, at: int) -> Handle:
-        """Return the handle of another of its places of contact, in the order they were given."""
+        """Return the handle of another of its places of contact: `at` in the order of the tips."""
         return replace(self, at=at)
 
 

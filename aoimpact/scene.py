@@ -96,6 +96,11 @@ class Scene:
         -------
         Handle
             To connect, load and read it by.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If `body` is no model of a body, or a number is none or beyond the range of squares.
         """
         if not isinstance(name, str):
             raise InputTypeError(f"name must be a str, got {name!r}")
@@ -164,6 +169,11 @@ class Scene:
         body : Handle
         force : float or (times, forces)
             N; constant, or straight between times, s, that ascend, and constant outside them.
+
+        Raises
+        ------
+        InputError
+            For a wall, an unknown handle, or times and forces that do not match.
         """
         end = self._known("body", body)
         if isinstance(force, tuple):

@@ -111,7 +111,13 @@ class SceneFile:
         return "mesh" in self.data["bodies"][body]
 
     def check(self) -> None:
-        """Refuse unknown names, missing keys and wrong types."""
+        """Refuse unknown names, missing keys and wrong types.
+
+        Raises
+        ------
+        SceneFileError
+            With the line of each.
+        """
         found = [
             self._at(place, message)
             for place, message in SCENE_FILE.problems(self.data, (), self.data)

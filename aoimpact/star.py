@@ -201,6 +201,11 @@ class AOModel:
         Parameters
         ----------
         functional : ndarray, shape (n_dofs,)
+
+        Raises
+        ------
+        InputError
+            If the model was given by numbers.
         """
         if self.origin is None:
             raise InputError("weights: this model was given by numbers and has no body")
