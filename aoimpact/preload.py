@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -77,6 +78,74 @@ class Pressed:
         return float(out[0, 0]), float(out[1, 0])
 
 
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Where the bodies are, shape (n,): the forces left over there, each contact's force and slope,
+    and the energy that is least at rest, J."""
+
+    x: FloatArray
+    balance: FloatArray
+    pushes: list[tuple[float, float]]
+    energy: float
+
+    def better_than(self, other: _Place) -> bool:
+        """Whether it is lower; or as low, but for rounding, and nearer to balance."""
+        if self.energy < other.energy:
+            return True
+        nearer = np.linalg.norm(self.balance) <= np.linalg.norm(other.balance)
+        return bool(nearer) and self.energy <= other.energy + _ROUNDING * abs(other.energy)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pile:
+    """Springs, loads and contacts in modes, shapes (n,); `movable` has no walls."""
+
+    stiffness: FloatArray
+    load: FloatArray
+    movable: npt.NDArray[np.bool_]
+    contacts: Sequence[Pressed]
+
+    @cached_property
+    def usual(self) -> FloatArray:
+        """The stiffness, shape (n, n), under all of the loads at once: the scale of steps."""
+        force = float(np.abs(self.load).sum())
+        matrix = np.zeros((len(self.load), len(self.load)))
+        for of in self.contacts:
+            depth = 1.0
+            for _ in range(_HALVINGS):
+                depth = depth * 0.5 if of.force(depth)[0] > force else depth
+            matrix += of.force(depth)[1] * np.outer(of.direction, of.direction)
+        return matrix + np.diag(self.stiffness)
+
+    def place(self, x: FloatArray) -> _Place:
+        """What holds where the modes are x."""
+        depths = [float(of.direction @ x) - of.gap for of in self.contacts]
+        pushes = [of.force(depth) for of, depth in zip(self.contacts, depths, strict=True)]
+        balance = self.load - self.stiffness * x
+        for (force, _), of in zip(pushes, self.contacts, strict=True):
+            balance = balance - force * of.direction
+        stored = sum(of.energy(depth) for of, depth in zip(self.contacts, depths, strict=True))
+        energy = float(0.5 * x @ (self.stiffness * x) - self.load @ x) + stored
+        return _Place(x, np.where(self.movable, balance, 0.0), pushes, energy)
+
+    def balanced(self, at: _Place) -> bool:
+        """Whether the forces left over are those of rounding."""
+        size = np.abs(self.load).max(initial=0.0) + sum(
+            force * np.abs(of.direction).max()
+            for (force, _), of in zip(at.pushes, self.contacts, strict=True)
+        )
+        return bool(np.abs(at.balance).max(initial=0.0) <= _BALANCED * size)
+
+    def step(self, at: _Place, damping: float) -> FloatArray:
+        """Newton's step, shorter the more it is damped."""
+        matrix = np.diag(self.stiffness) + damping * self.usual
+        for (_, slope), of in zip(at.pushes, self.contacts, strict=True):
+            matrix += slope * np.outer(of.direction, of.direction)
+        step, free = np.zeros(len(at.x)), self.movable
+        step[free] = np.linalg.lstsq(matrix[np.ix_(free, free)], at.balance[free], rcond=None)[0]
+        return step
+
+
 def equilibrium(
     bodies: Sequence[ModalBody], loads: Sequence[FloatArray], contacts: Sequence[Pressed]
 ) -> FloatArray:
@@ -97,75 +166,24 @@ def equilibrium(
     stiffness = np.concatenate([body.inertia * body.omega**2 for body in bodies])
     inertia = np.concatenate([body.inertia for body in bodies])
     load = np.where(inertia > 0.0, inertia, 0.0) * np.concatenate(loads)
-    movable = inertia > 0.0
-    x = np.where(stiffness > 0.0, load / np.where(stiffness > 0.0, stiffness, 1.0), 0.0)
-    usual = _usual_stiffness(contacts, float(np.abs(load).sum()), len(x)) + np.diag(stiffness)
-    balance, pushes = _imbalance(x, stiffness, load, contacts, movable)
-    energy, damping = _potential(x, stiffness, load, contacts), 1.0
+    pile = _Pile(stiffness, load, inertia > 0.0, contacts)
+    sprung = np.where(stiffness > 0.0, stiffness, 1.0)
+    at, damping = pile.place(np.where(stiffness > 0.0, load / sprung, 0.0)), 1.0
     for _ in range(_MOST_STEPS):
-        size = np.abs(load).max(initial=0.0) + sum(
-            force * np.abs(of.direction).max()
-            for (force, _), of in zip(pushes, contacts, strict=True)
-        )
-        if np.abs(balance).max(initial=0.0) <= _BALANCED * size:
-            return x
-        matrix = np.diag(stiffness) + damping * usual
-        for (_, slope), of in zip(pushes, contacts, strict=True):
-            matrix += slope * np.outer(of.direction, of.direction)
-        step = np.zeros(len(x))
-        step[movable] = _solve(matrix[np.ix_(movable, movable)], balance[movable])
-        if not np.abs(x + step).max(initial=0.0) < _FARTHEST:
+        if pile.balanced(at):
+            return at.x
+        x = at.x + pile.step(at, damping)
+        if not np.abs(x).max(initial=0.0) < _FARTHEST:
             break
-        trial, trial_pushes = _imbalance(x + step, stiffness, load, contacts, movable)
-        lower = _potential(x + step, stiffness, load, contacts)
-        nearer = np.linalg.norm(trial) <= np.linalg.norm(balance)
-        if lower < energy or (nearer and lower <= energy + _ROUNDING * abs(energy)):
-            x, balance, pushes, energy = x + step, trial, trial_pushes, lower
-            damping *= _TIGHTER
+        trial = pile.place(x)
+        if trial.better_than(at):
+            at, damping = trial, damping * _TIGHTER
         elif damping > _MOST_DAMPING:
             break
         else:
             damping *= _LOOSER
     raise ConvergenceError(
         "preload: no static equilibrium found; a body that nothing holds against gravity or its "
-        f"load falls for ever (imbalance {np.abs(balance).max():.3g} N); support it, or start "
+        f"load falls for ever (imbalance {np.abs(at.balance).max():.3g} N); support it, or start "
         "without preload"
     )
-
-
-def _usual_stiffness(contacts: Sequence[Pressed], force: float, n: int) -> FloatArray:
-    """What the contacts would have for stiffness under all of the loads: the scale of steps."""
-    matrix = np.zeros((n, n))
-    for of in contacts:
-        depth = 1.0
-        for _ in range(_HALVINGS):
-            depth = depth * 0.5 if of.force(depth)[0] > force else depth
-        matrix += of.force(depth)[1] * np.outer(of.direction, of.direction)
-    return matrix
-
-
-def _imbalance(
-    x: FloatArray,
-    stiffness: FloatArray,
-    load: FloatArray,
-    contacts: Sequence[Pressed],
-    movable: npt.NDArray[np.bool_],
-) -> tuple[FloatArray, list[tuple[float, float]]]:
-    """Generalised forces that are left, and each contact's force and stiffness."""
-    pushes = [of.force(float(of.direction @ x) - of.gap) for of in contacts]
-    balance = load - stiffness * x
-    for (force, _), of in zip(pushes, contacts, strict=True):
-        balance = balance - force * of.direction
-    return np.where(movable, balance, 0.0), pushes
-
-
-def _potential(
-    x: FloatArray, stiffness: FloatArray, load: FloatArray, contacts: Sequence[Pressed]
-) -> float:
-    """The energy that is least at rest, J."""
-    stored = sum(of.energy(float(of.direction @ x) - of.gap) for of in contacts)
-    return float(0.5 * x @ (stiffness * x) - load @ x) + stored
-
-
-def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)

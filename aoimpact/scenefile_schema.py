@@ -5,24 +5,9 @@ from __future__ import annotations
 from dataclasses import MISSING, fields
 from typing import Any
 
+from . import laws
 from .adaptive import Adaptive
 from .elements import KINDS
-from .laws import (
-    Flores,
-    Gonthier,
-    HerbertMcWhannell,
-    Hertz,
-    HuntCrossley,
-    KelvinVoigt,
-    KuwabaraKono,
-    LankaraniNikravesh,
-    LeeWang,
-    Linear,
-    PowerLaw,
-    Tabulated,
-    Thornton,
-    Tsuji,
-)
 from .newmark import Newmark
 from .schema import (
     Choice,
@@ -47,20 +32,21 @@ __all__ = ["LAWS", "SCENE_FILE", "SOLVERS"]
 
 # Laws of the power 3/2, whose k may be that of Hertz's theory.
 _HERTZIAN = (
-    Hertz,
-    HuntCrossley,
-    LankaraniNikravesh,
-    Flores,
-    Gonthier,
-    HerbertMcWhannell,
-    LeeWang,
-    Tsuji,
-    KuwabaraKono,
-    Thornton,
+    laws.Hertz,
+    laws.HuntCrossley,
+    laws.LankaraniNikravesh,
+    laws.Flores,
+    laws.Gonthier,
+    laws.HerbertMcWhannell,
+    laws.LeeWang,
+    laws.Tsuji,
+    laws.KuwabaraKono,
+    laws.Thornton,
 )
+_OTHERS = (laws.PowerLaw, laws.Linear, laws.KelvinVoigt, laws.Tabulated)
 
 # By the name that a file gives, the class that it stands for.
-LAWS = {law.__name__: law for law in (*_HERTZIAN, PowerLaw, Linear, KelvinVoigt, Tabulated)}
+LAWS = {law.__name__: law for law in (*_HERTZIAN, *_OTHERS)}
 SOLVERS = {solver.__name__: solver for solver in (Adaptive, Newmark)}
 
 _VECTOR = Listed(Number(), 3)
@@ -169,7 +155,7 @@ def _parameters(cls: Any) -> Table:
 _CURVE = Table({"indentation": needed(Listed(Number("m"))), "force": needed(Listed(Number("N")))})
 
 _LAW = Chosen(
-    "type", {n: _CURVE if law is Tabulated else _parameters(law) for n, law in LAWS.items()}
+    "type", {n: _CURVE if law is laws.Tabulated else _parameters(law) for n, law in LAWS.items()}
 )
 
 _SOLVER = Chosen("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})

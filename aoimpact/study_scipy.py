@@ -10,6 +10,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -152,7 +153,7 @@ class OdeScene:
 
     def _piece(
         self, method: str, rtol: float, begin: tuple[float, FloatArray, bool], give_up: float
-    ) -> scipy.integrate._ivp.ivp.OdeResult:
+    ) -> Any:
         t, y, touching = begin
         slope = self._in_contact(give_up) if touching else self._in_flight(give_up)
         options = {} if method in _EXPLICIT else {"jac": self._jacobian(touching)}
