@@ -143,38 +143,7 @@ def contact_point(
     radius: float | str = 0.0,
     expected: float | None = None,
 ) -> ContactPoint:
-    """Return the functional of a place on a body in a direction, or of a single dof.
-
-    Parameters
-    ----------
-    body : FEModel
-    point : array_like, shape (3,), optional
-        m: a node, or any place on the surface. Of a body without a mesh, a node; a point off the
-        nodes goes, with a warning, to the nearest one within half the distance between nodes there.
-    direction : array_like, shape (3,), optional
-        Direction of travel; any length but zero. By default the surface's inward normal, which
-        suits a target; a projectile travels outward.
-    dof : int, optional
-        Row of K, in place of `point` and `direction`.
-    radius : float or "auto", optional
-        Of the patch that carries the contact under Hertz's pressure, m; 0 is a single point, whose
-        indentation follows the mesh. "auto" takes twice the `expected` contact radius, or what the
-        mesh resolves if that is more.
-    expected : float, optional
-        For "auto": the largest radius of the contact itself, m, √(Rδ) for Hertz's law.
-
-    Raises
-    ------
-    InputError
-        If the place is not on the body, cannot move in the direction, has no normal (an edge), or
-        the patch reaches beyond the surface.
-
-    Warns
-    -----
-    AOImpactWarning
-        If the point taken is not the one given; if the mesh is too coarse for the patch; with
-        "auto", if the body is too small about the patch for a half-space.
-    """
+    """Return the functional of a place on a body, or of a single dof, as `FEModel.contact` says."""
     if isinstance(radius, str):
         choice("radius", radius, ("auto",))
     else:

@@ -65,13 +65,7 @@ class ModalDamping:
         object.__setattr__(self, "ratio", nonnegative("ratio", self.ratio))
 
     def decay(self, omega: npt.ArrayLike) -> Any:
-        """Return σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f.
-
-        Parameters
-        ----------
-        omega : array_like
-            Angular frequencies, rad/s, any shape.
-        """
+        """Return σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f; takes ω as `Rayleigh.decay` does."""
         frequency = finite_array("omega", omega, unit="rad/s")
         decay = self.ratio * np.abs(frequency)
         return decay if decay.ndim else float(decay)

@@ -270,20 +270,25 @@ class FEModel:
         radius: float | str = 0.0,
         expected: float | None = None,
     ) -> ContactPoint:
-        """Return the place where this body is touched; see `contact_point`.
+        """Return the place where this body is touched: a point, a patch, or a single dof.
 
         Parameters
         ----------
         point : array_like, shape (3,), optional
-            m; a node, or any place on the surface of the mesh.
+            m: a node, or any place on the surface of the mesh. Of a body without a mesh, a node; a
+            point off the nodes goes, with a warning, to the nearest one within half the distance
+            between nodes there.
         direction : array_like, shape (3,), optional
-            The projectile's direction of travel, for the projectile and for the target; by default
-            the surface's inward normal, which suits a target.
+            The projectile's direction of travel, for the projectile and for the target, any length
+            but zero. By default the surface's inward normal, which suits a target; a projectile
+            travels outward.
         dof : int, optional
             Row of K, in place of `point` and `direction`.
         radius : float or "auto", optional
-            Of the patch that carries the contact, m. 0 is a single point, with which the force
-            follows the mesh; with a patch that the mesh resolves, it does not.
+            Of the patch that carries the contact under Hertz's pressure, m. 0 is a single point,
+            with which the force follows the mesh; with a patch that the mesh resolves, it does not.
+            "auto" takes twice the `expected` contact radius, or what the mesh resolves if that is
+            more.
         expected : float, optional
             For "auto": the largest radius of the contact itself, m; √(Rδ) for Hertz's law.
 

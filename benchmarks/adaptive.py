@@ -43,7 +43,7 @@ from aoimpact.adaptive import adaptive_run
 from aoimpact.newmark import newmark_scene
 from aoimpact.plan import Joint, Plan
 from aoimpact.players import StarPlayer, player
-from aoimpact.study_scipy import Outcome, ode_scene
+from aoimpact.study_scipy import Outcome
 from aoimpact.units import quantity
 
 
@@ -140,15 +140,7 @@ def truth(case: Case) -> tuple[Outcome, str]:
         return Outcome(k * deepest**1.5, math.nan, math.nan), "exact: closed form"
     found = ao.simulate(**scene, solver=ao.Adaptive(rtol=1e-12))
     exact = Outcome(found.peak_force, found.contact_duration, found.rebound_velocity)
-    ode = ode_scene(
-        case.stars,
-        scene["law"],
-        velocity=scene["velocity"],
-        duration=scene["duration"],
-        gap=0.0,
-        length=case.length,
-    )
-    distance = error_of(case, exact, ode.run("DOP853", 3e-14))
+    distance = error_of(case, exact, case.ode.run("DOP853", 3e-14))
     return exact, f"reference: Adaptive(rtol=1e-12), {distance:.0e} from DOP853 at 3e-14"
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import aoimpact as ao
 from aoimpact.solve_newmark import rigid_contact_time
 from aoimpact.study_scenes import SCENES
-from aoimpact.study_scipy import Outcome
+from aoimpact.study_scipy import OdeScene, Outcome, ode_scene
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,19 @@ class Case:
         inverse = sum(1.0 / star.static_mass for star in self.stars)
         velocity = self.scene["velocity"]
         return velocity * rigid_contact_time(self.scene["law"], 1.0 / inverse, velocity)
+
+    @property
+    def ode(self) -> OdeScene:
+        """The scene as SciPy's solvers take it."""
+        scene = self.scene
+        return ode_scene(
+            self.stars,
+            scene["law"],
+            velocity=scene["velocity"],
+            duration=scene["duration"],
+            gap=0.0,
+            length=self.length,
+        )
 
 
 def rigid_pair() -> dict[str, Any]:

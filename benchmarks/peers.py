@@ -14,21 +14,13 @@ import numpy as np
 from cases import Case, Run, best_time, error_of, tolerances
 
 import aoimpact as ao
-from aoimpact.study_scipy import Outcome, ode_scene
+from aoimpact.study_scipy import Outcome
 
 HERE = Path(__file__).parent
 
 
 def scipy_runs(case: Case, exact: Outcome, method: str) -> Iterator[Run | None]:
-    scene = case.scene
-    ode = ode_scene(
-        case.stars,
-        scene["law"],
-        velocity=scene["velocity"],
-        duration=scene["duration"],
-        gap=0.0,
-        length=case.length,
-    )
+    ode = case.ode
     for rtol in tolerances(1e-3, 1e-13):
         try:
             found = ode.run(method, rtol, 20.0)

@@ -1,6 +1,6 @@
 /* The one equation of a step: solved to rounding wherever the search starts, for compliances and
  * stiffnesses of any size, and for laws of the caller's with kinks, plateaus and damping. */
-#include "check.h"
+#include "viscous.h"
 
 static const double DT = 1e-6;
 
@@ -166,19 +166,6 @@ static void snap(const aoi_law *law, const double *memory, int piece, double d, 
     value->force = d > 0.0 ? d * exp(-d) : 0.0;
     value->stiffness = d > 0.0 ? (1.0 - d) * exp(-d) : 0.0;
     value->damping = 0.0;
-}
-
-/* Hunt and Crossley: k d^(3/2) (1 + c rate), never pulling. */
-static void hunt_crossley(const aoi_law *law, const double *memory, int piece, double d, double rate,
-                aoi_law_value *value)
-{
-    (void)memory;
-    (void)piece;
-    const double k = law->parameter[0], c = law->parameter[1], root = d > 0.0 ? sqrt(d) : 0.0;
-    const double factor = 1.0 + c * rate;
-    value->force = factor > 0.0 ? k * root * d * factor : 0.0;
-    value->stiffness = factor > 0.0 ? 1.5 * k * root * factor : 0.0;
-    value->damping = factor > 0.0 ? k * root * d * c : 0.0;
 }
 
 static double excess(const aoi_law *law, const aoi_contact_equation *e, double x)

@@ -2,6 +2,7 @@
  * pair, a mass behind a spring; second order in dt; momentum, symmetry, the frame of reference; and
  * that nothing, from the lightest touch to an absurd step, makes a step fail. */
 #include "body.h"
+#include "viscous.h"
 
 #include <string.h>
 
@@ -187,19 +188,6 @@ static void pair_with_one_oscillator_each(void)
     }
     const double apart = dt * ((double)j + d[j] / (d[j] - d[j + 1]));
     CHECK(near(apart, 70.7428420013e-6, 2e-6), "first apart after %.12g us", apart * 1e6);
-}
-
-/* Hunt and Crossley's law, F = k d^(3/2) (1 + c rate), as a caller may write one. */
-static void hunt_crossley(const aoi_law *law, const double *memory, int piece, double d, double rate,
-                aoi_law_value *value)
-{
-    (void)memory;
-    (void)piece;
-    const double k = law->parameter[0], c = law->parameter[1], root = d > 0.0 ? sqrt(d) : 0.0;
-    const double factor = 1.0 + c * rate;
-    value->force = factor > 0.0 ? k * root * d * factor : 0.0;
-    value->stiffness = factor > 0.0 ? 1.5 * k * root * factor : 0.0;
-    value->damping = factor > 0.0 ? k * root * d * c : 0.0;
 }
 
 static double no_potential(const aoi_law *law, const double *memory, double d)
