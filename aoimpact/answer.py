@@ -1,10 +1,10 @@
-"""What an impact is asked for, and how far apart two runs' answers are."""
+"""What an impact or a scene is asked for, and how far apart two runs' answers are."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,8 +13,9 @@ from .contact import ContactPoint
 from .errors import InputError
 from .events import FloatArray
 from .result import Result
+from .run import Handle, Run
 
-__all__ = ["QUANTITIES", "Answer", "answer"]
+__all__ = ["QUANTITIES", "SCENE_QUANTITIES", "Answer", "SceneAnswer", "answer", "scene_answer"]
 
 QUANTITIES = (
     "force",
@@ -25,6 +26,12 @@ QUANTITIES = (
     "projectile_displacement",
     "target_displacement",
 )
+
+SCENE_QUANTITIES = ("force", "peak_force", "impulse")
+
+# Errors of a contact of a scene are relative to itself, but to no less than this share of the
+# largest: one that only grazes has no digits of its own.
+_LEAST_CONTACT = 0.1
 
 # A velocity's error is relative to itself, but to no less than this share of the initial one: a
 # body that is all but stopped has no digits of its own.
@@ -61,8 +68,7 @@ class Answer:
                 scale = max(scale, _LEAST_REBOUND * abs(exact.velocity))
             return _relative(abs(one - other), scale)
         times = exact.t
-        mine, right = self.history(result, times), self.history(exact, times)
-        return _relative(float(np.abs(mine - right).max()), float(np.abs(right).max()))
+        return _apart(self.history(result, times), self.history(exact, times))
 
     def span(self, result: Result) -> float:
         """Return how long, s, the motion must be right for the answer to be so."""
@@ -70,17 +76,16 @@ class Answer:
             return float(result.t[-1])
         return result.contacts[-1][1] if result.contacts else 0.0
 
+    def contact_time(self, result: Result) -> float | None:
+        """Return the duration of the first contact, s; None where none ends in the record."""
+        return result.contact_duration or None
+
     def history(self, run: Result, times: FloatArray) -> FloatArray:
         """Return the force or displacement at `times`, s."""
         if isinstance(self.quantity, ContactPoint):
             body = run.target if self.on_target else run.projectile
             return body.displacement_of(self.quantity.b, times)
-        if run.t is times:
-            return self._recorded(run)
-        try:
-            return self._recorded(run.at(times))
-        except InputError:  # of a run with fixed steps, known at these only
-            return np.interp(times, run.t, self._recorded(run))
+        return _at(run, times, self._recorded)
 
     def _recorded(self, run: Result) -> FloatArray:
         if self.quantity == "force":
@@ -114,6 +119,119 @@ def answer(quantity: Any, projectile: Any, target: Any) -> Answer:
         f"quantity={quantity!r} is a point on neither projectile nor target: give a point of a "
         "finite-element body that takes part as one"
     )
+
+
+@dataclass(frozen=True)
+class SceneAnswer:
+    """A quantity of a scene.
+
+    Attributes
+    ----------
+    quantity : str, Handle or ContactPoint
+        "force": the forces of all contacts over the record; "peak_force", "impulse": of each
+        contact; a handle: the displacement of that contact coordinate over the record; a point of a
+        finite-element body: its displacement over the record.
+    body : int, optional
+        That the point is on.
+    """
+
+    quantity: str | Handle | ContactPoint
+    body: int = 0
+
+    def difference(self, run: Run, exact: Run) -> float:
+        """Return how far a run is from a more exact one, relative.
+
+        Of histories the largest difference over the record, relative to the largest value; of
+        contacts the worst, none of them relative to less than a tenth of the largest of all.
+        """
+        times = exact.t
+        if isinstance(self.quantity, ContactPoint):
+            point = self.quantity.b
+            seen = (of.bodies[self.body].displacement_of(point, times) for of in (run, exact))
+            return _apart(*seen)
+        if isinstance(self.quantity, Handle):
+            return _apart(_at(run, times, self._displacement), self._displacement(exact))
+        if self.quantity == "force":
+            ours, theirs = _at(run, times, _forces), _forces(exact)
+            apart, size = np.abs(ours - theirs).max(axis=1), theirs.max(axis=1)
+        else:
+            name = self.quantity
+            ours, theirs = (
+                np.array([getattr(of, name) for of in one.events]) for one in (run, exact)
+            )
+            apart, size = np.abs(ours - theirs), np.abs(theirs)
+        scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
+        return max(
+            (_relative(float(a), float(b)) for a, b in zip(apart, scales, strict=True)), default=0.0
+        )
+
+    def span(self, run: Run) -> float:
+        """Return how long, s, the motion must be right for the answer to be so."""
+        if not isinstance(self.quantity, str):
+            return run.duration
+        return max((of.contacts[-1][1] for of in run.events if of.contacts), default=0.0)
+
+    def contact_time(self, run: Run) -> float | None:
+        """Return how long the shortest of the hard blows lasts, s; None without one."""
+        hardest = max((of.peak_force for of in run.events), default=0.0)
+        blows = [
+            next(end - start for start, end in of.contacts if of.peak_time <= end)
+            for of in run.events
+            if of.contacts and of.peak_force >= _LEAST_CONTACT * hardest
+        ]
+        return min((blow for blow in blows if blow > 0.0), default=None)
+
+    def _displacement(self, run: Run) -> FloatArray:
+        assert isinstance(self.quantity, Handle)
+        displacement: FloatArray = run[self.quantity].port_displacements[self.quantity.at]
+        return displacement
+
+
+def scene_answer(quantity: Any, bodies: Sequence[Any]) -> SceneAnswer:
+    """Return the answer that a caller's `quantity` means in a scene; handles are checked before.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If there is no such quantity, or the point is on none of the bodies.
+    """
+    if isinstance(quantity, Handle):
+        return SceneAnswer(quantity)
+    if not isinstance(quantity, ContactPoint):
+        return SceneAnswer(choice("quantity", quantity, SCENE_QUANTITIES))
+    for number, body in enumerate(bodies):
+        tip = body[0] if isinstance(body, tuple) else body
+        if isinstance(tip, ContactPoint) and tip.body is quantity.body:
+            return SceneAnswer(quantity, number)
+    raise InputError(
+        f"quantity={quantity!r} is a point on none of the scene's bodies: give a point of a "
+        "finite-element body that takes part as one"
+    )
+
+
+T = TypeVar("T", Result, Run)
+
+
+def _at(run: T, times: FloatArray, recorded: Callable[[T], FloatArray]) -> FloatArray:
+    """What is recorded of a run, at `times`."""
+    if run.t is times:
+        return recorded(run)
+    try:
+        return recorded(run.at(times))
+    except InputError:  # of a run with fixed steps, known at these only
+        rows = np.atleast_2d(recorded(run))
+        between = np.array([np.interp(times, run.t, row) for row in rows])
+        return between if recorded(run).ndim > 1 else between[0]
+
+
+def _forces(run: Run) -> FloatArray:
+    """Shape (contacts, times)."""
+    return np.array([contact.force for contact in run.contacts]).reshape(run.joints, len(run.t))
+
+
+def _apart(mine: FloatArray, right: FloatArray) -> float:
+    """The largest difference of two histories, relative to the largest value."""
+    return _relative(float(np.abs(mine - right).max()), float(np.abs(right).max()))
 
 
 def _relative(difference: float, scale: float) -> float:

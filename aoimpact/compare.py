@@ -29,7 +29,7 @@ _ANSWERS = tuple(Answer(name) for name in ("force", "duration", "impulse", "targ
 # Far below the differences between models.
 _IN_TIME = 1e-6
 
-Models = tuple[Any, Any]
+Models = tuple[Any, ...]
 
 
 def compare(
@@ -78,7 +78,7 @@ def compare(
         with held_warnings():
             return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
 
-    contact_time, span = first_guess(bodies, quick, Answer("target_displacement").span)
+    contact_time, span = first_guess(bodies, quick, Answer("target_displacement"))
     ladders = tuple(ladder(body, contact_time, max(span, duration)) for body in bodies)
     tries = [_try("rigid", lambda: tuple(each.model(0) for each in ladders), quick)]
     spent = 0.0

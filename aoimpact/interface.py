@@ -19,10 +19,17 @@ from .contact import Body, ContactPoint
 from .damping import Damping
 from .errors import InputError, InputTypeError, warn
 from .krylov import Subspace, fitted_shifts
+from .modes import modal
 from .solvers import Solver
 from .statics import translates
 
-__all__ = ["InterfaceModel", "interface"]
+__all__ = [
+    "InterfaceModel",
+    "InterfaceSpace",
+    "checked_ports",
+    "interface",
+    "whole_interface",
+]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -203,26 +210,81 @@ def interface(
     AOImpactWarning
         If the ports excite fewer than `n` modes.
     """
-    ports = _checked_ports(tips)
-    body = ports[0].body
-    least = min(body.rigid_modes.shape[1] + len(ports), body.n_dofs)
-    wanted = integer("n", n, low=least, high=body.n_dofs)
-    functionals = np.stack([tip.b for tip in ports])
-    space = Subspace(body, functionals, fitted_shifts(ports, contact_time, duration), solver=solver)
-    omega2, modes = space.ritz(wanted)
-    if len(omega2) < wanted:
-        warn(f"n={n}: the ports excite only {len(omega2)} modes")
-    return InterfaceModel(
-        ports,
-        np.sqrt(omega2),
-        functionals @ modes,
-        modes,
-        np.zeros((len(ports), len(ports))),
-        space.solver_name,
-    )
+    space = InterfaceSpace(tips, contact_time=contact_time, duration=duration, solver=solver)
+    body = space.tips[0].body
+    least = min(space.rigid_count + len(space.tips), body.n_dofs)
+    model = space.of_vectors(integer("n", n, low=least, high=body.n_dofs))
+    if model.n < n:
+        warn(f"n={n}: the ports excite only {model.n} modes")
+    return model
 
 
-def _checked_ports(tips: Sequence[ContactPoint]) -> tuple[ContactPoint, ...]:
+class InterfaceSpace:
+    """The space from which models of a body touched in several places are made; it grows.
+
+    For the arguments see `interface`.
+
+    Attributes
+    ----------
+    tips : tuple of ContactPoint
+    rigid_count : int
+        Number of the body's rigid motions.
+    """
+
+    def __init__(
+        self,
+        tips: Sequence[ContactPoint],
+        *,
+        contact_time: float | None = None,
+        duration: float | None = None,
+        solver: Solver = "auto",
+    ) -> None:
+        self.tips = checked_ports(tips)
+        functionals = np.stack([tip.b for tip in self.tips])
+        shifts = fitted_shifts(self.tips, contact_time, duration)
+        self._space = Subspace(self.tips[0].body, functionals, shifts, solver=solver)
+        self.rigid_count = self._space.rigid_count
+
+    def of_vectors(self, n: int) -> InterfaceModel:
+        """Return the model of `n` vectors, rigid motions included, or of as many as there are."""
+        omega2, modes = self._space.ritz(n)
+        return _of_modes(self.tips, np.sqrt(omega2), modes, self._space.solver_name)
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether all that the ports excite is in the space."""
+        return self._space.exhausted
+
+
+def whole_interface(tips: Sequence[ContactPoint]) -> InterfaceModel:
+    """Return the model of all natural modes of a body, at the cost of finding these.
+
+    Raises
+    ------
+    InputError
+        If the tips are not on one body.
+    """
+    ports = checked_ports(tips)
+    whole = modal(ports[0], ports[0].body.n_dofs)
+    return _of_modes(ports, whole.angular_frequencies, whole.modes, "dense eigensolver")
+
+
+def _of_modes(
+    tips: tuple[ContactPoint, ...], omega: FloatArray, modes: FloatArray, solver: str
+) -> InterfaceModel:
+    functionals = np.stack([tip.b for tip in tips])
+    nothing = np.zeros((len(tips), len(tips)))
+    return InterfaceModel(tips, omega, functionals @ modes, modes, nothing, solver)
+
+
+def checked_ports(tips: Sequence[ContactPoint]) -> tuple[ContactPoint, ...]:
+    """Return the places on one body.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If they are not that.
+    """
     if not isinstance(tips, Sequence) or isinstance(tips, str):
         raise InputTypeError(f"tips must be a list of contact points, got {tips!r}")
     ports = tuple(tips)

@@ -112,7 +112,8 @@ class Subspace:
         self._wanted = max(self._wanted, count)
         while self._count < count:
             # One solve at a time, so that signals are heard in between.
-            shift = self.shifts[self._solves % len(self.shifts)]
+            # All functionals have their turn with a shift before the next shift has its own.
+            shift = self.shifts[self._solves // len(self._b) % len(self.shifts)]
             before = self._solves
             self._count, self._solves = _core.krylov_extend(
                 self._K,

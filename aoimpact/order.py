@@ -1,6 +1,6 @@
 """How many anti-oscillators a scene needs: the order of each body, from rigid upward.
 
-A larger model of both bodies stands for the truth, itself enlarged until it no longer changes; then
+A larger model of all bodies stands for the truth, itself enlarged until it no longer changes; then
 the least orders are taken whose answer agrees with it. The bodies' bases are nested, so that every
 order up to the largest looked at costs no solve of its own.
 """
@@ -8,27 +8,45 @@ order up to the largest looked at costs no solve of its own.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
 from .contact import ContactPoint
-from .errors import AOImpactError, ConvergenceError
+from .errors import AOImpactError, ConvergenceError, InputError
+from .interface import InterfaceModel, InterfaceSpace
 from .krylov import KrylovSpace, own_contact_time, shortest_contact_time
 from .modes import ModalModel
 from .reduction import antioscillators
-from .result import Result
 from .star import AOModel, rigid
 from .statics import moves_rigidly
 
 __all__ = ["Ladder", "Orders", "first_guess", "ladder", "least_orders"]
 
-Models = tuple[AOModel, AOModel]
-Run = Callable[[Models], Result]
-Difference = Callable[[Result, Result], float]
+Model = AOModel | InterfaceModel
+Models = tuple[Model, ...]
+R = TypeVar("R")
+R_contra = TypeVar("R_contra", contravariant=True)
+
+
+class Asked(Protocol[R_contra]):
+    """What is asked of a run: a `Result`, or a scene's `Run`."""
+
+    def difference(self, result: R_contra, exact: R_contra, /) -> float:
+        """The relative difference of a run's answer to that of a more exact one."""
+        ...
+
+    def span(self, result: R_contra, /) -> float:
+        """How long, s, the motion in a run must be right for its answer."""
+        ...
+
+    def contact_time(self, result: R_contra, /) -> float | None:
+        """How long the blow lasts, s; None where no contact ends in the record."""
+        ...
+
 
 # Orders of the models that stand for the truth grow by this factor. Two of them agree by chance,
 # three hardly.
@@ -70,7 +88,7 @@ class Ladder(Protocol):
         """The order of the model without oscillators: a held body's is a step above a wall."""
         ...
 
-    def model(self, order: int) -> AOModel: ...
+    def model(self, order: int) -> Model: ...
 
     def at_most(self, order: int) -> int:
         """The order itself, or the largest that there is, if that is less."""
@@ -117,6 +135,29 @@ class StarLadder:
 
     def is_whole(self, order: int) -> bool:
         return self.at_most(order + 1) == self.at_most(order)
+
+    def is_costly(self, order: int) -> bool:
+        return False
+
+
+@dataclass(eq=False)
+class GivenLadder:
+    """A model that stays as it is."""
+
+    given: InterfaceModel
+    first: int = 0
+
+    def model(self, order: int) -> InterfaceModel:
+        return self.given
+
+    def at_most(self, order: int) -> int:
+        return 0
+
+    def stand_in(self, order: int) -> int:
+        return 0
+
+    def is_whole(self, order: int) -> bool:
+        return True
 
     def is_costly(self, order: int) -> bool:
         return False
@@ -194,10 +235,65 @@ def _rigid(star: AOModel) -> AOModel:
     return replace(star, origin=replace(star.origin, tip=tip))
 
 
+@dataclass(eq=False)
+class InterfaceLadder:
+    """A finite-element body touched in several places: as many vectors for each as the order.
+
+    Held, it has at least one for each, and is no wall.
+    """
+
+    tips: tuple[ContactPoint, ...]
+    contact_time: float
+    duration: float | None
+    _most: int = field(init=False)
+    _models: dict[int, InterfaceModel] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._most = self.tips[0].body.n_dofs
+
+    @cached_property
+    def _space(self) -> InterfaceSpace:
+        resolved = max(self.contact_time, *map(shortest_contact_time, self.tips))
+        return InterfaceSpace(self.tips, contact_time=resolved, duration=self.duration)
+
+    @cached_property
+    def first(self) -> int:
+        return 0 if self._space.rigid_count else 1
+
+    def model(self, order: int) -> InterfaceModel:
+        order = self.at_most(order)
+        if order not in self._models:
+            vectors = self._space.rigid_count + max(order, self.first) * len(self.tips)
+            self._models[order] = self._space.of_vectors(min(vectors, self.tips[0].body.n_dofs))
+            if self._space.exhausted:
+                self._most = order
+        return self._models[order]
+
+    def at_most(self, order: int) -> int:
+        return min(order, self._most)
+
+    def stand_in(self, order: int) -> int:
+        return order
+
+    def is_whole(self, order: int) -> bool:
+        return order >= self._most
+
+    def is_costly(self, order: int) -> bool:
+        dofs = self.tips[0].body.n_dofs
+        return order * len(self.tips) > _CHEAP_ORDER and dofs > _SMALL_BODY
+
+
 def ladder(body: Any, contact_time: float, duration: float | None) -> Ladder:
-    """Return the models of what `simulate` takes for a body."""
+    """Return the models of what `simulate` or a scene takes for a body.
+
+    An interface model is as it is.
+    """
     if isinstance(body, ContactPoint):
         return KrylovLadder(body, contact_time, duration)
+    if isinstance(body, tuple):
+        return InterfaceLadder(body, contact_time, duration)
+    if isinstance(body, InterfaceModel):
+        return GivenLadder(body)
     return StarLadder(body.star if isinstance(body, ModalModel) else body)
 
 
@@ -208,37 +304,30 @@ class Orders:
     Attributes
     ----------
     orders : tuple of int
-        Of the projectile and of the target; 0 is rigid.
-    models : tuple of AOModel
+        Of the bodies; 0 is rigid.
+    models : tuple of AOModel or InterfaceModel
     error : float
         Estimated relative error of the quantity from the models' orders.
     """
 
-    orders: tuple[int, int]
+    orders: tuple[int, ...]
     models: Models
     error: float
 
 
 def least_orders(
-    bodies: tuple[Any, Any],
-    *,
-    run: Run,
-    difference: Difference,
-    span: Callable[[Result], float],
-    rtol: float,
+    bodies: Sequence[Any], *, run: Callable[[Models], R], asked: Asked[R], rtol: float
 ) -> Orders:
-    """Return the least orders of two bodies whose answer is within `rtol` of the whole bodies'.
+    """Return the least orders of bodies whose answer is within `rtol` of the whole bodies'.
 
     Parameters
     ----------
-    bodies : tuple
-        Projectile and target: ContactPoint, AOModel or ModalModel.
+    bodies : sequence
+        ContactPoint, tuple of ContactPoint, AOModel, ModalModel or InterfaceModel.
     run : callable
-        Simulates with two given models.
-    difference : callable
-        Relative difference of a result's answer to that of a more exact one.
-    span : callable
-        How long, s, the motion in a result must be right for its answer.
+        Simulates with given models, one for each body.
+    asked : Asked
+        Of the runs.
     rtol : float
         Relative.
 
@@ -247,61 +336,59 @@ def least_orders(
     ConvergenceError
         If not even the largest models looked at agree to within the tolerance.
     """
-    contact_time, length = first_guess(bodies, run, span)
+    contact_time, length = first_guess(bodies, run, asked)
     for fit in range(1, _MOST_FITS + 1):
         slow = length if length > _LONG * contact_time else None
-        ladders = ladder(bodies[0], contact_time, slow), ladder(bodies[1], contact_time, slow)
-        search = _Search(ladders, run, difference, rtol)
-        first = search.at(_FIRST_ORDER, _FIRST_ORDER)
-        found = contact_time if first is None else _contact_time(first, contact_time)
+        ladders = tuple(ladder(body, contact_time, slow) for body in bodies)
+        search = _Search(ladders, run, asked, rtol)
+        first = search.at((_FIRST_ORDER,) * len(bodies))
+        found = (None if first is None else asked.contact_time(first)) or contact_time
         if max(found / contact_time, contact_time / found) > _REFIT and fit < _MOST_FITS:
             contact_time = found
             continue
-        length = span(search.reference())
+        length = asked.span(search.reference())
         if slow is not None or length <= _LONG * contact_time:
             break
     return search.least()
 
 
 def first_guess(
-    bodies: tuple[Any, Any], run: Run, span: Callable[[Result], float]
+    bodies: Sequence[Any], run: Callable[[Models], R], asked: Asked[R]
 ) -> tuple[float, float]:
     """Guess the contact time, and how long motion must be right, both in s, by rigid bodies."""
-    own = [own_contact_time(body) for body in bodies if isinstance(body, ContactPoint)]
+    tips = [tip for body in bodies for tip in (body if isinstance(body, tuple) else (body,))]
+    own = [own_contact_time(tip) for tip in tips if isinstance(tip, ContactPoint)]
     otherwise = min(own, default=1.0)
-    first, second = (ladder(body, otherwise, None).model(0) for body in bodies)
-    if math.isinf(first.m0) and math.isinf(second.m0):
+    try:
+        result = run(tuple(ladder(body, otherwise, None).model(0) for body in bodies))
+    except (InputError, ConvergenceError):  # e.g. where nothing gives way between two walls
         return otherwise, 0.0
-    result = run((first, second))
-    return _contact_time(result, otherwise), span(result)
+    return asked.contact_time(result) or otherwise, asked.span(result)
 
 
-def _contact_time(result: Result, otherwise: float) -> float:
-    """Duration of the first contact; another, if none ends in the record."""
-    if not result.contacts or result.contact_duration <= 0.0:
-        return otherwise
-    return result.contact_duration
-
-
-class _Search:
-    """Runs of two ladders' models, each made once, and compared with the largest."""
+class _Search(Generic[R]):
+    """Runs of the ladders' models, each made once, and compared with the largest."""
 
     def __init__(
-        self, ladders: tuple[Ladder, Ladder], run: Run, difference: Difference, rtol: float
+        self,
+        ladders: tuple[Ladder, ...],
+        run: Callable[[Models], R],
+        asked: Asked[R],
+        rtol: float,
     ) -> None:
-        self.ladders, self.run, self.difference, self.rtol = ladders, run, difference, rtol
-        self.results: dict[tuple[int, int], Result | None] = {}
+        self.ladders, self.run, self.asked, self.rtol = ladders, run, asked, rtol
+        self.results: dict[tuple[int, ...], R | None] = {}
         self.failure: AOImpactError | None = None
-        self.truth = (0, 0)
+        self.truth = (0,) * len(ladders)
         self.truth_error = 0.0
 
-    def models(self, projectile: int, target: int) -> Models:
-        return self.ladders[0].model(projectile), self.ladders[1].model(target)
+    def models(self, orders: tuple[int, ...]) -> Models:
+        return tuple(one.model(n) for one, n in zip(self.ladders, orders, strict=True))
 
-    def at(self, projectile: int, target: int) -> Result | None:
-        """The run of two orders; None where models that small cannot be run."""
-        models = self.models(projectile, target)
-        key = self.ladders[0].at_most(projectile), self.ladders[1].at_most(target)
+    def at(self, orders: tuple[int, ...]) -> R | None:
+        """The run of such orders; None where models that small cannot be run."""
+        models = self.models(orders)
+        key = tuple(one.at_most(n) for one, n in zip(self.ladders, orders, strict=True))
         if key not in self.results:
             try:
                 self.results[key] = self.run(models)
@@ -309,27 +396,25 @@ class _Search:
                 self.results[key], self.failure = None, error
         return self.results[key]
 
-    def error(self, projectile: int, target: int) -> float:
+    def error(self, orders: tuple[int, ...]) -> float:
         """Estimated error, the truth's own included."""
-        if all(math.isinf(model.m0) for model in self.models(projectile, target)):
-            return math.inf  # two walls: nothing gives way
-        return self._apart(self.at(projectile, target), self.at(*self.truth)) + self.truth_error
+        return self._apart(self.at(orders), self.at(self.truth)) + self.truth_error
 
-    def _apart(self, one: Result | None, other: Result | None) -> float:
-        return math.inf if one is None or other is None else self.difference(one, other)
+    def _apart(self, one: R | None, other: R | None) -> float:
+        return math.inf if one is None or other is None else self.asked.difference(one, other)
 
-    def reference(self) -> Result:
-        """Enlarge both models until the answer stands."""
+    def reference(self) -> R:
+        """Enlarge all models until the answer stands."""
         order, changes, error = _FIRST_ORDER, [math.inf], math.inf
-        before = self.at(order, order)
+        before = self.at((order,) * len(self.ladders))
         while order <= _MOST_ORDER:
             costly = any(one.is_costly(order) for one in self.ladders)
             share = _FAIR_REFERENCE if costly else _GOOD_REFERENCE
             if error <= share * self.rtol:
                 break
             order = math.ceil(_GROWTH * order)
-            truth = self.ladders[0].stand_in(order), self.ladders[1].stand_in(order)
-            now = self.at(*truth)
+            truth = tuple(one.stand_in(order) for one in self.ladders)
+            now = self.at(truth)
             changes.append(self._apart(before, now))
             whole = all(one.is_whole(n) for one, n in zip(self.ladders, truth, strict=True))
             error = 0.0 if whole else _still_to_come(changes)
@@ -348,23 +433,22 @@ class _Search:
         return before
 
     def least(self) -> Orders:
-        """Each body's least order with the other at its largest, for shares of the tolerance."""
+        """Each body's least order with the others at their largest, for shares of the tolerance."""
         found = self.truth
         for share in (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.1):
             allowed = max(share * self.rtol, self.truth_error)
-            pair = self._alone(0, allowed), self._alone(1, allowed)
-            if self.error(*pair) <= self.rtol:
-                found = pair
+            orders = tuple(self._alone(which, allowed) for which in range(len(self.ladders)))
+            if self.error(orders) <= self.rtol:
+                found = orders
                 break
         found = self._pruned(found)
-        return Orders(found, self.models(*found), self.error(*found))
+        return Orders(found, self.models(found), self.error(found))
 
     def _alone(self, which: int, allowed: float) -> int:
         """The least order of one body at which it alone errs no more than allowed."""
 
         def fits(order: int) -> bool:
-            pair = (order, self.truth[1]) if which == 0 else (self.truth[0], order)
-            return self.error(*pair) <= allowed
+            return self.error(_with(self.truth, which, order)) <= allowed
 
         low = -1
         for order in range(_EACH + 1):
@@ -382,18 +466,20 @@ class _Search:
                 low = middle
         return high
 
-    def _pruned(self, pair: tuple[int, int]) -> tuple[int, int]:
-        """Take orders off, from the larger first, as long as the answer stands."""
+    def _pruned(self, orders: tuple[int, ...]) -> tuple[int, ...]:
+        """Take orders off, from the largest first, as long as the answer stands."""
         while True:
-            smaller = [(pair[0] - 1, pair[1]), (pair[0], pair[1] - 1)]
-            if pair[1] > pair[0]:
-                smaller.reverse()
-            for candidate in smaller:
-                if min(candidate) >= 0 and self.error(*candidate) <= self.rtol:
-                    pair = candidate
+            for which in sorted(range(len(orders)), key=lambda i: -orders[i]):
+                fewer = _with(orders, which, orders[which] - 1)
+                if fewer[which] >= 0 and self.error(fewer) <= self.rtol:
+                    orders = fewer
                     break
             else:
-                return pair
+                return orders
+
+
+def _with(orders: tuple[int, ...], which: int, order: int) -> tuple[int, ...]:
+    return (*orders[:which], order, *orders[which + 1 :])
 
 
 def _still_to_come(changes: list[float]) -> float:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from .contact import ContactPoint
 from .damping import ModalDamping, Rayleigh
 from .errors import InputError, InputTypeError
-from .interface import InterfaceModel
+from .interface import InterfaceModel, checked_ports, whole_interface
 from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
 from .newmark import CoreBody, Newmark
@@ -43,7 +43,7 @@ class Player(ABC):
 
     Attributes
     ----------
-    model : AOModel, InterfaceModel or ContactPoint
+    model : AOModel, InterfaceModel or tuple of ContactPoint
     velocity : float
         m/s.
     """
@@ -233,71 +233,84 @@ def _modal_core(
 
 @dataclass(frozen=True, eq=False)
 class FullPlayer(Player):
-    """A finite-element body; at the start it translates where it may, else it moves in φ_st."""
+    """A finite-element body, touched in one place or more.
 
-    model: ContactPoint
+    At the start it translates where it may, else it moves in φ_st of the first place.
+    """
+
+    model: tuple[ContactPoint, ...]
+
+    @property
+    def tip(self) -> ContactPoint:
+        """The first place."""
+        return self.model[0]
 
     @property
     def label(self) -> str:
-        return f"full({self.model.body.n_dofs})"
+        return f"full({self.tip.body.n_dofs})"
 
     @property
     def mass(self) -> float | None:
-        return self.model.body.mass
+        return self.tip.body.mass
 
     @cached_property
     def held(self) -> bool:
-        return not moves_rigidly(self.model)
+        return not any(moves_rigidly(tip) for tip in self.model)
 
     @cached_property
     def static_mass(self) -> float:
-        return static_mode(self.model).mass
+        return min(static_mode(tip).mass for tip in self.model)
+
+    @property
+    def ports(self) -> int:
+        return len(self.model)
 
     @cached_property
-    def _star(self) -> AOModel:
-        return antioscillators(self.model)
+    def _whole(self) -> AOModel | InterfaceModel:
+        """All that is felt at its places of contact."""
+        return antioscillators(self.tip) if self.ports == 1 else whole_interface(self.model)
 
     @property
     def modal(self) -> ModalBody:
-        return modal_body(self._star)
+        return modal_body(self._whole)
 
     def weight(self, gravity: float) -> FloatArray | None:
-        if self.mass is None or self.model.direction is None:
+        if self.mass is None or self.tip.direction is None:
             raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")
         forces: FloatArray = gravity * self.mass * self._centre
         return forces
 
     def pressed(self, x: FloatArray) -> State:
-        return self._star.expand(self.modal.coordinates(x)), self._start
+        return self._whole.expand(self.modal.coordinates(x)), self._start
 
     @cached_property
     def _centre(self) -> FloatArray:
-        if self.model.direction is not None:
-            return np.ascontiguousarray(self.model.body.com_functional(self.model.direction))
-        static = static_mode(self.model)
+        if self.tip.direction is not None:
+            return np.ascontiguousarray(self.tip.body.com_functional(self.tip.direction))
+        static = static_mode(self.tip)
         return static.m_phi / static.mass
 
     @property
     def undeformed(self) -> State:
-        return np.zeros(self.model.body.n_dofs), self._start
+        return np.zeros(self.tip.body.n_dofs), self._start
 
     @cached_property
     def _start(self) -> FloatArray:
         """The velocities of all dofs."""
         if self.velocity == 0.0:
-            return np.zeros(self.model.body.n_dofs)
-        if self.model.direction is not None and translates(self.model):
-            return self.velocity * self.model.body.translation(self.model.direction)
-        return self.velocity * static_mode(self.model).phi
+            return np.zeros(self.tip.body.n_dofs)
+        if self.tip.direction is not None and translates(self.tip):
+            return self.velocity * self.tip.body.translation(self.tip.direction)
+        return self.velocity * static_mode(self.tip).phi
 
     @cached_property
     def _matrices(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        return _rows(self.model.body.K), _rows(self.model.body.M)
+        return _rows(self.tip.body.K), _rows(self.tip.body.M)
 
     @cached_property
     def _modes(self) -> ModalModel | None:
         """All natural modes, where damping is given by them."""
-        body = self.model.body
+        body = self.tip.body
         if not isinstance(body.damping, ModalDamping):
             return None
         if body.n_dofs > _MODAL_MOST:
@@ -306,12 +319,12 @@ class FullPlayer(Player):
                 f"its modes, which are computed up to {_MODAL_MOST} dofs; give Rayleigh(alpha=, "
                 "beta=), or simulate a reduced model: antioscillators(tip) or modal(tip, n)"
             )
-        return modal(self.model, body.n_dofs)
+        return modal(self.tip, body.n_dofs)
 
     def _stepped(
         self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
     ) -> CoreBody:
-        body = self.model.body
+        body = self.tip.body
         if self._modes is not None:
             return self._in_modes(self._modes, gravity, u, v)
         damping = body.damping if isinstance(body.damping, Rayleigh) else Rayleigh()
@@ -322,7 +335,7 @@ class FullPlayer(Player):
         return (
             "full",
             *self._matrices,
-            np.ascontiguousarray(self.model.b),
+            np.ascontiguousarray([tip.b for tip in self.model]),
             damping.alpha,
             damping.beta,
             factors.for_core(),
@@ -335,15 +348,15 @@ class FullPlayer(Player):
     def _in_modes(
         self, modes: ModalModel, gravity: FloatArray | None, u: FloatArray, v: FloatArray
     ) -> CoreBody:
-        phi, mass = modes.modes, self.model.body.M
+        phi, mass = modes.modes, self.tip.body.M
         omega = modes.angular_frequencies
-        damping = self.model.body.damping
+        damping = self.tip.body.damping
         return (
             "modal",
             omega,
             np.zeros_like(omega) if damping is None else damping.decay(omega),
-            np.ascontiguousarray(modes.participation),
-            np.zeros(1),
+            np.ascontiguousarray([tip.b @ phi for tip in self.model]),
+            np.zeros((self.ports, self.ports)),
             None if gravity is None else phi.T @ gravity,
             phi.T @ self._centre,
             phi.T @ (mass @ u),
@@ -430,10 +443,13 @@ def player(name: str, body: Any, velocity: float) -> Player:
     if isinstance(body, ModalModel):
         return StarPlayer(body.star, velocity)
     if isinstance(body, ContactPoint):
-        return FullPlayer(body, velocity)
+        return FullPlayer((body,), velocity)
+    if isinstance(body, (list, tuple)):
+        return FullPlayer(checked_ports(body), velocity)
     if isinstance(body, InterfaceModel):
         return InterfacePlayer(body, velocity)
     raise InputTypeError(
         f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
-        f"or a ContactPoint (body.contact(...), the full model), got {body!r}"
+        "or a ContactPoint (body.contact(...), the full model; a list of them where it is touched "
+        f"in several places), got {body!r}"
     )

@@ -45,7 +45,7 @@ def recall_stepped(plan: Plan, body: int, rule: Newmark, record: Record) -> Resp
     motion = Driven(equations_of(core), rule, record.dt, forces, player.coordinates)
     blow, peak_time = _largest(plan, body, record)
     if isinstance(player, FullPlayer):
-        return Response(player.model.body, motion, None, None, peak_time)
+        return Response(player.tip.body, motion, None, None, peak_time)
     return _response(plan, body, motion, blow, peak_time)
 
 

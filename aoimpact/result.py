@@ -39,15 +39,12 @@ class Result(Eventful):
         Initial velocity of the projectile [m/s] and initial gap [m].
     law : ContactLaw
         The contact law.
-    models : tuple of (AOModel, AOModel), or None
-        The projectile's and the target's model, where `simulate` was left to choose them.
     """
 
     run: Run = field(repr=False)
     velocity: float
     gap: float
     law: Any
-    models: tuple[Any, Any] | None = None
 
     # ------------------------------------------------------------------- histories
 
@@ -91,6 +88,11 @@ class Result(Eventful):
     def error(self) -> ErrorEstimate:
         """What is known of the error of the peak force."""
         return self.run.error
+
+    @property
+    def models(self) -> tuple[Any, ...] | None:
+        """The projectile's and the target's model, where `simulate` was left to choose them."""
+        return self.run.models
 
     @property
     def solver(self) -> str:

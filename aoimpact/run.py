@@ -170,6 +170,8 @@ class Run:
         The mark of the scene's handles.
     reduction_error : float or None
         Of the quantity asked for, relative, where models were chosen for it.
+    models : tuple, or None
+        The bodies' models in the order of `add`, where `simulate` was left to choose them.
     asked : ndarray, shape (n,), or None
         The times asked for, s; the solver's own if None.
     """
@@ -184,6 +186,7 @@ class Run:
     drifts: tuple[Drift | None, ...] = field(repr=False)
     scene: str = field(default="", repr=False)
     reduction_error: float | None = None
+    models: tuple[Any, ...] | None = field(default=None, repr=False)
     asked: FloatArray | None = field(default=None, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -326,6 +329,10 @@ class Run:
                 f"{wanted[0]:g} to {wanted[-1]:g} s"
             )
         return replace(self, asked=wanted.astype(np.float64, copy=True))
+
+    def of_models(self, models: tuple[Any, ...], error: float) -> Run:
+        """Return the run as that of models that were chosen for it, with their estimated error."""
+        return replace(self, models=models, reduction_error=error)
 
     # ---------------------------------------------------------------------- events
 

@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import math
 import uuid
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .adaptive import Adaptive
+from .answer import scene_answer
 from .checks import boolean, finite_array, positive, real
+from .contact import ContactPoint
 from .errors import InputError, InputTypeError, LawLimitError, warn
 from .interface import InterfaceModel
 from .laws import ContactLaw
 from .newmark import Newmark
-from .patchlaw import effective_law, wide_enough
+from .order import Models
+from .patchlaw import effective_law, own_law, wide_enough
 from .plan import Joint, Load, Plan
 from .players import FullPlayer, Player, StarPlayer, player
 from .run import Handle, Run
 from .solve_adaptive import solve_adaptive
 from .solve_newmark import solve_newmark
+from .sufficient import sufficient
 
 __all__ = ["Scene", "Solver", "solve"]
 
@@ -82,9 +88,10 @@ class Scene:
 
         Parameters
         ----------
-        body : AOModel, ModalModel, InterfaceModel or ContactPoint
-            A ContactPoint (``body.contact(...)``) stands for the full finite-element model, a
-            `rigid` body of infinite mass for a wall.
+        body : AOModel, ModalModel, InterfaceModel, ContactPoint or list of ContactPoint
+            A ContactPoint (``body.contact(...)``) stands for the full finite-element model, a list
+            of them on one body for one that is touched in several places, a `rigid` body of
+            infinite mass for a wall.
         velocity : float, optional
             m/s.
         position : float, optional
@@ -106,7 +113,7 @@ class Scene:
             raise InputTypeError(f"name must be a str, got {name!r}")
         speed = checked_speed("velocity", velocity)
         self._players.append(player("body", body, speed))
-        self._bodies.append(body)
+        self._bodies.append(tuple(body) if isinstance(body, list) else body)
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
         self._names.append(name)
@@ -148,7 +155,7 @@ class Scene:
             )
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
-        ends = self._touched(first), self._touched(second)
+        ends = _touched(self._bodies, first), _touched(self._bodies, second)
         between = effective_law(law, ends)
         joint = Joint(first.body, first.at, second.body, second.at, between, apart, ends)
         for number, other in enumerate(self._joints):
@@ -208,11 +215,6 @@ class Scene:
             )
         return handle
 
-    def _touched(self, handle: Handle) -> Any:
-        """What has the patch over which a body is touched there."""
-        body = self._bodies[handle.body]
-        return body.tips[handle.at] if isinstance(body, InterfaceModel) else body
-
     def _called(self, handle: Handle) -> str:
         name = self._names[handle.body]
         return f"body {handle.body}" + (f" ({name})" if name else "")
@@ -226,6 +228,8 @@ class Scene:
         solver: Solver | None = None,
         energies: bool = True,
         preload: bool = False,
+        quantity: str | Handle | ContactPoint | None = None,
+        rtol: float | None = None,
     ) -> Run:
         """Simulate the scene.
 
@@ -240,6 +244,16 @@ class Scene:
         preload : bool, optional
             Whether to start from rest under gravity and the loads at t = 0, bodies pressed on each
             other, found by a static solve; velocities are then added.
+        quantity : str, Handle or ContactPoint, optional
+            What matters: "force" (of every contact over the record), "peak_force" or "impulse" (of
+            every contact), a handle, for the displacement of that contact coordinate over the
+            record, or a point of a body, for its displacement over the record. Given this or
+            `rtol`, finite-element bodies are reduced, and stars truncated, as far as that allows;
+            `Run.models` says to what. What was added twice is reduced alike.
+        rtol : float, optional
+            Its relative error, 1e-2 if left out; that of a history is its largest over the record,
+            relative to the largest value, that of a contact relative to no less than a tenth of the
+            largest of all contacts.
 
         Raises
         ------
@@ -261,16 +275,36 @@ class Scene:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
-        for body in self._players:
+        if quantity is not None or rtol is not None:
+            return self._sufficient(length, solver, energies, preload, quantity, rtol)
+        return self._run(self._bodies, length, solver, energies, preload)
+
+    def _run(
+        self,
+        bodies: Sequence[Any],
+        length: float,
+        solver: Solver | None,
+        energies: bool,
+        preload: bool,
+    ) -> Run:
+        """The run with models in the place of bodies."""
+        players, joints = self._players, self._joints
+        if bodies is not self._bodies:
+            players = [
+                player("body", body, speed)
+                for body, speed in zip(bodies, self._velocities, strict=True)
+            ]
+            joints = [_between(joint, bodies, players) for joint in joints]
+        for body in players:
             if self.gravity and isinstance(body, StarPlayer) and _weightless(body):
                 warn(
                     f"gravity has no effect on {body.label}: what holds a star given by numbers is "
                     "not known; make it by antioscillators(...) of a body with nodes"
                 )
         plan = Plan(
-            tuple(self._players),
+            tuple(players),
             tuple(self._velocities),
-            tuple(self._joints),
+            tuple(joints),
             tuple(self._loads),
             self.gravity,
             length,
@@ -279,6 +313,33 @@ class Scene:
             self._mark,
         )
         return solve(plan, solver)
+
+    def _sufficient(
+        self,
+        length: float,
+        solver: Solver | None,
+        energies: bool,
+        preload: bool,
+        quantity: Any,
+        rtol: float | None,
+    ) -> Run:
+        """The run of the least models that do."""
+        if isinstance(quantity, Handle):
+            self._known("quantity", quantity)
+        asked = scene_answer("force" if quantity is None else quantity, self._bodies)
+        if isinstance(asked.quantity, str) and not self._joints:
+            raise InputError(
+                f"quantity={asked.quantity!r}: the scene has no contacts; connect bodies, or ask "
+                "for the displacement of one by its handle"
+            )
+        different = list({id(body): body for body in self._bodies}.values())
+        which = [next(i for i, one in enumerate(different) if one is body) for body in self._bodies]
+
+        def run(models: Models, rule: Solver, seen: bool) -> Run:
+            return self._run([models[i] for i in which], length, rule, seen, preload)
+
+        done, found = sufficient(run, different, asked, rtol, solver, energies=energies)
+        return done.of_models(tuple(found.models[i] for i in which), found.error)
 
     def _refuse_overlap(self) -> None:
         for number, joint in enumerate(self._joints):
@@ -289,6 +350,24 @@ class Scene:
                     f"by {-joint.gap:g} m at the start; change position or gap, or start with "
                     "preload=True from the rest that gravity and loads press them to"
                 )
+
+
+def _touched(bodies: Sequence[Any], handle: Handle) -> Any:
+    """What has the patch over which a body is touched there."""
+    body = bodies[handle.body]
+    tips = body.tips if isinstance(body, InterfaceModel) else body
+    return tips[handle.at] if isinstance(tips, tuple) else tips
+
+
+def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[Player]) -> Joint:
+    """A contact when models stand for its bodies."""
+    if all(math.isinf(players[body].static_mass) for body in (joint.first, joint.second)):
+        raise InputError("both bodies of a contact are of infinite mass: nothing can give way")
+    ends = (
+        _touched(bodies, Handle(joint.first, joint.first_port)),
+        _touched(bodies, Handle(joint.second, joint.second_port)),
+    )
+    return replace(joint, law=effective_law(own_law(joint.law), ends), ends=ends)
 
 
 def _weightless(body: StarPlayer) -> bool:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from .adaptive import Adaptive
+from .answer import answer
 from .checks import boolean, nonnegative, positive
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, warn
@@ -85,8 +87,20 @@ def simulate(
     """
     if quantity is not None or rtol is not None:
         speed, length, distance = _checked(law, velocity, duration, gap, energies)
+        bodies = projectile, target
         again = partial(simulate, law=law, velocity=speed, duration=length, gap=distance)
-        return sufficient(again, (projectile, target), quantity, rtol, solver, energies=energies)
+        wanted = answer("force" if quantity is None else quantity, *bodies)
+        chosen, found = sufficient(
+            lambda models, rule, seen: again(
+                projectile=models[0], target=models[1], solver=rule, energies=seen
+            ),
+            bodies,
+            wanted,
+            rtol,
+            solver,
+            energies=energies,
+        )
+        return replace(chosen, run=chosen.run.of_models(found.models, found.error))
     plan = plan_impact(
         projectile, target, law, velocity=velocity, duration=duration, gap=gap, energies=energies
     )
@@ -125,7 +139,7 @@ def plan_impact(
     speed, length, distance = _checked(law, velocity, duration, gap, energies)
     bodies = player("projectile", projectile, speed), player("target", target, 0.0)
     for name, body in zip(("projectile", "target"), bodies, strict=True):
-        if isinstance(body, InterfacePlayer):
+        if body.ports > 1 or isinstance(body, InterfacePlayer):
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"
             )

@@ -1,18 +1,14 @@
-"""An impact with the least models that give the answer asked for, to the tolerance asked for."""
+"""A run with the least models that give the answer asked for, to the tolerance asked for."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 from .adaptive import TIGHTEST, Adaptive
-from .answer import answer
 from .checks import positive
-from .contact import ContactPoint
 from .errors import InputError, held_warnings
-from .order import least_orders
-from .result import Result
-from .star import AOModel
+from .order import Asked, Models, Orders, least_orders
 
 __all__ = ["sufficient"]
 
@@ -24,32 +20,40 @@ _RTOL, _TIGHTEST = 1e-2, 1e-8
 # search's estimates are no bounds.
 _SHARE_OF_TIME, _MARGIN = 0.02, 0.95
 
-
-class _Run(Protocol):
-    """`simulate` with everything given but the bodies, the solver, and whether to see energies."""
-
-    def __call__(self, *, projectile: Any, target: Any, solver: Any, energies: bool) -> Result: ...
+R = TypeVar("R")
 
 
 def sufficient(
-    run: _Run,
-    bodies: tuple[Any, Any],
-    quantity: str | ContactPoint | None,
+    run: Callable[[Models, Any, bool], R],
+    bodies: Sequence[Any],
+    asked: Asked[R],
     rtol: float | None,
     solver: Any,
     *,
     energies: bool,
-) -> Result:
-    """Simulate with models of the least order; for the arguments see `simulate`.
+) -> tuple[R, Orders]:
+    """Run with models of the least order; return what they gave, and the orders.
+
+    Parameters
+    ----------
+    run : callable
+        Of models, one for each body, a solver, and whether to see energies.
+    bodies : sequence
+        As of `least_orders`.
+    asked : Asked
+        Of the runs.
+    rtol : float, optional
+        Relative.
+    solver : Adaptive or Newmark, optional
+    energies : bool
 
     Raises
     ------
     InputError, InputTypeError
-        If there is no such quantity, or `rtol` is out of range.
+        If `rtol` is out of range.
     ConvergenceError
         If no models that were looked at are good enough.
     """
-    wanted = answer("force" if quantity is None else quantity, *bodies)
     tolerance = positive("rtol", _RTOL if rtol is None else rtol)
     if not _TIGHTEST <= tolerance < 1.0:
         raise InputError(
@@ -59,17 +63,9 @@ def sufficient(
     in_time = max(_SHARE_OF_TIME * tolerance, TIGHTEST)
     rule = Adaptive(rtol=in_time) if solver is None else solver
 
-    def trial(models: tuple[AOModel, AOModel]) -> Result:
+    def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
-            return run(projectile=models[0], target=models[1], solver=rule, energies=False)
+            return run(models, rule, False)
 
-    found = least_orders(
-        bodies,
-        run=trial,
-        difference=wanted.difference,
-        span=wanted.span,
-        rtol=_MARGIN * tolerance - in_time,
-    )
-    result = run(projectile=found.models[0], target=found.models[1], solver=rule, energies=energies)
-    whole = replace(result.run, reduction_error=found.error)
-    return replace(result, models=found.models, run=whole)
+    found = least_orders(bodies, run=trial, asked=asked, rtol=_MARGIN * tolerance - in_time)
+    return run(found.models, rule, energies), found

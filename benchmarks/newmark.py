@@ -165,7 +165,7 @@ def measure_full() -> list[Line]:
     model = beam_model()
     tip = model.contact(point=(0.5, 0.01, 0.02), direction=(0.0, 0.0, -1.0))
     steps = 200
-    lean, rich = (core_run(FullPlayer(tip, 0.0), steps, energies) for energies in (False, True))
+    lean, rich = (core_run(FullPlayer((tip,), 0.0), steps, energies) for energies in (False, True))
     factors = factorize(model.M + 0.25 * DT**2 * model.K).for_core()
     work, x = np.empty(model.n_dofs), np.ones(model.n_dofs)
     u = np.random.default_rng(0).standard_normal(model.n_dofs)

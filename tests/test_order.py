@@ -15,24 +15,19 @@ MANY = ao.AOModel(m0=1.0, m=np.ones(200), k=np.arange(1.0, 201.0))
 
 
 def search(answer, rtol, bodies=(MANY, MANY), contact_time=1e-4):
-    """Search with runs whose answer is that function of both orders; and how many runs."""
+    """Search with runs whose answer is that function of the orders; and how many runs."""
     runs = []
 
     def run(models):
         runs.append(models)
-        return SimpleNamespace(
-            value=answer(models[0].n, models[1].n),
-            contacts=[(0.0, contact_time)],
-            contact_duration=contact_time,
-        )
+        return SimpleNamespace(value=answer(*(model.n for model in models)))
 
-    found = least_orders(
-        bodies,
-        run=run,
+    asked = SimpleNamespace(
         difference=lambda one, other: abs(one.value - other.value) / abs(other.value),
         span=lambda _: contact_time,
-        rtol=rtol,
+        contact_time=lambda _: contact_time,
     )
+    found = least_orders(bodies, run=run, asked=asked, rtol=rtol)
     return found, len(runs)
 
 
@@ -49,6 +44,19 @@ def test_exponential_convergence(rtol):
     )
     assert n + m <= least + 1
     assert runs < 120
+
+
+def test_any_number_of_bodies():
+    """Errors e^-n, e^-2m and e^-3k of three bodies."""
+    found, _ = search(
+        lambda n, m, k: 1.0 + np.exp(-n) + np.exp(-2.0 * m) + np.exp(-3.0 * k),
+        1e-3,
+        bodies=(MANY, MANY, MANY),
+    )
+    error = sum(np.exp(-rate * n) for rate, n in zip((1, 2, 3), found.orders, strict=True))
+    assert error <= found.error <= 1e-3
+    assert found.orders[0] >= found.orders[1] >= found.orders[2] > 1
+    assert sum(found.orders) <= 15
 
 
 def test_slow_convergence_is_seen_through():

@@ -1,0 +1,213 @@
+"""Scenes whose bodies are reduced as far as the answer allows: the true error is what was asked."""
+
+import math
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.generate import box_mesh
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+HERTZ = ao.Hertz(k=1e10)
+PLACES, SPEEDS, GAPS = (0.1, 0.15, 0.25), (1.0, 0.5, 0.8), (0.0, 1e-5, 5e-6)
+DURATION = 2.5e-4
+DOWN = (0.0, 0.0, -1.0)
+
+
+def beam(divisions=(10, 1, 1), kind="hexahedron20", ends=("xmin", "xmax")):
+    mesh = box_mesh((0.3, 0.02, 0.02), divisions, kind=kind)
+    return ao.FEModel.from_mesh(mesh, STEEL, fixed=[(end, "xyz") for end in ends])
+
+
+def tips_of(body, places=PLACES):
+    return [body.contact(point=(x, 0.01, 0.02), direction=DOWN) for x in places]
+
+
+def struck_in_three_places(tips):
+    scene = ao.Scene()
+    struck = scene.add(tips, name="beam")
+    for i, (speed, gap) in enumerate(zip(SPEEDS, GAPS, strict=True)):
+        ball = scene.add(ao.rigid(mass=0.02), velocity=speed)
+        scene.connect(ball, struck.port(i), HERTZ, gap=gap)
+    return scene, struck
+
+
+def forces(run, times):
+    return np.array([np.interp(times, run.t, contact.force) for contact in run.contacts])
+
+
+def relative(mine, right):
+    """The largest difference of histories, each relative to its own largest value."""
+    return (np.abs(mine - right).max(axis=-1) / np.abs(right).max(axis=-1)).max()
+
+
+@pytest.fixture(scope="module", params=[("xmin", "xmax"), ()], ids=["held", "free"])
+def three(request):
+    """The scene, and what the full finite-element model says, by Newmark's rule."""
+    tips = tips_of(beam(ends=request.param))
+    scene, struck = struck_in_three_places(tips)
+    full = scene.simulate(duration=DURATION, solver=ao.Newmark(dt=2e-8, estimate=False))
+    assert full[struck].label == f"full({tips[0].body.n_dofs})"
+    return scene, struck, full
+
+
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
+def test_forces_of_a_body_touched_in_three_places(three, rtol):
+    scene, struck, full = three
+    run = scene.simulate(duration=DURATION, rtol=rtol)
+    assert relative(forces(run, full.t), forces(full, full.t)) <= rtol
+    assert run.error.reduction <= rtol
+    assert run.models[struck.body].n < 60 < full[struck].coordinates.size
+    assert run[struck].port_displacements.shape[0] == 3
+
+
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
+def test_displacement_of_one_of_the_places(three, rtol):
+    scene, struck, full = three
+    run = scene.simulate(duration=DURATION, quantity=struck.port(1), rtol=rtol)
+    mine = np.interp(full.t, run.t, run[struck].port_displacements[1])
+    assert relative(mine, full[struck].port_displacements[1]) <= rtol
+
+
+def test_displacement_of_a_point_that_nothing_touches(three):
+    scene, struck, full = three
+    body = full[struck]._responding.body
+    point = body.contact(point=(0.21, 0.0, 0.0), direction=DOWN)
+    run = scene.simulate(duration=DURATION, quantity=point, rtol=1e-2)
+    times = np.linspace(0.0, DURATION, 100)
+    mine = run[struck].displacement_of(point.b, times)
+    right = full[struck].probe(point=point.point, direction=DOWN, times=times).displacement
+    assert relative(mine, right) <= 1e-2
+
+
+def test_tighter_tolerances_take_larger_models(three):
+    scene, struck, _ = three
+    orders = [
+        scene.simulate(duration=DURATION, rtol=rtol).models[struck.body].n for rtol in (1e-1, 1e-3)
+    ]
+    assert orders[0] < orders[1]
+
+
+@pytest.mark.parametrize("quantity", ["peak_force", "impulse"])
+def test_numbers_of_contacts(three, quantity):
+    scene, _, full = three
+    run = scene.simulate(duration=DURATION, quantity=quantity, rtol=1e-2)
+    for mine, right in zip(run.contacts, full.contacts, strict=True):
+        assert getattr(mine, quantity) == pytest.approx(getattr(right, quantity), rel=1e-2)
+
+
+def test_a_full_body_in_three_places_is_its_modes():
+    """All natural modes exactly against Newmark's rule on K and M, under gravity and preload."""
+    tips = tips_of(beam((6, 1, 1), "hexahedron"))
+    scene = ao.Scene(gravity=9.81)
+    struck = scene.add(tips)
+    balls = [scene.add(ao.rigid(mass=0.02), velocity=v) for v in SPEEDS]
+    for i, ball in enumerate(balls):
+        scene.connect(ball, struck.port(i), HERTZ)
+
+    def final(dt):
+        rule = ao.Newmark(dt=dt, estimate=False)
+        run = scene.simulate(duration=1e-4, solver=rule, preload=True)
+        return np.array([run[ball].velocity[-1] for ball in balls])
+
+    exact = scene.simulate(duration=1e-4, solver=ao.Adaptive(rtol=1e-9), preload=True)
+    mine = np.array([exact[ball].velocity[-1] for ball in balls])
+    assert (4.0 * final(1e-8) - final(2e-8)) / 3.0 == pytest.approx(mine, abs=1e-6)
+
+
+def test_the_scene_of_two_is_an_impact():
+    tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN)
+    ball = ao.AOModel(m0=1e-3, m=[0.02, 0.005], k=[2e8, 9e8])
+    hit = ao.simulate(
+        projectile=ball, target=tip, law=HERTZ, velocity=1.0, duration=DURATION, rtol=1e-2
+    )
+    scene = ao.Scene()
+    one, other = scene.add(ball, velocity=1.0), scene.add(tip)
+    scene.connect(one, other, HERTZ)
+    run = scene.simulate(duration=DURATION, rtol=1e-2)
+    assert [model.label for model in run.models] == [model.label for model in hit.models]
+    assert run.contacts[0].peak_force == hit.peak_force
+    assert run.error.reduction == pytest.approx(hit.error.reduction, rel=1e-9)
+
+
+def test_a_patch_gives_way_in_the_law_of_the_models_that_do():
+    """A rigid sphere has no patch whose indentation were to be taken out of the law."""
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.0035), STEEL)
+    tip = ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0.004)
+    scene, law = ao.Scene(), ao.Hertz.between(STEEL, 0.01, STEEL, math.inf)
+    one, wall = scene.add(tip, velocity=1.0), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(one, wall, law)
+    run = scene.simulate(duration=1.5e-4, quantity="impulse", rtol=3e-2)
+    assert run.models[0].label == "rigid"
+    rigid = ao.simulate(
+        projectile=ao.rigid(mass=ball.mass),
+        target=ao.rigid(mass=math.inf),
+        law=law,
+        velocity=1.0,
+        duration=1.5e-4,
+    )
+    assert run.contacts[0].peak_force == pytest.approx(rigid.peak_force, rel=1e-3)
+
+
+def test_what_is_there_twice_is_reduced_alike():
+    """A ball between two beams that are one and the same model."""
+    tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN)
+    scene = ao.Scene()
+    upper, ball, lower = scene.add(tip), scene.add(ao.rigid(mass=0.02), velocity=1.0), None
+    lower = scene.add(tip)
+    scene.connect(upper, ball, HERTZ)
+    scene.connect(ball, lower, HERTZ)
+    run = scene.simulate(duration=DURATION, rtol=1e-2)
+    assert run.models[upper.body] is run.models[lower.body]
+    assert run.models[ball.body].label == "rigid"
+    assert run[lower].label == run.models[lower.body].label
+
+
+# ------------------------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"quantity": "forse"}, "did you mean 'force'"),
+        ({"quantity": "rebound"}, "quantity must be one of 'force'"),
+        ({"quantity": 3.0}, "quantity"),
+        ({"rtol": 2.0}, "rtol must be from 1e-08 to below 1"),
+        ({"rtol": 1e-2, "solver": "fast"}, "solver must be Adaptive"),
+    ],
+)
+def test_bad_arguments_are_named(three, options, message):
+    with pytest.raises(ao.AOImpactError, match=message):
+        three[0].simulate(duration=DURATION, **options)
+
+
+def test_what_belongs_elsewhere_is_refused(three):
+    scene, _, _ = three
+    other, struck = struck_in_three_places(tips_of(beam((6, 1, 1), "hexahedron")))
+    with pytest.raises(ao.InputError, match="of another scene"):
+        scene.simulate(duration=DURATION, quantity=struck)
+    with pytest.raises(ao.InputError, match="on none of the scene's bodies"):
+        scene.simulate(duration=DURATION, quantity=tips_of(beam())[0])
+    with pytest.raises(ao.InputError, match="there is no port 3"):
+        other.simulate(duration=DURATION, quantity=struck.port(3))
+    alone = ao.Scene()
+    alone.add(ao.rigid(mass=1.0), velocity=1.0)
+    with pytest.raises(ao.InputError, match="the scene has no contacts"):
+        alone.simulate(duration=DURATION, rtol=1e-2)
+
+
+def test_several_places_are_on_one_body():
+    one, other = beam((6, 1, 1), "hexahedron"), beam((6, 1, 1), "hexahedron")
+    with pytest.raises(ao.InputError, match="tips are on different bodies"):
+        ao.Scene().add([*tips_of(one), *tips_of(other)])
+    with pytest.raises(ao.InputError, match="tips is empty"):
+        ao.Scene().add([])
+    with pytest.raises(ao.InputTypeError, match="build a Scene"):
+        ao.simulate(
+            projectile=ao.rigid(mass=1.0),
+            target=tips_of(one),
+            law=HERTZ,
+            velocity=1.0,
+            duration=1e-3,
+        )
