@@ -44,6 +44,7 @@ def krylov_extend(
     basis: _F,
     stiffness: _F,
     rigid_count: int,
+    given_count: int,
     count: int,
     next: int,
     wanted: int,

@@ -240,9 +240,8 @@ class InterfaceSpace:
         solver: Solver = "auto",
     ) -> None:
         self.tips = checked_ports(tips)
-        functionals = np.stack([tip.b for tip in self.tips])
         shifts = fitted_shifts(self.tips, contact_time, duration)
-        self._space = Subspace(self.tips[0].body, functionals, shifts, solver=solver)
+        self._space = Subspace(self.tips, shifts, solver=solver)
         self.rigid_count = self._space.rigid_count
 
     def of_vectors(self, n: int) -> InterfaceModel:

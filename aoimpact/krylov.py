@@ -2,13 +2,15 @@
 
 The paper takes the constraint modes of the whole body, most of which a short blow never reaches.
 Here the body is first projected on the vectors that a blow of duration T excites,
-(K + s²M)⁻¹ b, (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … with s ~ 1/T, each of which costs one solve.
+(K + s²M)⁻¹ b, (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … with s ~ 1/T, each of which costs one solve; and, if
+it is held, on its static mode, without which a short blow's vectors make it far too stiff.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,12 +19,12 @@ import scipy.linalg as la
 
 from . import _core
 from .checks import integer, positive
-from .contact import Body, ContactPoint
+from .contact import ContactPoint
 from .errors import InputError, InputTypeError, SingularError, warn
 from .modes import star_of_modes
 from .solvers import LinearSolver, Solver, checked_solver
 from .star import AOModel
-from .statics import moves_rigidly
+from .statics import displacement, moves_rigidly
 
 __all__ = [
     "KrylovSpace",
@@ -35,8 +37,8 @@ __all__ = [
 FloatArray = npt.NDArray[np.float64]
 
 # s T of the shift for a blow of duration T. On the paper's beam 8 to 14 are alike, a third of it
-# and three times as much need two more oscillators for the same force. A spread of shifts, or the
-# static mode beside them, was measured to be worse for each solve.
+# and three times as much need two more oscillators for the same force. A spread of shifts was
+# measured to be worse for each solve.
 _SHIFT_TIMES_DURATION = 10.0
 
 # A Ritz value below this share of the largest is none of an elastic motion.
@@ -50,13 +52,14 @@ _RIGID_ONLY = 1e-13
 
 
 class Subspace:
-    """A rational Krylov subspace of a body, seen from one or more functionals; it grows.
+    """A rational Krylov subspace of a body, seen from one or more places; it grows.
+
+    Rigid motions come first, then the static modes of the places where these do not move the body.
 
     Parameters
     ----------
-    body : FEModel
-    functionals : ndarray, shape (p, n_dofs)
-        u = bᵀX of the places where it is touched.
+    tips : sequence of ContactPoint
+        The places, on one body.
     shifts : sequence of float
         s of K + s²M, rad/s, taken in turn.
     solver : str or callable, optional
@@ -70,12 +73,12 @@ class Subspace:
 
     def __init__(
         self,
-        body: Body,
-        functionals: FloatArray,
+        tips: Sequence[ContactPoint],
         shifts: Sequence[float],
         *,
         solver: Solver = "auto",
     ) -> None:
+        body = tips[0].body
         rigid = body.rigid_modes
         self.body = body
         self.rigid_count = rigid.shape[1]
@@ -84,18 +87,22 @@ class Subspace:
         self._solver = checked_solver(solver)
         self._solvers: dict[float, LinearSolver] = {}
         # The rigid part would drown the rest where s is small; it is in the basis exactly.
-        self._b = functionals - (functionals @ rigid) @ (body.M @ rigid).T
-        silent = np.linalg.norm(self._b, axis=1) <= _RIGID_ONLY * np.linalg.norm(functionals)
-        self._b[silent] = 0.0
+        functionals = np.stack([tip.b for tip in tips])
+        elastic = functionals - (functionals @ rigid) @ (body.M @ rigid).T
+        silent = np.linalg.norm(elastic, axis=1) <= _RIGID_ONLY * np.linalg.norm(functionals)
+        elastic[silent] = 0.0
+        self._b = elastic
+        self._static_b = elastic[[not moves_rigidly(tip) for tip in tips]]
         self._basis = np.ascontiguousarray(rigid.T)
         self._stiffness = np.zeros((self.rigid_count, self.rigid_count))
-        self._count, self._solves, self._wanted = self.rigid_count, 0, 0
+        self._given = self._count = self.rigid_count
+        self._statics, self._solves, self._wanted = 0, 0, 0
         self._K, self._M = _for_core(body.K), _for_core(body.M)
 
     @property
     def solves(self) -> int:
-        """How many linear systems were solved so far."""
-        return self._solves
+        """How many linear systems were solved so far, a static mode's counted as one."""
+        return self._statics + self._solves
 
     @property
     def exhausted(self) -> bool:
@@ -110,23 +117,18 @@ class Subspace:
         """
         self._reserve(count)
         self._wanted = max(self._wanted, count)
+        while self._count < count and self._statics < len(self._static_b):
+            load = self._static_b[self._statics, None]
+            self._count, _ = self._extend(load, 0.0, self._static_mode, self._count, 0)
+            self._given, self._statics = self._count, self._statics + 1
         while self._count < count:
             # One solve at a time, so that signals are heard in between.
             # All functionals have their turn with a shift before the next shift has its own.
             shift = self.shifts[self._solves // len(self._b) % len(self.shifts)]
             before = self._solves
-            self._count, self._solves = _core.krylov_extend(
-                self._K,
-                self._M,
-                shift**2,
-                self._call(shift),
-                self._b,
-                self._basis,
-                self._stiffness,
-                self.rigid_count,
-                self._count,
-                self._solves,
-                self._count + 1,
+            solve = self._inverse(shift).solve
+            self._count, self._solves = self._extend(
+                self._b, shift**2, solve, self._given, self._solves
             )
             if self._solves == before:
                 break
@@ -160,24 +162,52 @@ class Subspace:
         self._basis = np.concatenate([self._basis, np.empty((more, self._basis.shape[1]))])
         self._stiffness = np.pad(self._stiffness, (0, more))
 
-    def _call(self, shift: float) -> Callable[[memoryview], None]:
+    def _extend(
+        self,
+        loads: FloatArray,
+        s2: float,
+        solve: Callable[[FloatArray], FloatArray],
+        given: int,
+        solves: int,
+    ) -> tuple[int, int]:
+        """Grow by one vector beside those `given`; return the counts of vectors and of solves."""
+
+        def in_place(buffer: memoryview) -> None:
+            x = np.frombuffer(buffer)
+            x[:] = solve(x.copy())
+
+        return _core.krylov_extend(
+            self._K,
+            self._M,
+            s2,
+            in_place,
+            loads,
+            self._basis,
+            self._stiffness,
+            self.rigid_count,
+            given,
+            self._count,
+            solves,
+            self._count + 1,
+        )
+
+    def _inverse(self, shift: float) -> LinearSolver:
         if shift not in self._solvers:
             self._solvers[shift] = self.body.inverse(shift**2, solver=self._solver)
-        inverse = self._solvers[shift]
-        self.solver_name = inverse.name
+        self.solver_name = self._solvers[shift].name
+        return self._solvers[shift]
 
-        def solve(buffer: memoryview) -> None:
-            x = np.frombuffer(buffer)
-            x[:] = inverse.solve(x.copy())
-
-        return solve
+    def _static_mode(self, load: FloatArray) -> FloatArray:
+        invert = partial(self.body.inverse, solver=self._solver)
+        return displacement(self.body, load, invert, dynamic=self._inverse(min(self.shifts)))
 
 
 class KrylovSpace:
     """The space from which scene-fitted anti-oscillators of a body are made; it grows.
 
     `antioscillators(tip, n, method="krylov")` makes one and asks it once. Kept by hand it gives
-    models of any order, the next one for a single solve more.
+    models of any order, the next one for a single solve more. A held body's static mode costs some
+    solves with the same factors if the body is compact, a factorisation of K if it is slender.
 
     Parameters
     ----------
@@ -189,7 +219,8 @@ class KrylovSpace:
     duration : float, optional
         How long the body's motion is to be right, s, if that is much longer than the blow: every
         other vector is then fitted to it, which takes a second factorisation. Without it the
-        motion is right for some blows' lengths; a free body's as a whole always.
+        motion is right for some blows' lengths; always right are a free body's as a whole and what
+        a held one does under forces that change slowly.
     solver : str or callable, optional
         See `FEModel.inverse`.
 
@@ -211,7 +242,7 @@ class KrylovSpace:
             raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
         self.tip = tip
         self.shift = fitted_shifts([tip], contact_time, None)[0]
-        self._space = Subspace(tip.body, tip.b[None, :], [self.shift], solver=solver)
+        self._space = Subspace([tip], [self.shift], solver=solver)
         if duration is not None:
             self.include(duration)
         # A held body's static mode is one more vector; a free one's is rigid, and there already.

@@ -193,8 +193,9 @@ def antioscillators(
         mass stays in m0, eq. (10).
     method : {"eigen", "krylov"}
         "eigen": the constraint modes of the paper, right at every time scale in the end. "krylov":
-        those of the body projected on the motions that a blow excites, of which few give its force;
-        a held body's motion long after it, and its static stiffness, need `duration` or many.
+        those of the body projected on its static mode and the motions that a blow excites, of which
+        few give its force; vibration long after it needs `duration`, and an oscillator or two for
+        each natural mode in it.
     order : {"mass", "frequency"}, optional
         Which come first: those of the largest mass ("eigen"'s default) or of the lowest frequency
         ("krylov"'s only one).

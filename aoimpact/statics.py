@@ -17,6 +17,7 @@ from .star import Origin
 
 __all__ = [
     "StaticMode",
+    "displacement",
     "elastic_compliance",
     "moves_rigidly",
     "origin_of",
@@ -25,6 +26,11 @@ __all__ = [
 ]
 
 FloatArray = npt.NDArray[np.float64]
+
+# Solutions with K + s²M that are tried in place of a factorisation of K, and ‖b - Kx‖/‖b‖ that
+# they have to reach: at first, and in the end, where bᵀx is right to its square.
+_FIRST_FEW, _PROMISING = 8, 0.1
+_FEW, _REACHED = 16, 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +83,7 @@ def static_mode(
         mass = _core.static_free(np.ascontiguousarray(rigid.T), b, phi)
         across = la.qr(reach[:, None])[0][:, 1:]
         return StaticMode(phi, 0.0, tip.body.M @ phi, mass, rigid @ across)
-    phi = np.ascontiguousarray(_displacement(tip.body, b, invert or tip.body.inverse))
+    phi = np.ascontiguousarray(displacement(tip.body, b, invert or tip.body.inverse))
     k0 = _core.static_held(b, phi)
     m_phi = tip.body.M @ phi
     return StaticMode(phi, k0, m_phi, float(phi @ m_phi), rigid)
@@ -104,11 +110,31 @@ def elastic_compliance(
     """
     rigid, M, b = tip.body.rigid_modes, tip.body.M, tip.b
     load = b - M @ (rigid @ (rigid.T @ b))
-    return float(load @ _displacement(tip.body, load, invert or tip.body.inverse))
+    return float(load @ displacement(tip.body, load, invert or tip.body.inverse))
 
 
-def _displacement(body: Body, b: FloatArray, invert: Callable[[float], LinearSolver]) -> FloatArray:
-    """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them."""
+def displacement(
+    body: Body,
+    b: FloatArray,
+    invert: Callable[[float], LinearSolver],
+    *,
+    dynamic: LinearSolver | None = None,
+) -> FloatArray:
+    """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them.
+
+    Parameters
+    ----------
+    body : FEModel
+    b : ndarray, shape (n_dofs,)
+    invert : callable
+        s² ↦ the solver of K + s²M.
+    dynamic : LinearSolver, optional
+        A solver of K + s²M that is there already: tried first, if it is a direct one.
+    """
+    if dynamic is not None and dynamic.precondition is None:
+        found = _by_dynamic_stiffness(body, b, dynamic)
+        if found is not None:
+            return found
     K, M, rigid = body.K, body.M, body.rigid_modes
     if rigid.shape[1] == 0:
         try:
@@ -134,6 +160,34 @@ def _displacement(body: Body, b: FloatArray, invert: Callable[[float], LinearSol
         f"the static mode of a partly free body did not converge (last change {size:.2g}): "
         "hold the body, or give it fewer soft parts"
     )
+
+
+def _by_dynamic_stiffness(body: Body, b: FloatArray, dynamic: LinearSolver) -> FloatArray | None:
+    """K⁻¹ b by conjugate gradients with (K + s²M)⁻¹ before them; None if that takes many.
+
+    It takes a solution for each mode below s that b excites: few for compact bodies.
+    """
+    K, rigid = body.K, body.rigid_modes
+    x, r = np.zeros_like(b), b.copy()
+    z = p = dynamic.solve(r)
+    rz, load = float(r @ z), float(np.linalg.norm(b))
+    for iteration in range(1, _FEW + 1):
+        product = K @ p
+        curvature = float(p @ product)
+        if not (rz > 0.0 and curvature > 0.0):
+            return None
+        x += rz / curvature * p
+        r -= rz / curvature * product
+        left = float(np.linalg.norm(r)) / load
+        if left <= _REACHED:
+            found: FloatArray = x - rigid @ (rigid.T @ (body.M @ x))
+            return found
+        if iteration == _FIRST_FEW and left > _PROMISING:
+            return None
+        z = dynamic.solve(r)
+        before, rz = rz, float(r @ z)
+        p = z + rz / before * p
+    return None
 
 
 def origin_of(

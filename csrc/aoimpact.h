@@ -176,14 +176,17 @@ int aoi_oscillators_project(size_t n, size_t count, const double *phi, const dou
  *   basis      n x capacity; its first rigid_count columns are R, M-orthonormal, set by the caller,
  *              and stay. 1 + the vectors wanted are enough for one port.
  *   stiffness  V^T K V, capacity x capacity; V^T M V is 1. Rows and columns of R must be zero.
- *   count      columns so far: rigid_count at the start. next: solves so far, 0 at the start.
+ *   given      given_count columns, rigid_count or more, are there before the first solve. Those
+ *              beyond R are any motions that the model is to have, M-orthonormal and with their
+ *              stiffness, such as static modes: grown so themselves, with s2 = 0 and each b by itself.
+ *   count      columns so far: given_count at the start. next: solves so far, 0 at the start.
  *   work       aoi_krylov_work_size doubles.
  */
 typedef struct aoi_krylov {
     aoi_sparse K, M;
     double s2;
     aoi_solver solver;
-    size_t port_count, rigid_count, capacity;
+    size_t port_count, rigid_count, given_count, capacity;
     const double *b;
     double *basis, *stiffness, *work;
     size_t count, next;

@@ -28,7 +28,7 @@ static void next_load(const aoi_krylov *space, double *f)
         }
         return;
     }
-    const size_t source = space->rigid_count + space->next - space->port_count;
+    const size_t source = space->given_count + space->next - space->port_count;
     aoi_sparse_multiply(&space->M, space->basis + source * n, f);
 }
 
@@ -104,11 +104,12 @@ int aoi_krylov_extend(aoi_krylov *space, size_t wanted)
 {
     const size_t n = space->K.n;
     double *f = space->work, *kx = f + n, *mx = kx + n, *coefficient = mx + n;
-    if (space->M.n != n || wanted > space->capacity || space->count < space->rigid_count) {
+    if (space->M.n != n || wanted > space->capacity || space->count < space->given_count ||
+        space->given_count < space->rigid_count) {
         return AOI_ERROR_ARGUMENT;
     }
     while (space->count < wanted &&
-           space->rigid_count + space->next < space->port_count + space->count) {
+           space->given_count + space->next < space->port_count + space->count) {
         double *x = space->basis + space->count * n;
         next_load(space, f);
         const int status = solve_checked(space, f, x, kx, mx);

@@ -28,15 +28,16 @@ static int take_space(held *buffers, PyObject *args, aoi_krylov *space, callable
 {
     PyObject *K, *M, *b, *basis, *stiffness;
     size_t all = (size_t)-1, functionals = (size_t)-1, square;
-    Py_ssize_t rigid, count, next, last;
-    if (!PyArg_ParseTuple(args, "O!O!dOOOOnnnn", &PyTuple_Type, &K, &PyTuple_Type, &M, &space->s2,
-                          &solver->solve, &b, &basis, &stiffness, &rigid, &count, &next, &last)) {
+    Py_ssize_t rigid, given, count, next, last;
+    if (!PyArg_ParseTuple(args, "O!O!dOOOOnnnnn", &PyTuple_Type, &K, &PyTuple_Type, &M, &space->s2,
+                          &solver->solve, &b, &basis, &stiffness, &rigid, &given, &count, &next,
+                          &last)) {
         buffers->failed = 1;
         return AOI_OK;
     }
     need_tuple(buffers, K, 3);
     const Py_ssize_t rows = buffers->failed ? 0 : PyObject_Length(PyTuple_GetItem(K, 0));
-    if (rows < 2 || rigid < 0 || count < rigid || next < 0 || last < 0) {
+    if (rows < 2 || rigid < 0 || given < rigid || count < given || next < 0 || last < 0) {
         return AOI_ERROR_ARGUMENT;
     }
     const size_t n = (size_t)rows - 1;
@@ -49,6 +50,7 @@ static int take_space(held *buffers, PyObject *args, aoi_krylov *space, callable
     space->stiffness = doubles_out(buffers, stiffness, "stiffness", &square);
     space->port_count = functionals / n;
     space->rigid_count = (size_t)rigid;
+    space->given_count = (size_t)given;
     space->count = (size_t)count;
     space->next = (size_t)next;
     *wanted = (size_t)last;

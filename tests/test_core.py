@@ -152,7 +152,7 @@ def krylov_arguments() -> list[Any]:
         x = np.frombuffer(buffer)
         x[:] = inverse.solve(x.copy())
 
-    return [rows(K), rows(M), 1e6, solve, np.eye(6)[[0, 5]], *zeros(18, 9), 0, 0, 0, 2]
+    return [rows(K), rows(M), 1e6, solve, np.eye(6)[[0, 5]], *zeros(18, 9), 0, 0, 0, 0, 2]
 
 
 # A good call of every function, and which of its arrays are written.

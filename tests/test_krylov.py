@@ -166,11 +166,67 @@ def test_expand_gives_back_the_full_displacement(block):
     assert full @ (M @ full) == pytest.approx(kinetic, rel=1e-8)
 
 
-def test_static_stiffness_with_a_duration():
-    """Fitted to slow motion as well, a held rod has k0 = EA/L = 1; fitted to a blow alone, more."""
+@pytest.mark.parametrize("contact_time", [0.06, 1.0, 1e3])
+def test_a_held_body_keeps_its_static_mode(contact_time):
+    """However short the blow, φ_st = x/L of a clamped rod: k0 = EA/L = 1, m_st = M/3."""
     K, M = rod(100, fixed=[0])
-    assert fitted(K, M, 99, 4, contact_time=0.1, duration=1e4).k0 == pytest.approx(1.0, rel=1e-6)
-    assert fitted(K, M, 99, 4, contact_time=0.1).k0 > 1.5
+    for n in (0, 1, 4):
+        star = fitted(K, M, 99, n, contact_time=contact_time)
+        assert star.n == n
+        assert star.k0 == pytest.approx(1.0, rel=1e-9)
+        assert star.static_mass == pytest.approx(1 / 3, rel=1e-4)
+        assert fitted(K, M, 99, n, contact_time=0.06, duration=1e3).k0 == pytest.approx(1.0)
+
+
+def test_a_slender_body_keeps_its_static_mode(paper_beam):
+    """A blow of 90 µs sees less than a thousandth of its compliance: F/u = 48 EI/L³ and shear."""
+    tip, _ = paper_beam
+    exact = ao.antioscillators(tip, 0)
+    star = ao.antioscillators(tip, 3, method="krylov", contact_time=90e-6)
+    assert star.k0 == pytest.approx(exact.k0, rel=1e-7)
+    assert star.static_mass == pytest.approx(exact.static_mass, rel=1e-7)
+
+
+def test_a_partly_free_body_keeps_its_static_mode():
+    """A beam on a pin and a roller may slide along them; struck across, it does not."""
+    ends = [(lambda x: (x[:, 0] < 1e-9) & (x[:, 2] < 1e-9), "xz")]
+    ends += [(lambda x: (x[:, 0] > 0.2 - 1e-9) & (x[:, 2] < 1e-9), "z")]
+    body = ao.FEModel.from_mesh(box_mesh((0.2, 0.02, 0.02), (10, 2, 2)), STEEL, fixed=ends)
+    assert body.rigid_modes.shape[1] == 1
+    tip = body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1))
+    exact = ao.antioscillators(tip, 0)
+    for contact_time in (2e-5, 1e-3):  # by the factors of K, and by those of K + s²M
+        star = ao.antioscillators(tip, 3, method="krylov", contact_time=contact_time)
+        assert star.k0 == pytest.approx(exact.k0, rel=1e-7)
+
+
+def test_a_slowly_changing_force_meets_the_full_bodys_compliance(paper_beam):
+    """Pushed up to 1 N in 20 ms, though fitted to a blow of 90 µs: it moves as the whole star."""
+    tip, _ = paper_beam
+    few = ao.antioscillators(tip, 3, method="krylov", contact_time=90e-6)
+    times = np.linspace(0, 20e-3, 41)
+    u = []
+    for star in (few, ao.antioscillators(tip)):
+        scene = ao.Scene()
+        scene.apply(scene.add(star), force=([0.0, 20e-3], [0.0, 1.0]))
+        u.append(scene.simulate(duration=20e-3).at(times).bodies[0].displacement)
+    assert np.abs(u[0] - u[1]).max() <= 0.01 * np.abs(u[1]).max()
+
+
+@pytest.mark.slow
+def test_vibration_long_after_the_blow_takes_a_duration(paper_beam):
+    """Over 20 ms, two hundred blows' lengths, the contact's displacement is the whole star's."""
+    tip, _ = paper_beam
+    u = []
+    for star in (
+        ao.antioscillators(tip, 28, method="krylov", contact_time=90e-6, duration=20e-3),
+        ao.antioscillators(tip),
+    ):
+        hit = ao.simulate(
+            projectile=ao.rigid(mass=BALL_MASS), target=star, law=LAW, velocity=1.0, duration=20e-3
+        )
+        u.append(hit.at(np.linspace(0, 20e-3, 2001)).target.displacement)
+    assert np.abs(u[0] - u[1]).max() <= 0.005 * np.abs(u[1]).max()
 
 
 def test_a_whole_subspace_is_the_body():
@@ -249,15 +305,19 @@ def test_rounding_in_the_symmetry_of_k():
     np.testing.assert_allclose(noisy.m, clean.m, rtol=1e-8)
 
 
-def test_a_mechanism_is_named():
+@pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]], ids=["free", "held"])
+def test_a_mechanism_is_named(fixed):
     """Two blocks that share nothing but one edge: a hinge."""
     left = box_mesh((0.02, 0.02, 0.02), (2, 2, 2))
     shift = left.nodes + np.array([0.02, 0.0, 0.02])
     nodes = np.concatenate([left.nodes, shift])
     _, first, index = np.unique(np.round(nodes, 9), axis=0, return_index=True, return_inverse=True)
     cells = np.concatenate([left.cells, left.cells + left.n_nodes])
-    mesh = ao.Mesh(nodes[first], index.ravel()[cells], left.kind, {})
-    tip = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.04, 0.01, 0.03), direction=(0, 0, 1))
+    end = {"xmin": np.flatnonzero(nodes[first][:, 0] < 1e-9)}
+    mesh = ao.Mesh(nodes[first], index.ravel()[cells], left.kind, end)
+    tip = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed).contact(
+        point=(0.04, 0.01, 0.03), direction=(0, 0, 1)
+    )
     with pytest.raises(ao.SingularError, match="mechanism"):
         ao.antioscillators(tip, 12, method="krylov", contact_time=1e-4)
 
@@ -275,7 +335,7 @@ def test_two_functionals_share_one_subspace(block):
     other = block.body.contact(point=(0, 0, 0), direction=(0, 1, 0))
     B = np.stack([block.b, other.b])
     s = 5e5
-    omega2, modes = Subspace(block.body, B, [s]).ritz(12)
+    omega2, modes = Subspace([block, other], [s]).ritz(12)
     gram = modes.T @ (block.body.M @ modes)
     np.testing.assert_allclose(gram, np.eye(12), atol=1e-9)
     r = B @ modes
@@ -322,3 +382,11 @@ def test_one_factorisation_and_a_solve_a_vector_by_the_users_own_solver(block):
     star = ao.antioscillators(block, 4, method="krylov", contact_time=20e-6, solver=own)
     assert calls == {"factorisations": 1, "solves": 4}
     assert star.origin.solver == "own"
+    # Held: the static mode of a compact body takes solves with the same factors.
+    mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
+    held = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+    tip = held.contact(point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0))
+    calls.update(factorisations=0, solves=0)
+    ao.antioscillators(tip, 4, method="krylov", contact_time=20e-6, solver=own)
+    assert calls["factorisations"] == 1
+    assert 4 < calls["solves"] <= 4 + 16

@@ -66,7 +66,7 @@ static void rod_make(rod *r, int n, int held, double s2, int ports)
     r->start[n] = stored;
     const size_t size = (size_t)n;
     r->space = (aoi_krylov){{size, r->start, r->indices, r->k}, {size, r->start, r->indices, r->m},
-                            s2, {rod_solver, r}, (size_t)ports, 0, size, r->b, r->basis,
+                            s2, {rod_solver, r}, (size_t)ports, 0, 0, size, r->b, r->basis,
                             r->stiffness, r->work, 0, 0};
 }
 
@@ -198,13 +198,35 @@ static void rigid_motion_stays(void)
         r.basis[i] = 1.0 / sqrt(mass);
         r.b[i] = (i == 15 ? 1.0 : 0.0) - share / mass;
     }
-    r.space.rigid_count = r.space.count = 1;
+    r.space.rigid_count = r.space.given_count = r.space.count = 1;
     CHECK(aoi_krylov_extend(&r.space, 6) == AOI_OK && r.space.count == 6, "five solves");
     for (size_t j = 0; j < 6; j++) {
         CHECK(r.stiffness[j] == 0.0 && r.stiffness[j * 16] == 0.0, "it has no stiffness");
     }
     CHECK(near(projected_receptance(&r, 0, 0, 1e-3), rod_receptance(&r, 0, 0, 1e-3), 1e-9),
           "the elastic rest is right at low frequency");
+}
+
+/* The static mode, grown with s = 0 and then given: the receptance is right at 0 as well, and at the
+ * shift every solve tells, none being spent on the static mode's own successor. */
+static void static_mode_is_given(void)
+{
+    rod r;
+    rod_make(&r, 24, 1, 0.0, 1);
+    r.b[23] = 1.0;
+    CHECK(aoi_krylov_extend(&r.space, 1) == AOI_OK && r.space.count == 1, "the static mode");
+    r.space.given_count = 1;
+    r.space.s2 = 0.5;
+    r.space.next = 0;
+    CHECK(aoi_krylov_extend(&r.space, 3) == AOI_OK && r.space.next == 2, "two solves");
+    CHECK(near(projected_receptance(&r, 0, 0, 0.0), 24.0, 1e-12), "24 springs in a row");
+    double error[2];
+    for (int i = 0; i < 2; i++) {
+        const double x = 0.5 + 0.03 * (i + 1);
+        error[i] = fabs(projected_receptance(&r, 0, 0, x) - rod_receptance(&r, 0, 0, x));
+    }
+    const double order = log(error[1] / error[0]) / log(2.0);
+    CHECK(order > 3.5, "two solves match four derivatives, not %g", order);
 }
 
 static void several_ports(void)
@@ -280,8 +302,11 @@ static void bad_arguments_are_refused(void)
     rod r;
     rod_make(&r, 12, 1, 0.1, 1);
     CHECK(aoi_krylov_extend(&r.space, 13) == AOI_ERROR_ARGUMENT, "no room");
-    r.space.rigid_count = 1;
+    r.space.rigid_count = r.space.given_count = 1;
     CHECK(aoi_krylov_extend(&r.space, 3) == AOI_ERROR_ARGUMENT, "rigid motions not yet there");
+    r.space.given_count = 0;
+    r.space.count = 1;
+    CHECK(aoi_krylov_extend(&r.space, 3) == AOI_ERROR_ARGUMENT, "rigid motions are given");
     rod_make(&r, 12, 1, 0.1, 1);
     r.space.M.n = 11;
     CHECK(aoi_krylov_extend(&r.space, 3) == AOI_ERROR_ARGUMENT, "M of another size");
@@ -295,6 +320,7 @@ int main(void)
     growing_in_two_calls_is_growing_in_one();
     symmetry_breaks_down();
     rigid_motion_stays();
+    static_mode_is_given();
     several_ports();
     every_port_is_matched_alike();
     two_shifts_are_both_matched();
