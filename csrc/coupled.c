@@ -11,6 +11,7 @@
  * C' and Cr' without their diagonals, needs no pivoting. A step is shortened until it leads nearer;
  * where none does, contacts are solved in turn, which always does, if slowly. */
 #include "aoimpact.h"
+#include "work.h"
 
 #include <float.h>
 #include <math.h>
@@ -55,21 +56,14 @@ size_t aoi_coupled_size(size_t count, size_t band)
     return count > 1 ? (VECTORS + 2 * band + 1) * count : 0;
 }
 
-static double *take(double **work, size_t count)
-{
-    double *taken = *work;
-    *work += count;
-    return taken;
-}
-
 static void iterate_lay_out(iterate *at, double **work, size_t n)
 {
-    at->seen = take(work, n);
-    at->seen_rate = take(work, n);
-    at->of_place = take(work, n);
-    at->of_rate = take(work, n);
-    at->off = take(work, n);
-    at->rate_off = take(work, n);
+    at->seen = aoi_work_take(work, n);
+    at->seen_rate = aoi_work_take(work, n);
+    at->of_place = aoi_work_take(work, n);
+    at->of_rate = aoi_work_take(work, n);
+    at->off = aoi_work_take(work, n);
+    at->rate_off = aoi_work_take(work, n);
 }
 
 static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact *contact, double *work)
@@ -79,15 +73,15 @@ static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact *contact,
     s->now.indentation = e->indentation;
     s->now.force = e->force;
     iterate_lay_out(&s->now, &work, n);
-    s->trial.indentation = take(&work, n);
-    s->trial.force = take(&work, n);
+    s->trial.indentation = aoi_work_take(&work, n);
+    s->trial.force = aoi_work_take(&work, n);
     iterate_lay_out(&s->trial, &work, n);
-    s->size = take(&work, n);
-    s->rate_size = take(&work, n);
-    s->change = take(&work, n);
-    s->move = take(&work, n);
-    s->rate_move = take(&work, n);
-    s->matrix = take(&work, s->width * n);
+    s->size = aoi_work_take(&work, n);
+    s->rate_size = aoi_work_take(&work, n);
+    s->change = aoi_work_take(&work, n);
+    s->move = aoi_work_take(&work, n);
+    s->rate_move = aoi_work_take(&work, n);
+    s->matrix = aoi_work_take(&work, s->width * n);
 }
 
 /* The columns of row i are first .. last-1, column j at [i * width + band + j - i]. */

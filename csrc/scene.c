@@ -1,6 +1,7 @@
 /* Bodies, contacts and loads, step by step: predict all bodies, solve the contact equations, correct
  * all bodies, write the record. */
 #include "aoimpact.h"
+#include "work.h"
 
 #include <float.h>
 #include <math.h>
@@ -60,13 +61,6 @@ size_t aoi_scene_size(const aoi_scene *scene)
            BLOCK * aoi_scene_rows(scene);
 }
 
-static double *take(double **work, size_t count)
-{
-    double *taken = *work;
-    *work += count;
-    return taken;
-}
-
 static void lay_out(aoi_scene *scene)
 {
     const size_t ports = count_ports(scene), contacts = scene->contact_count;
@@ -74,22 +68,22 @@ static void lay_out(aoi_scene *scene)
     double *work = scene->work;
     e->count = contacts;
     e->band = find_band(scene);
-    scene->displacement = take(&work, ports);
-    scene->free_displacement = take(&work, ports);
-    scene->free_velocity = take(&work, ports);
-    scene->push = take(&work, ports);
-    scene->load_now = take(&work, ports);
-    scene->load_before = take(&work, ports);
-    scene->load_work = take(&work, scene->body_count);
-    scene->gravity_start = take(&work, scene->body_count);
-    e->compliance = take(&work, (2 * e->band + 1) * contacts);
-    e->rate_compliance = take(&work, (2 * e->band + 1) * contacts);
-    e->free = take(&work, contacts);
-    e->rate_free = take(&work, contacts);
-    e->indentation = take(&work, contacts);
-    e->rate = take(&work, contacts);
-    e->force = take(&work, contacts);
-    e->work = take(&work, aoi_coupled_size(contacts, e->band));
+    scene->displacement = aoi_work_take(&work, ports);
+    scene->free_displacement = aoi_work_take(&work, ports);
+    scene->free_velocity = aoi_work_take(&work, ports);
+    scene->push = aoi_work_take(&work, ports);
+    scene->load_now = aoi_work_take(&work, ports);
+    scene->load_before = aoi_work_take(&work, ports);
+    scene->load_work = aoi_work_take(&work, scene->body_count);
+    scene->gravity_start = aoi_work_take(&work, scene->body_count);
+    e->compliance = aoi_work_take(&work, (2 * e->band + 1) * contacts);
+    e->rate_compliance = aoi_work_take(&work, (2 * e->band + 1) * contacts);
+    e->free = aoi_work_take(&work, contacts);
+    e->rate_free = aoi_work_take(&work, contacts);
+    e->indentation = aoi_work_take(&work, contacts);
+    e->rate = aoi_work_take(&work, contacts);
+    e->force = aoi_work_take(&work, contacts);
+    e->work = aoi_work_take(&work, aoi_coupled_size(contacts, e->band));
     scene->column = work;
     scene->first_port[0] = 0;
     for (size_t b = 0; b < scene->body_count; b++) {
