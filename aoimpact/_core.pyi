@@ -83,6 +83,7 @@ def adaptive(
     duration: float,
     x: _F,
     v: _F,
+    most_steps: int,
     /,
 ) -> tuple[bytes, bytes, bytes, tuple[tuple[float, float, float, float], ...], int, int]: ...
 def track_sample(

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from .adaptive import TIGHTEST, Adaptive, FloatArray, Track, adaptive_run
-from .errors import warn
+from .agreement import difference, most_touches
+from .errors import ConvergenceError, warn
 from .events import Events
 from .plan import Plan
 from .recall import recall_tracked
@@ -16,8 +19,27 @@ from .run import Run
 
 __all__ = ["Sampled", "solve_adaptive"]
 
-# A contact need not be more exact than this share of the largest: the core's own rule (step.c).
-_LESSER_SHARE = 0.01
+# Of two runs the one with the smaller tolerance errs less: by as much as that is smaller, but for
+# this factor, by which single contacts miss or exceed their tolerance.
+_SCATTER = 30.0
+
+# Where runs differ by more than this, errors do not grow as their causes do.
+_LINEAR = 1e-2
+
+# As far down tighter runs still err less: they show how well a run at TIGHTEST does.
+_FLOOR = 0.01 * TIGHTEST
+
+# A tighter run that takes so many times the steps, and a few, is given up.
+_PATIENCE, _FEW = 20, 1000
+
+# Where runs differ by more than this, nothing is right.
+_NOTHING = 0.1
+
+# An error is to be less than allowed by this factor.
+_RESERVE = 3.0
+
+# Where a tighter run does not bring the estimate down by this, no tolerance will.
+_HOPELESS = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +68,8 @@ class Sampled:
 def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
     """Run a scene to a tolerance.
 
-    From the second touch of a contact on, errors grow with each; then a tighter run tells how far.
+    From the second touch of a contact on, errors grow with each; then tighter runs tell how far,
+    until one is as exact as asked.
 
     Raises
     ------
@@ -56,20 +79,13 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
     Warns
     -----
     AOImpactWarning
-        If the tighter run differs by more than the tolerance.
+        If no tighter run brings the estimated error down to the tolerance.
     """
-    track, error = _track(plan, rule.rtol), rule.rtol
-    contacts = max((len(events.contacts) for events in track.events), default=0)
-    if contacts > 1 and rule.rtol > 10.0 * TIGHTEST:
-        first, tighter = track, 0.1 * rule.rtol
-        track = _track(plan, tighter)
-        error = max(error, _difference(first.events, track.events))
-        if error > rule.rtol:
-            warn(
-                f"rtol={rule.rtol:g} is not kept over {contacts} contacts, each of which enlarges "
-                f"the errors before: with rtol={tighter:g} the run differs by {error:.2g}; take a "
-                "smaller rtol, or trust the first contacts only"
-            )
+    track = _track(plan, rule.rtol)
+    error: float | None = rule.rtol
+    touches = most_touches(track)
+    if touches > 1:
+        track, error = _confirmed(plan, track, rule.rtol, touches)
     return Run(
         infos=plan.infos(
             [partial(_state, plan, track, i) for i in range(len(plan.players))],
@@ -86,6 +102,52 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
     )
 
 
+def _confirmed(plan: Plan, first: Track, rtol: float, touches: int) -> tuple[Track, float | None]:
+    """Return the run of the smallest tolerance that was needed, and its error, if known."""
+    speed = max(map(abs, plan.velocities))
+    best, tolerance, error = first, rtol, math.inf
+    # Errors add up from touch to touch, where they do not multiply.
+    wanted = rtol / (10.0 * touches)
+    while True:
+        # One more may have to be tighter yet by enough to tell how much this one errs.
+        wanted = max(wanted, 10.0 * _FLOOR if tolerance > 50.0 * _FLOOR else _FLOOR)
+        try:
+            other = _track(plan, wanted, _PATIENCE * (first.steps + first.rejected) + _FEW)
+        except ConvergenceError as failure:
+            _warn(rtol, touches, f"a run with rtol={wanted:g}, to see how far, fails: {failure}")
+            return best, error if math.isfinite(error) else None
+        apart, before = difference(best, other, speed), error
+        share = wanted / tolerance
+        error = _estimate(apart, share)
+        best, tolerance = other, wanted
+        if error <= rtol:
+            return best, rtol
+        if tolerance == _FLOOR or error > _HOPELESS * before:
+            _warn(
+                rtol,
+                touches,
+                f"this run, with rtol={tolerance:.2g}, may be wrong by {error:.2g}, as one with "
+                f"rtol={tolerance / share:.2g} shows, and no smaller rtol helps; trust the first "
+                "contacts only",
+            )
+            return best, error
+        wanted = tolerance * min(0.1, rtol / (_RESERVE * error))
+
+
+def _estimate(apart: float, share: float) -> float:
+    """Error of a run that differs by `apart` from one whose tolerance it has a `share` of."""
+    if apart > _NOTHING:
+        return 1.0
+    return apart * min(1.0, _SCATTER * share) if apart < _LINEAR else apart
+
+
+def _warn(rtol: float, touches: int, text: str) -> None:
+    warn(
+        f"rtol={rtol:g} is not kept over {touches} contacts, each of which enlarges the errors "
+        f"before: {text}"
+    )
+
+
 def _state(plan: Plan, track: Track, body: int) -> tuple[FloatArray, FloatArray]:
     """A body's coordinates and rates at the end."""
     modal = plan.modal[body]
@@ -94,7 +156,7 @@ def _state(plan: Plan, track: Track, body: int) -> tuple[FloatArray, FloatArray]
     return modal.coordinates(track.x[ours]), modal.coordinates(track.v[ours])
 
 
-def _track(plan: Plan, rtol: float) -> Track:
+def _track(plan: Plan, rtol: float, most_steps: int = sys.maxsize) -> Track:
     laws = {id(joint.law): joint.law.for_core() for joint in plan.joints}
     moving = [body.moving * speed for body, speed in zip(plan.modal, plan.velocities, strict=True)]
     v = np.concatenate(moving)
@@ -108,27 +170,5 @@ def _track(plan: Plan, rtol: float) -> Track:
         v,
         rtol=rtol,
         duration=plan.duration,
+        most_steps=most_steps,
     )
-
-
-def _difference(ones: tuple[Events, ...], others: tuple[Events, ...]) -> float:
-    """Relative difference of peak forces and impulses.
-
-    Numbers of touches are not compared: whether bodies that go on side by side graze each other is
-    rounding, and what matters of a touch is in its impulse.
-    """
-    largest = 0.0
-    for of in (_peaks, _impulses):
-        mine, its = of(ones), of(others)
-        scale = np.maximum(np.abs(its), _LESSER_SHARE * np.abs(its).max(initial=0.0))
-        apart = np.divide(np.abs(mine - its), scale, out=np.zeros(len(its)), where=scale > 0.0)
-        largest = max(largest, float(apart.max(initial=0.0)))
-    return largest
-
-
-def _peaks(events: tuple[Events, ...]) -> FloatArray:
-    return np.array([event.peak_force for event in events])
-
-
-def _impulses(events: tuple[Events, ...]) -> FloatArray:
-    return np.array([event.impulse for event in events])

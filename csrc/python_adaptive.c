@@ -1,6 +1,8 @@
 /* Adaptive runs of scenes, and their dense output, seen from Python. */
 #include "binding.h"
+#include "radau.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -140,8 +142,9 @@ static int grow(growing *track, size_t row_size)
     return 1;
 }
 
-/* Runs without the GIL, in pieces between which signals are heard. */
-static int run_to_end(aoi_adaptive *run, growing *track)
+/* Runs without the GIL, in pieces between which signals are heard; no more steps, tried in vain or not,
+ * than about so many. */
+static int run_to_end(aoi_adaptive *run, growing *track, size_t most_steps)
 {
     /* A row costs some 0.2 us a mode: pieces of a tenth of a second at most. */
     const size_t modes = run->system->first[run->system->body_count];
@@ -149,7 +152,7 @@ static int run_to_end(aoi_adaptive *run, growing *track)
     int status = aoi_adaptive_start(run);
     while (status == AOI_OK && run->time < run->end) {
         size_t used = 0, rows = 0;
-        if (track->used * sizeof(double) > MOST_BYTES) {
+        if (track->used * sizeof(double) > MOST_BYTES || run->steps + run->rejected > most_steps) {
             return AOI_ERROR_TOO_LONG;
         }
         if ((track->capacity - track->used < run->row_size || track->rows == track->most) &&
@@ -196,7 +199,7 @@ static int furnish(aoi_adaptive *run, const aoi_system *system)
 /* Where each contact has been seen last, while the events are gathered. */
 typedef struct history {
     int closed;
-    double until;
+    double until, impulse, deepest;
 } history;
 
 typedef struct event_list {
@@ -204,13 +207,18 @@ typedef struct event_list {
     size_t count;
 } event_list;
 
-static void note_event(event_list *list, size_t joint, double time, double begins)
+enum { EVENT_SIZE = 5 };
+
+static void note_event(event_list *list, size_t joint, double time, double begins, double impulse,
+                       double depth)
 {
     if (list->values) {
-        double *of = list->values + 3 * list->count;
+        double *of = list->values + EVENT_SIZE * list->count;
         of[0] = (double)joint;
         of[1] = time;
         of[2] = begins;
+        of[3] = impulse;
+        of[4] = depth;
     }
     list->count++;
 }
@@ -221,15 +229,22 @@ static void events_of_contact(const double *row, const double *of, history *seen
     const size_t joint = (size_t)of[AOI_TRACK_JOINT];
     const double start = row[AOI_TRACK_START], end = start + row[AOI_TRACK_LENGTH];
     history *known = &seen[joint];
+    double slope;
     if (of[AOI_TRACK_BEGINS] != 0.0) {
         if (known->closed) {
-            note_event(list, joint, known->until, 0.0);
+            note_event(list, joint, known->until, 0.0, known->impulse, known->deepest);
         }
-        note_event(list, joint, start, 1.0);
+        (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, 0.0, &slope);
+        note_event(list, joint, start, 1.0, 0.0, slope / row[AOI_TRACK_LENGTH]);
         known->closed = 1;
+        known->impulse = known->deepest = 0.0;
     }
+    known->deepest = fmax(known->deepest, aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION,
+                                                                1.0, &slope));
+    known->impulse += row[AOI_TRACK_LENGTH] * aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[0],
+                                                             of + AOI_TRACK_FORCE);
     if (of[AOI_TRACK_ENDS] != 0.0) {
-        note_event(list, joint, end, 0.0);
+        note_event(list, joint, end, 0.0, known->impulse, known->deepest);
         known->closed = 0;
     }
     known->until = end;
@@ -251,14 +266,15 @@ static void gather_events(const growing *track, const aoi_system *system, double
         }
     }
     for (size_t c = 0; c < system->joint_count; c++) {
-        if (seen[c].closed && seen[c].until < end * (1.0 - 1e-14)) {
-            note_event(list, c, seen[c].until, 0.0);
+        if (seen[c].closed) {
+            const int lasting = seen[c].until >= end * (1.0 - 1e-14);
+            note_event(list, c, lasting ? end : seen[c].until, 0.0, seen[c].impulse, seen[c].deepest);
         }
     }
 }
 
-/* Start and end of each interval in which a contact has force, as (joint, time, 1 or 0); no end where it
- * lasts to the end of the record. */
+/* Start and end of each interval in which a contact has force, as (joint, time, 1 or 0, impulse so far,
+ * rate of the indentation or its largest). */
 static PyObject *events_of(const growing *track, const aoi_system *system, double end)
 {
     event_list list = {NULL, 0};
@@ -266,12 +282,12 @@ static PyObject *events_of(const growing *track, const aoi_system *system, doubl
     history *seen = malloc((system->joint_count + 1) * sizeof *seen);
     if (seen) {
         gather_events(track, system, end, seen, &list);
-        list.values = malloc((3 * list.count + 1) * sizeof(double));
+        list.values = malloc((EVENT_SIZE * list.count + 1) * sizeof(double));
     }
     if (list.values) {
         gather_events(track, system, end, seen, &list);
         result = PyBytes_FromStringAndSize((const char *)list.values,
-                                           (Py_ssize_t)(3 * list.count * sizeof(double)));
+                                           (Py_ssize_t)(EVENT_SIZE * list.count * sizeof(double)));
     } else {
         PyErr_NoMemory();
     }
@@ -318,9 +334,10 @@ PyObject *adaptive(PyObject *self, PyObject *args)
     taken made = {.body = NULL};
     aoi_adaptive run = {.system = NULL};
     growing track = {.track = NULL};
+    Py_ssize_t most_steps;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!ddOO", &PyTuple_Type, &bodies, &PyTuple_Type, &joints, &run.rtol,
-                          &run.end, &x_out, &v_out)) {
+    if (!PyArg_ParseTuple(args, "O!O!ddOOn", &PyTuple_Type, &bodies, &PyTuple_Type, &joints, &run.rtol,
+                          &run.end, &x_out, &v_out, &most_steps)) {
         return NULL;
     }
     int status = take_system(&buffers, bodies, joints, &made);
@@ -328,7 +345,7 @@ PyObject *adaptive(PyObject *self, PyObject *args)
     run.x = doubles_out(&buffers, x_out, "x", &n);
     run.v = doubles_out(&buffers, v_out, "v", &n);
     if (!buffers.failed && status == AOI_OK && furnish(&run, &made.system)) {
-        status = run_to_end(&run, &track);
+        status = run_to_end(&run, &track, (size_t)most_steps);
     }
     if (!buffers.failed && !PyErr_Occurred()) {
         result = status == AOI_OK

@@ -119,7 +119,7 @@ def adaptive_arguments(duration: float = 1e-3) -> list[Any]:
     n = sum(len(body[0]) for body in bodies())
     x, v = np.zeros(n), np.zeros(n)
     v[0] = 1.0
-    return [bodies(), joints(), 1e-6, duration, x, v]
+    return [bodies(), joints(), 1e-6, duration, x, v, sys.maxsize]
 
 
 def sample_arguments() -> list[Any]:
@@ -365,6 +365,12 @@ def test_runs_without_tolerance_or_time_are_refused(position: int, value: float)
     arguments[position] = value
     with pytest.raises(ao.InputError):
         _core.adaptive(*arguments)
+
+
+def test_a_run_of_more_steps_than_wanted_is_given_up() -> None:
+    arguments = adaptive_arguments(duration=10.0)
+    with pytest.raises(ao.ConvergenceError, match="shorter duration"):
+        _core.adaptive(*arguments[:-1], 50)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
@@ -615,7 +621,7 @@ def test_buffers_of_an_adaptive_run_are_given_back(name: str) -> None:
     note, x, v = doubles(0.0, 0.0), doubles(0.0, 0.0), doubles(1.0, 0.0)
     scene = (ball, wall), ((0, 0, 1, 0, 0.0, (name, (1e9,), 0.0, math.inf, note, None)),)
     if name == "hertz":
-        table, index, *_ = _core.adaptive(*scene, 1e-6, 1e-3, x, v)
+        table, index, *_ = _core.adaptive(*scene, 1e-6, 1e-3, x, v, sys.maxsize)
         track, record = doubles(*np.frombuffer(table)), doubles(*np.zeros(4 + 2 * 8))
         _core.track_sample(*scene, track, index, doubles(1e-3), record, True)
         assert v[0] == pytest.approx(-1.0, rel=1e-6)
@@ -627,7 +633,7 @@ def test_buffers_of_an_adaptive_run_are_given_back(name: str) -> None:
         track.append(0.0)
     else:
         with pytest.raises(ao.InputError):
-            _core.adaptive(*scene, 1e-6, 1e-3, x, v)
+            _core.adaptive(*scene, 1e-6, 1e-3, x, v, sys.maxsize)
     for buffer in (one, none, ball[0], note, x, v):
         buffer.append(0.0)
 

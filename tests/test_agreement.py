@@ -1,0 +1,170 @@
+"""The tolerance over many contacts: kept where numbers carry it, and said where not."""
+
+import itertools
+import math
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.agreement import difference, most_touches
+from aoimpact.solve_adaptive import Sampled
+
+MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
+WALL = ao.rigid(mass=math.inf)
+
+
+def bounce():
+    """Peak force, time in contact and in flight of a ball that meets the floor at 1 m/s."""
+
+    def surplus(depth):
+        return 0.4 * STIFFNESS * depth**2.5 - 0.5 * MASS - MASS * GRAVITY * depth
+
+    depth = (1.25 * MASS / STIFFNESS) ** 0.4
+    for _ in range(20):  # Newton
+        depth -= surplus(depth) / (STIFFNESS * depth**1.5 - MASS * GRAVITY)
+    fall, press = 2.0 * GRAVITY * depth, 0.8 * STIFFNESS / MASS * depth**2.5
+
+    # Over δ = depth cos² θ the energy gives dt as a smooth function of θ.
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    cos = np.cos(0.25 * math.pi * (1.0 + nodes))
+    root = np.sqrt(press * (1.0 + cos + cos**2 + cos**3 + cos**4) / (1.0 + cos) - fall)
+    time = 0.25 * math.pi * float(weights @ (4.0 * depth * cos / root))
+    return STIFFNESS * depth**1.5, time, 2.0 / GRAVITY
+
+
+def bouncing(count, rtol):
+    scene = ao.Scene(gravity=GRAVITY)
+    ball, floor = scene.add(ao.rigid(mass=MASS), velocity=1.0), scene.add(WALL)
+    scene.connect(ball, floor, ao.Hertz(k=STIFFNESS))
+    _, touch, flight = bounce()
+    duration = (count - 0.5) * (touch + flight)
+    run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=rtol), energies=False)
+    return run, ball
+
+
+def largest_error(run, ball):
+    """Of peak force, starts and ends of contacts, impulse and rebound, by the closed form."""
+    peak, touch, flight = bounce()
+    spans = np.array(run.contacts[0].intervals)
+    starts = (touch + flight) * np.arange(len(spans))
+    impulse = len(spans) * MASS * (2.0 + GRAVITY * touch)
+    rebound = run.at([spans[-1, 1]])[ball].velocity[0]
+    return max(
+        abs(run.contacts[0].peak_force / peak - 1.0),
+        abs(spans[1:, 0] / starts[1:] - 1.0).max(),
+        abs(spans[:, 1] / (starts + touch) - 1.0).max(),
+        abs(run.contacts[0].impulse / impulse - 1.0),
+        abs(rebound + 1.0),
+    )
+
+
+@pytest.mark.parametrize("count", [2, 10, 100])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_every_bounce_of_a_ball_is_within_the_tolerance(count, rtol):
+    run, ball = bouncing(count, rtol)
+    assert len(run.contacts[0].intervals) == count
+    assert run.error.time == rtol
+    assert largest_error(run, ball) <= rtol
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-11])
+def test_ten_thousand_bounces_are_within_the_tolerance(rtol):
+    run, ball = bouncing(10_000, rtol)
+    assert len(run.contacts[0].intervals) == 10_000
+    assert run.error.time == rtol
+    assert largest_error(run, ball) <= rtol
+
+
+def test_balls_between_walls_exchange_what_momentum_and_energy_say():
+    """Two balls between two walls: a chain of elastic collisions, each in closed form."""
+    masses, speeds, gap = np.array([0.03, 0.05]), np.array([1.0, -0.3]), 0.01
+    scene = ao.Scene()
+    left, right = scene.add(WALL), scene.add(WALL)
+    balls = [scene.add(ao.rigid(mass=m), velocity=v) for m, v in zip(masses, speeds, strict=True)]
+    law = ao.Hertz(k=1e9)
+    scene.connect(left, balls[0], law, gap=gap)
+    scene.connect(balls[0], balls[1], law, gap=gap)
+    scene.connect(balls[1], right, law, gap=gap)
+    run = scene.simulate(duration=0.3, solver=ao.Adaptive(rtol=1e-9), energies=False)
+    order = sorted((start, i) for i, of in enumerate(run.contacts) for start, _ in of.intervals)
+    assert len(order) > 20
+    v = speeds.copy()
+    for _, contact in order:
+        if contact == 1:
+            v = 2.0 * (masses @ v) / masses.sum() - v
+        else:
+            v[contact // 2] *= -1.0
+    ends = [run[ball].velocity[-1] for ball in balls]
+    np.testing.assert_allclose(ends, v, atol=1e-9)
+    assert run.error.time == 1e-9
+
+
+def test_a_ball_on_a_swinging_table_is_chaos_and_called_so():
+    """Holmes (1982): each bounce multiplies what is wrong with the table's place by far more."""
+    scene = ao.Scene(gravity=GRAVITY)
+    ball = scene.add(ao.rigid(mass=MASS), velocity=1.0)
+    table = scene.add(ao.AOModel(m0=1.0, k0=1e4))
+    scene.connect(ball, table, ao.Hertz(k=1e9))
+    runs = []
+    for rtol in (1e-4, 1e-5):
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            runs.append(scene.simulate(duration=8.0, solver=ao.Adaptive(rtol=rtol), energies=False))
+        assert any(f"rtol={rtol:g} is not kept over" in str(w.message) for w in said)
+        assert runs[-1].error.time == 1.0
+    ends = [run[ball].velocity[-1] for run in runs]
+    assert abs(ends[0] - ends[1]) > 0.01
+
+
+def test_one_contact_costs_one_run(monkeypatch):
+    """And so does one with touches that carry next to nothing."""
+    from aoimpact import solve_adaptive
+
+    made = []
+    run_once = solve_adaptive.adaptive_run
+    monkeypatch.setattr(
+        solve_adaptive, "adaptive_run", lambda *a, **k: made.append(k["rtol"]) or run_once(*a, **k)
+    )
+    scene = ao.Scene()
+    balls = [scene.add(ao.rigid(mass=MASS), velocity=float(i == 0)) for i in range(8)]
+    for one, other in itertools.pairwise(balls):
+        scene.connect(one, other, ao.Hertz(k=STIFFNESS))
+    scene.simulate(duration=2e-3, energies=False)
+    assert made == [1e-8]
+
+
+def tracked(run):
+    assert isinstance(run.recorder, Sampled)
+    return run.recorder.track
+
+
+def with_touches(track, touches):
+    (event,) = track.events
+    spans = tuple((start, end) for start, end, *_ in touches)
+    values = [(impulse, pace) for _, _, impulse, pace in touches]
+    return replace(track, events=(replace(event, contacts=spans),), touches=(values,))
+
+
+def test_touches_count_by_their_impulse():
+    track = tracked(bouncing(2, 1e-3)[0])
+    heavy, light = (0.0, 1e-4, 1.0, 2.0), (2e-4, 3e-4, 1e-3, 2.0)
+    assert most_touches(with_touches(track, [heavy, light])) == 1
+    assert most_touches(with_touches(track, [heavy] + [light] * 20)) == 2
+    assert most_touches(with_touches(track, [heavy, heavy, light])) == 2
+
+
+def test_runs_differ_by_the_times_of_touches_that_belong_together():
+    """One of them splits the second touch in two, of which one is a graze."""
+    track = tracked(bouncing(2, 1e-3)[0])
+    first, second = (0.0, 1e-4, 1.0, 2.0), (2e-4, 3e-4, 1.0, 2.0)
+    graze, later = (1.5e-4, 1.6e-4, 1e-6, 2.0), (2.03e-4, 3e-4, 1.0, 2.0)
+    soft = (2.03e-4, 3e-4, 1.0, 1e-4)
+    ones = with_touches(track, [first, second])
+    assert difference(ones, with_touches(track, [first, second]), 1.0) == 0.0
+    assert difference(ones, with_touches(track, [first, graze, later]), 1.0) == pytest.approx(0.01)
+    # Bodies that begin to press each other from rest do so at no certain time.
+    assert difference(ones, with_touches(track, [first, soft]), 1.0) == 0.0
