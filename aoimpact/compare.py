@@ -20,6 +20,7 @@ from .newmark import Newmark
 from .order import Ladder, first_guess, ladder
 from .result import Result
 from .simulate import simulate
+from .solvers import Solver, checked_solver
 from .star import AOModel
 
 __all__ = ["compare"]
@@ -43,6 +44,7 @@ def compare(
     oscillators: Iterable[int] = (0, 1, 2, 3, 5, 8, 12),
     modes: Iterable[int] = (10, 40),
     full: bool = True,
+    linear_solver: Solver = "auto",
 ) -> Comparison:
     """Run an impact with models from rigid to full, and say what each costs and how wrong it is.
 
@@ -61,6 +63,8 @@ def compare(
     full : bool, optional
         Whether to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
         to that; without it, to the model of the most oscillators.
+    linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        What solves for the reduced models, as `solver` of `antioscillators`.
 
     Raises
     ------
@@ -79,7 +83,8 @@ def compare(
             return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
 
     contact_time, span = first_guess(bodies, quick, Answer("target_displacement"))
-    ladders = tuple(ladder(body, contact_time, max(span, duration)) for body in bodies)
+    linear = checked_solver(linear_solver, name="linear_solver")
+    ladders = tuple(ladder(body, contact_time, max(span, duration), linear) for body in bodies)
     tries = [_try("rigid", lambda: tuple(each.model(0) for each in ladders), quick)]
     spent = 0.0
     for n in stars:
@@ -88,7 +93,7 @@ def compare(
             spent += tries[-1].build  # the bases are nested: each model adds to the one before
             tries[-1].build = spent
     for n in truncations:
-        tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n), quick))
+        tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n, linear), quick))
     exact = tries[len(stars)]
     if full:
         exact = _try("full", lambda: bodies, partial(_in_full, run))
@@ -100,6 +105,7 @@ def compare(
         exact.label,
         exact.result.error.time,
         tuple(each.compared(exact.result) for each in tries),
+        ", ".join(dict.fromkeys(name for each in tries for name in each.solvers)),
     )
 
 
@@ -117,6 +123,7 @@ class _Try:
 
     def __init__(self, label: str) -> None:
         self.label, self.dofs = label, 0
+        self.solvers: list[str] = []
         self.build = self.run = math.nan
         self.result: Result | None = None
         self.failure = ""
@@ -146,6 +153,8 @@ def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -
         models = make()
         done.build = time.perf_counter() - start
         done.dofs = sum(map(_dofs, models))
+        origins = [model.origin for model in models if isinstance(model, AOModel)]
+        done.solvers = [one.solver for one in origins if one is not None and one.solver]
         start = time.perf_counter()
         done.result = run(models)
         done.run = time.perf_counter() - start
@@ -159,9 +168,11 @@ def _with_oscillators(ladders: tuple[Ladder, ...], n: int) -> Models:
     return first, second
 
 
-def _with_modes(bodies: Models, n: int) -> Models:
+def _with_modes(bodies: Models, n: int, linear: Solver) -> Models:
     first, second = (
-        modal(body, min(n, body.body.n_dofs)) if isinstance(body, ContactPoint) else body
+        modal(body, min(n, body.body.n_dofs), solver=linear)
+        if isinstance(body, ContactPoint)
+        else body
         for body in bodies
     )
     return first, second

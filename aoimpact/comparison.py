@@ -60,12 +60,15 @@ class Comparison:
     exact_error : float or None
         What is known of its own error from time integration, relative.
     rows : tuple of Compared
+    linear_solver : str
+        What solved for the reduced models; empty where dense matrices served.
     """
 
     scene: str
     exact: str
     exact_error: float | None
     rows: tuple[Compared, ...]
+    linear_solver: str = ""
 
     def __getitem__(self, model: str) -> Compared:
         """Return the row of a model, such as "AO(3)"."""
@@ -117,7 +120,8 @@ class Comparison:
 
     def _reference(self) -> str:
         known = "" if self.exact_error is None else f" (in time right to {self.exact_error:.1g})"
-        return f"errors relative to {self.exact}{known}"
+        by = f"; reduced by {self.linear_solver}" if self.linear_solver else ""
+        return f"errors relative to {self.exact}{known}{by}"
 
 
 _KINDS = {"AO": "anti-oscillators", "modal": "natural modes", "rigid": "rigid"}

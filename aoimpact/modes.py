@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ from .checks import integer
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError
 from .patch import Patch
+from .solvers import Solver, checked_solver
 from .spectra import EQUAL, lowest
 from .star import AOModel
 from .statics import StaticMode, origin_of
@@ -136,7 +137,7 @@ def _of_distinct(
     return m0, k0, m, k, static, shapes
 
 
-def modal(tip: ContactPoint, n: int) -> ModalModel:
+def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
     """Return the classical modal truncation of a body: its `n` lowest natural modes.
 
     Parameters
@@ -144,6 +145,8 @@ def modal(tip: ContactPoint, n: int) -> ModalModel:
     tip : ContactPoint
     n : int
         Number of modes, rigid ones included, 1 … n_dofs.
+    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
 
     Raises
     ------
@@ -153,7 +156,8 @@ def modal(tip: ContactPoint, n: int) -> ModalModel:
     if not isinstance(tip, ContactPoint):
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
     wanted = integer("n", n, low=1, high=tip.body.n_dofs)
+    invert = partial(tip.body.inverse, solver=checked_solver(solver))
     omega2, modes = lowest(
-        tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes, invert=tip.body.inverse
+        tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes, invert=invert
     )
     return ModalModel(tip, omega2, modes)

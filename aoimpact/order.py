@@ -21,6 +21,7 @@ from .interface import InterfaceModel, InterfaceSpace
 from .krylov import KrylovSpace, own_contact_time, shortest_contact_time
 from .modes import ModalModel
 from .reduction import antioscillators
+from .solvers import Solver
 from .star import AOModel, rigid
 from .statics import moves_rigidly
 
@@ -170,6 +171,7 @@ class KrylovLadder:
     tip: ContactPoint
     contact_time: float
     duration: float | None
+    solver: Solver = "auto"
     _most: int = field(init=False)
     _models: dict[int, AOModel] = field(init=False, default_factory=dict)
 
@@ -179,7 +181,7 @@ class KrylovLadder:
     @cached_property
     def _space(self) -> KrylovSpace:
         resolved = max(self.contact_time, shortest_contact_time(self.tip))
-        space = KrylovSpace(self.tip, contact_time=resolved)
+        space = KrylovSpace(self.tip, contact_time=resolved, solver=self.solver)
         if self.duration is not None:
             # A second factorisation, where the body has anything slower than the blow.
             natural = space.of_vectors(_FIRST_ORDER).natural_frequencies
@@ -245,6 +247,7 @@ class InterfaceLadder:
     tips: tuple[ContactPoint, ...]
     contact_time: float
     duration: float | None
+    solver: Solver = "auto"
     _most: int = field(init=False)
     _models: dict[int, InterfaceModel] = field(init=False, default_factory=dict)
 
@@ -254,7 +257,9 @@ class InterfaceLadder:
     @cached_property
     def _space(self) -> InterfaceSpace:
         resolved = max(self.contact_time, *map(shortest_contact_time, self.tips))
-        return InterfaceSpace(self.tips, contact_time=resolved, duration=self.duration)
+        return InterfaceSpace(
+            self.tips, contact_time=resolved, duration=self.duration, solver=self.solver
+        )
 
     @cached_property
     def first(self) -> int:
@@ -283,15 +288,17 @@ class InterfaceLadder:
         return order * len(self.tips) > _CHEAP_ORDER and dofs > _SMALL_BODY
 
 
-def ladder(body: Any, contact_time: float, duration: float | None) -> Ladder:
+def ladder(
+    body: Any, contact_time: float, duration: float | None, solver: Solver = "auto"
+) -> Ladder:
     """Return the models of what `simulate` or a scene takes for a body.
 
     An interface model is as it is.
     """
     if isinstance(body, ContactPoint):
-        return KrylovLadder(body, contact_time, duration)
+        return KrylovLadder(body, contact_time, duration, solver)
     if isinstance(body, tuple):
-        return InterfaceLadder(body, contact_time, duration)
+        return InterfaceLadder(body, contact_time, duration, solver)
     if isinstance(body, InterfaceModel):
         return GivenLadder(body)
     return StarLadder(body.star if isinstance(body, ModalModel) else body)
@@ -316,7 +323,12 @@ class Orders:
 
 
 def least_orders(
-    bodies: Sequence[Any], *, run: Callable[[Models], R], asked: Asked[R], rtol: float
+    bodies: Sequence[Any],
+    *,
+    run: Callable[[Models], R],
+    asked: Asked[R],
+    rtol: float,
+    solver: Solver = "auto",
 ) -> Orders:
     """Return the least orders of bodies whose answer is within `rtol` of the whole bodies'.
 
@@ -330,6 +342,8 @@ def least_orders(
         Of the runs.
     rtol : float
         Relative.
+    solver : str or callable, optional
+        The linear solver of the bodies; see `FEModel.inverse`.
 
     Raises
     ------
@@ -339,7 +353,7 @@ def least_orders(
     contact_time, length = first_guess(bodies, run, asked)
     for fit in range(1, _MOST_FITS + 1):
         slow = length if length > _LONG * contact_time else None
-        ladders = tuple(ladder(body, contact_time, slow) for body in bodies)
+        ladders = tuple(ladder(body, contact_time, slow, solver) for body in bodies)
         search = _Search(ladders, run, asked, rtol)
         first = search.at((_FIRST_ORDER,) * len(bodies))
         found = (None if first is None else asked.contact_time(first)) or contact_time

@@ -26,7 +26,8 @@ from .players import FullPlayer, Player, StarPlayer, player
 from .run import Handle, Run
 from .solve_adaptive import solve_adaptive
 from .solve_newmark import solve_newmark
-from .sufficient import sufficient
+from .solvers import Solver as LinearSolver
+from .sufficient import checked_linear_solver, sufficient
 
 __all__ = ["Scene", "Solver", "solve"]
 
@@ -230,6 +231,7 @@ class Scene:
         preload: bool = False,
         quantity: str | Handle | ContactPoint | None = None,
         rtol: float | None = None,
+        linear_solver: LinearSolver | None = None,
     ) -> Run:
         """Simulate the scene.
 
@@ -254,6 +256,8 @@ class Scene:
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts.
+        linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+            What solves for these reduced models, as `solver` of `antioscillators`.
 
         Raises
         ------
@@ -275,8 +279,10 @@ class Scene:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
-        if quantity is not None or rtol is not None:
-            return self._sufficient(length, solver, energies, preload, quantity, rtol)
+        chosen = quantity is not None or rtol is not None
+        linear = checked_linear_solver(linear_solver, chosen=chosen)
+        if chosen:
+            return self._sufficient(length, solver, energies, preload, quantity, rtol, linear)
         return self._run(self._bodies, length, solver, energies, preload)
 
     def _run(
@@ -322,6 +328,7 @@ class Scene:
         preload: bool,
         quantity: Any,
         rtol: float | None,
+        linear_solver: LinearSolver,
     ) -> Run:
         """The run of the least models that do."""
         if isinstance(quantity, Handle):
@@ -338,7 +345,9 @@ class Scene:
         def run(models: Models, rule: Solver, seen: bool) -> Run:
             return self._run([models[i] for i in which], length, rule, seen, preload)
 
-        done, found = sufficient(run, different, asked, rtol, solver, energies=energies)
+        done, found = sufficient(
+            run, different, asked, rtol, solver, energies=energies, linear_solver=linear_solver
+        )
         return done.of_models(tuple(found.models[i] for i in which), found.error)
 
     def _refuse_overlap(self) -> None:

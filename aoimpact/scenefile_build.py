@@ -48,6 +48,7 @@ _IMPACT_KEYWORDS = {
     "gap": "gap",
     "quantity": "quantity",
     "tolerance": "rtol",
+    "linear_solver": "linear_solver",
 }
 
 

@@ -27,6 +27,7 @@ from .schema import (
     needed,
     optional,
 )
+from .solvers import SOLVERS as LINEAR_SOLVERS
 
 __all__ = ["LAWS", "SCENE_FILE", "SOLVERS"]
 
@@ -97,6 +98,11 @@ _CONTACT = Variants(
     }
 )
 
+_LINEAR_SOLVER = optional(Choice(LINEAR_SOLVERS))
+
+# What a model is fitted to.
+_FITTED = {"contact_time": optional(Number("s")), "duration": optional(Number("s"))}
+
 _MODEL = Chosen(
     "type",
     {
@@ -105,11 +111,12 @@ _MODEL = Chosen(
                 "n": optional(Integer()),
                 "method": optional(Text()),
                 "order": optional(Text()),
-                "contact_time": optional(Number("s")),
+                "solver": _LINEAR_SOLVER,
             }
+            | _FITTED
         ),
-        "modal": Table({"n": needed(Integer())}),
-        "interface": Table({"n": needed(Integer()), "contact_time": optional(Number("s"))}),
+        "modal": Table({"n": needed(Integer()), "solver": _LINEAR_SOLVER}),
+        "interface": Table({"n": needed(Integer()), "solver": _LINEAR_SOLVER} | _FITTED),
         "full": Table({}),
     },
 )
@@ -176,6 +183,7 @@ _IMPACT = Table(
         "law": needed(_LAW),
         "quantity": optional(Text()),
         "tolerance": optional(Number()),
+        "linear_solver": _LINEAR_SOLVER,
     }
     | _RUN
 )

@@ -19,7 +19,8 @@ from .plan import Joint, Plan
 from .players import InterfacePlayer, player
 from .result import Result
 from .scene import checked_speed, solve
-from .sufficient import sufficient
+from .solvers import Solver
+from .sufficient import checked_linear_solver, sufficient
 
 __all__ = ["plan_impact", "simulate"]
 
@@ -36,6 +37,7 @@ def simulate(
     energies: bool = True,
     quantity: str | ContactPoint | None = None,
     rtol: float | None = None,
+    linear_solver: Solver | None = None,
 ) -> Result:
     """Simulate the impact of a moving projectile on a target at rest.
 
@@ -68,6 +70,8 @@ def simulate(
     rtol : float, optional
         Its relative error, 1e-2 if left out; that of a history is its largest over the record,
         relative to the largest value.
+    linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
 
     Returns
     -------
@@ -85,12 +89,14 @@ def simulate(
     AOImpactWarning
         If the record ends in contact, or the step is too large for any digit to be right.
     """
-    if quantity is not None or rtol is not None:
+    chosen = quantity is not None or rtol is not None
+    linear = checked_linear_solver(linear_solver, chosen=chosen)
+    if chosen:
         speed, length, distance = _checked(law, velocity, duration, gap, energies)
         bodies = projectile, target
         again = partial(simulate, law=law, velocity=speed, duration=length, gap=distance)
         wanted = answer("force" if quantity is None else quantity, *bodies)
-        chosen, found = sufficient(
+        done, found = sufficient(
             lambda models, rule, seen: again(
                 projectile=models[0], target=models[1], solver=rule, energies=seen
             ),
@@ -99,8 +105,9 @@ def simulate(
             rtol,
             solver,
             energies=energies,
+            linear_solver=linear,
         )
-        return replace(chosen, run=chosen.run.of_models(found.models, found.error))
+        return replace(done, run=done.run.of_models(found.models, found.error))
     plan = plan_impact(
         projectile, target, law, velocity=velocity, duration=duration, gap=gap, energies=energies
     )

@@ -161,9 +161,9 @@ class SolverBook:
         return self._last
 
 
-def checked_solver(solver: Solver) -> Solver:
+def checked_solver(solver: Solver, *, name: str = "solver") -> Solver:
     """Refuse what is neither the name of a solver nor a function, before any work is done."""
-    return solver if callable(solver) else choice("solver", solver, SOLVERS)
+    return solver if callable(solver) else choice(name, solver, SOLVERS)
 
 
 def linear_solver(pencil: Pencil, solver: Solver = "auto") -> LinearSolver:

@@ -9,8 +9,9 @@ from .adaptive import TIGHTEST, Adaptive
 from .checks import positive
 from .errors import InputError, held_warnings
 from .order import Asked, Models, Orders, least_orders
+from .solvers import Solver, checked_solver
 
-__all__ = ["sufficient"]
+__all__ = ["checked_linear_solver", "sufficient"]
 
 # What is asked for where nothing is said, and the tightest that models are searched for: to their
 # last digits they agree only by being the whole bodies.
@@ -23,6 +24,25 @@ _SHARE_OF_TIME, _MARGIN = 0.02, 0.95
 R = TypeVar("R")
 
 
+def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
+    """Return the linear solver for models that are chosen, and refuse one where none are.
+
+    Parameters
+    ----------
+    solver : str, callable or None
+    chosen : bool
+        Whether a quantity or a tolerance was given, for which models are made.
+    """
+    if solver is None:
+        return "auto"
+    if not chosen:
+        raise InputError(
+            f"linear_solver={solver!r} is for models that are made for a tolerance: give quantity "
+            "or rtol as well, or make them by antioscillators(tip, n, solver=...)"
+        )
+    return checked_solver(solver, name="linear_solver")
+
+
 def sufficient(
     run: Callable[[Models, Any, bool], R],
     bodies: Sequence[Any],
@@ -31,6 +51,7 @@ def sufficient(
     solver: Any,
     *,
     energies: bool,
+    linear_solver: Solver = "auto",
 ) -> tuple[R, Orders]:
     """Run with models of the least order; return what they gave, and the orders.
 
@@ -46,6 +67,8 @@ def sufficient(
         Relative.
     solver : Adaptive or Newmark, optional
     energies : bool
+    linear_solver : str or callable, optional
+        See `FEModel.inverse`.
 
     Raises
     ------
@@ -67,5 +90,11 @@ def sufficient(
         with held_warnings():  # those of the models taken come with the last run
             return run(models, rule, False)
 
-    found = least_orders(bodies, run=trial, asked=asked, rtol=_MARGIN * tolerance - in_time)
+    found = least_orders(
+        bodies,
+        run=trial,
+        asked=asked,
+        rtol=_MARGIN * tolerance - in_time,
+        solver=linear_solver,
+    )
     return run(found.models, rule, energies), found

@@ -33,6 +33,9 @@ def summary_rows(result: Seen) -> list[tuple[str, str]]:
         ("error of the peak", _error(result)),
         ("solver", f"{result.solver}, {len(result.t) - 1} steps"),
     ]
+    made_by = [model.origin.solver for model in result.models or () if model.origin is not None]
+    if any(made_by):
+        rows.append(("linear solver", ", ".join(dict.fromkeys(filter(None, made_by)))))
     return rows
 
 

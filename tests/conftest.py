@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
+from scipy.sparse.linalg import factorized
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -22,6 +25,22 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 # A busy machine is no failure, and a test fails for everyone or for no one.
 settings.register_profile("aoimpact", deadline=None, derandomize=True)
 settings.load_profile("aoimpact")
+
+
+class Own:
+    """A linear solver of a user's; `calls` has the sizes of what it factorised."""
+
+    def __init__(self) -> None:
+        self.calls: list[int] = []
+
+    def __call__(self, matrix: Any) -> Callable[..., Any]:
+        self.calls.append(matrix.shape[0])
+        return factorized(matrix)
+
+
+@pytest.fixture
+def own_solver() -> Own:
+    return Own()
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -96,6 +96,32 @@ def test_text_html_figure_and_file(table, tmp_path):
     assert [float(row["force"]) for row in rows] == [row.force for row in table.rows]
 
 
+def test_the_users_own_linear_solver_is_used_and_named(own_solver):
+    table = ao.compare(
+        projectile=ao.rigid(mass=0.06),
+        target=beam(ENDS),
+        law=law(STEEL, 0.01, ALUMINIUM),
+        velocity=1.0,
+        duration=2e-4,
+        oscillators=(0, 2),
+        modes=(6,),
+        full=False,
+        linear_solver=own_solver,
+    )
+    assert own_solver.calls
+    assert table.linear_solver == "Own"
+    assert "reduced by Own" in repr(table)
+    with pytest.raises(ao.InputError, match="linear_solver must be one of"):
+        ao.compare(
+            projectile=ao.rigid(mass=0.06),
+            target=beam(ENDS),
+            law=law(STEEL, 0.01, ALUMINIUM),
+            velocity=1.0,
+            duration=2e-4,
+            linear_solver="cholmod",
+        )
+
+
 def test_nothing_to_compare_with_is_refused():
     with pytest.raises(ao.InputError, match="no model to compare with"):
         ao.compare(

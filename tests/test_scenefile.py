@@ -220,6 +220,19 @@ def test_a_tolerance_reduces_the_bodies(tmp_path: Path) -> None:
     assert hit.impulse == pytest.approx(full.impulse, rel=0.02)
 
 
+def test_linear_solvers_are_taken_and_named(tmp_path: Path) -> None:
+    made = '"antioscillators", n = 2, method = "krylov", duration = 1e-3, solver = "superlu"'
+    text = BAR.replace('"antioscillators", n = 2', made)
+    assert ao.read_scene(written(tmp_path, text)).case()["target"].origin.solver == "superlu"
+    text = BAR.replace('model = { type = "antioscillators", n = 2 }', "")
+    text = text.replace("velocity = 1.0", 'velocity = 1.0\nlinear_solver = "superlu"')
+    with pytest.raises(ao.SceneFileError, match=f":{line(text, 'linear')}: .*give quantity or rt"):
+        ao.read_scene(written(tmp_path, text)).simulate()
+    hit = ao.read_scene(written(tmp_path, text + "tolerance = 0.1\n")).simulate()
+    assert hit.models is not None
+    assert hit.models[1].origin.solver == "superlu"
+
+
 def test_windows_ends_of_lines(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_bytes(STARS.replace("velocity", "velocty").replace("\n", "\r\n").encode())
@@ -275,6 +288,7 @@ WRONG = {
         ("direction = [0, 0, 1]", "dof = 1", "contact", "exclude each other"),
         ("n = 2", "n = -2", "model", "n must be from 0"),
         ("n = 2", "m = 2", "model", "unknown name 'm'"),
+        ("n = 2", 'n = 2, solver = "pardso"', "model", "did you mean 'pardiso'"),
     ],
     ROW: [
         ('["first", "second"]', '["first", "secnd"]', "[[scene.contacts]]", "'second'"),

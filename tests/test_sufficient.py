@@ -154,6 +154,37 @@ def test_a_named_point():
     np.testing.assert_allclose(right, seen.displacement, atol=1e-4 * np.abs(right).max())
 
 
+def test_the_linear_solver_is_the_users_and_named(own_solver):
+    run = functools.partial(
+        ao.simulate,
+        projectile=cube(STEEL, 0.02),
+        target=beam(ENDS),
+        law=law(STEEL, 0.01, ALUMINIUM),
+        velocity=1.0,
+        duration=2e-4,
+        rtol=5e-2,
+    )
+    hit = run(linear_solver=own_solver)
+    assert set(own_solver.calls) == {375, 513}  # dofs of both bodies
+    assert {model.origin.solver for model in hit.models} == {"Own"}
+    assert "linear solver" in str(hit)
+    assert "Own" in str(hit)
+    same = run(linear_solver="superlu")
+    assert "superlu" in str(same)
+    assert hit.peak_force == pytest.approx(same.peak_force, rel=1e-7)
+
+
+def test_scenes_take_a_linear_solver_too(own_solver):
+    scene = ao.Scene()
+    ball = scene.add(ao.rigid(mass=0.06), velocity=1.0)
+    scene.connect(ball, scene.add(beam(ENDS)), law(STEEL, 0.01, ALUMINIUM))
+    run = scene.simulate(duration=2e-4, rtol=5e-2, linear_solver=own_solver)
+    assert set(own_solver.calls) == {513}
+    assert run.models[1].origin.solver == "Own"
+    with pytest.raises(ao.InputError, match="give quantity or rtol"):
+        scene.simulate(duration=2e-4, linear_solver="superlu")
+
+
 # ------------------------------------------------------------------------------------- bad input
 
 
@@ -167,6 +198,8 @@ def test_a_named_point():
         ({"rtol": 1.0}, "rtol must be from 1e-08 to below 1"),
         ({"rtol": 1e-12}, "rtol must be from 1e-08 to below 1"),
         ({"rtol": "small"}, "rtol"),
+        ({"rtol": 1e-2, "linear_solver": "superlux"}, "did you mean 'superlu'"),
+        ({"linear_solver": "superlu"}, "give quantity or rtol"),
     ],
 )
 def test_bad_arguments_are_named(paper, options, message):
