@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import ast
+import fnmatch
 import graphlib
+import inspect
 import re
 import subprocess
 import sys
+from functools import cached_property
 from importlib import metadata
 from pathlib import Path
 
@@ -109,6 +112,35 @@ def test_example_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert hit.peak_force > 0.0
 
 
+def test_the_readme_names_every_module() -> None:
+    readme = Path(__file__).parent.parent / "README.md"
+    rows = re.findall(r"^\| (`.*?`) \|", readme.read_text("utf-8"), re.M)
+    named = [name for row in rows for name in re.findall(r"`(.*?)`", row)]
+    modules = {path.stem for path in PACKAGE.glob("*.py")} - {"__init__"}
+    assert {m for m in modules if not any(fnmatch.fnmatch(m, name) for name in named)} == set()
+
+
+def own_members(thing: object) -> set[str]:
+    """Public methods and properties of a class, its own or of bases within the package."""
+    bases = thing.__mro__ if isinstance(thing, type) else ()
+    return {
+        name
+        for base in bases
+        if base.__module__.startswith("aoimpact")
+        for name, value in vars(base).items()
+        if not name.startswith("_")
+        and (callable(value) or isinstance(value, (property, cached_property, classmethod)))
+    }
+
+
+def test_every_public_name_says_what_it_is() -> None:
+    for name in ao.__all__:
+        thing = getattr(ao, name)
+        assert inspect.getdoc(thing), name
+        for member in own_members(thing):
+            assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
+
+
 # ------------------------------------------------------------------------------------- imports
 
 
@@ -140,6 +172,14 @@ def test_imports_go_one_way() -> None:
         tuple(graphlib.TopologicalSorter(graph).static_order())
     except graphlib.CycleError as cycle:
         pytest.fail("modules import each other: " + " -> ".join(cycle.args[1]))
+
+
+def test_no_module_takes_what_another_keeps_to_itself() -> None:
+    for name, tree in sources().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.level == 1:
+                private = {alias.name for alias in node.names if alias.name.startswith("_")}
+                assert private <= {"_core", "__version__"}, name
 
 
 def test_modules_refer_to_each_other_relatively() -> None:
