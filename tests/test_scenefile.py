@@ -96,8 +96,11 @@ def test_meshes_lie_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     np.testing.assert_allclose(target.k, same.k, rtol=1e-9)
 
 
-def test_hertz_s_stiffness_of_two_surfaces() -> None:
-    case = ao.read_scene(EXAMPLE).case()
+def test_hertz_s_stiffness_of_two_surfaces(tmp_path: Path) -> None:
+    text = EXAMPLE.read_text(encoding="utf-8") + "[bodies.ball]\nmass = 0.03\n"
+    for body in ("sphere", "beam"):
+        text = text.replace(f'= "{body}"', '= "ball"')
+    case = ao.read_scene(written(tmp_path, text)).case()
     steel, alu = ao.Material(210e9, 0.3, 7800), ao.Material(70e9, 0.3, 2400)
     assert case["law"] == ao.Hertz.between(steel, 0.01, alu, math.inf)
     assert case["solver"] == ao.Adaptive(rtol=1e-6)
