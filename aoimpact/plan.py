@@ -237,7 +237,7 @@ class Plan:
             modal = self.modal[body]
             direction[int(first[body]) : int(first[body + 1])] += sign * modal.shape[port]
             residual += 0.0 if modal.residual is None else float(modal.residual[port, port])
-        return Pressed(direction, joint.gap, joint.law.for_core(), residual)
+        return Pressed(direction, joint.gap, joint.law.for_core(), joint.law._limit(), residual)
 
     @property
     def fastest(self) -> float:

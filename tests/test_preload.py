@@ -1,6 +1,4 @@
-"""Bodies at rest on each other bear what is above them, and stay so."""
-
-from __future__ import annotations
+"""Bodies at rest bear what presses on them: balance, and springs in series and parallel."""
 
 import math
 
@@ -9,24 +7,129 @@ import pytest
 
 import aoimpact as ao
 
-GRAVITY, MASS = 9.81, 0.03
+WALL, BODY = ao.rigid(mass=math.inf), ao.rigid(mass=1.0)
+EARTH = 9.81
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+
+
+def at_rest(scene):
+    """The contacts' forces at t = 0; and nothing moves."""
+    rule = ao.Newmark(dt=1e-10, estimate=False)
+    run = scene.simulate(duration=1e-9, solver=rule, preload=True)
+    assert max(np.abs(body.velocity).max() for body in run.bodies) < 1e-12
+    return np.array([contact.force[0] for contact in run.contacts])
+
+
+def on_a_floor(law, gap=0.0, body=BODY, gravity=EARTH):
+    scene = ao.Scene(gravity=gravity)
+    scene.connect(scene.add(body), scene.add(WALL), law, gap=gap)
+    return scene
+
+
+def loop(stiffness, gap=0.0, gravity=EARTH):
+    """A body on one that stands on a floor, which the upper one touches as well."""
+    scene = ao.Scene(gravity=gravity)
+    upper, lower, floor = scene.add(BODY), scene.add(BODY), scene.add(WALL)
+    for one, other, k, way in zip(
+        (upper, lower, upper), (lower, floor, floor), stiffness, (gap, gap, 2 * gap), strict=True
+    ):
+        scene.connect(one, other, ao.Linear(k=k), gap=way)
+    return scene
 
 
 @pytest.mark.parametrize("law", [ao.Hertz(k=1e9), ao.Linear(k=1e5), ao.PowerLaw(k=1e12, n=2.5)])
-def test_a_column_bears_its_weight(law: ao.ContactLaw) -> None:
-    scene = ao.Scene(gravity=GRAVITY)
-    column = [scene.add(ao.rigid(mass=MASS)) for _ in range(5)]
-    floor = scene.add(ao.rigid(mass=math.inf))
+def test_a_column_bears_its_weight(law):
+    scene = ao.Scene(gravity=EARTH)
+    column = [scene.add(BODY) for _ in range(5)]
+    floor = scene.add(WALL)
     for above, below in zip(column, [*column[1:], floor], strict=True):
         scene.connect(above, below, law)
     run = scene.simulate(duration=5e-3, preload=True)
     for i, contact in enumerate(run.contacts):
-        np.testing.assert_allclose(contact.force, (i + 1) * MASS * GRAVITY, rtol=1e-9)
+        np.testing.assert_allclose(contact.force, (i + 1) * EARTH, rtol=1e-9)
     assert run[floor].displacement.max() == 0.0
 
 
-def test_what_nothing_holds_falls_for_ever() -> None:
-    scene = ao.Scene(gravity=GRAVITY)
-    scene.add(ao.rigid(mass=MASS))
+def test_what_nothing_holds_falls_for_ever():
+    scene = ao.Scene(gravity=EARTH)
+    scene.add(BODY)
     with pytest.raises(ao.ConvergenceError, match="falls for ever"):
         scene.simulate(duration=1e-3, preload=True)
+
+
+@pytest.mark.parametrize("stiffness", [(1e6, 1e6, 1e6), (1e9, 1e6, 2e6), (1e4, 1e9, 3e5)])
+def test_a_closed_loop_of_contacts_shares_the_weight_by_its_stiffness(stiffness):
+    """Springs in series and parallel: (k_a + k_c) x - k_a y = w and -k_a x + (k_a + k_b) y = w,
+    where the upper body comes down the farther, so that all three are closed."""
+    a, b, c = stiffness
+    x, y = np.linalg.solve([[a + c, -a], [-a, a + b]], [EARTH, EARTH])
+    # Else the lower body sinks away under the upper one.
+    expected = [a * (x - y), b * y, c * x] if x > y else [0.0, EARTH, EARTH]
+    assert at_rest(loop(stiffness)) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_a_body_squeezed_between_walls_of_very_different_stiffness():
+    """One digit in twelve of the stiff side's indentation is rounding of where the body is."""
+    soft, stiff, overlap = 1e3, 1e15, 1e-4
+    scene = ao.Scene()
+    left, body, right = scene.add(WALL), scene.add(BODY), scene.add(WALL)
+    scene.connect(left, body, ao.Hertz(k=soft), gap=-overlap)
+    scene.connect(body, right, ao.Hertz(k=stiff), gap=-overlap)
+    forces = at_rest(scene)
+    assert forces[0] == pytest.approx(soft * (2 * overlap) ** 1.5, rel=1e-6)
+    assert forces[1] == pytest.approx(forces[0], rel=1e-6)
+
+
+def test_bodies_that_overlap_and_that_nothing_presses_part():
+    scene = ao.Scene()
+    one, other, third = (scene.add(BODY) for _ in range(3))
+    for a, b, gap in ((one, other, -1e-5), (other, third, -1e-5), (one, third, -2e-5)):
+        scene.connect(a, b, ao.Hertz(k=1e9), gap=gap)
+    assert at_rest(scene) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("gap", [1e-3, 2e-3])
+@pytest.mark.parametrize("k", [1e15, 1e18, 1e25])
+def test_contacts_that_do_not_give_way_leave_forces_undetermined(k, gap):
+    with pytest.raises(ao.InputError, match=r"not determined: contact \d is so stiff.*softer law"):
+        at_rest(loop((k, k, k), gap))
+
+
+def test_of_a_loop_of_them_the_message_says_that_it_is_indeterminate():
+    with pytest.raises(ao.InputError, match=r"closed loop of contacts.*statically indeterminate"):
+        at_rest(loop((1e18, 1e18, 1e18), 1e-3))
+    with pytest.raises(ao.InputError, match="not determined") as stack:
+        at_rest(on_a_floor(ao.Linear(k=1e18), gap=1e-3))
+    assert "loop" not in str(stack.value)
+    # Without gaps there is nothing whose rounding could matter.
+    assert at_rest(loop((1e18, 1e18, 1e18)))[1:] == pytest.approx(EARTH, rel=1e-9)
+
+
+@pytest.mark.parametrize("level", [8.0, EARTH, 12.0])
+def test_a_table_with_a_level_stretch_carries_the_weight(level):
+    law = ao.Tabulated([0.0, 1e-5, 2e-5, 3e-5], [0.0, level, level, 20.0])
+    assert at_rest(on_a_floor(law)) == pytest.approx(EARTH, rel=1e-9)
+
+
+def test_a_law_that_ends_before_rest_says_so():
+    law = ao.Tabulated([0.0, 1e-5, 2e-5], [0.0, 2.0, 5.0])
+    with pytest.raises(ao.InputError, match=r"contact 0 is .* deep at rest, and its law stands up"):
+        at_rest(on_a_floor(law))
+
+
+def test_a_patched_body_lies_under_its_weight():
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.0035), STEEL)
+    star = ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.004), 1)
+    law = ao.Hertz.between(STEEL, 0.01, STEEL, math.inf)
+    weight = at_rest(on_a_floor(law, body=star))
+    assert weight == pytest.approx(EARTH * ball.mass, rel=1e-9)
+
+
+def test_what_is_pulled_apart_finds_no_rest():
+    scene = ao.Scene()
+    one, other = scene.add(BODY), scene.add(BODY)
+    scene.connect(one, other, ao.Hertz(k=1e9))
+    scene.apply(one, force=-100.0)
+    scene.apply(other, force=100.0)
+    with pytest.raises(ao.ConvergenceError, match="nothing holds"):
+        at_rest(scene)
