@@ -54,6 +54,11 @@ class Result(Eventful):
         return self.run.t
 
     @property
+    def duration(self) -> float:
+        """Length of the record [s]."""
+        return self.run.duration
+
+    @property
     def force(self) -> FloatArray:
         """Contact force, ≥ 0 in compression [N]."""
         return self.run.contacts[0].force

@@ -307,7 +307,7 @@ class Run:
         Parameters
         ----------
         times : array_like, shape (m,)
-            Ascending, within the record [s].
+            Ascending, within the record [s]; none gives empty histories.
 
         Raises
         ------
@@ -321,9 +321,13 @@ class Run:
                 "call simulate(..., solver=Adaptive(...)) for dense output"
             )
         wanted = np.atleast_1d(finite_array("times", times, unit="s"))
-        if wanted.ndim != 1 or wanted.size == 0 or (np.diff(wanted) < 0.0).any():
-            raise InputError(f"times must be a flat ascending list, got shape {wanted.shape}")
-        if wanted[0] < 0.0 or wanted[-1] > self.duration:
+        if wanted.ndim != 1:
+            raise InputError(f"times must be a flat list, got shape {wanted.shape}; ravel it")
+        falls = np.flatnonzero(np.diff(wanted) < 0.0)
+        if len(falls):
+            before, after = wanted[falls[0] : falls[0] + 2]
+            raise InputError(f"times must ascend, got {before:g} s before {after:g} s; sort them")
+        if wanted.size and (wanted[0] < 0.0 or wanted[-1] > self.duration):
             raise InputError(
                 f"times must lie within the record, 0 to {self.duration:g} s, got "
                 f"{wanted[0]:g} to {wanted[-1]:g} s"

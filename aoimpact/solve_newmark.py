@@ -64,7 +64,8 @@ def solve_newmark(plan: Plan, rule: Newmark) -> Run:
         ),
         ends=plan.ends,
         duration=float(record.t[-1]),
-        solver=f"Newmark(dt={record.dt:.6g}, beta={rule.beta:g}, gamma={rule.gamma:g})",
+        solver=f"Newmark(dt={record.dt:.6g}, beta={rule.beta:g}, gamma={rule.gamma:g}), "
+        f"{len(record.t) - 1} steps",
         energies=plan.energies,
         time_error=error,
         recorder=Recorded(record.t, record.rows),

@@ -20,7 +20,7 @@ def summary_rows(result: Seen) -> list[tuple[str, str]]:
         ("velocity", f"{result.velocity:.6g} m/s" + _gap(result)),
     ]
     if not result.contacts:
-        rows.append(("contact", f"none in {quantity(float(result.t[-1]), 's')}"))
+        rows.append(("contact", f"none in {quantity(result.duration, 's')}"))
     else:
         rows += [
             ("peak force", _force(result)),
@@ -31,7 +31,7 @@ def summary_rows(result: Seen) -> list[tuple[str, str]]:
         ("rebound velocity", f"{result.rebound_velocity:.5g} m/s"),
         ("restitution", f"{result.restitution:.5g}"),
         ("error of the peak", _error(result)),
-        ("solver", f"{result.solver}, {len(result.t) - 1} steps"),
+        ("solver", result.solver),
     ]
     made_by = [model.origin.solver for model in result.models or () if model.origin is not None]
     if any(made_by):

@@ -509,10 +509,30 @@ def test_dense_output_is_as_exact_as_the_run():
     assert seen.contacts == result.contacts
 
 
-@pytest.mark.parametrize("times", [[2e-6, 1e-6], [-1e-6], [1.0], [math.nan], [[1e-6]], []])
-def test_times_outside_the_record_are_refused(times):
-    with pytest.raises(ao.InputError, match="times"):
+@pytest.mark.parametrize(
+    ("times", "reason"),
+    [
+        ([0.0, 2e-6, 1e-6], "ascend, got 2e-06 s before 1e-06 s"),
+        ([-1e-6], "within the record"),
+        ([1.0], "within the record"),
+        ([math.nan], "finite"),
+        ([[1e-6]], r"flat list, got shape \(1, 1\)"),
+    ],
+)
+def test_times_outside_the_record_are_refused(times, reason):
+    with pytest.raises(ao.InputError, match=f"times.*{reason}"):
         hit().at(times)
+
+
+def test_no_times_give_empty_histories_of_the_same_impact():
+    result = hit()
+    nothing = result.at([])
+    histories = (nothing.t, nothing.force, nothing.projectile.velocity, nothing.energy.total)
+    assert [len(history) for history in histories] == [0] * 4
+    assert nothing.peak_force == result.peak_force
+    assert nothing.rebound_velocity == result.rebound_velocity
+    assert nothing.error == result.error
+    assert repr(nothing) == repr(result)
 
 
 def test_newmark_has_no_dense_output():
