@@ -17,6 +17,9 @@ FloatArray = NDArray[np.float64]
 
 _BISECTIONS = 60  # halves [0, 1] down to rounding
 
+# Of a peak's force: where a sample beside it has less, the force has jumped, or is not resolved.
+_LEAST_NEIGHBOUR = 0.5
+
 
 @dataclass(frozen=True)
 class Events:
@@ -84,14 +87,15 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     """Return the largest force and its time, to second order in the step.
 
     Each local maximum is the top of the parabola through its sample and the two beside it (the
-    time is then right to O(dt²), the force to O(dt³)); where one of the three carries no force the
-    sample itself is taken, since the force may jump or bend at the ends of a contact.
+    time is then right to O(dt²), the force to O(dt³)); where one of those has less than half of its
+    force the sample itself is taken, since the force may jump or bend at the ends of a contact.
     """
     best = int(np.argmax(force))
     if force[best] <= 0.0:
         return 0.0, float(t[0])
     before, here, after = force[:-2], force[1:-1], force[2:]
-    smooth = (here >= before) & (here >= after) & (before > 0.0) & (after > 0.0)
+    least = np.maximum(_LEAST_NEIGHBOUR * here, np.finfo(np.float64).tiny)
+    smooth = (here >= before) & (here >= after) & (before >= least) & (after >= least)
     top, shift = _parabola_tops(t, force, np.flatnonzero(smooth) + 1)
     # A parabola's top is never below its sample: if the largest sample has one, it is among these.
     winner = int(np.argmax(top)) if top.size else 0

@@ -373,6 +373,31 @@ def test_without_a_step_the_tolerance_is_met():
         assert hit.peak_force == pytest.approx(peak, rel=rtol)
 
 
+@pytest.mark.parametrize("damping", [20.0, 200.0, 1000.0, 1900.0])
+@pytest.mark.parametrize("gap", [0.0, 1e-5, 1.234e-5, 3.3e-5])
+def test_the_error_estimate_knows_of_a_force_that_jumps_at_touch(damping, gap):
+    """A damped spring in closed form: its force begins with c V, at a time within a step."""
+    mass, k = 0.1, 1e7
+    decay = damping / (2.0 * mass)
+    omega = math.sqrt(k / mass - decay**2)
+    time = np.linspace(0.0, math.pi / omega, 200_001)
+    turn = (omega**2 - decay**2) / omega * np.sin(omega * time)
+    force = mass * np.exp(-decay * time) * (2.0 * decay * np.cos(omega * time) + turn)
+    options = {
+        "projectile": ao.rigid(mass=mass),
+        "target": ao.rigid(mass=math.inf),
+        "law": ao.KelvinVoigt(k=k, c=damping),
+        "velocity": 1.0,
+        "gap": gap,
+        "duration": 1e-3,
+    }
+    for dt in (3e-6, 1e-6, 3e-7):
+        result = ao.simulate(**options, solver=ao.Newmark(dt=dt))
+        true = abs(result.peak_force / force.max() - 1.0)
+        assert true <= result.error.time + 1e-9
+        assert result.error.time < 0.2
+
+
 def test_a_step_beyond_the_stability_limit_ends_with_an_error_not_with_nan():
     """β = 1/6 (linear acceleration) is stable only for ω dt < √12."""
     stiff = ao.AOModel(m0=1e-6, m=[0.03], k=[3e8])
