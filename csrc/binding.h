@@ -44,6 +44,9 @@ void need_tuple(held *buffers, PyObject *tuple, Py_ssize_t size);
 /* Whether a tuple, not empty, begins with that word. */
 int is_kind(PyObject *tuple, const char *kind);
 
+/* Raises what a function of aoimpact.errors returns for the arguments, a tuple, which it takes over. */
+PyObject *raise_made(const char *maker, PyObject *arguments);
+
 /* Raises what aoimpact.errors makes of a status: the one table of the core's codes stands there.
  * raise_at: for AOI_ERROR_LAW, with the state in which a law gave NaN. */
 PyObject *raise_status(int status, const char *what, double time);

@@ -90,18 +90,25 @@ const int32_t *integers(held *buffers, PyObject *object, const char *name, size_
     return held_take(buffers, object, name, 'i', 0, count);
 }
 
-PyObject *raise_at(int status, const char *what, double time, double indentation, double rate)
+PyObject *raise_made(const char *maker, PyObject *arguments)
 {
-    PyObject *module = PyImport_ImportModule("aoimpact.errors");
-    PyObject *error = module ? PyObject_CallMethod(module, "core_error", "isddd", status, what, time,
-                                                   indentation, rate)
-                             : NULL;
+    PyObject *module = arguments ? PyImport_ImportModule("aoimpact.errors") : NULL;
+    PyObject *make = module ? PyObject_GetAttrString(module, maker) : NULL;
+    PyObject *error = make ? PyObject_CallObject(make, arguments) : NULL;
     if (error) {
         PyErr_SetObject((PyObject *)Py_TYPE(error), error);
     }
     Py_XDECREF(error);
+    Py_XDECREF(make);
     Py_XDECREF(module);
+    Py_XDECREF(arguments);
     return NULL;
+}
+
+PyObject *raise_at(int status, const char *what, double time, double indentation, double rate)
+{
+    return raise_made("core_error",
+                      Py_BuildValue("(isddd)", status, what, time, indentation, rate));
 }
 
 PyObject *raise_status(int status, const char *what, double time)

@@ -24,15 +24,7 @@ static double number_of(PyObject *answer, double indentation, double rate)
                                   !PyComplex_Check(answer))) {
         return PyFloat_AsDouble(answer);
     }
-    PyObject *module = PyImport_ImportModule("aoimpact.errors");
-    PyObject *error = module ? PyObject_CallMethod(module, "law_answer_error", "Odd", answer,
-                                                   indentation, rate)
-                             : NULL;
-    if (error) {
-        PyErr_SetObject((PyObject *)Py_TYPE(error), error);
-    }
-    Py_XDECREF(error);
-    Py_XDECREF(module);
+    (void)raise_made("law_answer_error", Py_BuildValue("(Odd)", answer, indentation, rate));
     return (double)NAN;
 }
 
