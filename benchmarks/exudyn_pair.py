@@ -31,6 +31,24 @@ def body_matrices(star: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     return mass, stiffness
 
 
+def add_body(mbs: Any, item: Any, star: dict[str, Any], velocity: float) -> tuple[int, int]:
+    """Its node, and the marker of its contact coordinate."""
+    mass, stiffness = body_matrices(star)
+    n = len(mass)
+    node = mbs.AddNode(
+        item.NodeGenericODE2(
+            numberOfODE2Coordinates=n,
+            referenceCoordinates=[0.0] * n,
+            initialCoordinates=[0.0] * n,
+            initialCoordinates_t=[velocity] * n,
+        )
+    )
+    mbs.AddObject(
+        item.ObjectGenericODE2(nodeNumbers=[node], massMatrix=mass, stiffnessMatrix=stiffness)
+    )
+    return node, mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
+
+
 def build(scene: dict[str, Any]) -> tuple[Any, Any, list[int], list[int]]:
     import exudyn as exu
     import exudyn.itemInterface
@@ -42,21 +60,9 @@ def build(scene: dict[str, Any]) -> tuple[Any, Any, list[int], list[int]]:
     mbs = container.AddSystem()
     markers, nodes = [], []
     for star, velocity in zip(scene["bodies"], (scene["velocity"], 0.0), strict=True):
-        mass, stiffness = body_matrices(star)
-        n = len(mass)
-        node = mbs.AddNode(
-            item.NodeGenericODE2(
-                numberOfODE2Coordinates=n,
-                referenceCoordinates=[0.0] * n,
-                initialCoordinates=[0.0] * n,
-                initialCoordinates_t=[velocity] * n,
-            )
-        )
-        mbs.AddObject(
-            item.ObjectGenericODE2(nodeNumbers=[node], massMatrix=mass, stiffnessMatrix=stiffness)
-        )
-        markers.append(mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=0)))
+        node, marker = add_body(mbs, item, star, velocity)
         nodes.append(node)
+        markers.append(marker)
     # displacement = target's minus projectile's: the indentation with a minus sign.
     contact = mbs.AddObject(
         item.ObjectConnectorCoordinateSpringDamper(
