@@ -44,7 +44,15 @@ _HOPELESS = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """An adaptive run, to be read at any times."""
+    """An adaptive run as a :class:`Recorder`, to be read at any times.
+
+    Attributes
+    ----------
+    track : Track
+        The core's rows of the run, from which every curve is computed when it is asked for.
+    dense : bool
+        True: what lies between two rows has a closed form or a polynomial.
+    """
 
     track: Track
     dense: bool = True
