@@ -131,8 +131,11 @@ def _inside(value: Any, name: str) -> list[_Part]:
     if isinstance(value, partial):
         return [("", (value.func, value.args, value.keywords))]
     if dataclasses.is_dataclass(value):
-        fields = dataclasses.fields(value)
-        return [(f".{field.name}", getattr(value, field.name)) for field in fields]
+        return [
+            (f".{field.name}", getattr(value, field.name))
+            for field in dataclasses.fields(value)
+            if not field.metadata.get("identity")  # which of its like it is, not what
+        ]
     if isinstance(value, BaseException):
         return [("", value.args)]
     if hasattr(value, "__dict__"):

@@ -54,7 +54,7 @@ class Handle:
     body: int
     at: int = 0
     name: str = field(default="", compare=False)
-    scene: str = field(default="", compare=False, repr=False)
+    scene: str = field(default="", compare=False, repr=False, metadata={"identity": True})
 
     def port(self, at: int) -> Handle:
         """Return the handle of another of its places of contact: `at` in the order of the tips."""

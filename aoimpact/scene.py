@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import uuid
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,13 @@ Solver = Adaptive | Newmark
 
 # Squares and energies of speeds beyond these overflow, or vanish.
 SLOWEST, FASTEST = 1e-60, 1e60
+
+
+@dataclass(frozen=True)
+class _Mark:
+    """What tells the handles of scenes apart."""
+
+    name: str = field(metadata={"identity": True})
 
 
 class Scene:
@@ -70,7 +77,7 @@ class Scene:
         self._joints: list[Joint] = []
         self._loads: list[Load] = []
         # Copies and pickles keep it: their handles are as good.
-        self._mark = uuid.uuid4().hex
+        self._mark = _Mark(uuid.uuid4().hex)
 
     def __repr__(self) -> str:
         labels = ", ".join(player.label for player in self._players[:6])
@@ -118,7 +125,7 @@ class Scene:
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
         self._names.append(name)
-        return Handle(len(self._players) - 1, name=name, scene=self._mark)
+        return Handle(len(self._players) - 1, name=name, scene=self._mark.name)
 
     def connect(self, a: Handle, b: Handle, law: ContactLaw, *, gap: float = 0.0) -> int:
         """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
@@ -203,7 +210,7 @@ class Scene:
     def _known(self, name: str, handle: Any) -> Handle:
         if not isinstance(handle, Handle):
             raise InputTypeError(f"{name} must be a handle that scene.add returned, got {handle!r}")
-        if handle.scene != self._mark or handle.body >= len(self._players):
+        if handle.scene != self._mark.name or handle.body >= len(self._players):
             raise InputError(
                 f"{name}={handle!r} is of another scene; add the body to this one and take the "
                 "handle that scene.add returns"
@@ -316,7 +323,7 @@ class Scene:
             length,
             energies,
             preload,
-            self._mark,
+            self._mark.name,
         )
         return solve(plan, solver)
 

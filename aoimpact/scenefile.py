@@ -188,7 +188,7 @@ class SceneFile:
         except (InputError, InputTypeError) as error:
             # The argument that a message begins with is a key of the table more often than not.
             word = str(error).partition(" ")[0].partition("=")[0].rstrip(":")
-            word = {"rtol": "tolerance"}.get(word, word) if place == ("impact",) else word
+            word = {"rtol": "tolerance"}.get(word, word) if place == (self.kind,) else word
             finer = (*place, word) if (*place, word) in self.lines else place
             raise SceneFileError(self._at(finer, str(error))) from error
 

@@ -11,12 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from .answer import SCENE_QUANTITIES
 from .checks import nearest
+from .contact import ContactPoint, contact_point
+from .damping import Damping, ModalDamping, Rayleigh
 from .errors import InputError
 from .fem import FEModel
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from .interface import interface
-from .laws import ContactLaw, Hertz
+from .laws import ContactLaw, Hertz, Thornton
 from .many import SceneCase
 from .material import Material
 from .mesh import Mesh, read_mesh
@@ -24,7 +27,7 @@ from .modes import modal
 from .reduction import antioscillators
 from .run import Handle
 from .scene import Scene
-from .scenefile_schema import LAWS, SOLVERS
+from .scenefile_schema import BY_RESTITUTION, LAWS, SOLVERS
 from .star import AOModel, rigid
 
 __all__ = ["Builder", "Kept", "member_name"]
@@ -47,6 +50,14 @@ _IMPACT_KEYWORDS = {
     "duration": "duration",
     "gap": "gap",
     "quantity": "quantity",
+    "tolerance": "rtol",
+    "linear_solver": "linear_solver",
+}
+
+
+# And of [scene], of `Scene.simulate`.
+_SCENE_KEYWORDS = {
+    "preload": "preload",
     "tolerance": "rtol",
     "linear_solver": "linear_solver",
 }
@@ -96,13 +107,19 @@ class Builder:
     def impact(self) -> dict[str, Any]:
         """Return the keywords of `simulate`."""
         table = self.data["impact"]
-        return {
-            "projectile": self._body(table["projectile"]),
-            "target": self._body(table["target"]),
+        bodies = {role: self._body(table[role]) for role in ("projectile", "target")}
+        keywords = {
+            **bodies,
             "law": self._law("impact"),
             **{keyword: table[name] for name, keyword in _IMPACT_KEYWORDS.items() if name in table},
             **self._solver("impact"),
         }
+        wanted = table.get("quantity")
+        if isinstance(wanted, Mapping):
+            with self.blaming("impact", "quantity"):
+                roles = {table[role]: body for role, body in bodies.items()}
+                keywords["quantity"] = _point(roles, wanted)
+        return keywords
 
     def scene(self) -> tuple[SceneCase, float]:
         """Return a scene with what its run is given, and its duration."""
@@ -110,6 +127,7 @@ class Builder:
         with self.blaming("scene"):
             scene = Scene(gravity=table.get("gravity", 0.0))
         handles: dict[str, Handle] = {}
+        bodies: dict[str, Any] = {}
         for i, member in enumerate(table["bodies"]):
             body, name = self._body(member["body"]), member_name(member)
             with self.blaming("scene", "bodies", i):
@@ -118,7 +136,7 @@ class Builder:
                         f"name: two bodies of the scene are called {name!r}; give one another name"
                     )
                 motion = {key: member[key] for key in ("velocity", "position") if key in member}
-                handles[name] = scene.add(body, **motion, name=name)
+                handles[name], bodies[name] = scene.add(body, **motion, name=name), body
         for i, joint in enumerate(table.get("contacts", ())):
             law = self._law("scene", "contacts", i)
             with self.blaming("scene", "contacts", i):
@@ -129,8 +147,11 @@ class Builder:
                 force = (load["times"], load["forces"]) if "times" in load else load["force"]
                 scene.apply(_handle(handles, load["body"]), force=force)
         keywords = self._solver("scene") | {
-            name: table[name] for name in ("preload",) if name in table
+            keyword: table[name] for name, keyword in _SCENE_KEYWORDS.items() if name in table
         }
+        if "quantity" in table:
+            with self.blaming("scene", "quantity"):
+                keywords["quantity"] = _scene_quantity(handles, bodies, table["quantity"])
         return SceneCase(scene, keywords), table["duration"]
 
     def _solver(self, kind: str) -> dict[str, Any]:
@@ -149,7 +170,7 @@ class Builder:
                 return rigid(**table)
         if "m0" in table:
             with self.blaming(*place):
-                return AOModel(**table)
+                return AOModel(**table | self._damping(name))
         material = self.data["materials"][table["material"]]
         return self.kept.once(["model", table, material], lambda: self._model(name))
 
@@ -166,18 +187,29 @@ class Builder:
         kind = model.pop("type")
         touched, several = table["contact"], isinstance(table["contact"], list)
         with self.blaming(*place, "model"):
-            if several != (kind == "interface"):
+            if kind != "full" and several != (kind == "interface"):
                 raise InputError(
-                    "type: a list of contacts needs the model 'interface', and that a list of them"
+                    "type: a list of contacts needs the model 'interface' or 'full', and "
+                    "'interface' a list of them"
                 )
         tips = []
         for i, contact in enumerate(touched if several else [touched]):
             with self.blaming(*place, "contact", *([i] if several else [])):
                 tips.append(body.contact(**contact))
         with self.blaming(*place, "model"):
-            if several:
-                return interface(tips, **model)
-            return tips[0] if kind == "full" else _REDUCTIONS[kind](tips[0], **model)
+            if kind == "full":
+                return tuple(tips) if several else tips[0]
+            return interface(tips, **model) if several else _REDUCTIONS[kind](tips[0], **model)
+
+    def _damping(self, name: str) -> dict[str, Damping]:
+        """The keyword `damping`, where a body has any."""
+        table = self.data["bodies"][name].get("damping")
+        if table is None:
+            return {}
+        with self.blaming("bodies", name, "damping"):
+            if ("ratio" in table) == ("alpha" in table or "beta" in table):
+                raise InputError("give either ratio, of all modes, or alpha and beta of Rayleigh's")
+            return {"damping": (ModalDamping if "ratio" in table else Rayleigh)(**table)}
 
     def _solid(self, name: str) -> FEModel:
         table, place = self.data["bodies"][name], ("bodies", name)
@@ -189,7 +221,7 @@ class Builder:
             with self.blaming(*place, "fixed", i):
                 supports.append((_support_nodes(entry, mesh), entry["hold"]))
         with self.blaming(*place, *(["fixed"] if supports else [])):
-            return FEModel.from_mesh(mesh, material, fixed=supports or None)
+            return FEModel.from_mesh(mesh, material, fixed=supports or None, **self._damping(name))
 
     def _mesh(self, mesh: str | Mapping[str, Any]) -> Mesh:
         if mesh == _PAPER_SPHERE:
@@ -215,6 +247,8 @@ class Builder:
         table = dict(table)
         with self.blaming(*place, "law"):
             if isinstance(table.get("k"), Mapping):
+                if "yield_pressure" in table:
+                    return self._yielding(table)
                 if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
                     raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
                 one, two = table["k"]["between"]
@@ -228,13 +262,30 @@ class Builder:
             law: ContactLaw = _made(LAWS, table)
             return law
 
+    def _yielding(self, table: Mapping[str, Any]) -> Thornton:
+        """Thornton's law of two surfaces that yield under a pressure."""
+        if "angle" in table["k"]:
+            raise InputError("angle: with yield_pressure the surfaces are spheres, flats or cups")
+        one, two = table["k"]["between"]
+        return Thornton.between(
+            self._material(one["material"]),
+            one["radius"],
+            self._material(two["material"]),
+            two["radius"],
+            yield_pressure=table["yield_pressure"],
+        )
+
 
 _REDUCTIONS: dict[str, Callable[..., Any]] = {"antioscillators": antioscillators, "modal": modal}
 
 
 def _made(classes: Mapping[str, Any], table: Mapping[str, Any]) -> Any:
     """An object of the class that the table names, of the table's other values."""
-    return classes[table["type"]](**{key: v for key, v in table.items() if key != "type"})
+    cls = classes[table["type"]]
+    given = {key: value for key, value in table.items() if key != "type"}
+    return (cls.from_restitution if cls in BY_RESTITUTION and "restitution" in given else cls)(
+        **given
+    )
 
 
 def _support_nodes(entry: Mapping[str, Any], mesh: Mesh) -> Any:
@@ -253,6 +304,34 @@ def _support_nodes(entry: Mapping[str, Any], mesh: Mesh) -> Any:
         box = ", ".join(f"{c} {a:g} to {b:g}" for c, a, b in zip("xyz", low, high, strict=True))
         raise InputError(f"no node lies on {where}; the mesh spans {box} m")
     return np.flatnonzero(on)
+
+
+def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint:
+    """The place whose displacement is asked for."""
+    name = wanted["body"]
+    if name not in bodies:
+        raise InputError(f"body: {name!r} takes no part{nearest(name, bodies)}")
+    body = bodies[name]
+    tip = body[0] if isinstance(body, tuple) else body
+    if not isinstance(tip, ContactPoint):
+        raise InputError(f"body: {name!r} has a model already; leave it out to have it chosen")
+    return contact_point(tip.body, point=wanted["point"], direction=wanted["direction"])
+
+
+def _scene_quantity(
+    handles: Mapping[str, Handle], bodies: Mapping[str, Any], wanted: str | Mapping[str, Any]
+) -> str | Handle | ContactPoint:
+    """What a scene is asked for: a word, or the displacement of a body, at a port or a point."""
+    if isinstance(wanted, Mapping):
+        return _point(bodies, wanted) if "point" in wanted else _handle(handles, wanted)
+    if wanted in handles and wanted not in SCENE_QUANTITIES:
+        return handles[wanted]
+    if wanted not in SCENE_QUANTITIES:
+        known = (*SCENE_QUANTITIES, *handles)
+        raise InputError(
+            f"must be one of {', '.join(known)}, got {wanted!r}{nearest(wanted, known)}"
+        )
+    return wanted
 
 
 def _handle(handles: Mapping[str, Handle], end: str | Mapping[str, Any]) -> Handle:

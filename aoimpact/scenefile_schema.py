@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import MISSING, fields
 from typing import Any
 
@@ -29,7 +30,7 @@ from .schema import (
 )
 from .solvers import SOLVERS as LINEAR_SOLVERS
 
-__all__ = ["LAWS", "SCENE_FILE", "SOLVERS"]
+__all__ = ["BY_RESTITUTION", "LAWS", "SCENE_FILE", "SOLVERS"]
 
 # Laws of the power 3/2, whose k may be that of Hertz's theory.
 _HERTZIAN = (
@@ -48,6 +49,15 @@ _OTHERS = (laws.PowerLaw, laws.Linear, laws.KelvinVoigt, laws.Tabulated)
 
 # By the name that a file gives, the class that it stands for.
 LAWS = {law.__name__: law for law in (*_HERTZIAN, *_OTHERS)}
+
+# Laws that may be given by the restitution that they are to deliver, and what else says it.
+BY_RESTITUTION = {
+    laws.HuntCrossley: "damping",
+    laws.Tsuji: "alpha",
+    laws.KuwabaraKono: "A",
+    laws.KelvinVoigt: "c",
+}
+
 SOLVERS = {solver.__name__: solver for solver in (Adaptive, Newmark)}
 
 _VECTOR = Listed(Number(), 3)
@@ -90,8 +100,9 @@ _CONTACT = Variants(
         "point": Table(
             {
                 "point": needed(_VECTOR),
-                "direction": needed(_VECTOR),
-                "radius": optional(Number("m")),
+                "direction": optional(_VECTOR),
+                "radius": optional(Either((Number("m"), Choice(("auto",))))),
+                "expected": optional(Number("m")),
             }
         ),
         "dof": Table({"dof": needed(Integer())}),
@@ -121,6 +132,14 @@ _MODEL = Chosen(
     },
 )
 
+_DAMPING = Table(
+    {
+        "alpha": optional(Number("1/s")),
+        "beta": optional(Number("s")),
+        "ratio": optional(Number()),
+    }
+)
+
 _BODY = Variants(
     {
         "mass": Table({"mass": needed(Number("kg"))}),
@@ -130,6 +149,7 @@ _BODY = Variants(
                 "k0": optional(Number("N/m")),
                 "m": optional(Listed(Number("kg"))),
                 "k": optional(Listed(Number("N/m"))),
+                "damping": optional(_DAMPING),
             }
         ),
         "mesh": Table(
@@ -137,6 +157,7 @@ _BODY = Variants(
                 "mesh": needed(Either((Text(), _MESH))),
                 "material": needed(Reference("materials")),
                 "fixed": optional(Listed(_SUPPORT)),
+                "damping": optional(_DAMPING),
                 "contact": needed(Either((_CONTACT, Listed(_CONTACT)))),
                 "model": optional(_MODEL),
             }
@@ -159,11 +180,29 @@ def _parameters(cls: Any) -> Table:
     return Table({name: Field(kind, name not in left_out) for name, kind in names.items()})
 
 
+def _law(cls: Any) -> Kind:
+    """A law by its own parameters, or by what it is to deliver."""
+    if cls is laws.Tabulated:
+        return _CURVE
+    own = _parameters(cls)
+    if cls in BY_RESTITUTION:
+        names = inspect.signature(cls.from_restitution).parameters.values()
+        given = {
+            entry.name: own.fields.get(
+                entry.name, Field(Number(), entry.default is inspect.Parameter.empty)
+            )
+            for entry in names
+        }
+        return Variants({BY_RESTITUTION[cls]: own, "restitution": Table(given)})
+    if cls is laws.Thornton:
+        yielding = {"k": needed(_SURFACES), "yield_pressure": needed(Number("Pa"))}
+        return Variants({"yield_force": own, "yield_pressure": Table(yielding)})
+    return own
+
+
 _CURVE = Table({"indentation": needed(Listed(Number("m"))), "force": needed(Listed(Number("N")))})
 
-_LAW = Chosen(
-    "type", {n: _CURVE if law is laws.Tabulated else _parameters(law) for n, law in LAWS.items()}
-)
+_LAW = Chosen("type", {name: _law(cls) for name, cls in LAWS.items()})
 
 _SOLVER = Chosen("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
 
@@ -174,6 +213,13 @@ _RUN = {
     "report": optional(Listed(Text())),
 }
 
+
+def _displacement(body: Kind, **more: Table) -> Kind:
+    """A place whose displacement is asked for."""
+    point = {"body": needed(body), "point": needed(_VECTOR), "direction": needed(_VECTOR)}
+    return Variants({"point": Table(point), **more})
+
+
 _IMPACT = Table(
     {
         "projectile": needed(Reference("bodies")),
@@ -181,7 +227,7 @@ _IMPACT = Table(
         "velocity": needed(Number("m/s")),
         "gap": optional(Number("m")),
         "law": needed(_LAW),
-        "quantity": optional(Text()),
+        "quantity": optional(Either((Text(), _displacement(Reference("bodies"))))),
         "tolerance": optional(Number()),
         "linear_solver": _LINEAR_SOLVER,
     }
@@ -220,8 +266,13 @@ _LOAD = Variants(
     }
 )
 
+_PORT = Table({"body": needed(Text()), "port": needed(Integer())})
+
 _SCENE = Table(
     {
+        "quantity": optional(Either((Text(), _displacement(Text(), port=_PORT)))),
+        "tolerance": optional(Number()),
+        "linear_solver": _LINEAR_SOLVER,
         "gravity": optional(Number("m/s²")),
         "preload": optional(Flag()),
         "bodies": needed(Listed(_MEMBER)),

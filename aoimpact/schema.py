@@ -255,7 +255,7 @@ class Chosen(_OfTable):
     """A table of one of several sorts, told apart by the word under one key."""
 
     key: str
-    tables: Mapping[str, Table]
+    tables: Mapping[str, Kind]
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         if self.key not in value:

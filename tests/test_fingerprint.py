@@ -101,3 +101,16 @@ def test_the_same_in_another_process() -> None:
 def test_what_cannot_be_looked_into_is_refused_by_name() -> None:
     with pytest.raises(ao.InputTypeError, match=r"case\['law'\], generator: a checkpoint cannot"):
         digest({"law": (i for i in range(3))})
+
+
+def test_scenes_built_anew_are_the_same() -> None:
+    """Their handles belong to different ones, which says nothing of what is simulated."""
+
+    def built(gap: float) -> tuple[ao.Scene, ao.Handle]:
+        scene = ao.Scene()
+        ball, wall = scene.add(ao.rigid(mass=1.0), velocity=1.0), scene.add(ao.rigid(mass=math.inf))
+        scene.connect(ball, wall, ao.Hertz(k=1e9), gap=gap)
+        return scene, ball
+
+    assert Fingerprints().of(built(0.0)) == Fingerprints().of(built(0.0))
+    assert Fingerprints().of(built(0.0)) != Fingerprints().of(built(1e-3))

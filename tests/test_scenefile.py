@@ -207,6 +207,18 @@ law = { type = "Linear", k = 1e6 }
     run = ao.read_scene(written(tmp_path, text)).simulate()
     bar = ao.read_scene(written(tmp_path, BAR.replace(contact, f"contact = {other}"))).simulate()
     assert run.contacts[0].peak_force == pytest.approx(bar.peak_force, rel=0.05)
+    # Left to be reduced, as far as the answer allows.
+    free = text.replace('model = { type = "interface", n = 6 }', "")
+    for quantity in ('"force"', '"ball"', '{ body = "bar", port = 1 }'):
+        asked = free.replace("[scene]", f"[scene]\nquantity = {quantity}\ntolerance = 0.05")
+        chosen = ao.read_scene(written(tmp_path, asked)).simulate()
+        assert chosen.contacts[0].peak_force == pytest.approx(run.contacts[0].peak_force, rel=0.1)
+        assert chosen.models[0].label.startswith("interface(")
+        assert chosen.error.reduction <= 0.05
+    asked = free.replace("[scene]", '[scene]\nquantity = "bal"')
+    with pytest.raises(ao.SceneFileError, match="did you mean 'ball'") as error:
+        ao.read_scene(written(tmp_path, asked)).simulate()
+    assert f":{line(asked, 'quantity')}: " in str(error.value)
     wrong = text.replace('type = "interface", n = 6', 'type = "modal", n = 6')
     with pytest.raises(ao.SceneFileError, match="a list of contacts needs the model 'interface'"):
         ao.read_scene(written(tmp_path, wrong)).simulate()
@@ -221,6 +233,96 @@ def test_a_tolerance_reduces_the_bodies(tmp_path: Path) -> None:
     assert hit.target.label.startswith("AO(")
     full = ao.simulate(**scene.case() | {"quantity": None, "rtol": None})
     assert hit.impulse == pytest.approx(full.impulse, rel=0.02)
+
+
+def test_a_place_may_be_what_is_asked_for(tmp_path: Path) -> None:
+    text = BAR.replace('model = { type = "antioscillators", n = 2 }', "")
+    place = '{ body = "bar", point = [0.05, 0.0, 0.0], direction = [0, 0, 1] }'
+    text = text.replace("velocity = 1.0", f"velocity = 1.0\nquantity = {place}\ntolerance = 0.05")
+    case = ao.read_scene(written(tmp_path, text)).case()
+    assert case["quantity"].body is case["target"].body
+    np.testing.assert_allclose(case["quantity"].point, [0.05, 0.0, 0.0], atol=1e-12)
+    hit = ao.read_scene(written(tmp_path, text)).simulate()
+    assert hit.error.reduction <= 0.05
+    for old, new, message in (
+        ('"bar", point', '"baar", point', "did you mean 'bar'"),
+        ("tolerance = 0.05", "tolerance = 5", "rtol must be from"),
+    ):
+        with pytest.raises(ao.SceneFileError, match=message):
+            ao.read_scene(written(tmp_path, text.replace(old, new))).simulate()
+
+
+PATCHED = """
+[materials.steel]
+E = 210e9
+nu = 0.3
+rho = 7800
+[bodies.block]
+mesh = { box = [0.06, 0.06, 0.03], divisions = [8, 8, 4] }
+material = "steel"
+damping = { beta = 1e-8 }
+fixed = [{ z = 0.0, hold = "xyz" }]
+contact = { point = [0.03, 0.03, 0.03], radius = "auto", expected = 0.004 }
+[bodies.spring]
+m0 = 1.0
+k0 = 1e5
+damping = { ratio = 0.1 }
+[bodies.ball]
+mass = 0.02
+[impact]
+projectile = "ball"
+target = "block"
+velocity = 0.5
+duration = 1e-4
+law = { type = "HuntCrossley", k = 1e9, restitution = 0.7, velocity = 0.5 }
+"""
+
+
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_patches_and_damping(tmp_path: Path) -> None:
+    """The radius by itself, the direction by the surface, Rayleigh's damping and modal damping."""
+    case = ao.read_scene(written(tmp_path, PATCHED)).case()
+    mesh = ao.box_mesh((0.06, 0.06, 0.03), (8, 8, 4))
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    block = ao.FEModel.from_mesh(mesh, steel, fixed=[("zmin", "xyz")])
+    same = block.contact(point=(0.03, 0.03, 0.03), radius="auto", expected=0.004)
+    assert case["target"].patch.radius == same.patch.radius
+    np.testing.assert_allclose(case["target"].direction, [0, 0, -1], atol=1e-12)
+    assert case["target"].body.damping == ao.Rayleigh(beta=1e-8)
+    spring = PATCHED.replace('target = "block"', 'target = "spring"')
+    target = ao.read_scene(written(tmp_path, spring)).case()["target"]
+    assert target.damping == ao.ModalDamping(ratio=0.1)
+
+
+@pytest.mark.parametrize(
+    ("law", "same"),
+    [
+        (
+            'type = "HuntCrossley", k = 1e9, restitution = 0.7, velocity = 2.0',
+            ao.HuntCrossley.from_restitution(1e9, 0.7, 2.0),
+        ),
+        (
+            'type = "Tsuji", k = 1e9, restitution = 0.7, mass = 0.1',
+            ao.Tsuji.from_restitution(1e9, 0.7, 0.1),
+        ),
+        (
+            'type = "KuwabaraKono", k = 1e9, restitution = 0.7, velocity = 2.0, mass = 0.1',
+            ao.KuwabaraKono.from_restitution(1e9, 0.7, 2.0, 0.1),
+        ),
+        (
+            'type = "KelvinVoigt", k = 1e6, restitution = 0.7, mass = 0.1, end = "indentation"',
+            ao.KelvinVoigt.from_restitution(1e6, 0.7, 0.1, end="indentation"),
+        ),
+        (
+            'type = "Thornton", yield_pressure = 2e9, k = { between = ['
+            '{ material = "alu", radius = 0.01 }, { material = "alu", radius = inf }] }',
+            ao.Thornton.between(ALU, 0.01, ALU, math.inf, yield_pressure=2e9),
+        ),
+    ],
+)
+def test_laws_by_what_they_deliver(law: str, same: ao.ContactLaw, tmp_path: Path) -> None:
+    text = BAR.replace('type = "Linear", k = 1e6', law)
+    assert ao.read_scene(written(tmp_path, text)).case()["law"] == same
 
 
 def test_linear_solvers_are_taken_and_named(tmp_path: Path) -> None:
@@ -290,6 +392,11 @@ WRONG = {
         ("[0, 0, 1]", "[0, 0, 0]", "contact", "must not be the zero vector"),
         ("direction = [0, 0, 1]", "dof = 1", "contact", "exclude each other"),
         ("n = 2", "n = -2", "model", "n must be from 0"),
+        ("fixed = [", "damping = {}\nfixed = [", "damping", "either ratio.* or alpha and beta"),
+        ("fixed = [", "damping = { ratio = -1.0 }\nfixed = [", "damping", "ratio must not be neg"),
+        ("[0, 0, 1] }", '[0, 0, 1], radius = "aut" }', "contact", "did you mean 'auto'"),
+        ("[0, 0, 1] }", "[0, 0, 1], expected = 1e-3 }", "contact", "expected is for radius"),
+        ('type = "Linear"', 'type = "Tsuji"', "law", "one of 'alpha', 'restitution' is missing"),
         ("n = 2", "m = 2", "model", "unknown name 'm'"),
         ("n = 2", 'n = 2, solver = "pardso"', "model", "did you mean 'pardiso'"),
     ],
