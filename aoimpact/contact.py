@@ -18,7 +18,7 @@ from .errors import InputError, InputTypeError, warn
 from .material import Material
 from .mesh import Mesh
 from .patch import Patch
-from .solvers import LinearSolver, Solver
+from .solvers import FEW_SOLUTIONS, LinearSolver, Solver
 from .surface import Surface
 from .touch import Touch, automatic_radius, touched, warn_if_coarse
 
@@ -59,7 +59,9 @@ class Body(Protocol):
     def damping(self) -> Damping | None: ...
     @property
     def rigid_modes(self) -> FloatArray: ...
-    def inverse(self, s2: float = 0.0, *, solver: Solver = "auto") -> LinearSolver: ...
+    def inverse(
+        self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
+    ) -> LinearSolver: ...
     def translation(self, direction: npt.ArrayLike) -> FloatArray: ...
     def com_functional(self, direction: npt.ArrayLike) -> FloatArray: ...
 

@@ -21,7 +21,7 @@ from .material import Material
 from .matrices import check_mass, check_stiffness, symmetric_csr
 from .mesh import Mesh, read_mesh
 from .rigidity import every_motion, rigid_motions, unresisted_motions
-from .solvers import LinearSolver, Pencil, Solver, linear_solver
+from .solvers import FEW_SOLUTIONS, LinearSolver, Pencil, Solver, linear_solver
 from .spectra import lowest, null_space
 from .supports import Support, free_dofs
 from .surface import Surface, boundary
@@ -235,7 +235,9 @@ class FEModel:
         modes.flags.writeable = False
         return modes
 
-    def inverse(self, s2: float = 0.0, *, solver: Solver = "auto") -> LinearSolver:
+    def inverse(
+        self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
+    ) -> LinearSolver:
         """Return the solver of (K + s²M) x = f, set up.
 
         Parameters
@@ -243,11 +245,12 @@ class FEModel:
         s2 : float, optional
             s², (rad/s)²; positive for a body that is free.
         solver : str or callable, optional
-            See `linear_solver`.
+        solutions : int, optional
+            How many it is to serve, roughly; see `linear_solver` for both.
         """
         shift = nonnegative("s2", s2, unit="(rad/s)²")
         pencil = Pencil(self.K, self.M, shift, self.nodes, self.free, self.mesh)
-        return linear_solver(pencil, solver)
+        return linear_solver(pencil, solver, solutions=solutions)
 
     def frequencies(self, n: int) -> FloatArray:
         """Return the `n` lowest natural frequencies, Hz, rigid-body modes included as 0.

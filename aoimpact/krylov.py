@@ -22,7 +22,7 @@ from .checks import integer, positive
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, SingularError, warn
 from .modes import star_of_modes
-from .solvers import LinearSolver, Solver, checked_solver
+from .solvers import FEW_SOLUTIONS, LinearSolver, Solver, checked_solver
 from .star import AOModel
 from .statics import displacement, moves_rigidly
 
@@ -46,6 +46,9 @@ _NO_STIFFNESS = 1e-12
 
 # Vectors, as a multiple of the oscillators wanted, after which no more are tried for those missing.
 _MOST_IDLE = 2
+
+# As many times as many solutions are foreseen once there were more than foreseen.
+_UNFORESEEN = 10
 
 # What is left of b beside the rigid motions, over |b|, that is rounding.
 _RIGID_ONLY = 1e-13
@@ -86,6 +89,7 @@ class Subspace:
         self.solver_name = ""
         self._solver = checked_solver(solver)
         self._solvers: dict[float, LinearSolver] = {}
+        self._foreseen = FEW_SOLUTIONS
         # The rigid part would drown the rest where s is small; it is in the basis exactly.
         functionals = np.stack([tip.b for tip in tips])
         elastic = functionals - (functionals @ rigid) @ (body.M @ rigid).T
@@ -192,8 +196,16 @@ class Subspace:
         )
 
     def _inverse(self, shift: float) -> LinearSolver:
+        while self._solves >= self._foreseen:
+            # More than were foreseen: what iterates is chosen anew, for many times as many.
+            self._foreseen *= _UNFORESEEN
+            if self._solver == "auto":
+                direct = {s: one for s, one in self._solvers.items() if one.precondition is None}
+                self._solvers = direct
         if shift not in self._solvers:
-            self._solvers[shift] = self.body.inverse(shift**2, solver=self._solver)
+            self._solvers[shift] = self.body.inverse(
+                shift**2, solver=self._solver, solutions=self._foreseen
+            )
         self.solver_name = self._solvers[shift].name
         return self._solvers[shift]
 

@@ -73,6 +73,9 @@ _FASTEST, _SLOWEST = 0.5, 0.85
 _SMALL_BODY = 1500
 _SHARE_OF_DOFS = 0.1
 
+# A body that may be rigid is worth models of the others that are larger by this share at most.
+_WORTH_OF_RIGID = 0.25
+
 # Bases are fitted anew, but not for ever, where this factor lies between the contact time that they
 # were fitted to and the one found.
 _REFIT, _MOST_FITS = 2.0, 4
@@ -353,7 +356,9 @@ def least_orders(
     contact_time, length = first_guess(bodies, run, asked)
     for fit in range(1, _MOST_FITS + 1):
         slow = length if length > _LONG * contact_time else None
-        ladders = tuple(ladder(body, contact_time, slow, solver) for body in bodies)
+        # Equal bodies struck at the same place, as two like spheres are, share one basis.
+        made = {id(body): ladder(body, contact_time, slow, solver) for body in bodies}
+        ladders = tuple(made[id(body)] for body in bodies)
         search = _Search(ladders, run, asked, rtol)
         first = search.at((_FIRST_ORDER,) * len(bodies))
         found = (None if first is None else asked.contact_time(first)) or contact_time
@@ -456,7 +461,26 @@ class _Search(Generic[R]):
                 found = orders
                 break
         found = self._pruned(found)
+        for which in range(len(found)):
+            found = self._without(which, found)
         return Orders(found, self.models(found), self.error(found))
+
+    def _without(self, which: int, orders: tuple[int, ...]) -> tuple[int, ...]:
+        """Make one body rigid, if a little more of the largest of the others makes up for it."""
+        alone = _with(self.truth, which, 0)
+        if orders[which] == 0 or self.error(alone) > self.rtol:
+            return orders
+        rest = _with(orders, which, 0)
+        largest = max(range(len(rest)), key=rest.__getitem__)
+
+        def fits(order: int) -> bool:
+            return self.error(_with(rest, largest, order)) <= self.rtol
+
+        most = rest[largest] + orders[which] + int(_WORTH_OF_RIGID * sum(orders))
+        most = min(most, self.truth[largest])
+        if not fits(most):
+            return orders
+        return _with(rest, largest, _between(rest[largest], most, fits))
 
     def _alone(self, which: int, allowed: float) -> int:
         """The least order of one body at which it alone errs no more than allowed."""
@@ -472,24 +496,32 @@ class _Search(Generic[R]):
         high = min(math.ceil(_GROWTH * low), self.truth[which])
         while high < self.truth[which] and not fits(high):
             low, high = high, min(math.ceil(_GROWTH * high), self.truth[which])
-        while high - low > 1:
-            middle = (low + high) // 2
-            if fits(middle):
-                high = middle
-            else:
-                low = middle
-        return high
+        return _between(low, high, fits)
 
     def _pruned(self, orders: tuple[int, ...]) -> tuple[int, ...]:
         """Take orders off, from the largest first, as long as the answer stands."""
+        step = max(1, max(orders) // _EACH)
         while True:
             for which in sorted(range(len(orders)), key=lambda i: -orders[i]):
-                fewer = _with(orders, which, orders[which] - 1)
+                fewer = _with(orders, which, orders[which] - step)
                 if fewer[which] >= 0 and self.error(fewer) <= self.rtol:
                     orders = fewer
                     break
             else:
-                return orders
+                if step == 1:
+                    return orders
+                step //= 2
+
+
+def _between(low: int, high: int, fits: Callable[[int], bool]) -> int:
+    """An order that fits, after one that does not: above `low`, up to `high`, which does."""
+    while high - low > 1:
+        middle = (low + high) // 2
+        if fits(middle):
+            high = middle
+        else:
+            low = middle
+    return high
 
 
 def _with(orders: tuple[int, ...], which: int, order: int) -> tuple[int, ...]:

@@ -22,6 +22,7 @@ from .pencil import Pencil
 from .superlu import factorize
 
 __all__ = [
+    "FEW_SOLUTIONS",
     "SOLVERS",
     "LinearSolver",
     "Pencil",
@@ -55,12 +56,12 @@ _SUPERLU_QUICK = 2e7
 _BYTES = {"superlu": 16.0, "pardiso": 10.0}
 
 # Seconds, to compare and nothing more: of a factorisation per entries²/dofs, of a solution per
-# entry; of ten solutions by multigrid with its set-up per dof, and without nodes.
+# entry; of a solution by multigrid per dof, and without nodes.
 _FACTOR, _SWEEP = 6e-11, 2e-9
-_MULTIGRID, _WITHOUT_NODES = 5e-5, 1e-3
+_MULTIGRID, _WITHOUT_NODES = 5e-6, 1e-4
 
-# Solutions that a factorisation serves: those of a model of some oscillators.
-_SOLUTIONS = 10
+# Solutions that a solver serves, if nothing else is said: those of a model of some oscillators.
+FEW_SOLUTIONS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +167,9 @@ def checked_solver(solver: Solver, *, name: str = "solver") -> Solver:
     return solver if callable(solver) else choice(name, solver, SOLVERS)
 
 
-def linear_solver(pencil: Pencil, solver: Solver = "auto") -> LinearSolver:
+def linear_solver(
+    pencil: Pencil, solver: Solver = "auto", *, solutions: int = FEW_SOLUTIONS
+) -> LinearSolver:
     """Set up the solution of (K + s²M) x = f.
 
     Parameters
@@ -179,6 +182,8 @@ def linear_solver(pencil: Pencil, solver: Solver = "auto") -> LinearSolver:
         quickest and fits into memory. A callable gets K + s²M (`scipy.sparse.csc_array`) and
         returns a callable that solves for a right-hand side (n,), e.g.
         ``scipy.sparse.linalg.factorized``.
+    solutions : int, optional
+        How many solutions it is to serve, roughly: "auto" factorises sooner for many.
 
     Raises
     ------
@@ -194,7 +199,7 @@ def linear_solver(pencil: Pencil, solver: Solver = "auto") -> LinearSolver:
     name = str(checked_solver(solver))
     needs = _needs(pencil)
     if name == "auto":
-        name = _quickest(pencil, needs)
+        name = _quickest(pencil, needs, solutions)
     require(needs[name], f"solver {name!r} of {pencil.what} ({pencil.n} dofs)", _cure(name, needs))
     if name == "multigrid":
         # Half of it, since the residual in its own right comes out slightly larger.
@@ -211,16 +216,17 @@ def _needs(pencil: Pencil) -> dict[str, float]:
     return needs | {"multigrid": BYTES_PER_ENTRY * float(pencil.K.nnz)}
 
 
-def _quickest(pencil: Pencil, needs: dict[str, float]) -> str:
+def _quickest(pencil: Pencil, needs: dict[str, float], solutions: int) -> str:
     """The solver that will be quickest of those that there are and that fit into memory."""
     entries = {name: needs[name] / _BYTES[name] for name in _BYTES}
     if entries["superlu"] <= _SUPERLU_QUICK:
         return "superlu"
     seconds = {
-        name: _FACTOR * count**2 / pencil.n + _SOLUTIONS * _SWEEP * count
+        name: _FACTOR * count**2 / pencil.n + solutions * _SWEEP * count
         for name, count in entries.items()
     }
-    seconds["multigrid"] = (_WITHOUT_NODES if pencil.nodes is None else _MULTIGRID) * pencil.n
+    each = (_WITHOUT_NODES if pencil.nodes is None else _MULTIGRID) * pencil.n
+    seconds["multigrid"] = solutions * each
     if not pardiso.is_installed():
         del seconds["pardiso"]
     free = available()

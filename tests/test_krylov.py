@@ -7,6 +7,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 
 import aoimpact as ao
+from aoimpact import solvers
 from aoimpact.generate import box_mesh
 from aoimpact.krylov import Subspace
 from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
@@ -364,6 +365,19 @@ def test_bad_arguments_are_named(block, options, message):
 def test_a_body_without_contact_is_refused(block):
     with pytest.raises(ao.InputTypeError, match="tip must come from"):
         ao.antioscillators(block.body, 3, method="krylov")
+
+
+def test_a_space_that_grows_beyond_what_was_foreseen_takes_to_factors(block, monkeypatch):
+    """After ten solutions by multigrid, and for the same oscillators."""
+    factors = ao.KrylovSpace(block, contact_time=20e-6)
+    monkeypatch.setattr(solvers, "_quickest", lambda pencil, needs, solutions: (
+        "multigrid" if solutions == solvers.FEW_SOLUTIONS else "superlu"
+    ))  # fmt: skip
+    space = ao.KrylovSpace(block, contact_time=20e-6)
+    for n, name in ((10, "multigrid"), (12, "superlu")):
+        star = space.antioscillators(n)
+        assert star.origin.solver == name
+        np.testing.assert_allclose(star.m, factors.antioscillators(n).m, rtol=1e-6)
 
 
 def test_one_factorisation_and_a_solve_a_vector_by_the_users_own_solver(block):

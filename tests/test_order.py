@@ -59,6 +59,14 @@ def test_any_number_of_bodies():
     assert sum(found.orders) <= 15
 
 
+@pytest.mark.parametrize(("rigid", "orders"), [(0.0055, (0, 25)), (0.009, (1, 21))])
+def test_a_body_is_rigid_if_a_little_more_of_the_other_makes_up_for_it(rigid, orders):
+    """What it leaves of the tolerance takes four orders more of the other, or ten: 0.8^m."""
+    found, _ = search(lambda n, m: 1.0 + (rigid if n == 0 else 0.0) + 0.8**m, 1e-2)
+    assert found.orders == orders
+    assert found.error <= 1e-2
+
+
 def test_slow_convergence_is_seen_through():
     """Successive orders 50 and 51 of a sequence 1 + 1/n differ by 4e-4, but err by 2e-2."""
     found, _ = search(lambda n, m: 1.0 + 1.0 / (n + 1), 1e-1)

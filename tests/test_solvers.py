@@ -176,6 +176,17 @@ def test_multigrid_takes_over_where_factors_are_slow_or_too_large(block, monkeyp
             assert block.inverse(1e10).name == "multigrid"
 
 
+def test_many_solutions_are_worth_a_factorisation(block, monkeypatch):
+    """Where factorising takes as long as a hundred solutions by multigrid."""
+    factor = solvers._FACTOR * factor_entries(block.K, "superlu") ** 2 / block.n_dofs
+    monkeypatch.setattr(solvers, "_SUPERLU_QUICK", 0.0)
+    monkeypatch.setattr(solvers, "_SWEEP", 0.0)
+    monkeypatch.setattr(solvers, "_MULTIGRID", factor / 100 / block.n_dofs)
+    monkeypatch.setattr(pardiso, "is_installed", lambda: False)
+    assert block.inverse(1e10, solutions=30).name == "multigrid"
+    assert block.inverse(1e10, solutions=300).name == "superlu"
+
+
 def test_available_memory_is_between_a_page_and_a_petabyte():
     assert 4096 < memory.available() < 1e15
 
