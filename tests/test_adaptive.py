@@ -321,6 +321,20 @@ def test_a_contact_longer_than_the_record():
     assert cut.peak_force == pytest.approx(cut.force[-1], rel=1e-14)
 
 
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+@pytest.mark.parametrize("duration", [1e-12, 1e-9, 1e-7])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
+def test_a_record_of_the_first_moments_is_as_exact_relative_to_itself(duration, rtol):
+    """x = t - K t^3.5 / 8.75 + …, K = k / m: the next term is of order 1e-12 there."""
+    cut = hit(rtol, target=WALL, duration=duration)
+    pace = HERTZ.k / MASS * duration**2.5 / 8.75
+    force = HERTZ.k * duration**1.5 * (1.0 - 1.5 * pace)
+    impulse = HERTZ.k * duration**2.5 * (1.0 / 2.5 - 1.5 / 5.0 * pace)
+    assert cut.peak_force == pytest.approx(force, rel=rtol)
+    assert cut.impulse == pytest.approx(impulse, rel=rtol)
+    assert cut.contacts == [(0.0, duration)]
+
+
 @pytest.mark.parametrize("changes", [{"velocity": -1.0}, {"gap": 1.0}])
 def test_a_record_of_no_contact(changes):
     miss = hit(**changes)

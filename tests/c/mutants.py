@@ -192,6 +192,7 @@ MUTANTS = [
     ("collocation.c", "h * aoi_radau_extra_weight[i] * defect", "h * defect"),
     ("collocation.c", "CONVERGED = 1e-15, ROUNDING = 1e-12", "CONVERGED = 1e-5, ROUNDING = 1e-4"),
     ("adaptive.c", "body->residual || aoi_body_yields(body)", "body->push[0] != 0.0"),
+    ("adaptive.c", "if (left < time) {", "if (0) {"),
     ("adaptive.c", "contact->impulse_scale, value.force * time", "0.0, 1e9 * value.force * time"),
     (
         "adaptive.c",

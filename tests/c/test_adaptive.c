@@ -68,6 +68,23 @@ static void rigid_bodies_collide_in_closed_form(void)
     }
 }
 
+/* x = v t up to a share of k v^(1/2) t^(5/2) / m. */
+static void the_first_moments_are_exact_relative_to_themselves(void)
+{
+    const aoi_law law = law_named("power", 2, 1e7, 1.5, 0.0);
+    for (int tolerance = 3; tolerance <= 11; tolerance += 2) {
+        const double v = 2.0, end = 1e-10, rtol = pow(10.0, -tolerance);
+        plant p = {.bodies = 0};
+        add_rigid(&p, 0.4, v);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        must_go(&p, rtol, end);
+        CHECK(near(p.contact[0].peak_force, 1e7 * pow(v * end, 1.5), rtol), "rtol %g: force", rtol);
+        CHECK(near(p.contact[0].impulse, 0.4 * 1e7 * pow(v * end, 1.5) * end, rtol), "rtol %g: impulse", rtol);
+        release(&p);
+    }
+}
+
 /* v sin(w t)/w, with w^2 = k/m. */
 static void a_linear_contact_is_half_a_sine(void)
 {
@@ -517,6 +534,7 @@ static void bodies_without_contacts_fly(void)
 int main(void)
 {
     rigid_bodies_collide_in_closed_form();
+    the_first_moments_are_exact_relative_to_themselves();
     a_linear_contact_is_half_a_sine();
     a_massless_contact_is_a_spring_in_series();
     what_a_force_bends_touches_elsewhere();
