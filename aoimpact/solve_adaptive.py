@@ -13,8 +13,10 @@ from .adaptive import TIGHTEST, Adaptive, FloatArray, Track, adaptive_run
 from .agreement import difference, most_touches
 from .errors import ConvergenceError, warn
 from .events import Events
+from .laws import UserLaw
 from .plan import Plan
 from .recall import recall_tracked
+from .roughness import refuse_rough
 from .run import Run
 
 __all__ = ["Sampled", "solve_adaptive"]
@@ -28,6 +30,9 @@ _LINEAR = 1e-2
 
 # As far down tighter runs still err less: they show how well a run at TIGHTEST does.
 _FLOOR = 0.01 * TIGHTEST
+
+# Steps that a run under a smooth law seldom takes.
+_LONG = 1000
 
 # A tighter run that takes so many times the steps, and a few, is given up.
 _PATIENCE, _FEW = 20, 1000
@@ -82,14 +87,14 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
     Raises
     ------
     ConvergenceError
-        If the tolerance cannot be met; with the time.
+        If the tolerance cannot be met, with the time; or a user's law scatters by more.
 
     Warns
     -----
     AOImpactWarning
         If no tighter run brings the estimated error down to the tolerance.
     """
-    track = _track(plan, rule.rtol)
+    track = _first_track(plan, rule.rtol)
     error: float | None = rule.rtol
     touches = most_touches(track)
     if touches > 1:
@@ -108,6 +113,17 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
         drifts=plan.drifts,
         scene=plan.scene,
     )
+
+
+def _first_track(plan: Plan, rtol: float) -> Track:
+    """The run itself; under a law that scatters it would not end: a long one has that checked."""
+    if not any(isinstance(joint.law, UserLaw) for joint in plan.joints):
+        return _track(plan, rtol)
+    try:
+        return _track(plan, rtol, _LONG)
+    except ConvergenceError:
+        refuse_rough(plan, rtol)
+    return _track(plan, rtol)
 
 
 def _confirmed(plan: Plan, first: Track, rtol: float, touches: int) -> tuple[Track, float | None]:

@@ -1,0 +1,71 @@
+"""Laws of the user's own that are not smooth: by how much, and what a tolerance makes of them."""
+
+import math
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.roughness import scatter
+
+K, MASS = 1e10, 0.0327
+# m v² / 2 = 2/5 k δ^2.5 at 1 m/s.
+PEAK = K * (1.25 * MASS / K) ** 0.6
+
+
+def hertz(indentation, rate):
+    return K * indentation**1.5
+
+
+def noisy(share):
+    random = np.random.default_rng(3)
+    return lambda d, rate: hertz(d, rate) * (1.0 + share * random.standard_normal())
+
+
+def rippled(share):
+    """A force with a fast wave on it: the same each time it is asked, as of an inner iteration."""
+    return lambda d, rate: hertz(d, rate) * (1.0 + share * math.sin(1e12 * d))
+
+
+def hit(function, rtol):
+    return ao.simulate(
+        projectile=ao.rigid(mass=MASS),
+        target=ao.rigid(mass=math.inf),
+        law=ao.UserLaw(function, depends_on_rate=False),
+        velocity=1.0,
+        duration=200e-6,
+        solver=ao.Adaptive(rtol=rtol),
+    )
+
+
+@pytest.mark.parametrize("share", [1e-3, 1e-6, 1e-9])
+def test_scatter_is_measured(share):
+    measured = scatter(ao.UserLaw(noisy(share)), 1e-5, 1.0)
+    assert 0.3 * share < measured < 3.0 * share
+    assert 0.1 * share < scatter(ao.UserLaw(rippled(share)), 1e-5, 1.0) < 2.0 * share
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        hertz,
+        lambda d, rate: 1e30 * d**6 * (1.0 + 0.1 * rate),
+        lambda d, rate: 1e3 * math.expm1(1e6 * d),
+        lambda d, rate: 1e8 * d if d < 4e-6 else 400.0 + 3e8 * (d - 4e-6),
+    ],
+    ids=["Hertz", "steep", "exponential", "kinked"],
+)
+def test_smooth_and_kinked_laws_do_not_scatter(function):
+    assert scatter(ao.UserLaw(function), 1e-5, 1.0) < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("function", "rtol"), [(noisy(1e-6), 1e-8), (noisy(1e-3), 1e-3), (rippled(1e-6), 1e-8)]
+)
+def test_a_law_that_scatters_by_more_than_the_tolerance_is_refused_soon(function, rtol):
+    with pytest.raises(ao.ConvergenceError, match=r"contact 0: .* not smooth .* scatters by"):
+        hit(function, rtol)
+
+
+def test_a_law_that_scatters_by_less_keeps_the_tolerance():
+    assert hit(noisy(1e-9), 1e-6).peak_force == pytest.approx(PEAK, rel=1e-6)
