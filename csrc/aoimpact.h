@@ -801,8 +801,8 @@ enum aoi_track { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TR
 
 /* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0);
  * piece, memory, work done on it before (J), indentation and rate at the start; the force at the nodes; the
- * Legendre coefficients of the indentation. One that is in no row any more without having ended, has ended
- * where its last row does. */
+ * Legendre coefficients of the indentation. One that is in no row any more without having ended, or goes
+ * on as AOI_SLACK, has ended where its last row with force does. */
 enum aoi_track_contact {
     AOI_TRACK_JOINT = 0,
     AOI_TRACK_BEGINS,

@@ -27,6 +27,11 @@ static void find_touches(const aoi_adaptive *run, size_t rows, const double *tra
             continue;
         }
         const double *of = contact_in(run->system, row);
+        if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* of no force, maybe from its very start on */
+            brief->end = closed ? until : brief->end;
+            closed = 0;
+            continue;
+        }
         until = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
         if (of[AOI_TRACK_BEGINS] != 0.0) {
             brief->start = brief->touches == 0 ? row[AOI_TRACK_START] : brief->start;

@@ -230,6 +230,13 @@ static void events_of_contact(const double *row, const double *of, history *seen
     const double start = row[AOI_TRACK_START], end = start + row[AOI_TRACK_LENGTH];
     history *known = &seen[joint];
     double slope;
+    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* it may have slackened at the very start of the row */
+        if (known->closed) {
+            note_event(list, joint, known->until, 0.0, known->impulse, known->deepest);
+        }
+        known->closed = 0;
+        return;
+    }
     if (of[AOI_TRACK_BEGINS] != 0.0) {
         if (known->closed) {
             note_event(list, joint, known->until, 0.0, known->impulse, known->deepest);

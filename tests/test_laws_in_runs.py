@@ -63,3 +63,27 @@ def test_bodies_that_ring_lose_what_the_law_takes_and_gain_nothing(
         assert energy[-1] == pytest.approx(start, rel=1e-5)
         exact = ao.simulate(projectile=ball, target=beam, solver=ADAPTIVE, **options)
         assert hit.peak_force == pytest.approx(exact.peak_force, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "law", [ao.Tsuji(k=1e10, alpha=0.3, mass=0.015), ao.KuwabaraKono(k=1e10, A=2e-6)], ids=repr
+)
+def test_a_massless_contact_lets_go_when_the_force_ends(law):
+    """Not later, when the bodies part: as the least of masses does, whatever the tolerance."""
+
+    def impact(m0, rtol):
+        return {
+            "projectile": ao.rigid(mass=0.0327),
+            "target": ao.AOModel(m0=m0, m=[0.03], k=[2.757e8]),
+            "law": law,
+            "velocity": 1.0,
+            "duration": 300e-6,
+            "solver": ao.Adaptive(rtol=rtol),
+        }
+
+    least = ao.simulate(**impact(1e-8, 1e-8)).contact_duration
+    cases = [impact(0.0, 10.0**-exponent) for exponent in np.arange(6.0, 12.1, 0.5)]
+    found = [ao.simulate(**case).contact_duration for case in cases]
+    assert found == pytest.approx([least] * len(cases), rel=2e-6)
+    many = ao.simulate_many(cases, keep="contact_duration")
+    assert [one["contact_duration"] for one in many] == found
