@@ -31,15 +31,12 @@ static const double TRUSTED = 0.1;
 static size_t span_of(const aoi_system *system)
 {
     size_t span = 0;
-    for (size_t c = 0; c < system->joint_count; c++) {
-        for (size_t d = c + span + 1; d < system->joint_count; d++) {
-            const size_t *one = system->joint[c].body, *two = system->joint[d].body;
-            for (int i = 0; i < 4; i++) {
-                const aoi_modes *body = &system->body[one[i / 2]];
-                const int shared = one[i / 2] == two[i % 2];
-                const int felt = shared && (body->residual || aoi_body_yields(body));
-                span = felt && d - c > span ? d - c : span;
-            }
+    for (size_t b = 0; b < system->body_count; b++) {
+        const size_t first = system->first_joint[b], end = system->first_joint[b + 1];
+        const aoi_modes *body = &system->body[b];
+        if (first < end && (body->residual || aoi_body_yields(body))) {
+            const size_t apart = system->joint_of[end - 1] - system->joint_of[first];
+            span = apart > span ? apart : span;
         }
     }
     return span;
@@ -47,19 +44,11 @@ static size_t span_of(const aoi_system *system)
 
 static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
 
-static size_t most_modes(const aoi_system *system)
-{
-    size_t most = 1;
-    for (size_t b = 0; b < system->body_count; b++) {
-        most = system->body[b].n > most ? system->body[b].n : most;
-    }
-    return most;
-}
-
-void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *row)
+void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, size_t *row)
 {
     size_t ports = 0;
-    *work = 10 * most_modes(system);
+    *lists = 3 * system->joint_count + 2 * system->body_count;
+    *work = 10 * aoi_system_most_modes(system);
     *row = AOI_TRACK_FIXED + system->joint_count * AOI_TRACK_CONTACT_SIZE;
     for (size_t b = 0; b < system->body_count; b++) {
         const aoi_modes *body = &system->body[b];
@@ -167,6 +156,17 @@ static double residual_of(const aoi_system *system, const aoi_joint *joint)
     return sum;
 }
 
+/* Lists it among the closed ones, which stay in order. */
+static void list_closed(aoi_adaptive *run, size_t joint)
+{
+    size_t at = run->closed.count++;
+    for (; at > 0 && run->closed.at[at - 1] > joint; at--) {
+        run->closed.at[at] = run->closed.at[at - 1];
+    }
+    run->closed.at[at] = joint;
+    run->contact[joint].closed = 1;
+}
+
 void aoi_contact_close(aoi_adaptive *run, size_t joint)
 {
     aoi_contact_state *contact = &run->contact[joint];
@@ -175,11 +175,13 @@ void aoi_contact_close(aoi_adaptive *run, size_t joint)
     double here, rate, acceleration;
     aoi_flight pair;
     aoi_law_value value;
+    aoi_watch_remove(run, joint);
+    list_closed(run, joint);
     aoi_body_engage(run, of->body[0], 1);
     aoi_body_engage(run, of->body[1], 1);
     aoi_pair_now(run, joint, &pair);
     aoi_flight_indentation(&pair, &here, &rate, &acceleration);
-    contact->closed = contact->begins = 1;
+    contact->begins = 1;
     contact->slack = 0.0;
     contact->start = fmax(here, rest); /* exactly: what is left off here would add up */
     contact->start_rate = rate;
@@ -266,34 +268,72 @@ static void start_ledger(aoi_adaptive *run)
     }
 }
 
+static void lay_out_lists(aoi_adaptive *run)
+{
+    const size_t bodies = run->system->body_count, joints = run->system->joint_count;
+    run->engaged = (aoi_list){0, run->lists};
+    run->changed = (aoi_list){0, run->lists + bodies};
+    run->closed = (aoi_list){0, run->lists + 2 * bodies};
+    run->watched[0] = (aoi_list){0, run->closed.at + joints};
+    run->watched[1] = (aoi_list){0, run->closed.at + 2 * joints};
+}
+
 static void lay_out_work(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
     double *work = run->work;
     for (size_t side = 0; side < 2; side++) {
         run->flight[side] = work;
-        work += 4 * most_modes(system);
+        work += 4 * aoi_system_most_modes(system);
     }
     for (size_t b = 0; b < system->body_count; b++) {
         aoi_follower *body = &run->body[b];
-        body->time = run->time;
-        body->engaged = 0;
-        body->changed = 1;
-        body->work = body->dissipated = 0.0;
         body->block = work;
         body->table_count = tables_of(&system->body[b]);
-        for (size_t i = 0; i < AOI_TABLES; i++) {
-            body->table_use[i] = 0;
-        }
         work += body->table_count * aoi_response_size(&system->body[b]);
     }
     run->scratch = work;
-    work += 2 * most_modes(system);
+    work += 2 * aoi_system_most_modes(system);
     run->port_force = work;
     run->collocation = work + system->first_port[system->body_count] * AOI_STAGES;
 }
 
-int aoi_adaptive_start(aoi_adaptive *run)
+static void begin_bodies(aoi_adaptive *run)
+{
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        aoi_follower *body = &run->body[b];
+        body->time = run->time;
+        body->engaged = body->changed = 0;
+        body->work = body->dissipated = 0.0;
+        for (size_t i = 0; i < AOI_TABLES; i++) {
+            body->table_use[i] = 0;
+        }
+        aoi_body_note_change(run, b);
+    }
+}
+
+static void begin_contacts(aoi_adaptive *run)
+{
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        run->contact[c] = (aoi_contact_state){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
+        run->contact[c].peak_time = run->time;
+    }
+    aoi_watch_begin(run);
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        aoi_flight pair;
+        double overlap, rate, acceleration;
+        aoi_pair_now(run, c, &pair);
+        aoi_flight_indentation(&pair, &overlap, &rate, &acceleration);
+        if (overlap > 0.0) {
+            start_closed(run, c, overlap);
+        } else {
+            aoi_watch_add(run, c);
+        }
+    }
+}
+
+/* Whether the run can be made at all. */
+static int check_start(const aoi_adaptive *run)
 {
     if (!(run->rtol > 0.0) || !(run->end > run->time) || !isfinite(run->end) ||
         aoi_system_check(run->system) != AOI_OK) {
@@ -304,6 +344,17 @@ int aoi_adaptive_start(aoi_adaptive *run)
             return AOI_ERROR_NOT_FINITE;
         }
     }
+    return AOI_OK;
+}
+
+int aoi_adaptive_start(aoi_adaptive *run)
+{
+    const int status = check_start(run);
+    if (status != AOI_OK) {
+        return status;
+    }
+    size_t work, lists;
+    aoi_adaptive_size(run->system, &work, &lists, &run->row_size);
     run->span = span_of(run->system);
     run->level = 0;
     run->base = run->indentation_scale = run->impulse_scale = 0.0;
@@ -311,29 +362,20 @@ int aoi_adaptive_start(aoi_adaptive *run)
     run->elapsed = 0.0;
     run->steps = run->rejected = run->uses = run->culprit = 0;
     run->closed_count = run->stage_count = 0;
-    size_t work;
-    aoi_adaptive_size(run->system, &work, &run->row_size);
     lay_out_work(run);
-    for (size_t c = 0; c < run->system->joint_count; c++) {
-        run->contact[c] = (aoi_contact_state){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
-        run->contact[c].peak_time = run->time;
-    }
-    for (size_t c = 0; c < run->system->joint_count; c++) {
-        aoi_flight pair;
-        double overlap, rate, acceleration;
-        aoi_pair_now(run, c, &pair);
-        aoi_flight_indentation(&pair, &overlap, &rate, &acceleration);
-        if (overlap > 0.0) {
-            start_closed(run, c, overlap);
-        }
-    }
+    lay_out_lists(run);
+    begin_bodies(run);
+    begin_contacts(run);
     start_ledger(run);
     return AOI_OK;
 }
 
 /* ---------------------------------------------------------------------------------- flight */
 
-/* Looks when the bodies of an open contact touch, up to limit, on copies of their states. */
+/* A body without oscillations: one look sees its flight to the end. */
+static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
+
+/* Looks when the bodies of a watched contact touch, up to limit, on copies of their states. */
 static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *copy)
 {
     const aoi_system *system = run->system;
@@ -341,6 +383,7 @@ static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *cop
     const aoi_joint *of = &system->joint[joint];
     const double now = aoi_run_now(run);
     aoi_flight pair;
+    aoi_watch_remove(run, joint);
     aoi_pair_now(run, joint, &pair);
     pair.gap += aoi_law_rest(of->law, contact->memory) + contact->slack;
     for (int side = 0; side < 2; side++) {
@@ -354,8 +397,11 @@ static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *cop
         pair.v[side] = copy + n;
         copy += 2 * n;
     }
+    limit = is_simple(pair.body[0]) && is_simple(pair.body[1]) ? run->end : limit;
     const int status = aoi_flight_next_touch(&pair, limit, MOST_STRIDES, &contact->touches);
     contact->free_until = pair.time;
+    aoi_watch_add(run, joint);
+    run->culprit = status != AOI_OK ? joint : run->culprit;
     return status;
 }
 
@@ -379,43 +425,35 @@ static void land(aoi_adaptive *run, size_t joint, const double *copy)
 /* Nothing touches: on to the first touch of all, or to the end. */
 static int flight(aoi_adaptive *run)
 {
-    const size_t none = run->system->joint_count;
-    size_t first = none;
-    double best = run->end;
-    int landed = 0;
-    for (size_t c = 0; c < none; c++) {
-        aoi_contact_state *contact = &run->contact[c];
-        if (!contact->touches && contact->free_until < best) {
-            const int status = look_ahead(run, c, best, run->flight[0]);
-            if (status != AOI_OK) {
-                run->culprit = c;
-                return status;
-            }
-            if (contact->touches) {
-                double *kept = run->flight[0];
-                run->flight[0] = run->flight[1];
-                run->flight[1] = kept;
-                landed = 1;
-                first = c;
-                best = contact->free_until;
-            }
-        } else if (contact->touches && contact->free_until < best) {
-            landed = 0;
-            first = c;
-            best = contact->free_until;
+    size_t joint, landed = run->system->joint_count;
+    aoi_step_release(run);
+    double best = aoi_watch_first(run, 1, run->end, &joint);
+    for (aoi_watch_first(run, 0, best, &joint); joint < run->system->joint_count;
+         aoi_watch_first(run, 0, best, &joint)) {
+        const int status = look_ahead(run, joint, best, run->flight[0]);
+        if (status != AOI_OK) {
+            return status;
+        }
+        if (run->contact[joint].touches && run->contact[joint].free_until < best) {
+            double *kept = run->flight[0];
+            run->flight[0] = run->flight[1];
+            run->flight[1] = kept;
+            landed = joint;
+            best = run->contact[joint].free_until;
         }
     }
     run->origin = run->time = best;
     run->elapsed = 0.0;
-    if (first < none) {
-        if (landed) {
-            land(run, first, run->flight[1]);
+    (void)aoi_watch_first(run, 1, run->end, &joint);
+    if (joint < run->system->joint_count) {
+        if (joint == landed) {
+            land(run, joint, run->flight[1]);
         }
         if (run->base > 0.0) {
             run->level = HIGHEST_LEVEL; /* the contact itself says how fine */
         }
         run->indentation_scale = run->impulse_scale = 0.0;
-        aoi_contact_close(run, first);
+        aoi_contact_close(run, joint);
     }
     return AOI_OK;
 }
@@ -426,56 +464,39 @@ static int flight(aoi_adaptive *run)
  * certain not to touch. */
 static int watch_flights(aoi_adaptive *run)
 {
+    const size_t none = run->system->joint_count;
     const double now = aoi_run_now(run), step = ldexp(run->base, -run->level);
-    run->horizon = run->end;
-    for (size_t c = 0; c < run->system->joint_count; c++) {
-        aoi_contact_state *contact = &run->contact[c];
-        const aoi_joint *joint = &run->system->joint[c];
-        if (contact->closed || run->body[joint->body[0]].engaged == 2 ||
-            run->body[joint->body[1]].engaged == 2) {
-            continue;
-        }
-        const double rounding = 4.0 * DBL_EPSILON * now;
-        if (!contact->touches && contact->free_until <= now + rounding) {
-            const int simple = run->system->body[joint->body[0]].n == 1 &&
-                               run->system->body[joint->body[1]].n == 1;
-            const double ahead = simple ? run->end : fmin(run->end, now + STEPS_AHEAD * step);
-            const int status = look_ahead(run, c, ahead, run->flight[0]);
-            if (status != AOI_OK) {
-                run->culprit = c;
-                return status;
-            }
-        }
-        if (contact->touches && contact->free_until <= now + rounding) {
-            aoi_contact_close(run, c);
-        } else {
-            run->horizon = fmin(run->horizon, contact->free_until);
+    const double rounding = 4.0 * DBL_EPSILON * now;
+    const double due = fmin(nextafter(now + rounding, HUGE_VAL), run->end);
+    const double ahead = fmax(now + STEPS_AHEAD * step, now + 2.0 * rounding);
+    size_t joint;
+    for (aoi_watch_first(run, 0, due, &joint); joint < none; aoi_watch_first(run, 0, due, &joint)) {
+        const int status = look_ahead(run, joint, fmin(run->end, ahead), run->flight[0]);
+        if (status != AOI_OK) {
+            return status;
         }
     }
+    for (aoi_watch_first(run, 1, due, &joint); joint < none; aoi_watch_first(run, 1, due, &joint)) {
+        aoi_contact_close(run, joint);
+    }
+    run->horizon = aoi_watch_first(run, 1, aoi_watch_first(run, 0, run->end, &joint), &joint);
     return AOI_OK;
 }
 
 /* Lists who takes part; how long the step may be at most. */
 static int prepare(aoi_adaptive *run, double *limit)
 {
-    size_t closed;
     do {
         aoi_step_prepare(run);
-        closed = run->closed_count;
         const int status = watch_flights(run);
         if (status != AOI_OK) {
             return status;
         }
-        for (size_t c = run->closed_count = 0; c < run->system->joint_count; c++) {
-            run->closed_count += run->contact[c].closed != 0;
-        }
-    } while (run->closed_count != closed);
+    } while (run->closed_count != run->closed.count);
     const double now = aoi_run_now(run);
     double stop = run->horizon;
-    for (size_t b = 0; b < run->system->body_count; b++) {
-        if (run->body[b].engaged > 0) {
-            stop = fmin(stop, aoi_modes_next_bend(&run->system->body[b], now));
-        }
+    for (size_t i = 0; i < run->engaged.count; i++) {
+        stop = fmin(stop, aoi_modes_next_bend(&run->system->body[run->engaged.at[i]], now));
     }
     if (stop < run->end && stop - now <= 4.0 * DBL_EPSILON * stop) {
         run->elapsed += 8.0 * DBL_EPSILON * stop; /* as good as there */
@@ -573,26 +594,6 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;
 }
 
-static int any_closed(const aoi_adaptive *run)
-{
-    for (size_t c = 0; c < run->system->joint_count; c++) {
-        if (run->contact[c].closed) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-static int any_changed(const aoi_adaptive *run)
-{
-    for (size_t b = 0; b < run->system->body_count; b++) {
-        if (run->body[b].changed) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 /* Bodies that have not been asked for since fly on to the end. */
 static void bring_all_home(aoi_adaptive *run)
 {
@@ -610,9 +611,9 @@ int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, size_t most, double *tr
     while (run->time < run->end && capacity - *used >= run->row_size && *rows < most) {
         size_t size = 0;
         int status = AOI_OK;
-        if (any_closed(run)) {
+        if (run->closed.count > 0) {
             status = contact_step(run, track + *used, &size);
-        } else if (any_changed(run)) {
+        } else if (run->changed.count > 0) {
             size = aoi_step_write(run, 0.0, 0, track + *used);
         } else {
             status = flight(run);

@@ -31,6 +31,9 @@ double aoi_run_now(const aoi_adaptive *run);
 /* Lists the contacts of the step that begins now and brings their bodies here. */
 void aoi_step_prepare(aoi_adaptive *run);
 
+/* The step's bodies and contacts are none any more: open ones fly again. */
+void aoi_step_release(aoi_adaptive *run);
+
 /* Tries a step of length h, of that level (AOI_NO_LEVEL: of no level). */
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
 
@@ -53,10 +56,26 @@ int aoi_body_yields(const aoi_modes *body);
 /* Books work and losses of a body that has flown to a time and a state. */
 void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x, const double *v);
 
+/* Lists a body among those that go into the next row. */
+void aoi_body_note_change(aoi_adaptive *run, size_t b);
+
 /* Brings a body here; how: as aoi_follower.engaged. */
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how);
 
 /* The two bodies of a joint, at the time now, in place. */
 void aoi_pair_now(aoi_adaptive *run, size_t joint, aoi_flight *pair);
+
+/* Nothing is watched yet. */
+void aoi_watch_begin(aoi_adaptive *run);
+
+/* Watches an open contact by its free_until and touches, which are not to change until it is removed. */
+void aoi_watch_add(aoi_adaptive *run, size_t joint);
+
+/* Returns whether it was watched. */
+int aoi_watch_remove(aoi_adaptive *run, size_t joint);
+
+/* The first time before limit of those watched that touch, or that do not; whose. limit and joint_count
+ * where there is none. */
+double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *joint);
 
 #endif

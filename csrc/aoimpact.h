@@ -664,13 +664,22 @@ typedef struct aoi_joint {
 } aoi_joint;
 
 /* Bodies and contacts. Body b has the modes first[b] .. first[b+1]-1 of the arrays x, v of all, and of
- * all ports those from first_port[b] to first_port[b+1]-1. */
+ * all ports those from first_port[b] to first_port[b+1]-1. Its joints, ascending, are joint_of[i] from
+ * i = first_joint[b] to first_joint[b+1]-1: aoi_system_link finds them, for those who run the system. */
 typedef struct aoi_system {
     size_t body_count, joint_count;
     const aoi_modes *body;
     const size_t *first, *first_port;
     const aoi_joint *joint;
+    const size_t *first_joint, *joint_of;
 } aoi_system;
+
+/* Finds the joints of each body. first_joint: body_count + 1, joint_of: 2 joint_count, of the caller, who
+ * keeps them. AOI_ERROR_ARGUMENT where a joint names a body that is not there. */
+int aoi_system_link(aoi_system *system, size_t *first_joint, size_t *joint_of);
+
+/* Modes of the body that has most; 1 without bodies. */
+size_t aoi_system_most_modes(const aoi_system *system);
 
 /* AOI_ERROR_ARGUMENT where numbers are not finite, frequencies or load times do not ascend, decays are
  * negative, or a joint names a body or port that is not there, or one body twice. O(all arrays). */
@@ -839,6 +848,7 @@ typedef struct aoi_contact_state {
     double indentation_scale, impulse_scale, rate_scale;
     double free_until; /* while open, and both bodies in flight: no touch before */
     int touches;       /* but then */
+    size_t place;      /* among the watched ones */
     double slack;      /* while open: so much deeper than rest is no touch yet */
     int event;         /* what happens to it in the step being tried, and where */
     double event_place;
@@ -846,10 +856,16 @@ typedef struct aoi_contact_state {
     double peak_force, peak_time, impulse, since_touch, work;
 } aoi_contact_state;
 
+/* Numbers of bodies or contacts. */
+typedef struct aoi_list {
+    size_t count, *at;
+} aoi_list;
+
 /* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities. The caller
- * sets the first block: x, v at time, of all bodies; body, contact, stage and response of body_count,
- * joint_count, joint_count and body_count elements; work of aoi_adaptive_size doubles; and calls
- * aoi_adaptive_start. Bodies that overlap at the start are in contact from the start. */
+ * sets the first block: a linked system; x, v at time, of all bodies; body, contact, stage and response of
+ * body_count, joint_count, joint_count and body_count elements; work and lists of as many doubles and
+ * numbers as aoi_adaptive_size says; and calls aoi_adaptive_start. Bodies that overlap at the start are in
+ * contact from the start. What a step costs depends on the bodies that take part in it only. */
 typedef struct aoi_adaptive {
     const aoi_system *system;
     double rtol, time, end;
@@ -859,7 +875,11 @@ typedef struct aoi_adaptive {
     aoi_stage *stage;
     aoi_response *response;
     double *work;
+    size_t *lists;
 
+    aoi_list closed;     /* contacts, ascending                                           */
+    aoi_list watched[2]; /* open ones in flight: until when they are free, when they touch */
+    aoi_list engaged, changed; /* bodies: in this step; since their last row              */
     size_t span, row_size;
     size_t closed_count, stage_count; /* the stages: closed contacts first, then those beside them */
     int level;                        /* steps are base 2^-level long */
@@ -872,8 +892,8 @@ typedef struct aoi_adaptive {
     size_t culprit; /* contact in which an error came up */
 } aoi_adaptive;
 
-/* Doubles of work, and the largest row of the track. */
-void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *row);
+/* Doubles of work, numbers of lists, and the largest row of the track. */
+void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, size_t *row);
 
 /* Sets the rest of the run to its beginning. Errors as aoi_system_check, also where rtol or the duration
  * is not positive; AOI_ERROR_NOT_FINITE for x, v. */

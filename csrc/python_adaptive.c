@@ -14,7 +14,7 @@ typedef struct taken {
     aoi_modes *body;
     aoi_joint *joint;
     aoi_law *law; /* one a joint */
-    size_t *first, *first_port;
+    size_t *first, *first_port, *first_joint, *joint_of;
 } taken;
 
 static void give_up(taken *made)
@@ -24,6 +24,8 @@ static void give_up(taken *made)
     free(made->law);
     free(made->first);
     free(made->first_port);
+    free(made->first_joint);
+    free(made->joint_of);
 }
 
 /* An array that may be None. */
@@ -93,7 +95,10 @@ static int take_system(held *buffers, PyObject *bodies, PyObject *joints, taken 
     made->law = calloc(nj + 1, sizeof *made->law);
     made->first = calloc(nb + 1, sizeof *made->first);
     made->first_port = calloc(nb + 1, sizeof *made->first_port);
-    if (!made->body || !made->joint || !made->law || !made->first || !made->first_port) {
+    made->first_joint = calloc(nb + 1, sizeof *made->first_joint);
+    made->joint_of = calloc(2 * nj + 1, sizeof *made->joint_of);
+    if (!made->body || !made->joint || !made->law || !made->first || !made->first_port ||
+        !made->first_joint || !made->joint_of) {
         buffers->failed = 1;
         PyErr_NoMemory();
         return AOI_OK;
@@ -108,8 +113,13 @@ static int take_system(held *buffers, PyObject *bodies, PyObject *joints, taken 
         status = take_joint(buffers, PyTuple_GetItem(joints, (Py_ssize_t)c), &made->joint[c],
                             &made->law[c]);
     }
-    made->system = (aoi_system){nb, nj, made->body, made->first, made->first_port, made->joint};
-    return status;
+    made->system = (aoi_system){.body_count = nb, .joint_count = nj, .body = made->body};
+    made->system.first = made->first;
+    made->system.first_port = made->first_port;
+    made->system.joint = made->joint;
+    const int linked = buffers->failed ? AOI_OK
+                                       : aoi_system_link(&made->system, made->first_joint, made->joint_of);
+    return status != AOI_OK ? status : linked;
 }
 
 /* ---------------------------------------------------------------------------------- the run */
@@ -178,18 +188,19 @@ static int run_to_end(aoi_adaptive *run, growing *track, size_t most_steps)
     return status;
 }
 
-/* Room for a run; the caller frees run->body, contact, stage, response, work. */
+/* Room for a run; the caller frees run->body, contact, stage, response, work, lists. */
 static int furnish(aoi_adaptive *run, const aoi_system *system)
 {
-    size_t work, row;
-    aoi_adaptive_size(system, &work, &row);
+    size_t work, lists, row;
+    aoi_adaptive_size(system, &work, &lists, &row);
     run->system = system;
     run->body = calloc(system->body_count + 1, sizeof *run->body);
     run->response = calloc(system->body_count + 1, sizeof *run->response);
     run->contact = calloc(system->joint_count + 1, sizeof *run->contact);
     run->stage = calloc(system->joint_count + 1, sizeof *run->stage);
     run->work = malloc((work + 1) * sizeof(double));
-    if (!run->body || !run->response || !run->contact || !run->stage || !run->work) {
+    run->lists = malloc((lists + 1) * sizeof(size_t));
+    if (!run->body || !run->response || !run->contact || !run->stage || !run->work || !run->lists) {
         PyErr_NoMemory();
         return 0;
     }
@@ -366,6 +377,7 @@ PyObject *adaptive(PyObject *self, PyObject *args)
     free(run.contact);
     free(run.stage);
     free(run.work);
+    free(run.lists);
     free(track.track);
     free(track.index);
     give_up(&made);

@@ -35,12 +35,12 @@ typedef struct bench {
     aoi_system system;
     aoi_modes pair[2];
     aoi_joint joint;
-    size_t first[3], first_port[3];
+    size_t first[3], first_port[3], first_joint[3], joint_of[2];
     aoi_follower follower[2];
     aoi_contact_state contact;
     aoi_stage stage;
     aoi_response response[2];
-    size_t place[6], index[MOST_ROWS];
+    size_t place[6], lists[7], index[MOST_ROWS];
     double *work;
     size_t work_count;
 } bench;
@@ -87,7 +87,7 @@ static int check_cases(const stock *of, size_t count, const int32_t *which)
 static int set_up(bench *on, const stock *of, const int32_t *which, const double *numbers,
                   aoi_adaptive *run, aoi_sampler *sampler, double **track, size_t *capacity)
 {
-    size_t needed, row;
+    size_t needed, lists, row;
     memset(on->follower, 0, sizeof on->follower);
     memset(&on->contact, 0, sizeof on->contact);
     on->first[0] = on->first_port[0] = 0;
@@ -97,8 +97,11 @@ static int set_up(bench *on, const stock *of, const int32_t *which, const double
         on->first_port[b + 1] = b + 1;
     }
     on->joint = (aoi_joint){{0, 1}, {0, 0}, numbers[CASE_GAP], &of->law[which[2]]};
-    on->system = (aoi_system){2, 1, on->pair, on->first, on->first_port, &on->joint};
-    aoi_adaptive_size(&on->system, &needed, &row);
+    on->system = (aoi_system){.body_count = 2, .joint_count = 1, .body = on->pair, .joint = &on->joint};
+    on->system.first = on->first;
+    on->system.first_port = on->first_port;
+    (void)aoi_system_link(&on->system, on->first_joint, on->joint_of);
+    aoi_adaptive_size(&on->system, &needed, &lists, &row);
     const size_t n = on->first[2], sampling = aoi_sampler_size(&on->system);
     const size_t rows = aoi_sampler_rows(&on->system);
     *capacity = row + MOST_ROWS * row / 4; /* most rows hold one contact and less than all */
@@ -120,6 +123,7 @@ static int set_up(bench *on, const stock *of, const int32_t *which, const double
     run->contact = &on->contact;
     run->stage = &on->stage;
     run->response = on->response;
+    run->lists = on->lists;
     *sampler = (aoi_sampler){.system = &on->system, .work = run->work + needed};
     sampler->body_row = on->place;
     sampler->body_at = on->place + 2;

@@ -83,6 +83,9 @@ void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
     if (how > 1 && !aoi_body_yields(&run->system->body[b])) {
         how = 1;
     }
+    if (body->engaged == 0) {
+        run->engaged.at[run->engaged.count++] = b;
+    }
     body->engaged = how > body->engaged ? how : body->engaged;
     if (body->time < now) {
         const size_t n = run->system->body[b].n;
@@ -97,6 +100,14 @@ void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
             run->v[at + j] = run->scratch[n + j];
         }
         body->time = now;
+    }
+}
+
+void aoi_body_note_change(aoi_adaptive *run, size_t b)
+{
+    if (!run->body[b].changed) {
+        run->body[b].changed = 1;
+        run->changed.at[run->changed.count++] = b;
     }
 }
 
@@ -127,30 +138,49 @@ static double rounding_of(const aoi_flight *pair)
     return PLACE_ROUNDING * DBL_EPSILON * size;
 }
 
-void aoi_step_prepare(aoi_adaptive *run)
+void aoi_step_release(aoi_adaptive *run)
 {
-    const aoi_system *system = run->system;
-    run->closed_count = run->stage_count = 0;
-    for (size_t b = 0; b < system->body_count; b++) {
-        run->body[b].engaged = 0;
+    for (size_t i = 0; i < run->engaged.count; i++) {
+        run->body[run->engaged.at[i]].engaged = 0;
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
-        if (run->contact[c].closed) {
-            run->stage[run->closed_count++].joint = c;
-            aoi_body_engage(run, system->joint[c].body[0], 2);
-            aoi_body_engage(run, system->joint[c].body[1], 2);
+    for (size_t s = 0; s < run->stage_count; s++) {
+        if (!run->contact[run->stage[s].joint].closed) {
+            aoi_watch_add(run, run->stage[s].joint);
         }
     }
-    run->stage_count = run->closed_count;
-    for (size_t c = 0; c < system->joint_count; c++) {
-        const size_t *body = system->joint[c].body;
-        if (!run->contact[c].closed &&
-            (run->body[body[0]].engaged == 2 || run->body[body[1]].engaged == 2)) {
-            run->stage[run->stage_count++].joint = c;
-            run->contact[c].free_until = -HUGE_VAL; /* whatever was known no longer holds */
-            run->contact[c].touches = 0;
-            aoi_body_engage(run, body[0], 1);
-            aoi_body_engage(run, body[1], 1);
+    run->engaged.count = run->closed_count = run->stage_count = 0;
+}
+
+/* Open contacts of a body under force take part in the step: whatever was known of them no longer holds. */
+static void bring_along(aoi_adaptive *run, size_t b)
+{
+    const aoi_system *system = run->system;
+    for (size_t i = system->first_joint[b]; i < system->first_joint[b + 1]; i++) {
+        const size_t joint = system->joint_of[i];
+        if (aoi_watch_remove(run, joint)) {
+            run->stage[run->stage_count++].joint = joint;
+            run->contact[joint].free_until = -HUGE_VAL;
+            run->contact[joint].touches = 0;
+            aoi_body_engage(run, system->joint[joint].body[0], 1);
+            aoi_body_engage(run, system->joint[joint].body[1], 1);
+        }
+    }
+}
+
+void aoi_step_prepare(aoi_adaptive *run)
+{
+    aoi_step_release(run);
+    for (size_t i = 0; i < run->closed.count; i++) {
+        const size_t joint = run->closed.at[i];
+        run->stage[i].joint = joint;
+        aoi_body_engage(run, run->system->joint[joint].body[0], 2);
+        aoi_body_engage(run, run->system->joint[joint].body[1], 2);
+    }
+    run->closed_count = run->stage_count = run->closed.count;
+    const size_t count = run->engaged.count; /* those brought along bring nobody */
+    for (size_t i = 0; i < count; i++) {
+        if (run->body[run->engaged.at[i]].engaged == 2) {
+            bring_along(run, run->engaged.at[i]);
         }
     }
 }
@@ -187,16 +217,13 @@ static double held_back(const aoi_adaptive *run, size_t joint, double *kept)
     double sum = 0.0;
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = &run->system->body[of->body[side]];
-        for (size_t t = 0; body->residual && t < run->closed_count; t++) {
-            const aoi_joint *by = &run->system->joint[run->stage[t].joint];
-            for (int other = 0; other < 2; other++) {
-                if (by->body[other] == of->body[side]) {
-                    const double compliance =
-                        body->residual[of->port[side] * body->ports + by->port[other]];
-                    sum += (side == other ? 1.0 : -1.0) * compliance *
-                           run->contact[run->stage[t].joint].force;
-                }
-            }
+        const size_t end = body->residual ? run->system->first_joint[of->body[side] + 1] : 0;
+        for (size_t i = run->system->first_joint[of->body[side]]; i < end; i++) {
+            const size_t joint_by = run->system->joint_of[i];
+            const aoi_joint *by = &run->system->joint[joint_by];
+            const int other = by->body[1] == of->body[side];
+            const double compliance = body->residual[of->port[side] * body->ports + by->port[other]];
+            sum += (side == other ? 1.0 : -1.0) * compliance * run->contact[joint_by].force;
         }
     }
     *kept = sum;
@@ -417,9 +444,10 @@ static void closed_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *atte
 static void gather_forces(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
-    for (size_t b = 0; b < system->body_count; b++) {
-        double *force = run->port_force + run->system->first_port[b] * AOI_STAGES;
-        for (size_t k = 0; run->body[b].engaged > 0 && k < system->body[b].ports * AOI_STAGES; k++) {
+    for (size_t i = 0; i < run->engaged.count; i++) {
+        const size_t b = run->engaged.at[i];
+        double *force = run->port_force + system->first_port[b] * AOI_STAGES;
+        for (size_t k = 0; k < system->body[b].ports * AOI_STAGES; k++) {
             force[k] = 0.0;
         }
     }
@@ -532,10 +560,8 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
 {
     const int with_rates = wants_rates(run);
     *attempt = (aoi_attempt){h, 0.0, 2.0, 0};
-    for (size_t b = 0; b < run->system->body_count; b++) {
-        if (run->body[b].engaged > 0) {
-            make_response(run, b, h, level, with_rates);
-        }
+    for (size_t i = 0; i < run->engaged.count; i++) {
+        make_response(run, run->engaged.at[i], h, level, with_rates);
     }
     for (size_t s = 0; s < run->stage_count; s++) {
         run->contact[run->stage[s].joint].event = AOI_EVENT_NONE;
@@ -612,22 +638,26 @@ static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h,
 size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
 {
     const aoi_system *system = run->system;
-    size_t at = AOI_TRACK_FIXED, bodies = 0;
-    for (size_t b = 0; b < system->body_count; b++) {
-        const size_t n = system->body[b].n, first = system->first[b];
-        if (run->body[b].changed || (contacts > 0 && run->body[b].engaged == 2)) {
-            row[at++] = (double)b;
-            row[at++] = run->body[b].work;
-            row[at++] = run->body[b].dissipated;
-            for (size_t j = 0; j < n; j++) {
-                row[at + j] = run->x[first + j];
-                row[at + n + j] = run->v[first + j];
-            }
-            at += 2 * n;
-            bodies++;
-            run->body[b].changed = 0;
+    size_t at = AOI_TRACK_FIXED;
+    for (size_t i = 0; contacts > 0 && i < run->engaged.count; i++) {
+        if (run->body[run->engaged.at[i]].engaged == 2) {
+            aoi_body_note_change(run, run->engaged.at[i]);
         }
     }
+    const size_t bodies = run->changed.count;
+    for (size_t i = 0; i < bodies; i++) {
+        const size_t b = run->changed.at[i], n = system->body[b].n, first = system->first[b];
+        row[at++] = (double)b;
+        row[at++] = run->body[b].work;
+        row[at++] = run->body[b].dissipated;
+        for (size_t j = 0; j < n; j++) {
+            row[at + j] = run->x[first + j];
+            row[at + n + j] = run->v[first + j];
+        }
+        at += 2 * n;
+        run->body[b].changed = 0;
+    }
+    run->changed.count = 0;
     for (size_t s = 0; s < contacts; s++, at += AOI_TRACK_CONTACT_SIZE) {
         const aoi_stage *stage = &run->stage[s];
         const aoi_contact_state *contact = &run->contact[stage->joint];
@@ -680,17 +710,18 @@ static void move_body(aoi_adaptive *run, size_t b, double h)
 
 static void move_bodies(aoi_adaptive *run, double h, double later)
 {
-    for (size_t b = 0; b < run->system->body_count; b++) {
+    for (size_t i = 0; i < run->engaged.count; i++) {
+        const size_t b = run->engaged.at[i];
         if (run->body[b].engaged == 2) {
             move_body(run, b, h);
             run->body[b].time = later;
-            run->body[b].changed = 1;
+            aoi_body_note_change(run, b);
         }
     }
 }
 
 /* What a contact has gone through in the step, and its state at the end. */
-static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h)
+static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int with_rates)
 {
     aoi_contact_state *contact = &run->contact[stage->joint];
     const aoi_law *law = law_of(run, stage);
@@ -716,7 +747,7 @@ static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h)
     contact->begins = 0;
     contact->start = stage->indentation[end];
     contact->start_rate = stage->rate[end];
-    if (!wants_rates(run)) {
+    if (!with_rates) {
         double slope;
         (void)aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, 1.0, &slope);
         contact->start_rate = slope / h;
@@ -739,13 +770,27 @@ static void take_piece(const aoi_law *law, aoi_contact_state *contact, double in
     contact->force = value.force;
 }
 
+/* Strikes it off the list of closed ones. */
+static void strike_closed(aoi_adaptive *run, size_t joint)
+{
+    size_t at = 0;
+    while (run->closed.at[at] != joint) {
+        at++;
+    }
+    run->closed.count--;
+    for (; at < run->closed.count; at++) {
+        run->closed.at[at] = run->closed.at[at + 1];
+    }
+    run->contact[joint].closed = 0;
+}
+
 static void happen(aoi_adaptive *run, size_t joint, double now)
 {
     aoi_contact_state *contact = &run->contact[joint];
     const aoi_law *law = run->system->joint[joint].law;
     switch (contact->event) {
     case AOI_EVENT_OPEN:
-        contact->closed = 0;
+        strike_closed(run, joint);
         contact->force = 0.0;
         contact->touches = 0;
         contact->free_until = now;
@@ -804,10 +849,11 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
 {
     const double h = attempt->h, later = run->origin + (run->elapsed + h);
+    const int with_rates = wants_rates(run);
     *size = aoi_step_write(run, h, run->closed_count, row);
     move_bodies(run, h, later);
     for (size_t s = 0; s < run->closed_count; s++) {
-        const int status = move_contact(run, &run->stage[s], h);
+        const int status = move_contact(run, &run->stage[s], h, with_rates);
         if (status != AOI_OK) {
             return status;
         }

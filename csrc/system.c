@@ -1,4 +1,4 @@
-/* Bodies in modes and the contacts between them: whether they can be run. */
+/* Bodies in modes and the contacts between them: whether they can be run, and who touches whom. */
 #include "aoimpact.h"
 
 #include <math.h>
@@ -69,4 +69,37 @@ int aoi_system_check(const aoi_system *system)
         }
     }
     return AOI_OK;
+}
+
+int aoi_system_link(aoi_system *system, size_t *first_joint, size_t *joint_of)
+{
+    const size_t ends = 2 * system->joint_count;
+    for (size_t b = 0; b <= system->body_count; b++) {
+        first_joint[b] = 0;
+    }
+    for (size_t i = 0; i < ends; i++) {
+        const size_t b = system->joint[i / 2].body[i % 2];
+        if (b >= system->body_count) {
+            return AOI_ERROR_ARGUMENT;
+        }
+        first_joint[b]++;
+    }
+    for (size_t b = 0; b < system->body_count; b++) { /* where the next body's begin */
+        first_joint[b + 1] += first_joint[b];
+    }
+    for (size_t i = ends; i-- > 0;) {
+        joint_of[--first_joint[system->joint[i / 2].body[i % 2]]] = i / 2;
+    }
+    system->first_joint = first_joint;
+    system->joint_of = joint_of;
+    return AOI_OK;
+}
+
+size_t aoi_system_most_modes(const aoi_system *system)
+{
+    size_t most = 1;
+    for (size_t b = 0; b < system->body_count; b++) {
+        most = system->body[b].n > most ? system->body[b].n : most;
+    }
+    return most;
 }

@@ -5,18 +5,9 @@
 #include <float.h>
 #include <math.h>
 
-static size_t most_modes(const aoi_system *system)
-{
-    size_t most = 1;
-    for (size_t b = 0; b < system->body_count; b++) {
-        most = system->body[b].n > most ? system->body[b].n : most;
-    }
-    return most;
-}
-
 size_t aoi_sampler_size(const aoi_system *system)
 {
-    return system->first_port[system->body_count] * (AOI_STAGES + 3) + 6 * most_modes(system);
+    return system->first_port[system->body_count] * (AOI_STAGES + 3) + 6 * aoi_system_most_modes(system);
 }
 
 size_t aoi_sampler_rows(const aoi_system *system)
@@ -143,7 +134,7 @@ int aoi_sampler_start(aoi_sampler *sampler)
     if (aoi_system_check(system) != AOI_OK || !track_is_sound(sampler)) {
         return AOI_ERROR_ARGUMENT;
     }
-    sampler->most_modes = most_modes(system);
+    sampler->most_modes = aoi_system_most_modes(system);
     sampler->port_force = sampler->work;
     sampler->states =
         sampler->work + system->first_port[system->body_count] * (AOI_STAGES + 3);

@@ -8,7 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_MODES = 12, MOST_PORTS = 3, MOST_LOADS = 4, MOST_BODIES = 6, MOST_JOINTS = 6 };
+#ifndef MOST_BODIES /* a test of many says so before */
+#define MOST_BODIES 6
+#endif
+
+enum { MOST_MODES = 12, MOST_PORTS = 3, MOST_LOADS = 4, MOST_JOINTS = MOST_BODIES };
 enum { ALL_MODES = MOST_MODES * MOST_BODIES, TRACK_ROOM = 4000000, ROW_ROOM = 40000 };
 
 /* A body: the arrays of its aoi_modes, and how it starts. */
@@ -26,6 +30,7 @@ typedef struct plant {
     part part[MOST_BODIES];
     aoi_modes body[MOST_BODIES];
     size_t first[MOST_BODIES + 1], first_port[MOST_BODIES + 1], bodies, joints;
+    size_t first_joint[MOST_BODIES + 1], joint_of[2 * MOST_JOINTS];
     aoi_joint joint[MOST_JOINTS];
     aoi_system system;
     double x[ALL_MODES], v[ALL_MODES];
@@ -35,7 +40,7 @@ typedef struct plant {
     aoi_response response[MOST_BODIES];
     aoi_adaptive run;
     double *work, *track;
-    size_t *index, used, rows;
+    size_t *index, *lists, used, rows;
     aoi_sampler sampler;
     size_t held[2 * (MOST_BODIES + MOST_JOINTS)];
     double *sampler_work;
@@ -130,15 +135,20 @@ static inline void lay_out(plant *p)
         memcpy(p->x + p->first[b], p->part[b].x, p->part[b].n * sizeof(double));
         memcpy(p->v + p->first[b], p->part[b].v, p->part[b].n * sizeof(double));
     }
-    p->system = (aoi_system){p->bodies, p->joints, p->body, p->first, p->first_port, p->joint};
+    p->system = (aoi_system){.body_count = p->bodies, .joint_count = p->joints, .body = p->body};
+    p->system.first = p->first;
+    p->system.first_port = p->first_port;
+    p->system.joint = p->joint;
+    CHECK(aoi_system_link(&p->system, p->first_joint, p->joint_of) == AOI_OK, "all bodies are there");
 }
 
 static inline int begin(plant *p, double rtol, double end)
 {
-    size_t work, row;
+    size_t work, lists, row;
     lay_out(p);
-    aoi_adaptive_size(&p->system, &work, &row);
+    aoi_adaptive_size(&p->system, &work, &lists, &row);
     p->work = malloc(work * sizeof(double));
+    p->lists = malloc(lists * sizeof(size_t));
     p->track = malloc(TRACK_ROOM * sizeof(double));
     p->index = malloc(ROW_ROOM * sizeof(size_t));
     p->sampler_work = malloc(aoi_sampler_size(&p->system) * sizeof(double));
@@ -151,6 +161,7 @@ static inline int begin(plant *p, double rtol, double end)
     p->run.stage = p->stage;
     p->run.response = p->response;
     p->run.work = p->work;
+    p->run.lists = p->lists;
     return aoi_adaptive_start(&p->run);
 }
 
@@ -172,6 +183,7 @@ static inline void must_go(plant *p, double rtol, double end)
 static inline void release(plant *p)
 {
     free(p->work);
+    free(p->lists);
     free(p->track);
     free(p->index);
     free(p->sampler_work);

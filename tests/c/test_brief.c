@@ -12,7 +12,7 @@ typedef struct pair {
     aoi_modes body[2];
     aoi_law law;
     aoi_joint joint;
-    size_t first[3], first_port[3];
+    size_t first[3], first_port[3], first_joint[3], joint_of[2];
     aoi_system system;
     aoi_follower follower[2];
     aoi_contact_state contact;
@@ -20,7 +20,7 @@ typedef struct pair {
     aoi_response response[2];
     aoi_adaptive run;
     aoi_sampler sampler;
-    size_t place[6], index[ROWS];
+    size_t place[6], index[ROWS], *lists;
     double *work, *sampling, *track, *record;
 } pair;
 
@@ -39,13 +39,17 @@ static void make_pair(pair *p, double first_mass, double second_mass, double k, 
     }
     CHECK(aoi_law_create(&p->law, "linear", 1, &k) == AOI_OK, "law");
     p->joint = (aoi_joint){{0, 1}, {0, 0}, gap, &p->law};
-    p->system = (aoi_system){2, 1, p->body, p->first, p->first_port, &p->joint};
+    p->system = (aoi_system){.body_count = 2, .joint_count = 1, .body = p->body, .joint = &p->joint};
+    p->system.first = p->first;
+    p->system.first_port = p->first_port;
+    CHECK(aoi_system_link(&p->system, p->first_joint, p->joint_of) == AOI_OK, "linked");
 }
 
 static int brief_of(pair *p, double velocity, double end, size_t most, aoi_brief *brief)
 {
-    size_t work, row;
-    aoi_adaptive_size(&p->system, &work, &row);
+    size_t work, lists, row;
+    aoi_adaptive_size(&p->system, &work, &lists, &row);
+    p->lists = calloc(lists, sizeof(size_t));
     p->work = calloc(work, sizeof(double));
     p->sampling = calloc(aoi_sampler_size(&p->system), sizeof(double));
     p->record = calloc(aoi_sampler_rows(&p->system), sizeof(double));
@@ -57,12 +61,14 @@ static int brief_of(pair *p, double velocity, double end, size_t most, aoi_brief
     p->run.stage = &p->stage;
     p->run.response = p->response;
     p->run.work = p->work;
+    p->run.lists = p->lists;
     p->sampler = (aoi_sampler){.body_row = p->place, .body_at = p->place + 2,
                                .contact_row = p->place + 4, .contact_at = p->place + 5,
                                .work = p->sampling};
     const int status =
         aoi_brief_run(&p->run, ROOM, most, p->track, p->index, &p->sampler, p->record, brief);
     free(p->work);
+    free(p->lists);
     free(p->sampling);
     free(p->record);
     free(p->track);
