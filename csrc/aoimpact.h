@@ -942,22 +942,24 @@ typedef struct aoi_sampler {
 
     size_t row, most_modes;
     double *port_force, *states;
+    double *settled; /* work on each contact up to the end of its last row; NaN: not yet asked for */
 } aoi_sampler;
 
 size_t aoi_sampler_size(const aoi_system *system);
 
 /* To the beginning of the track. AOI_ERROR_ARGUMENT for one that does not start with all bodies, or names
- * what is not in the system, or is not whole; and as aoi_system_check. */
+ * what is not in the system, or has contacts in a row of no length, or is not whole; and as
+ * aoi_system_check. */
 int aoi_sampler_start(aoi_sampler *sampler);
 
 /* Rows of a record, and the column of one time of it: value i goes to record[i * stride]. energies: 0
  * leaves their rows alone. */
 size_t aoi_sampler_rows(const aoi_system *system);
-int aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
-                       size_t stride);
+void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
+                        size_t stride);
 
 /* x, then v, of one body (2n doubles) at that time. */
-int aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
+void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
 
 /* ------------------------------------------------------------- an impact in a few numbers: brief.c */
 

@@ -54,15 +54,16 @@ static void find_touches(const aoi_adaptive *run, size_t rows, const double *tra
 static int find_velocities(aoi_sampler *sampler, double time, double *record, double *velocity)
 {
     const aoi_system *system = sampler->system;
-    int status = aoi_sampler_start(sampler);
-    if (status == AOI_OK) {
-        status = aoi_sampler_column(sampler, time, 0, record, 1);
+    const int status = aoi_sampler_start(sampler);
+    if (status != AOI_OK) {
+        return status;
     }
-    for (size_t b = 0; status == AOI_OK && b < 2; b++) {
+    aoi_sampler_column(sampler, time, 0, record, 1);
+    for (size_t b = 0; b < 2; b++) {
         velocity[b] = record[AOI_CONTACT_ROWS + b * AOI_BODY_ROWS + AOI_PORT_ROWS * system->first_port[b] +
                              AOI_BODY_CENTRE_VELOCITY];
     }
-    return status;
+    return AOI_OK;
 }
 
 int aoi_brief_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,

