@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -123,6 +124,11 @@ class Plan:
         """The bodies in their natural modes."""
         return tuple(player.modal for player in self.players)
 
+    @cached_property
+    def first_modes(self) -> tuple[int, ...]:
+        """Where each body's modes begin among those of all; and how many these are."""
+        return tuple(itertools.accumulate((body.n for body in self.modal), initial=0))
+
     @property
     def ends(self) -> tuple[tuple[int, int, int, int], ...]:
         """Bodies and ports of the contacts."""
@@ -157,10 +163,18 @@ class Plan:
             for player, state, response in zip(self.players, states, responses, strict=True)
         )
 
+    @cached_property
+    def _loads_of(self) -> dict[int, list[Load]]:
+        """The loads on each body that has some."""
+        found: dict[int, list[Load]] = {}
+        for load in self.loads:
+            found.setdefault(load.body, []).append(load)
+        return found
+
     def load_on(self, body: int) -> tuple[FloatArray, FloatArray] | None:
         """Return all loads on a body as one: times, shape (m,), and forces on ports, (m, p)."""
-        ours = [load for load in self.loads if load.body == body]
-        if not ours:
+        ours = self._loads_of.get(body)
+        if ours is None:
             return None
         times = np.unique(np.concatenate([load.times for load in ours]))
         forces = np.zeros((len(times), self.players[body].ports))
@@ -186,9 +200,8 @@ class Plan:
                 forces[joint.first_port] -= record[CONTACT_ROWS * i]
             if joint.second == body:
                 forces[joint.second_port] += record[CONTACT_ROWS * i]
-        for load in self.loads:
-            if load.body == body:
-                forces[load.port] += np.interp(times, load.times, load.forces)
+        for load in self._loads_of.get(body, []):
+            forces[load.port] += np.interp(times, load.times, load.forces)
         return np.vstack([forces, np.ones((1, len(times)))]) if self.gravity else forces
 
     def weight_of(self, body: int) -> FloatArray | None:
@@ -210,15 +223,14 @@ class Plan:
         ConvergenceError
             If they come to no rest.
         """
-        first = np.cumsum([0, *(body.n for body in self.modal)])
         if not self.preload:
             return tuple(np.zeros(body.n) for body in self.modal)
         x = equilibrium(
             self.modal,
             [self._pull(i) for i in range(len(self.modal))],
-            [self._pressed(joint, first) for joint in self.joints],
+            [self._pressed(joint) for joint in self.joints],
         )
-        return tuple(x[first[i] : first[i + 1]] for i in range(len(self.modal)))
+        return tuple(x[first:end] for first, end in itertools.pairwise(self.first_modes))
 
     def _pull(self, body: int) -> FloatArray:
         """Modal accelerations under gravity and the loads at t = 0."""
@@ -229,13 +241,13 @@ class Plan:
             pull = pull + forces @ modal.push
         return pull
 
-    def _pressed(self, joint: Joint, first: FloatArray) -> Pressed:
-        direction = np.zeros(int(first[-1]))
+    def _pressed(self, joint: Joint) -> Pressed:
+        direction = np.zeros(self.first_modes[-1])
         residual = 0.0
         sides = ((joint.first, joint.first_port, 1.0), (joint.second, joint.second_port, -1.0))
         for body, port, sign in sides:
             modal = self.modal[body]
-            direction[int(first[body]) : int(first[body + 1])] += sign * modal.shape[port]
+            direction[slice(*self.first_modes[body : body + 2])] += sign * modal.shape[port]
             residual += 0.0 if modal.residual is None else float(modal.residual[port, port])
         return Pressed(direction, joint.gap, joint.law.for_core(), joint.law._limit(), residual)
 

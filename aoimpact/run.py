@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -216,14 +217,15 @@ class Run:
         rows = self.recorder.rows(t, self.energies)
         for body, drift in enumerate(self.drifts):
             if drift is not None:
-                drift.add(rows[self._first(body) :], t)
+                drift.add(rows[self._first[body] :], t)
         rows.flags.writeable = False
         return rows
 
-    def _first(self, body: int) -> int:
-        """First row of a body."""
-        before = self.infos[:body]
-        return _CONTACT_ROWS * self.joints + sum(_BODY_ROWS + 2 * info.ports for info in before)
+    @cached_property
+    def _first(self) -> tuple[int, ...]:
+        """First rows of the bodies."""
+        sizes = (_BODY_ROWS + 2 * info.ports for info in self.infos)
+        return tuple(itertools.accumulate(sizes, initial=_CONTACT_ROWS * self.joints))
 
     @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
@@ -244,11 +246,11 @@ class Run:
         return self.bodies[index]
 
     def _velocity(self, body: int, port: int) -> FloatArray:
-        velocity: FloatArray = self._rows[self._first(body) + _BODY_ROWS + 2 * port + 1]
+        velocity: FloatArray = self._rows[self._first[body] + _BODY_ROWS + 2 * port + 1]
         return velocity
 
     def _body(self, index: int) -> BodyResult:
-        info, first = self.infos[index], self._first(index)
+        info, first = self.infos[index], self._first[index]
         ports = self._rows[first + _BODY_ROWS : first + _BODY_ROWS + 2 * info.ports]
         coordinates, rates = info.state()
         return BodyResult(
@@ -299,7 +301,7 @@ class Run:
                 "this run has no energies: it was made with energies=False; "
                 "call simulate(..., energies=True)"
             )
-        return _energy(self._rows, self.joints, [self._first(b) for b in range(len(self.infos))])
+        return _energy(self._rows, self.joints, self._first[:-1])
 
     def at(self, times: npt.ArrayLike) -> Run:
         """Return the same run at other times: dense output, as exact as the run itself.
@@ -423,7 +425,7 @@ class Run:
 _SHOWN = 12
 
 
-def _energy(rows: FloatArray, joints: int, first: list[int]) -> Energy:
+def _energy(rows: FloatArray, joints: int, first: Sequence[int]) -> Energy:
     bodies = tuple(
         BodyEnergy(rows[at + 2], rows[at + 3], rows[at + 4], rows[at + 5]) for at in first
     )

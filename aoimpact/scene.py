@@ -75,6 +75,7 @@ class Scene:
         self._positions: list[float] = []
         self._names: list[str] = []
         self._joints: list[Joint] = []
+        self._between: dict[tuple[int, int, int, int], list[int]] = {}  # contacts at the same place
         self._loads: list[Load] = []
         # Copies and pickles keep it: their handles are as good.
         self._mark = _Mark(uuid.uuid4().hex)
@@ -166,13 +167,16 @@ class Scene:
         ends = _touched(self._bodies, first), _touched(self._bodies, second)
         between = effective_law(law, ends)
         joint = Joint(first.body, first.at, second.body, second.at, between, apart, ends)
-        for number, other in enumerate(self._joints):
-            if (other.ends_at, other.law, other.gap) == (joint.ends_at, joint.law, joint.gap):
+        beside = self._between.setdefault(joint.ends_at, [])
+        for number in beside:
+            other = self._joints[number]
+            if (other.law, other.gap) == (joint.law, joint.gap):
                 raise InputError(
                     f"contact {number} is the same: {self._called(first)} and "
                     f"{self._called(second)} under the same law and gap; leave this one out, or "
                     "double the law's stiffness"
                 )
+        beside.append(len(self._joints))
         self._joints.append(joint)
         return len(self._joints) - 1
 

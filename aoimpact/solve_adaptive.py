@@ -174,9 +174,7 @@ def _warn(rtol: float, touches: int, text: str) -> None:
 
 def _state(plan: Plan, track: Track, body: int) -> tuple[FloatArray, FloatArray]:
     """A body's coordinates and rates at the end."""
-    modal = plan.modal[body]
-    first = sum(other.n for other in plan.modal[:body])
-    ours = slice(first, first + modal.n)
+    modal, ours = plan.modal[body], slice(*plan.first_modes[body : body + 2])
     return modal.coordinates(track.x[ours]), modal.coordinates(track.v[ours])
 
 
