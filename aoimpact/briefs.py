@@ -18,6 +18,7 @@ import numpy.typing as npt
 from . import _core
 from .adaptive import Adaptive
 from .errors import held_warnings
+from .fit import fitted_times
 from .laws import UserLaw
 from .modalbody import ModalBody
 from .modes import ModalModel
@@ -60,11 +61,14 @@ class _Pair:
         Share of the projectile's velocity that its centre of mass keeps, whatever happens.
     fixed : bool
         Whether the target does not fly off.
+    fits : tuple of float
+        Between which durations of the contact the models are what they were fitted for, s.
     """
 
     places: tuple[int, int, int]
     drift: float
     fixed: bool
+    fits: tuple[float, float]
 
 
 @dataclass
@@ -105,6 +109,7 @@ class _Stock:
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
             0.0 if drift is None else drift.share,
             target.held or (target.mass is not None and math.isinf(target.mass)),
+            fitted_times(stars),
         )
 
     def _place(self, body: ModalBody) -> int:
@@ -150,7 +155,10 @@ def brief_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, 
     )
     wanted = tuple(names)
     columns = _columns(given, answers, pairs)
-    plain = _plain(given, answers)
+    shortest, longest = np.array([pair.fits for pair in pairs]).T
+    lasted = answers[:, _END] - answers[:, _START]
+    fits = (answers[:, _TOUCHES] == 0.0) | ((lasted >= shortest) & (lasted <= longest))
+    plain = _plain(given, answers) & fits  # simulate has something to say of the others
     rows = zip(*(columns[name].tolist() for name in wanted), strict=True)
     for i, is_plain, row in zip(taken, plain.tolist(), rows, strict=True):
         if is_plain:

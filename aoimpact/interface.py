@@ -18,7 +18,7 @@ from .checks import finite_array, integer
 from .contact import Body, ContactPoint
 from .damping import Damping
 from .errors import InputError, InputTypeError, warn
-from .krylov import Subspace, fitted_shifts
+from .krylov import SHIFT_TIMES_DURATION, Subspace, fitted_shifts
 from .modes import modal
 from .solvers import Solver
 from .statics import translates
@@ -54,6 +54,8 @@ class InterfaceModel:
         Compliance between the ports that no mode has, m/N; zero as made.
     solver : str
         The linear solver that the modes were made with.
+    contact_time : float or None
+        The duration of the blow that they were fitted to, s; None where they fit any.
     """
 
     tips: tuple[ContactPoint, ...]
@@ -62,6 +64,7 @@ class InterfaceModel:
     modes: FloatArray
     residual: FloatArray
     solver: str = ""
+    contact_time: float | None = None
 
     def __post_init__(self) -> None:
         for array in (self.omega, self.participation, self.modes, self.residual):
@@ -229,6 +232,8 @@ class InterfaceSpace:
     tips : tuple of ContactPoint
     rigid_count : int
         Number of the body's rigid motions.
+    contact_time : float
+        What it is fitted to, s.
     """
 
     def __init__(
@@ -241,13 +246,15 @@ class InterfaceSpace:
     ) -> None:
         self.tips = checked_ports(tips)
         shifts = fitted_shifts(self.tips, contact_time, duration)
+        self.contact_time = SHIFT_TIMES_DURATION / shifts[0]
         self._space = Subspace(self.tips, shifts, solver=solver)
         self.rigid_count = self._space.rigid_count
 
     def of_vectors(self, n: int) -> InterfaceModel:
         """Return the model of `n` vectors, rigid motions included, or of as many as there are."""
         omega2, modes = self._space.ritz(n)
-        return _of_modes(self.tips, np.sqrt(omega2), modes, self._space.solver_name)
+        name = self._space.solver_name
+        return _of_modes(self.tips, np.sqrt(omega2), modes, name, self.contact_time)
 
     @property
     def exhausted(self) -> bool:
@@ -269,11 +276,16 @@ def whole_interface(tips: Sequence[ContactPoint]) -> InterfaceModel:
 
 
 def _of_modes(
-    tips: tuple[ContactPoint, ...], omega: FloatArray, modes: FloatArray, solver: str
+    tips: tuple[ContactPoint, ...],
+    omega: FloatArray,
+    modes: FloatArray,
+    solver: str,
+    contact_time: float | None = None,
 ) -> InterfaceModel:
     functionals = np.stack([tip.b for tip in tips])
     nothing = np.zeros((len(tips), len(tips)))
-    return InterfaceModel(tips, omega, functionals @ modes, modes, nothing, solver)
+    participation = functionals @ modes
+    return InterfaceModel(tips, omega, participation, modes, nothing, solver, contact_time)
 
 
 def checked_ports(tips: Sequence[ContactPoint]) -> tuple[ContactPoint, ...]:

@@ -27,6 +27,7 @@ from .star import AOModel
 from .statics import displacement, moves_rigidly
 
 __all__ = [
+    "SHIFT_TIMES_DURATION",
     "KrylovSpace",
     "Subspace",
     "fitted_shifts",
@@ -39,7 +40,7 @@ FloatArray = npt.NDArray[np.float64]
 # s T of the shift for a blow of duration T. On the paper's beam 8 to 14 are alike, a third of it
 # and three times as much need two more oscillators for the same force. A spread of shifts was
 # measured to be worse for each solve.
-_SHIFT_TIMES_DURATION = 10.0
+SHIFT_TIMES_DURATION = 10.0
 
 # A Ritz value below this share of the largest is none of an elastic motion.
 _NO_STIFFNESS = 1e-12
@@ -254,6 +255,7 @@ class KrylovSpace:
             raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
         self.tip = tip
         self.shift = fitted_shifts([tip], contact_time, None)[0]
+        self.contact_time = SHIFT_TIMES_DURATION / self.shift
         self._space = Subspace([tip], [self.shift], solver=solver)
         if duration is not None:
             self.include(duration)
@@ -287,7 +289,14 @@ class KrylovSpace:
     def of_vectors(self, n: int) -> AOModel:
         """Return the model of `n` vectors beside the static one: of `n` oscillators, or fewer."""
         omega2, modes = self._space.ritz(self._first + n)
-        return star_of_modes(self.tip, omega2, modes, "AO", solver=self._space.solver_name)
+        return star_of_modes(
+            self.tip,
+            omega2,
+            modes,
+            "AO",
+            solver=self._space.solver_name,
+            contact_time=self.contact_time,
+        )
 
     @property
     def exhausted(self) -> bool:
@@ -296,7 +305,7 @@ class KrylovSpace:
 
     def include(self, duration: float) -> None:
         """Fit every other vector from here on to motion of that duration, s, as well."""
-        slow = _SHIFT_TIMES_DURATION / positive("duration", duration, unit="s")
+        slow = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s")
         if slow < self.shift:
             self._space.shifts = (self.shift, slow)
 
@@ -313,7 +322,7 @@ def fitted_shifts(
             _check_resolved(tip, contact_time)
     if duration is not None and positive("duration", duration, unit="s") > times[0]:
         times.append(duration)
-    return [_SHIFT_TIMES_DURATION / time for time in times]
+    return [SHIFT_TIMES_DURATION / time for time in times]
 
 
 def own_contact_time(tip: ContactPoint) -> float:
@@ -331,7 +340,7 @@ def shortest_contact_time(tip: ContactPoint) -> float:
     """The shortest blow that the mesh resolves at the contact, s: shorter waves are elements."""
     body, b = tip.body, tip.b
     highest = math.sqrt(float(b @ (body.K @ b)) / float(b @ (body.M @ b)))
-    return _SHIFT_TIMES_DURATION / highest
+    return SHIFT_TIMES_DURATION / highest
 
 
 def _check_resolved(tip: ContactPoint, contact_time: float) -> None:

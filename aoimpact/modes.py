@@ -90,7 +90,13 @@ class ModalModel:
 
 
 def star_of_modes(
-    tip: ContactPoint, omega2: FloatArray, modes: FloatArray, label: str, *, solver: str = ""
+    tip: ContactPoint,
+    omega2: FloatArray,
+    modes: FloatArray,
+    label: str,
+    *,
+    solver: str = "",
+    contact_time: float | None = None,
 ) -> AOModel:
     """Return the star of M-orthonormal modes: its antiresonances by the secular equation.
 
@@ -104,6 +110,8 @@ def star_of_modes(
         What made the modes: "modal" or "AO".
     solver : str, optional
         The linear solver they were made with.
+    contact_time : float, optional
+        That they were fitted to, s.
     """
     participation = modes.T @ tip.b
     weight = participation**2
@@ -119,7 +127,7 @@ def star_of_modes(
     m0, k0, m, k, static, shapes = _of_distinct(omega2[starts], weight, shapes)
     mass = m0 + math.fsum(m)
     phi = StaticMode(static, k0, tip.body.M @ static, mass, np.empty((len(static), 0)))
-    origin = origin_of(tip, phi, shapes, label, solver=solver)
+    origin = origin_of(tip, phi, shapes, label, solver=solver, contact_time=contact_time)
     return AOModel(m0=m0, k0=k0, m=m, k=k, origin=origin, damping=tip.body.damping)
 
 

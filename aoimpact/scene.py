@@ -16,6 +16,7 @@ from .answer import scene_answer
 from .checks import boolean, finite_array, positive, real
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, LawLimitError, warn
+from .fit import warn_of_misfit
 from .interface import InterfaceModel
 from .laws import ContactLaw
 from .newmark import Newmark
@@ -281,7 +282,8 @@ class Scene:
         Warns
         -----
         AOImpactWarning
-            If gravity has no effect on a held star given by numbers.
+            If gravity has no effect on a held star given by numbers, or a body's model was fitted
+            to quite another contact time.
         """
         length = positive("duration", duration, unit="s")
         boolean("energies", energies)
@@ -294,17 +296,14 @@ class Scene:
         linear = checked_linear_solver(linear_solver, chosen=chosen)
         if chosen:
             return self._sufficient(length, solver, energies, preload, quantity, rtol, linear)
-        return self._run(self._bodies, length, solver, energies, preload)
+        plan = self._plan(self._bodies, length, energies, preload)
+        done = solve(plan, solver)
+        handles = (Handle(body) for body in range(len(self._players)))
+        warn_of_misfit(plan, done, [self._called(handle) for handle in handles])
+        return done
 
-    def _run(
-        self,
-        bodies: Sequence[Any],
-        length: float,
-        solver: Solver | None,
-        energies: bool,
-        preload: bool,
-    ) -> Run:
-        """The run with models in the place of bodies."""
+    def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
+        """The plan with models in the place of bodies."""
         players, joints = self._players, self._joints
         if bodies is not self._bodies:
             players = [
@@ -318,7 +317,7 @@ class Scene:
                     f"gravity has no effect on {body.label}: what holds a star given by numbers is "
                     "not known; make it by antioscillators(...) of a body with nodes"
                 )
-        plan = Plan(
+        return Plan(
             tuple(players),
             tuple(self._velocities),
             tuple(joints),
@@ -329,7 +328,6 @@ class Scene:
             preload,
             self._mark.name,
         )
-        return solve(plan, solver)
 
     def _sufficient(
         self,
@@ -354,7 +352,7 @@ class Scene:
         which = [next(i for i, one in enumerate(different) if one is body) for body in self._bodies]
 
         def run(models: Models, rule: Solver, seen: bool) -> Run:
-            return self._run([models[i] for i in which], length, rule, seen, preload)
+            return solve(self._plan([models[i] for i in which], length, seen, preload), rule)
 
         done, found = sufficient(
             run, different, asked, rtol, solver, energies=energies, linear_solver=linear_solver

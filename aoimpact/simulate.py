@@ -12,6 +12,7 @@ from .answer import answer
 from .checks import boolean, nonnegative, positive
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, warn
+from .fit import warn_of_misfit
 from .laws import ContactLaw
 from .newmark import Newmark
 from .patchlaw import effective_law
@@ -87,43 +88,44 @@ def simulate(
     Warns
     -----
     AOImpactWarning
-        If the record ends in contact, or the step is too large for any digit to be right.
+        If the record ends in contact, the step is too large for any digit to be right, or a body's
+        model was fitted to quite another contact time.
     """
     chosen = quantity is not None or rtol is not None
     linear = checked_linear_solver(linear_solver, chosen=chosen)
-    if chosen:
-        speed, length, distance = _checked(law, velocity, duration, gap, energies)
-        bodies = projectile, target
-        again = partial(simulate, law=law, velocity=speed, duration=length, gap=distance)
-        wanted = answer("force" if quantity is None else quantity, *bodies)
-        done, found = sufficient(
-            lambda models, rule, seen: again(
-                projectile=models[0], target=models[1], solver=rule, energies=seen
-            ),
-            bodies,
-            wanted,
-            rtol,
-            solver,
-            energies=energies,
-            linear_solver=linear,
-        )
-        return replace(done, run=done.run.of_models(found.models, found.error))
-    plan = plan_impact(
-        projectile, target, law, velocity=velocity, duration=duration, gap=gap, energies=energies
+    plan_of = partial(plan_impact, law=law, velocity=velocity, duration=duration, gap=gap)
+    if not chosen:
+        plan = plan_of(projectile, target, energies=energies)
+        result = _simulated(plan, solver)
+        warn_of_misfit(plan, result.run, ("projectile", "target"))
+        return result
+    _checked(law, velocity, duration, gap, energies)
+    bodies = projectile, target
+    done, found = sufficient(
+        lambda models, rule, seen: _simulated(plan_of(*models, energies=seen), rule),
+        bodies,
+        answer("force" if quantity is None else quantity, *bodies),
+        rtol,
+        solver,
+        energies=energies,
+        linear_solver=linear,
     )
+    return replace(done, run=done.run.of_models(found.models, found.error))
+
+
+def _simulated(plan: Plan, solver: Adaptive | Newmark | None) -> Result:
     run = solve(plan, solver)
-    result = Result(
-        run=run,
-        velocity=plan.velocities[0],
-        gap=plan.joints[0].gap,
-        law=plan.joints[0].law,
-    )
     if run.in_contact_at_end:
         warn(
             f"the record of {run.duration:.4g} s ends in contact: rebound, impulse and the last "
             "contact's end are those so far; take a longer duration"
         )
-    return result
+    return Result(
+        run=run,
+        velocity=plan.velocities[0],
+        gap=plan.joints[0].gap,
+        law=plan.joints[0].law,
+    )
 
 
 def plan_impact(

@@ -41,6 +41,8 @@ class Origin:
         Whether the body is free to translate along the direction of travel.
     solver : str
         The linear solver that the model was made with; empty where dense matrices served.
+    contact_time : float or None
+        The duration of the blow that the model was fitted to, s; None where it fits any.
     """
 
     label: str
@@ -51,6 +53,7 @@ class Origin:
     mass: float
     translates: bool
     solver: str = ""
+    contact_time: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -191,14 +191,22 @@ def _by_dynamic_stiffness(body: Body, b: FloatArray, dynamic: LinearSolver) -> F
 
 
 def origin_of(
-    tip: ContactPoint, static: StaticMode, shapes: FloatArray, label: str, *, solver: str = ""
+    tip: ContactPoint,
+    static: StaticMode,
+    shapes: FloatArray,
+    label: str,
+    *,
+    solver: str = "",
+    contact_time: float | None = None,
 ) -> Origin:
     """Return what a star made from a body keeps of it."""
     centre, mass = static.m_phi / static.mass, static.mass
     if tip.direction is not None and tip.body.mass is not None:
         # Without nodes the mean over the static mode has to stand for the centre of mass.
         centre, mass = tip.body.com_functional(tip.direction), tip.body.mass
-    return Origin(label, tip, static.phi, shapes, centre, mass, translates(tip), solver)
+    return Origin(
+        label, tip, static.phi, shapes, centre, mass, translates(tip), solver, contact_time
+    )
 
 
 def translates(tip: ContactPoint) -> bool:

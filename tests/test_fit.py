@@ -1,0 +1,141 @@
+"""Models fitted to one blow and met by another: said where it matters, and only there."""
+
+import warnings
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import aoimpact as ao
+from aoimpact.briefs import brief_numbers
+from aoimpact.fit import unbalanced
+from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
+from aoimpact.paper_sphere import BALL_MASS
+
+from twelve import ALUMINIUM, FLOOR, STEEL, block, cube, law
+
+# Two impacts: on the paper's beam, which has modes of all periods, for 90 µs; and of two compact
+# blocks, whose slowest modes are faster than the blow of 130 µs.
+BALL = ao.rigid(mass=BALL_MASS)
+
+
+@pytest.fixture(scope="module")
+def tip():
+    return beam_model().contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+
+
+def fitted(tip, contact_time, n=6):
+    return ao.antioscillators(tip, n, method="krylov", contact_time=contact_time)
+
+
+def strike(target, **options):
+    return ao.simulate(
+        projectile=BALL, target=target, law=LAW, velocity=1.0, duration=250e-6, **options
+    )
+
+
+@pytest.mark.parametrize("contact_time", [45e-6, 180e-6, 260e-6])
+def test_within_a_factor_of_three_nothing_is_said(tip, contact_time):
+    """And the force is right: six oscillators, half a percent at best."""
+    force = strike(fitted(tip, contact_time)).peak_force
+    assert force == pytest.approx(strike(fitted(tip, 90e-6, 28)).peak_force, rel=0.03)
+
+
+@pytest.mark.parametrize(("contact_time", "told"), [(10e-6, "10 µs"), (2e-3, "2 ms")])
+def test_far_off_both_times_and_the_cure_are_named(tip, contact_time, told):
+    star = fitted(tip, contact_time)
+    assert star.origin.contact_time == pytest.approx(contact_time)
+    with pytest.warns(
+        ao.AOImpactWarning, match=f"target was fitted to a contact of {told}"
+    ) as said:
+        wrong = strike(star)
+    assert "contact_time=" in str(said[0].message)
+    right = strike(fitted(tip, 90e-6, 28))
+    times = np.linspace(0, 250e-6, 251)
+    off = np.abs(wrong.at(times).force - right.at(times).force).max()
+    assert off > 0.05 * right.peak_force  # it does matter
+
+
+def test_newmark_hears_of_it_too(tip):
+    with pytest.warns(ao.AOImpactWarning, match="fitted to a contact of 10 µs"):
+        strike(fitted(tip, 10e-6), solver=ao.Newmark(dt=0.2e-6))
+
+
+def test_a_contact_cut_off_is_no_short_one(tip):
+    with pytest.warns(ao.AOImpactWarning, match="ends in contact") as said:
+        ao.simulate(
+            projectile=BALL, target=fitted(tip, 90e-6), law=LAW, velocity=1.0, duration=20e-6
+        )
+    assert len(said) == 1
+
+
+def test_what_does_not_matter_is_not_said():
+    """A compact body answers a slow blow by its static mode: the force is right, however far off."""
+    hits = [
+        ao.simulate(
+            projectile=fitted(cube(STEEL, 0.02), contact_time, 4),
+            target=fitted(block(ALUMINIUM, 0.04, FLOOR), contact_time, 4),
+            law=law(STEEL, 0.01, ALUMINIUM),
+            velocity=1.0,
+            duration=2e-4,
+        )
+        for contact_time in (1.3e-5, 1.3e-4, 1.0)
+    ]
+    assert hits[1].contact_duration > 9 * 1.3e-5
+    for hit in hits:
+        assert hit.peak_force == pytest.approx(hits[1].peak_force, rel=2e-3)
+
+
+def test_models_that_simulate_makes_fit(tip):
+    """It starts from a guess: here the ball's contact with a rigid wall."""
+    hit = strike(tip, rtol=1e-2)
+    assert hit.models[1].origin.contact_time == pytest.approx(hit.contact_duration, rel=1.0)
+
+
+def test_scenes_name_the_body(tip):
+    scene = ao.Scene()
+    ball = scene.add(BALL, velocity=1.0)
+    beam = scene.add(ao.interface([tip, tip], 8, contact_time=10e-6), name="beam")
+    scene.connect(ball, beam, LAW)
+    with pytest.warns(
+        ao.AOImpactWarning, match=r"body 1 \(beam\) was fitted to a contact of 10 µs"
+    ):
+        scene.simulate(duration=250e-6)
+
+
+def test_many_impacts_at_once_are_looked_at_too(tip):
+    case = {"projectile": BALL, "law": LAW, "velocity": 1.0, "duration": 250e-6}
+    near, far = (
+        brief_numbers([case | {"target": fitted(tip, T)}], ["peak_force"]) for T in (90e-6, 10e-6)
+    )
+    assert near[0] is not None
+    assert far == [None]  # left to `simulate`
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        ao.simulate_many([case | {"target": fitted(tip, 10e-6)}], keep="peak_force")
+    assert any("fitted to a contact" in str(one.message) for one in said)
+
+
+# ------------------------------------------------------------------------------ what is unbalanced
+
+
+def test_nothing_is_unbalanced_at_what_was_fitted(tip):
+    for model in (
+        fitted(tip, 90e-6, 3),
+        ao.interface([tip, tip.body.contact(dof=100)], 6, contact_time=90e-6),
+    ):
+        assert unbalanced(model, 10 / 90e-6) < 1e-9
+        assert unbalanced(model, 100 / 90e-6) > 1e-2
+
+
+def test_its_square_is_the_error_of_the_receptance():
+    """Where K and M are diagonal: of dofs that only the functional holds together."""
+    k, m = np.geomspace(1.0, 1e3, 8), np.linspace(1.0, 2.0, 8)
+    body = ao.FEModel(K=sp.diags_array(k).tocsr(), M=sp.diags_array(m).tocsr())
+    tip = ao.ContactPoint(body, np.ones(8), None, None, None)
+    star = ao.antioscillators(tip, 2, method="krylov", contact_time=1.0)
+    s = 3.0
+    exact = np.sum(1 / (k + s**2 * m))
+    inertia = star.m0 + np.sum(star.k / (star.k / star.m + s**2))
+    found = 1 / (star.k0 + s**2 * inertia)
+    assert unbalanced(star, s) ** 2 == pytest.approx((exact - found) / found, rel=1e-6)
