@@ -97,7 +97,7 @@ class Subspace:
         silent = np.linalg.norm(elastic, axis=1) <= _RIGID_ONLY * np.linalg.norm(functionals)
         elastic[silent] = 0.0
         self._b = elastic
-        self._static_b = elastic[[not moves_rigidly(tip) for tip in tips]]
+        self._held = [i for i, tip in enumerate(tips) if not moves_rigidly(tip)]
         self._basis = np.ascontiguousarray(rigid.T)
         self._stiffness = np.zeros((self.rigid_count, self.rigid_count))
         self._given = self._count = self.rigid_count
@@ -122,10 +122,9 @@ class Subspace:
         """
         self._reserve(count)
         self._wanted = max(self._wanted, count)
-        while self._count < count and self._statics < len(self._static_b):
-            load = self._static_b[self._statics, None]
-            self._count, _ = self._extend(load, 0.0, self._static_mode, self._count, 0)
-            self._given, self._statics = self._count, self._statics + 1
+        while self._count < count and self._statics < len(self._held):
+            self._add_static_mode(self._held[self._statics])
+            self._statics += 1
         while self._count < count:
             # One solve at a time, so that signals are heard in between.
             # All functionals have their turn with a shift before the next shift has its own.
@@ -167,6 +166,16 @@ class Subspace:
         self._basis = np.concatenate([self._basis, np.empty((more, self._basis.shape[1]))])
         self._stiffness = np.pad(self._stiffness, (0, more))
 
+    def _add_static_mode(self, tip: int) -> None:
+        before = self._count
+        load = self._b[tip, None].copy()
+        self._count, _ = self._extend(load, 0.0, self._static_mode, before, 0)
+        self._given = self._count
+        if self._count > before and self.shifts[0] ** 2 < self._stiffness[before, before]:
+            # In a slow blow (K + s²M)⁻¹ b is φ_st but for rounding; what M φ_st gives spans the
+            # same with φ_st, and would be φ_st but for rounding in a fast one.
+            self._b[tip] = self.body.M @ self._basis[before]
+
     def _extend(
         self,
         loads: FloatArray,
@@ -204,14 +213,21 @@ class Subspace:
                 direct = {s: one for s, one in self._solvers.items() if one.precondition is None}
                 self._solvers = direct
         if shift not in self._solvers:
-            self._solvers[shift] = self.body.inverse(
-                shift**2, solver=self._solver, solutions=self._foreseen
-            )
+            try:
+                self._solvers[shift] = self.body.inverse(
+                    shift**2, solver=self._solver, solutions=self._foreseen
+                )
+            except SingularError as error:
+                raise SingularError(
+                    f"{error} at s = {shift:.3g} rad/s, for motions of "
+                    f"{SHIFT_TIMES_DURATION / shift:.3g} s: give the durations of the contact and "
+                    "of the motion in seconds"
+                ) from None
         self.solver_name = self._solvers[shift].name
         return self._solvers[shift]
 
     def _static_mode(self, load: FloatArray) -> FloatArray:
-        invert = partial(self.body.inverse, solver=self._solver)
+        invert = partial(self.body.inverse, solver=self._solver, solutions=1)
         return displacement(self.body, load, invert, dynamic=self._inverse(min(self.shifts)))
 
 

@@ -70,7 +70,7 @@ def test_a_contact_cut_off_is_no_short_one(tip):
 
 
 def test_what_does_not_matter_is_not_said():
-    """A compact body answers a slow blow by its static mode: the force is right, however far off."""
+    """A compact body answers a slow blow by its static mode: far off, the force is right."""
     hits = [
         ao.simulate(
             projectile=fitted(cube(STEEL, 0.02), contact_time, 4),

@@ -327,9 +327,16 @@ def test_a_contact_time_far_off_is_refused_or_harmless(block):
     with pytest.raises(ao.InputError, match="shorter than what the mesh resolves"):
         ao.antioscillators(block, 3, method="krylov", contact_time=1e-8)
     # Much longer ones give the same first oscillators: those of the slow motion.
-    slow = ao.antioscillators(block, 8, method="krylov", contact_time=1e-2)
-    exact = ao.antioscillators(block, order="frequency")
-    np.testing.assert_allclose(slow.frequencies[:2], exact.frequencies[:2], rtol=1e-4)
+    mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
+    held = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+    tip = held.contact(point=(0.03, 0.02, 0.02 / 3), direction=(-1, 0, 0))
+    for body in (block, tip):
+        exact = ao.antioscillators(body, order="frequency")
+        for contact_time in (1e-2, 1.0):
+            slow = ao.antioscillators(body, 8, method="krylov", contact_time=contact_time)
+            np.testing.assert_allclose(slow.frequencies[:2], exact.frequencies[:2], rtol=1e-4)
+    with pytest.raises(ao.SingularError, match="give the durations of the contact"):
+        ao.antioscillators(block, 8, method="krylov", contact_time=1e6)
 
 
 def test_two_functionals_share_one_subspace(block):

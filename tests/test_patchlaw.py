@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from aoimpact.answer import Answer
 from aoimpact.contact import ContactPoint
 from aoimpact.errors import InputError, LawLimitError
 from aoimpact.fem import FEModel
@@ -18,6 +19,7 @@ from aoimpact.modes import modal
 from aoimpact.newmark import Newmark
 from aoimpact.patchlaw import effective_law, own_law
 from aoimpact.reduction import antioscillators
+from aoimpact.result import Result
 from aoimpact.simulate import simulate
 from aoimpact.star import AOModel, rigid
 
@@ -125,6 +127,46 @@ def test_the_result_says_what_was_taken_out_and_draws_the_law_that_was_given() -
     assert force[-1] / force[len(force) // 2] == pytest.approx(
         (depth[-1] / depth[len(depth) // 2]) ** 1.5
     )
+
+
+# ------------------------------------------------------------------------- models chosen
+
+
+@cache
+def held_block() -> ContactPoint:
+    """The whole of a face's middle is the patch."""
+    mesh = box_mesh((0.04, 0.04, 0.04), (4, 4, 4), kind="hexahedron20")
+    body = FEModel.from_mesh(mesh, STEEL, fixed=[("xmax", "xyz")])
+    return body.contact(point=(0.0, 0.02, 0.02), direction=(1, 0, 0), radius="auto")
+
+
+@cache
+def chosen_for(target: str) -> tuple[ContactPoint, ContactPoint, ContactLaw, Result]:
+    """A sphere and what it meets, the law, and the impact with all of their anti-oscillators."""
+    flat = target == "held block"
+    bodies = tip("coarse", 0.0045), held_block() if flat else tip("coarse", 0.0045)
+    law = Hertz.between(STEEL, 0.01, STEEL, float("inf") if flat else 0.01)
+    ours, theirs = (antioscillators(body) for body in bodies)
+    return *bodies, law, simulate(projectile=ours, target=theirs, law=law, **SCENE)
+
+
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
+@pytest.mark.parametrize("target", ["sphere", pytest.param("held block", marks=pytest.mark.slow)])
+def test_models_chosen_for_a_tolerance_meet_as_the_whole_bodies_do(
+    target: str, rtol: float
+) -> None:
+    """Over the same patches; rigid ones have none, and theirs stays in the law."""
+    projectile, struck, law, whole = chosen_for(target)
+    for quantity in ("force", "target_displacement"):
+        hit = simulate(
+            projectile=projectile, target=struck, law=law, **SCENE, quantity=quantity, rtol=rtol
+        )
+        assert Answer(quantity).difference(hit, whole) <= rtol
+        assert hit.error.reduction is not None
+        assert hit.error.reduction <= rtol
+        assert hit.models is not None
+        for model, body in zip(hit.models, (projectile, struck), strict=True):
+            assert model.patch is (None if model.label in ("rigid", "wall") else body.patch)
 
 
 # ------------------------------------------------------------------------- too wide a contact

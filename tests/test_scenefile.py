@@ -203,12 +203,13 @@ between = ["ball", { body = "bar", port = 1 }]
 law = { type = "Linear", k = 1e6 }
 """
     text = BAR[: BAR.index("[impact]")].replace(contact, f"contact = [{contact[10:]}, {other}]")
-    text = text.replace('type = "antioscillators", n = 2', 'type = "interface", n = 6') + scene
+    model = 'type = "interface", n = 6, contact_time = 1e-4'
+    text = text.replace('type = "antioscillators", n = 2', model) + scene
     run = ao.read_scene(written(tmp_path, text)).simulate()
     bar = ao.read_scene(written(tmp_path, BAR.replace(contact, f"contact = {other}"))).simulate()
     assert run.contacts[0].peak_force == pytest.approx(bar.peak_force, rel=0.05)
     # Left to be reduced, as far as the answer allows.
-    free = text.replace('model = { type = "interface", n = 6 }', "")
+    free = text.replace(f"model = {{ {model} }}", "")
     for quantity in ('"force"', '"ball"', '{ body = "bar", port = 1 }'):
         asked = free.replace("[scene]", f"[scene]\nquantity = {quantity}\ntolerance = 0.05")
         chosen = ao.read_scene(written(tmp_path, asked)).simulate()
@@ -219,7 +220,7 @@ law = { type = "Linear", k = 1e6 }
     with pytest.raises(ao.SceneFileError, match="did you mean 'ball'") as error:
         ao.read_scene(written(tmp_path, asked)).simulate()
     assert f":{line(asked, 'quantity')}: " in str(error.value)
-    wrong = text.replace('type = "interface", n = 6', 'type = "modal", n = 6')
+    wrong = text.replace(model, 'type = "modal", n = 6')
     with pytest.raises(ao.SceneFileError, match="a list of contacts needs the model 'interface'"):
         ao.read_scene(written(tmp_path, wrong)).simulate()
 
