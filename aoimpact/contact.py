@@ -20,7 +20,7 @@ from .mesh import Mesh
 from .patch import Patch
 from .solvers import FEW_SOLUTIONS, LinearSolver, Solver
 from .surface import Surface
-from .touch import Touch, automatic_radius, touched, warn_if_coarse
+from .touch import Touch, automatic_radius, check_pressing, touched, warn_if_coarse
 
 __all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
 
@@ -172,6 +172,7 @@ def contact_point(
         return _without_faces(body, where, along, radius)
     node, gap = _closest(body.nodes, where)
     if along is not None and radius == 0.0 and _at_a_node(body.nodes, gap):
+        check_pressing(body.surface, body.nodes[node], along)
         return _at_node(body, node, along)
     if isinstance(radius, str):
         radius = automatic_radius(body.surface, where, expected)

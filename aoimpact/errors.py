@@ -139,6 +139,11 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
         "radius, with a table, give deeper values",
     ),
     10: (ConvergenceError, "the contact law gave NaN"),
+    11: (
+        ConvergenceError,
+        "less its patches' own indentation the contact law has no force, since its own falls from "
+        "one value to another; make the law continuous, or the contact points without a radius",
+    ),
 }
 
 
@@ -156,7 +161,7 @@ def core_error(
     time : float
         Simulated time of the failing step, s; negative where time has no meaning.
     indentation, rate : float, optional
-        Where a contact law gave NaN, m and m/s; NaN: not known.
+        Where a contact law gave no force, m and m/s; NaN: not known.
     """
     kind, text = _CORE.get(code, (AOImpactError, f"unknown status {code} of the core"))
     when = f" at t = {time:.6g} s" if time >= 0.0 else ""

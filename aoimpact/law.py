@@ -43,6 +43,9 @@ class ContactLaw:
     _depends_on_rate: ClassVar[bool] = False
     _has_memory: ClassVar[bool] = False
 
+    # R, m, of a law that knows how wide its contact is, √(R δ): one made from materials and radii.
+    _relative_radius: float | None = None
+
     @property
     def depends_on_rate(self) -> bool:
         """Whether the force depends on the rate of the indentation."""
@@ -70,7 +73,7 @@ class ContactLaw:
 
     def for_core(self) -> CoreLaw:
         """Return the law as the core's ``take_law`` reads it; new for every call of the core."""
-        note = np.full(2, math.nan)  # the core's word on where a law gave NaN
+        note = np.full(3, math.nan)  # the core's word on where and why a law gave no force
         return self._kind(), self._parameters(), 0.0, self._limit(), note, self._data()
 
     def force(self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0) -> Any:

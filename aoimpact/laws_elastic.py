@@ -78,8 +78,13 @@ class Hertz(ContactLaw):
         """
         modulus = contact_modulus(material_1, material_2)
         if np.ndim(radius_1) == 0 and np.ndim(radius_2) == 0:
-            return cls(4.0 / 3.0 * modulus * math.sqrt(relative_radius(radius_1, radius_2)))
-        return cls(elliptic_stiffness(modulus, *relative_curvatures(radius_1, radius_2, angle)))
+            law = cls(4.0 / 3.0 * modulus * math.sqrt(relative_radius(radius_1, radius_2)))
+        else:
+            curvatures = relative_curvatures(radius_1, radius_2, angle)
+            law = cls(elliptic_stiffness(modulus, *curvatures))
+        # Of an ellipse, that of the disc with the same law.
+        object.__setattr__(law, "_relative_radius", (0.75 * law.k / modulus) ** 2)
+        return law
 
 
 @dataclass(frozen=True)

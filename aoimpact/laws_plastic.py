@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from .checks import positive
 from .curvature import contact_modulus, relative_radius
+from .errors import InputError
 from .law import MOST_SHARE, ContactLaw
 from .material import Material
 
@@ -38,6 +39,11 @@ class Thornton(ContactLaw):
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
         force = positive("yield_force", self.yield_force, unit="N", infinite=False)
         object.__setattr__(self, "yield_force", force)
+        if not 0.0 < self.yield_indentation < math.inf:
+            raise InputError(
+                f"k={self.k:g} N/m^1.5 and yield_force={force:g} N: the indentation of yield, "
+                "(F_y/k)^(2/3) m, is beyond the range of numbers"
+            )
 
     @classmethod
     def between(
@@ -66,7 +72,8 @@ class Thornton(ContactLaw):
         modulus = contact_modulus(material_1, material_2)
         radius = relative_radius(radius_1, radius_2)
         pressure = positive("yield_pressure", yield_pressure, unit="Pa")
-        force = math.pi**3 * radius**2 * pressure * (pressure / modulus) ** 2 / 6.0
+        reach = radius * (pressure / modulus)
+        force = math.pi**3 / 6.0 * pressure * reach * reach
         return cls(4.0 / 3.0 * modulus * math.sqrt(radius), force)
 
     @property
@@ -79,8 +86,8 @@ class Thornton(ContactLaw):
 
         m V_y²/2 = 2/5 k δ_y^(5/2).
         """
-        energy = 0.4 * self.yield_force * self.yield_indentation
-        return math.sqrt(2.0 * energy / positive("mass", mass, unit="kg"))
+        m = positive("mass", mass, unit="kg")
+        return math.sqrt(0.8 * self.yield_force) * math.sqrt(self.yield_indentation / m)
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.yield_force)

@@ -38,11 +38,19 @@ __all__ = [
 ]
 
 
+_LEAST_RESTITUTION = 1e-12
+
+
 def _restitution_of(value: Any) -> float:
     """Return e as a float in (0, 1]."""
     e = positive("restitution", value)
     if e > 1.0:
         raise InputError(f"restitution must be from above 0 to 1, got {e:g}")
+    if e < _LEAST_RESTITUTION:
+        raise InputError(
+            f"restitution={e:g} is nothing beside the rounding of a run; give "
+            f"{_LEAST_RESTITUTION:g} or more"
+        )
     return e
 
 
@@ -334,7 +342,7 @@ class KuwabaraKono(ContactLaw):
 def _kuwabara_kono_time(k: float, mass: float, velocity: float) -> float:
     """Return (m V²/k)^(2/5) / V, s."""
     m, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
-    return float((m / k) ** 0.4 * speed**-0.2)
+    return float(m**0.4 * k**-0.4 * speed**-0.2)  # m/k might be no number any more
 
 
 @dataclass(frozen=True)

@@ -27,12 +27,19 @@ FloatArray = npt.NDArray[np.float64]
 # patches of radius r it is 1.2 a/r, so the contact is then half as wide as the patch.
 _COMFORTABLE = 0.6
 
+# And the share of the patch's radius for the contact's, where one body alone has a patch.
+_COMFORTABLE_WIDTH = 0.8
+
 # Indentations, as shares of a patch's radius, among which the deepest of an impact is looked for.
 _DEPTHS = np.geomspace(1e-12, 1.0, 300)
 
 
 def effective_law(law: ContactLaw, bodies: Sequence[Any]) -> ContactLaw:
     """Return the law between two bodies: as it is, if neither is touched over a patch.
+
+    It stands for contacts not wider than the patches where the law knows how wide they are, as
+    `Hertz.between` does, and as long as c dF/dδ is below the share allowed: for two like bodies
+    with patches that comes first, at 0.8 r.
 
     Parameters
     ----------
@@ -49,7 +56,11 @@ def effective_law(law: ContactLaw, bodies: Sequence[Any]) -> ContactLaw:
         return law
     compliance = math.fsum(patch.compliance for patch in patches)
     try:
-        return law.within_patch(compliance)
+        return law.within_patch(
+            compliance,
+            radius=min(patch.radius for patch in patches),
+            relative_radius=law._relative_radius,
+        )
     except InputError:
         raise InputError(
             f"law={law!r} between patches of radius {_listed([p.radius for p in patches])}, which "
@@ -95,6 +106,9 @@ def wide_enough(
     except LawLimitError:  # it is the law's own table that ends
         return error
     factor = max(law.compliance * float(slope) / _COMFORTABLE, 1.1)
+    if law.law._relative_radius is not None:
+        wide = math.sqrt(law.law._relative_radius * float(depth))
+        factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
     return LawLimitError(
         f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law stands "
         f"up to an indentation of {law.limit:.3g} m, where the contact is as wide as they are; for "

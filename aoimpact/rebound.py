@@ -152,10 +152,11 @@ def kuwabara_kono_restitution(lag: float) -> float:
         return float(z - math.sqrt(-lag * v)) if v < 0.0 else 1.0
 
     released.terminal = True  # type: ignore[attr-defined]
-    run = scipy.integrate.solve_ivp(
-        motion, (0.0, 1e6), [0.0, 1.0], method="DOP853", rtol=_RTOL, atol=1e-18, events=released
-    )
-    return float(-run.y[1, -1])
+    with np.errstate(all="ignore"):  # whoever asks for e looks whether it is one
+        run = scipy.integrate.solve_ivp(
+            motion, (0.0, 1e6), [0.0, 1.0], method="DOP853", rtol=_RTOL, atol=1e-18, events=released
+        )
+    return float(-run.y[1, -1]) if run.t_events[0].size else math.nan
 
 
 def kuwabara_kono_lag(restitution: float) -> float:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from contextlib import suppress
 from typing import Any
 
 from .checks import positive
-from .errors import InputTypeError
+from .errors import InputError, InputTypeError
 from .law import ContactLaw
 
 __all__ = ["restitution"]
+
+# Energies, J, from which powers of all quantities are still numbers.
+_LEAST = 1e-250
 
 
 def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
@@ -33,10 +38,18 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     Raises
     ------
     InputError, InputTypeError
-        If `law` is none, or `mass` or `velocity` is not positive.
+        If `law` is none, or `mass` or `velocity` is not positive, or numbers end on the way.
     """
     if not isinstance(law, ContactLaw):
         raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-    return law._restitution(
-        positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
-    )
+    m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
+    delivered = math.nan
+    if _LEAST < 0.5 * m * v * v < 1.0 / _LEAST:
+        with suppress(ArithmeticError):
+            delivered = law._restitution(m, v)
+    if not 0.0 <= delivered <= 1.0:
+        raise InputError(
+            f"mass={m:g} kg and velocity={v:g} m/s on {law!r}: some power of them is beyond the "
+            "range of numbers; give values nearer to 1 (kg, m/s, N/m^n)"
+        )
+    return delivered

@@ -52,7 +52,8 @@ def solve_newmark(plan: Plan, rule: Newmark) -> Run:
     if error == 1.0:
         warn(
             f"dt={record.dt:g} s is far too large: with 2dt the peak force changes by more than a "
-            "fifth; no digit of it is right. Take a smaller dt, or Newmark() without dt"
+            "fifth, or a damper stops the bodies within a step; no digit is right. Take a "
+            "smaller dt, or Newmark() without dt"
         )
     for i, joint in enumerate(plan.joints):
         check_width(joint.law, record.rows[CONTACT_ROWS * i + 1])
@@ -169,7 +170,7 @@ def step_error(fine: Record, coarse: Record, contact: int = 0) -> float:
 
     A third of the largest change of the force around its peak, not only of the peak itself: where
     light masses ring, two peaks may agree by chance. Where the change is more than a fifth, second
-    order is not in sight, and no digit is claimed.
+    order is not in sight, and no digit is claimed; nor where the first step ends the contact.
     """
     row = CONTACT_ROWS * contact
     shared = min(len(coarse.t), (len(fine.t) + 1) // 2)
@@ -178,6 +179,8 @@ def step_error(fine: Record, coarse: Record, contact: int = 0) -> float:
     largest = max(peak, coarse_peak)
     if largest == 0.0:
         return 0.0
+    if fine.rows[row][0] == peak and not fine.rows[row][1:2].any():
+        return 1.0  # a damper's force at the touch, the same for every step, thrown back too far
     around = np.maximum(ours, theirs) >= _AROUND_PEAK * largest
     change = float(np.abs(ours - theirs)[around].max(initial=abs(peak - coarse_peak))) / largest
     return change / 3.0 if change <= _NOT_ASYMPTOTIC else 1.0

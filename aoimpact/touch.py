@@ -14,7 +14,15 @@ from .material import Material
 from .patch import Patch, free_radius, half_space_compliance, spread
 from .surface import Place, Surface
 
-__all__ = ["Room", "Touch", "automatic_radius", "room", "touched", "warn_if_coarse"]
+__all__ = [
+    "Room",
+    "Touch",
+    "automatic_radius",
+    "check_pressing",
+    "room",
+    "touched",
+    "warn_if_coarse",
+]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -93,7 +101,7 @@ def touched(
         weights = np.zeros(surface.mesh.n_nodes)
         cells = surface.mesh.cells[surface.cell[here.face]]
         np.add.at(weights, cells, surface.shape(here.face, here.uv))
-        return Touch(here.x[0], _pressing(point, along, normal), weights, None)
+        return Touch(here.x[0], _pressing(surface, places, along), weights, None)
     if normal is None:
         raise _on_edge(point, "a point farther from the edge than radius")
     if radius >= 0.5 * surface.mesh.size:
@@ -102,7 +110,7 @@ def touched(
             f"{surface.mesh.size:.3g} m long; take a smaller radius (is it in metres?)"
         )
     on = spread(surface, here.x[0], normal, radius)
-    direction = _pressing(point, along, on.normal)
+    direction = _facing(point, along, on.normal)
     cosine = min(1.0, abs(float(direction @ on.normal)))
     patch = Patch(
         radius=radius,
@@ -197,9 +205,19 @@ def _places(surface: Surface, point: FloatArray) -> list[Place]:
     return places
 
 
+def _normals(surface: Surface, places: list[Place]) -> FloatArray:
+    """Return the outward normals of the faces that share a place, shape (n, 3)."""
+    return np.concatenate([surface.normal(place.face, place.uv) for place in places])
+
+
+def _distinct(normals: FloatArray) -> FloatArray:
+    """Return the normals, each once: a flat side has many faces."""
+    return np.unique(np.where(np.abs(normals) > _ROUNDING, normals, 0.0).round(6), axis=0)
+
+
 def _normal(surface: Surface, places: list[Place]) -> FloatArray | None:
     """Return the outward normal at a place that several faces may share; None on a sharp edge."""
-    normals = np.concatenate([surface.normal(place.face, place.uv) for place in places])
+    normals = _normals(surface, places)
     if (normals @ normals.T).min() < _SHARP:
         return None
     mean: FloatArray = normals.mean(axis=0)
@@ -214,12 +232,35 @@ def _on_edge(point: FloatArray, cure: str) -> InputError:
     )
 
 
-def _pressing(point: FloatArray, along: FloatArray | None, normal: FloatArray | None) -> FloatArray:
-    """Return the direction, the inward normal by default, if it presses on the surface."""
+def check_pressing(surface: Surface, point: FloatArray, along: FloatArray) -> None:
+    """Refuse a place that is not on the surface, and a direction that does not press on it."""
+    _pressing(surface, _places(surface, point), along)
+
+
+def _pressing(surface: Surface, places: list[Place], along: FloatArray | None) -> FloatArray:
+    """Return the direction, the inward normal by default, if it presses on the surface.
+
+    On a sharp edge, which has no normal, it is enough to press on one of the faces that meet.
+    """
+    point, normal = places[0].x[0], _normal(surface, places)
+    if normal is not None:
+        return _facing(point, along, normal)
+    assert along is not None
+    faces = _normals(surface, places)
+    if np.abs(faces @ along).max() < _TANGENT:
+        raise InputError(
+            f"direction {plain(along)} runs along the edge at point {plain(point)} m, where faces "
+            f"with the outward normals {', '.join(map(plain, _distinct(faces)))} meet: nothing "
+            "would press on them; choose a direction into the body"
+        )
+    return along
+
+
+def _facing(point: FloatArray, along: FloatArray | None, normal: FloatArray) -> FloatArray:
+    """Return the direction, by default against the normal, if it is not tangent to the surface."""
     if along is None:
-        assert normal is not None
         return np.where(np.abs(normal) > _ROUNDING, -normal, 0.0)
-    if normal is not None and abs(float(along @ normal)) < _TANGENT:
+    if abs(float(along @ normal)) < _TANGENT:
         raise InputError(
             f"direction {plain(along)} is tangent to the surface at point {plain(point)} m, whose "
             f"outward normal is {plain(normal)}: nothing would press on it; leave direction out "

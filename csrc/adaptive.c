@@ -131,8 +131,10 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
         return;
     }
     contact->indentation_scale = fmax(contact->indentation_scale, reach);
-    contact->impulse_scale = fmax(contact->impulse_scale,
-                                  fmin((rate + acceleration * time) / mobility, value.force * time));
+    /* A force below all numbers (a high power, a short record) is no scale: then what there is to stop. */
+    const double push = value.force > 0.0 ? value.force * time : HUGE_VAL;
+    contact->impulse_scale =
+        fmax(contact->impulse_scale, fmin((rate + acceleration * time) / mobility, push));
     contact->rate_scale = fmax(contact->rate_scale, rate + acceleration * time);
     if (run->base == 0.0) {
         run->base = 3.0 * time;

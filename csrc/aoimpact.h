@@ -33,7 +33,8 @@ typedef enum aoi_status {
     AOI_ERROR_TOLERANCE,      /* even the shortest step does not meet the tolerance                */
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
     AOI_ERROR_PATCH,          /* the contact has grown wider than the patch whose law it is        */
-    AOI_ERROR_LAW             /* the contact law gave NaN                                          */
+    AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
+    AOI_ERROR_LAW_JUMPS       /* less a patch's compliance the law has no force: its own jumps     */
 } aoi_status;
 
 /* ------------------------------------------------------------------------- vectors: vector.c */
@@ -258,7 +259,7 @@ int aoi_secular_root(const aoi_secular *s, ptrdiff_t gap, double ceiling, size_t
 
 /* ------------------------------------------------------------- contact laws: law.c, law_*.c */
 
-enum { AOI_LAW_PARAMETERS = 8, AOI_LAW_MEMORY = 2 };
+enum { AOI_LAW_PARAMETERS = 8, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
 
 typedef struct aoi_law aoi_law;
 
@@ -303,6 +304,8 @@ struct aoi_law {
                  double *low, double *high);
     /* NULL: no memory. Else what a contact keeps after it has been at this indentation. */
     void (*remember)(const aoi_law *law, double indentation, double rate, double *memory);
+    /* NULL, or the force alone, where that is cheaper than with its derivatives. */
+    double (*alone)(const aoi_law *law, double indentation, double rate);
     /* NULL: 0. Else the indentation at and below which there is no force. */
     double (*rest)(const aoi_law *law, const double *memory);
     double parameter[AOI_LAW_PARAMETERS]; /* as the law's own paragraph in law_*.c says */
@@ -314,7 +317,8 @@ struct aoi_law {
     const double *table; /* tabulated law: 4 rows of table_count, see aoi_law_create_table       */
     size_t table_count;
     aoi_user_law user;   /* the caller's law                                                     */
-    double *note;        /* NULL, or 2 doubles for indentation and rate where the law gave NaN   */
+    double *note;        /* NULL, or AOI_LAW_NOTE doubles: indentation and rate where the law gave
+                            no force, and the status that says why                               */
 };
 
 /* Makes the law of that name from count parameters, k in N/m^n:
@@ -340,13 +344,19 @@ int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_r
 void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                   aoi_law_value *value);
 
-/* As law->piece, of total indentations (compliance or not), for every law. */
+/* The force of aoi_law_push, which is cheaper where the derivatives are taken by differences. */
+double aoi_law_push_only(const aoi_law *law, const double *memory, double indentation, double rate);
+
+/* As law->piece, of total indentations (compliance or not), for every law. AOI_NO_PIECE where its
+ * pieces do not go on to there: aoi_law_force gives NaN for it. */
+enum { AOI_NO_PIECE = -2 };
 int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, int rising,
                   double *low, double *high);
 
 /* As law->force on a given piece, of the total indentation: solves d - c F(d) = indentation for the
  * law's own d, to rounding. Where c dF/dd comes near 1, so that no law is left, it goes on as a
- * straight line: that is beyond limit, and only for an iteration on its way. */
+ * straight line: that is beyond limit, and only for an iteration on its way. NaN, and a note of
+ * AOI_ERROR_LAW_JUMPS, where the law's force falls from one value to another and no d is between. */
 void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
                    double rate, aoi_law_value *value);
 

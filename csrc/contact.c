@@ -15,13 +15,24 @@ typedef struct search {
     double rate_per_indentation, rest;
 } search;
 
+static double rate_at(const search *s, double x)
+{
+    const aoi_contact_equation *e = s->equation;
+    return e->rate_free + s->rate_per_indentation * (x - e->indentation_free);
+}
+
 /* By how much an indentation is too deep for the force that it makes. */
 static double excess_at(const search *s, double x, aoi_law_value *value)
 {
     const aoi_contact_equation *e = s->equation;
-    const double below = x - e->indentation_free;
-    aoi_law_push(s->law, s->memory, x, e->rate_free + s->rate_per_indentation * below, value);
-    return below + e->compliance * value->force;
+    aoi_law_push(s->law, s->memory, x, rate_at(s, x), value);
+    return x - e->indentation_free + e->compliance * value->force;
+}
+
+/* The force there, where its derivatives are of no use. */
+static double force_at(const search *s, double x)
+{
+    return aoi_law_push_only(s->law, s->memory, x, rate_at(s, x));
 }
 
 /* A force that depends on the rate may be there at once when the bodies touch, and be more than the
@@ -31,8 +42,7 @@ static int ends_at_rest(const search *s, double *force, double *indentation)
 {
     const aoi_contact_equation *e = s->equation;
     const double above = fmax(s->rest * (1.0 + 2.0 * DBL_EPSILON), s->rest + DBL_MIN);
-    aoi_law_value value;
-    if (!(excess_at(s, above, &value) >= 0.0)) {
+    if (!(above - e->indentation_free + e->compliance * force_at(s, above) >= 0.0)) {
         return 0;
     }
     if (e->indentation_free > s->rest) {
@@ -84,8 +94,7 @@ static int find_root(const search *s, double low, double high, double *force, do
         const int there = fabs(newton) <= enough || fabs(next - x) <= enough || excess == 0.0;
         x = next;
         if (there) {
-            (void)excess_at(s, x, &value);
-            *force = value.force;
+            *force = force_at(s, x);
             *indentation = x;
             return AOI_OK;
         }

@@ -5,7 +5,11 @@
 #include <float.h>
 #include <string.h>
 
-enum { MOST_ITERATIONS = 200 };
+/* Halley's method takes a few iterations; what it has not found by then is left to bisection. */
+enum { HALLEYS = 40, MOST_ITERATIONS = 200 };
+
+/* Where a law's own digits end, its force goes in steps: a caller's may be right to six. */
+static const double LAW_NOISE = 1e-6;
 
 /* With its compliance taken out, a law grows stiffer by 1/(1 - c dF/dd). Beyond this share the law
  * goes on as a straight line: its own slope would soon be infinite. */
@@ -49,15 +53,23 @@ int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *p
     return AOI_ERROR_ARGUMENT;
 }
 
-/* The law's own force on a piece; a NaN is noted with the state that gave it. */
+/* A NaN is noted with the state that gave it. */
+static void note_nan(const aoi_law *law, double indentation, double rate,
+                     const aoi_law_value *value)
+{
+    if (law->note && isnan(value->force + value->stiffness + value->damping)) {
+        law->note[0] = indentation;
+        law->note[1] = rate;
+        law->note[2] = AOI_ERROR_LAW;
+    }
+}
+
+/* The law's own force on a piece. */
 static void own_force(const aoi_law *law, const double *memory, int piece, double indentation,
                       double rate, aoi_law_value *value)
 {
     law->force(law, memory, piece, indentation, rate, value);
-    if (law->note && isnan(value->force + value->stiffness + value->damping)) {
-        law->note[0] = indentation;
-        law->note[1] = rate;
-    }
+    note_nan(law, indentation, rate, value);
 }
 
 /* From the law's value at its own indentation d to that over the total one, d - c F. */
@@ -133,49 +145,74 @@ static double step_of(double c, double missing, double d, const aoi_law_value *v
     return missing / (give - (bend < 0.5 * give ? bend : 0.5 * give));
 }
 
+/* Where to look after d, from which `missing` is missing: inside the bracket, once there is one. */
+static double next_of(const search *s, double missing, double d, int iteration,
+                      const aoi_law_value *value)
+{
+    const double next = d + step_of(s->law->compliance, missing, d, value);
+    const int closed = s->low > -HUGE_VAL && s->high < HUGE_VAL;
+    const int inside = next > s->low && next < s->high && iteration < HALLEYS;
+    return closed && !inside ? 0.5 * (s->low + s->high) : next;
+}
+
 /* Solves d - c F(d) = indentation for the law's own indentation d; value: the law there. Halley's
  * method, with the curvature of the power of d that the law is like here, from d = indentation; the
- * bracket holds it where the law is not like one. */
-static double own_indentation(const aoi_law *law, const double *memory, int piece,
-                              double indentation, double rate, aoi_law_value *value)
+ * bracket holds it where the law is not like one. AOI_ERROR_LAW_JUMPS where there is no such d,
+ * since the force falls from one value to another. NaN goes through. */
+static int own_indentation(const aoi_law *law, const double *memory, int piece,
+                           double indentation, double rate, double *own, aoi_law_value *value)
 {
     search s = {law, memory, piece, indentation, rate, -HUGE_VAL, HUGE_VAL};
-    double d = indentation;
+    double missing = HUGE_VAL, *d = own;
+    *d = indentation;
     for (int i = 0; i < MOST_ITERATIONS; i++) {
-        own_force(law, memory, piece, d, rate, value);
-        const double missing = indentation - (d - law->compliance * value->force);
-        const double share = law->compliance * value->stiffness;
+        own_force(law, memory, piece, *d, rate, value);
+        missing = indentation - (*d - law->compliance * value->force);
         if (isnan(missing)) {
-            return d;
+            return AOI_OK;
         }
-        if (missing > 0.0 && share >= MOST_SHARE) {
-            if (too_steep(&s, &d, value)) {
-                return d;
+        if (missing > 0.0 && law->compliance * value->stiffness >= MOST_SHARE) {
+            if (too_steep(&s, d, value)) {
+                return AOI_OK;
             }
             continue;
         }
-        if (fabs(missing) <= 2.0 * DBL_EPSILON * fabs(d)) { /* the rounding of its terms */
-            return d;
+        if (fabs(missing) <= 2.0 * DBL_EPSILON * fabs(*d)) { /* the rounding of its terms */
+            return AOI_OK;
         }
-        *(missing > 0.0 ? &s.low : &s.high) = d;
-        double next = d + step_of(law->compliance, missing, d, value);
-        if (!(next > s.low && next < s.high) && s.low > -HUGE_VAL && s.high < HUGE_VAL) {
-            next = 0.5 * (s.low + s.high);
+        *(missing > 0.0 ? &s.low : &s.high) = *d;
+        const double next = next_of(&s, missing, *d, i, value);
+        if (next == *d || next == s.low || next == s.high) {
+            break; /* nothing between */
         }
-        d = next;
+        *d = next;
     }
-    return d;
+    return fabs(missing) <= LAW_NOISE * fabs(*d) ? AOI_OK : AOI_ERROR_LAW_JUMPS;
+}
+
+/* The answer of a law that has none: NaN, by which whoever integrates stops. */
+static void no_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
+{
+    *value = (aoi_law_value){(double)NAN, (double)NAN, (double)NAN};
+    if (law->note) {
+        law->note[0] = indentation;
+        law->note[1] = rate;
+        law->note[2] = AOI_ERROR_LAW_JUMPS;
+    }
 }
 
 void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
                    double rate, aoi_law_value *value)
 {
+    double own;
     if (law->compliance == 0.0) {
         own_force(law, memory, piece, indentation, rate, value);
-        return;
+    } else if (piece == AOI_NO_PIECE ||
+               own_indentation(law, memory, piece, indentation, rate, &own, value) != AOI_OK) {
+        no_force(law, indentation, rate, value);
+    } else {
+        stiffen(law->compliance, value);
     }
-    (void)own_indentation(law, memory, piece, indentation, rate, value);
-    stiffen(law->compliance, value);
 }
 
 double aoi_law_rest(const aoi_law *law, const double *memory)
@@ -210,8 +247,12 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
      * end, to rounding, only a rising motion goes on to the next. */
     double end = total_at(law, memory, piece, *high);
     const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
-    while (end <= indentation + rounding) {
+    while (end <= indentation + rounding && *high < HUGE_VAL) {
+        const double before = *high;
         piece = law->piece(law, memory, *high, 1, low, high);
+        if (!(*high > before)) {
+            return AOI_NO_PIECE;
+        }
         end = total_at(law, memory, piece, *high);
     }
     *low = total_at(law, memory, piece, *low);
@@ -228,7 +269,10 @@ void aoi_law_remember(const aoi_law *law, double indentation, double rate, doubl
         aoi_law_value value;
         double low, high;
         const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
-        indentation = own_indentation(law, memory, piece, indentation, rate, &value);
+        if (piece == AOI_NO_PIECE ||
+            own_indentation(law, memory, piece, indentation, rate, &indentation, &value) != AOI_OK) {
+            return; /* as the force there, which stops the run */
+        }
     }
     law->remember(law, indentation, rate, memory);
 }
@@ -251,13 +295,30 @@ void aoi_law_push(const aoi_law *law, const double *memory, double indentation, 
     }
 }
 
+double aoi_law_push_only(const aoi_law *law, const double *memory, double indentation, double rate)
+{
+    aoi_law_value value = {0.0, 0.0, 0.0};
+    if (!law->alone || law->compliance > 0.0 || indentation <= aoi_law_rest(law, memory)) {
+        aoi_law_push(law, memory, indentation, rate, &value);
+        return value.force;
+    }
+    value.force = law->alone(law, indentation, rate);
+    note_nan(law, indentation, rate, &value);
+    return value.force < 0.0 && !law->pulls ? 0.0 : value.force;
+}
+
 /* That of a law with a compliance, up to its limit. */
 static double inner_potential(const aoi_law *law, const double *memory, double indentation)
 {
     aoi_law_value value;
     double low, high;
     const int piece = aoi_law_piece(law, memory, indentation, 0, &low, &high);
-    const double d = own_indentation(law, memory, piece, indentation, 0.0, &value);
+    double d;
+    if (piece == AOI_NO_PIECE ||
+        own_indentation(law, memory, piece, indentation, 0.0, &d, &value) != AOI_OK) {
+        no_force(law, indentation, 0.0, &value);
+        return value.force;
+    }
     return law->potential(law, memory, d) - 0.5 * law->compliance * value.force * value.force;
 }
 

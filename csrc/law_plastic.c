@@ -42,7 +42,8 @@ static void thornton_force(const aoi_law *law, const double *memory, int piece, 
         value->force = law->parameter[STIFFNESS] * root * d;
         value->stiffness = 1.5 * law->parameter[STIFFNESS] * root;
     } else {
-        const double reach = memory[DEEPEST] - memory[RESIDUAL], past = d - memory[RESIDUAL];
+        /* From the deepest point, which is exact: after a blow far past yield almost all remains. */
+        const double reach = recovered(law, memory[DEEPEST]), past = reach - (memory[DEEPEST] - d);
         const double share = past > 0.0 ? past / reach : 0.0, root = sqrt(share);
         const double top = plastic_force(law, memory[DEEPEST]);
         value->force = top * root * share;
@@ -91,7 +92,7 @@ static double thornton_potential(const aoi_law *law, const double *memory, doubl
         return 0.4 * law->parameter[STIFFNESS] * d * d * sqrt(d);
     }
     const double reach = recovered(law, deepest);
-    const double past = d - (deepest - reach), share = past > 0.0 ? past / reach : 0.0;
+    const double past = reach - (deepest - d), share = past > 0.0 ? past / reach : 0.0;
     return 0.4 * plastic_force(law, deepest) * reach * share * share * sqrt(share);
 }
 

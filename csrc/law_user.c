@@ -39,6 +39,11 @@ static void user_force(const aoi_law *law, const double *memory, int piece, doub
     }
 }
 
+static double user_force_alone(const aoi_law *law, double indentation, double rate)
+{
+    return ask(law, AOI_USER_FORCE, indentation, rate);
+}
+
 /* Gauss's rule with 16 points on (0, 1): the 8 of its right half, and their weights. */
 enum { HALF_RULE = 8 };
 static const double ABSCISSA[HALF_RULE] = {
@@ -67,6 +72,7 @@ static double user_potential(const aoi_law *law, const double *memory, double in
             if (isnan(force) && law->note) {
                 law->note[0] = d * s * s;
                 law->note[1] = 0.0;
+                law->note[2] = AOI_ERROR_LAW;
             }
             sum += WEIGHT[i] * s * force;
         }
@@ -77,6 +83,7 @@ static double user_potential(const aoi_law *law, const double *memory, double in
 int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls)
 {
     *law = (aoi_law){.force = user_force, .potential = user_potential, .limit = HUGE_VAL};
+    law->alone = user_force_alone;
     law->user = *user;
     law->depends_on_rate = depends_on_rate;
     law->pulls = pulls;

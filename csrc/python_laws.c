@@ -87,7 +87,7 @@ static int take_named_law(held *buffers, PyObject *name, PyObject *parameters, a
 
 int take_law(held *buffers, PyObject *tuple, aoi_law *law)
 {
-    size_t two = 2, values = (size_t)-1;
+    size_t entries = AOI_LAW_NOTE, values = (size_t)-1;
     int status;
     need_tuple(buffers, tuple, 6);
     if (buffers->failed) {
@@ -96,7 +96,7 @@ int take_law(held *buffers, PyObject *tuple, aoi_law *law)
     PyObject *name = PyTuple_GetItem(tuple, 0), *data = PyTuple_GetItem(tuple, 5);
     const double compliance = PyFloat_AsDouble(PyTuple_GetItem(tuple, 2));
     const double limit = PyFloat_AsDouble(PyTuple_GetItem(tuple, 3));
-    double *note = doubles_out(buffers, PyTuple_GetItem(tuple, 4), "note", &two);
+    double *note = doubles_out(buffers, PyTuple_GetItem(tuple, 4), "note", &entries);
     if (is_kind(tuple, "user")) {
         status = take_user_law(buffers, data, law);
     } else if (is_kind(tuple, "table")) {
@@ -113,7 +113,6 @@ int take_law(held *buffers, PyObject *tuple, aoi_law *law)
     if (note) {
         note[0] = note[1] = (double)NAN;
     }
-    law->note = note;
     if (buffers->failed || status != AOI_OK) {
         return status;
     }
@@ -123,17 +122,19 @@ int take_law(held *buffers, PyObject *tuple, aoi_law *law)
 PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count)
 {
     double indentation = (double)NAN, rate = (double)NAN;
+    int why = AOI_ERROR_LAW;
     if (PyErr_Occurred()) {
         return NULL; /* what a law of the caller's raised, as it is */
     }
     for (size_t i = 0; i < count && isnan(indentation) && law[i].note; i++) {
         indentation = law[i].note[0];
         rate = law[i].note[1];
+        why = isnan(indentation) ? why : (int)law[i].note[2];
     }
     /* A NaN that the run only met as its own trouble. */
     const int of_a_law = !isnan(indentation) && status != AOI_ERROR_PATCH &&
                          status != AOI_ERROR_ARGUMENT;
-    return raise_at(of_a_law ? AOI_ERROR_LAW : status, what, time, indentation, rate);
+    return raise_at(of_a_law ? why : status, what, time, indentation, rate);
 }
 
 /* finish() for a status that may be the law's. */

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import permutations, product
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,6 +11,9 @@ from aoimpact.generate import box_mesh
 from aoimpact.mesh import Mesh
 
 FloatArray = npt.NDArray[np.float64]
+
+_ORDERS = [tuple(1 + axis for axis in order) for order in permutations(range(3))]
+_OCTANTS = np.array(list(product((1.0, -1.0), repeat=3)))
 
 
 def distorted_box(kind: str, lengths: tuple[float, float, float] = (2.0, 1.5, 1.0)) -> Mesh:
@@ -40,3 +45,26 @@ def rigid_motions(nodes: FloatArray) -> FloatArray:
     columns = [np.tile(axis, (len(nodes), 1)) for axis in np.eye(3)]
     columns += [np.cross(axis, nodes) for axis in np.eye(3)]
     return np.stack([column.reshape(-1) for column in columns], axis=1)
+
+
+def ball_of_octants(radius: float, n: int) -> Mesh:
+    """A ball of 8 n³ tetra10 elements: each octant a tetrahedron in n layers, bent to the sphere.
+
+    Its corners on the sphere are those of an octahedron, cut by Kuhn's scheme; its numbers of
+    nodes lie between those of `sphere_mesh`.
+    """
+    grid = np.array(np.meshgrid(*[np.arange(n)] * 3, indexing="ij")).reshape(3, -1).T
+    paths = np.stack([np.cumsum(np.eye(4, 3, -1)[[0, *order]], axis=0) for order in _ORDERS])
+    kuhn = (grid[:, None, None] + paths).reshape(-1, 4, 3)
+    x, y, z = np.moveaxis(kuhn[(kuhn[..., :2] >= kuhn[..., 1:]).all(axis=(1, 2))], 2, 0)
+    octant = np.stack([x - y, y - z, z], axis=-1)
+    corners = np.concatenate([octant * signs for signs in _OCTANTS])
+    flipped = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0.0
+    corners[flipped] = corners[flipped][:, [0, 2, 1, 3]]
+    edges = corners[:, [0, 1, 0, 0, 1, 2]] + corners[:, [1, 2, 2, 3, 3, 3]]
+    lattice = np.concatenate([2.0 * corners, edges], axis=1)
+    nodes, cells = np.unique(lattice.reshape(-1, 3), axis=0, return_inverse=True)
+    layer = np.abs(nodes).sum(axis=1, keepdims=True)
+    bent = np.sin(0.5 * np.pi * nodes / np.maximum(layer, 1.0))
+    bent *= layer / (2 * n) / np.maximum(np.linalg.norm(bent, axis=1, keepdims=True), 1e-9)
+    return Mesh(radius * bent, cells.reshape(-1, 10), "tetra10")

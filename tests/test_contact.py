@@ -192,6 +192,30 @@ def test_places_that_make_no_sense_are_refused(arguments: dict[str, Any], words:
         PLATE.contact(**arguments)
 
 
+@pytest.mark.parametrize("direction", [(1, 0, 0), (1, -1, 0), (1, 0, 0.05)])
+def test_a_direction_along_the_surface_at_a_node_is_refused(direction: tuple[float, ...]) -> None:
+    with pytest.raises(
+        InputError, match=r"is tangent to the surface at point \(0.02, 0.01, 0.02\)"
+    ):
+        FREE.contact(point=(0.02, 0.01, 0.02), direction=direction)
+
+
+@pytest.mark.parametrize("x", [0.02, 0.023])  # a node, and none
+def test_an_edge_is_struck_in_any_direction_but_along_it(x: float) -> None:
+    place = (x, 0.0, 0.02)
+    words = r"direction \(1, 0, 0\) runs along the edge .* \(0, -1, 0\), \(0, 0, 1\) meet"
+    with pytest.raises(InputError, match=words):
+        FREE.contact(point=place, direction=(1, 0, 0))
+    for direction in (DOWN, (0, 1, 0), (0, 1, -1), (2, 1, 0)):
+        tip = FREE.contact(point=place, direction=direction)
+        np.testing.assert_allclose(tip.resultant, direction / np.linalg.norm(direction), atol=1e-13)
+
+
+def test_a_node_inside_the_body_is_refused() -> None:
+    with pytest.raises(InputError, match=r"\(0.02, 0.01, 0.01\) m is inside the body, 0.01 m from"):
+        FREE.contact(point=(0.02, 0.01, 0.01), direction=DOWN)
+
+
 def test_a_patch_on_a_support_is_refused() -> None:
     body = FEModel.from_mesh(PLATE.mesh, STEEL, fixed=[("xmin", "xyz")])
     with pytest.raises(InputError, match=r"rests on nodes held by the supports.*a smaller radius"):

@@ -79,7 +79,7 @@ def full(n: int = 6, dt: float = 1e-5, velocity: float = 0.0) -> tuple[Any, ...]
 
 def law(name: str = "hertz", *parameters: float) -> tuple[Any, ...]:
     """A law as the core takes it."""
-    return name, parameters or (1e9,), 0.0, math.inf, np.full(2, np.nan), None
+    return name, parameters or (1e9,), 0.0, math.inf, np.full(3, np.nan), None
 
 
 def scene_arguments(projectile: Any, target: Any, steps: int = 9, dt: float = 1e-5) -> list[Any]:
@@ -599,7 +599,7 @@ def test_buffers_are_given_back(name: str) -> None:
     still = (doubles(), doubles(), 0.0, 0.0, doubles(0.0), doubles(1.0), doubles(0.0))
     ball = ("star", 1.0, 0.0, *still, doubles(1.0))
     rest = ("star", 1.0, 0.0, doubles(), doubles(), 0.0, 0.0, None, *map(doubles, (1.0, 0.0, 0.0)))
-    note = doubles(0.0, 0.0)
+    note = doubles(0.0, 0.0, 0.0)
     contacts = ((0, 0, 1, 0, (name, (1e9,), 0.0, math.inf, note, None), 0.0),)
     arguments = (ball, rest), contacts, (), 1e-5, 0.25, 0.5, record, True
     if name == "hertz":
@@ -618,7 +618,7 @@ def test_buffers_of_an_adaptive_run_are_given_back(name: str) -> None:
     one, none = doubles(1.0), doubles(0.0)
     ball = (doubles(0.0), None, one, one, None, None, one, one, None, None, None)
     wall = (none, None, one, none, None, None, none, one, None, none, none)
-    note, x, v = doubles(0.0, 0.0), doubles(0.0, 0.0), doubles(1.0, 0.0)
+    note, x, v = doubles(0.0, 0.0, 0.0), doubles(0.0, 0.0), doubles(1.0, 0.0)
     scene = (ball, wall), ((0, 0, 1, 0, 0.0, (name, (1e9,), 0.0, math.inf, note, None)),)
     if name == "hertz":
         table, index, *_ = _core.adaptive(*scene, 1e-6, 1e-3, x, v, sys.maxsize)

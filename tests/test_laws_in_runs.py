@@ -87,3 +87,25 @@ def test_a_massless_contact_lets_go_when_the_force_ends(law):
     assert found == pytest.approx([least] * len(cases), rel=2e-6)
     many = ao.simulate_many(cases, keep="contact_duration")
     assert [one["contact_duration"] for one in many] == found
+
+
+@pytest.mark.filterwarnings("ignore:.*ends in contact")
+@pytest.mark.parametrize("mass", [1e3, 1e30, 1e160])
+@pytest.mark.parametrize("name", ["Hertz", "Tabulated", "Thornton"])
+def test_bodies_too_heavy_to_be_slowed_run_up_the_law(name: str, mass: float) -> None:
+    # Their indentation is the speed times the time, however long the contact would last.
+    law, speed, end = law_of(name), 1.0, 1e-4
+    ball = ao.rigid(mass=mass)
+    hit = ao.simulate(projectile=ball, target=ball, law=law, velocity=speed, duration=end)
+    slowed = law.force(speed * end) * end / (mass * speed)
+    assert hit.peak_force == pytest.approx(law.force(speed * end), rel=1e-7 + slowed)
+
+
+@pytest.mark.filterwarnings("ignore:.*ends in contact")
+@pytest.mark.parametrize("n", [50.0, 300.0])
+def test_a_force_below_all_numbers_is_none(n: float) -> None:
+    ball = ao.rigid(mass=MASS)
+    law = ao.PowerLaw(1e10, n)
+    hit = ao.simulate(projectile=ball, target=ball, law=law, velocity=1.0, duration=1e-4)
+    assert hit.peak_force < 1e-180
+    assert hit.rebound_velocity == 1.0

@@ -167,6 +167,16 @@ def test_nan_stops_with_the_state_that_gave_it(solver):
         law.force(0.002, -3.0)
 
 
+@pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-7), ao.Adaptive(rtol=1e-8)])
+def test_a_law_that_falls_stops_within_a_patch(solver):
+    falling = ao.UserLaw(lambda d, v: 1e7 * d * (1.0 if d < 1e-5 else 0.2), depends_on_rate=False)
+    law = falling.within_patch(3e-8)
+    with pytest.raises(ao.ConvergenceError, match=r"falls from one value to another.*indentation"):
+        hit(law, solver)
+    with pytest.raises(ao.ConvergenceError, match=r"at indentation = 8e-06 m and rate = 0 m/s"):
+        law.force(8e-6)
+
+
 def test_nan_of_a_c_function_stops_too(library):
     with pytest.raises(ao.ConvergenceError, match="the contact law gave NaN, at indentation = "):
         hit(ao.UserLaw(library.broken))

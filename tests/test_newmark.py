@@ -448,3 +448,19 @@ def test_hertz_pair_against_a_quadrature_of_its_energy_equation():
 def test_bad_settings_are_named(options, message):
     with pytest.raises(ao.AOImpactError, match=message):
         ao.Newmark(**options)
+
+
+def test_a_damper_that_stops_the_bodies_within_a_step_is_said() -> None:
+    scene = {
+        "projectile": ao.rigid(mass=0.016),
+        "target": ao.rigid(mass=0.016),
+        "law": ao.KelvinVoigt(k=1e6, c=1e6),
+        "velocity": 1.0,
+        "duration": 1e-6,
+    }
+    with pytest.warns(ao.AOImpactWarning, match="a damper stops the bodies within a step"):
+        hit = ao.simulate(**scene, solver=ao.Newmark(dt=1e-7))
+    assert hit.error.time == 1.0
+    hit = ao.simulate(**scene, solver=ao.Newmark(dt=1e-9))  # an eighth of m/c
+    assert hit.error.time < 0.1
+    assert hit.projectile.velocity[-1] == pytest.approx(0.5, rel=1e-2)

@@ -198,3 +198,35 @@ def test_a_law_stiffer_than_the_patch_is_refused() -> None:
         InputError, match=r"patches of radius 0\.004 m, .* even the lightest contact"
     ):
         simulate(projectile=body, target=body, law=Linear(k=1e10), **SCENE)
+
+
+def test_a_contact_wider_than_the_only_patch_is_refused_too() -> None:
+    # Beside a body without a patch the law would stand up to 1.6 r; it knows how wide it is.
+    body, law = sphere("paper", 0.004), LAW
+    one = effective_law(law, (body, rigid(mass=1.0)))
+    assert isinstance(one, PatchLaw)
+    own = 0.004**2 / 0.005  # a = √(R δ) = r
+    assert one.limit == pytest.approx(own - one.compliance * law.k * own**1.5)
+    by_number = effective_law(Hertz(law.k), (body, rigid(mass=1.0)))
+    assert isinstance(by_number, PatchLaw)
+    widest = 0.95 / 0.6 * 0.004  # c dF/dδ = 0.95
+    own = widest**2 / 0.005
+    assert by_number.limit == pytest.approx(own - by_number.compliance * law.k * own**1.5)
+
+
+def test_the_radius_told_beside_a_body_without_a_patch_will_do() -> None:
+    block = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.05), (10, 10, 5), kind="hexahedron20"), STEEL)
+    law = Hertz.between(STEEL, 0.5, STEEL, float("inf"))
+
+    def width(radius: float) -> float:
+        place = block.contact(point=(0.05, 0.05, 0.05), radius=radius)
+        target = antioscillators(place, n=5, method="krylov", contact_time=30e-6)
+        hit = simulate(
+            projectile=rigid(mass=0.1), target=target, law=law, velocity=40.0, duration=40e-6
+        )
+        return float(np.sqrt(0.5 * (hit.peak_force / law.k) ** (2 / 3))) / radius
+
+    with pytest.raises(LawLimitError, match=r"radius=(\S+) m or more") as says:
+        width(0.0085)
+    told = float(str(says.value).rpartition("radius=")[2].split(" ")[0])
+    assert 0.5 < width(told) < 0.9

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import scipy.special
+from every_law import LAWS, law_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rigid_pair import rebound
@@ -159,9 +160,20 @@ def test_elastic_laws_lose_nothing():
         assert ao.restitution(law, MASS, SPEED) == 1.0
 
 
+@pytest.mark.parametrize("velocity", [1e-300, 1e-130, 1e130, 1e300])
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_numbers_that_end_on_the_way_are_named(name, velocity):
+    with pytest.raises(ao.InputError, match=r"mass=1 kg and velocity=1e.* beyond the range of num"):
+        ao.restitution(law_of(name), 1.0, velocity)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        (lambda: ao.HuntCrossley.from_restitution(K, 1e-13, 1.0), "restitution=1e-13 is nothing"),
+        (lambda: ao.KuwabaraKono.from_restitution(K, 1e-99, 1.0, 1.0), "give 1e-12 or more"),
+        (lambda: ao.Thornton(1e-300, 1e300), "indentation of yield.*beyond the range of numbers"),
+        (lambda: ao.Thornton(1e300, 1e-300), "indentation of yield.*beyond the range of numbers"),
         (lambda: ao.restitution(1e10, 1.0, 1.0), "law must be a contact law"),
         (lambda: ao.restitution(ao.Hertz(K), 0.0, 1.0), "mass must be positive"),
         (lambda: ao.restitution(ao.Hertz(K), 1.0, -1.0), "velocity must be positive"),

@@ -382,7 +382,7 @@ static double not_a_number(double indentation, double rate)
 
 static void a_law_that_fails_is_named(void)
 {
-    double note[] = {NAN, NAN};
+    double note[AOI_LAW_NOTE] = {NAN, NAN};
     aoi_user_law user = {.given = {1, 0, 0, 0}};
     user.function[AOI_USER_FORCE] = not_a_number;
     aoi_law law, sound = linear(1e7);
@@ -397,6 +397,25 @@ static void a_law_that_fails_is_named(void)
     CHECK(go(&p, 1e-8, 1.0) == AOI_ERROR_LAW, "the law's failure");
     CHECK(p.run.culprit == 1 && near(note[0], 5e-5, 1e-5), "which, and where: %g m", note[0]);
     release(&p);
+}
+
+/* Nothing slows it: the indentation is the speed times the time, past the force of yield. */
+static void a_body_of_any_mass_runs_up_the_law(void)
+{
+    const double k = 1e10, end = 1e-4, parameter[] = {k, 1.0}, yield = pow(1.0 / k, 2.0 / 3.0);
+    aoi_law law;
+    CHECK(aoi_law_create(&law, "thornton", 2, parameter) == AOI_OK, "made");
+    for (double mass = 1e12; mass < 1e200; mass *= 1e30) {
+        plant p = {.bodies = 0};
+        add_rigid(&p, mass, 1.0);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        must_go(&p, 1e-8, end);
+        const double force = 1.0 + 1.5 * k * sqrt(yield) * (end - yield);
+        CHECK(near(p.contact[0].peak_force, force, 1e-8), "%g kg: %.12g N, not %.12g", mass,
+              p.contact[0].peak_force, force);
+        release(&p);
+    }
 }
 
 static void a_patch_has_its_limit(void)
@@ -547,6 +566,7 @@ int main(void)
     preloaded_bodies_fly_apart();
     hunt_and_crossley_lose_what_they_must();
     a_law_that_fails_is_named();
+    a_body_of_any_mass_runs_up_the_law();
     a_patch_has_its_limit();
     a_run_in_pieces_is_the_run();
     stiffness_alone_costs_nothing();

@@ -356,6 +356,24 @@ static void plastic_unloading_is_thorntons(void)
     CHECK(near(top, flattened * pow(reach, 1.5), 1e-13), "Hertz on the flattened radius");
 }
 
+/* Far past yield what springs back is lost beside the depth, but not the force. */
+static void plastic_unloading_starts_from_the_force_there_was(void)
+{
+    for (double yield_force = 1.0; yield_force > 1e-70; yield_force *= 1e-7) {
+        const double parameter[] = {1e10, yield_force}, deepest = 1e-5;
+        double memory[AOI_LAW_MEMORY] = {0.0}, low, high;
+        aoi_law law;
+        aoi_law_value up, down;
+        CHECK(aoi_law_create(&law, "thornton", 2, parameter) == AOI_OK, "made");
+        aoi_law_push(&law, memory, deepest, 1.0, &up);
+        aoi_law_remember(&law, deepest, 0.0, memory);
+        const int piece = aoi_law_piece(&law, memory, deepest, 0, &low, &high);
+        aoi_law_force(&law, memory, piece, deepest, -1.0, &down);
+        CHECK(near(down.force, up.force, 1e-14) && isfinite(down.stiffness),
+              "yield at %g N: %g N up, %g N down", yield_force, up.force, down.force);
+    }
+}
+
 /* A table of d^3 with exact slopes is that cubic. */
 static void tables_are_hermite_cubics(void)
 {
@@ -427,17 +445,128 @@ static void callers_laws(void)
         aoi_law_push(&still, NULL, d, 0.5, &value);
         CHECK(value.damping == 0.0 && !still.depends_on_rate, "no damping asked for");
     }
-    double note[2] = {0.0, 0.0};
+    double note[AOI_LAW_NOTE] = {0.0};
     aoi_law_value value;
     user = (aoi_user_law){.function = {nan_law}, .given = {1}};
     CHECK(aoi_law_create_user(&broken, &user, 1, 0) == AOI_OK, "a law that breaks");
     broken.note = note;
     aoi_law_push(&broken, NULL, 1.5, -2.0, &value);
-    CHECK(isnan(value.force) && note[0] == 1.5 && note[1] == -2.0, "NaN is noted with its state");
+    CHECK(isnan(value.force) && note[0] == 1.5 && note[1] == -2.0 && note[2] == AOI_ERROR_LAW,
+          "NaN is noted with its state");
     user.given[AOI_USER_DAMPING] = 1;
     CHECK(aoi_law_create_user(&broken, &user, 1, 0) == AOI_ERROR_ARGUMENT, "said, but not given");
     user = (aoi_user_law){.given = {0}};
     CHECK(aoi_law_create_user(&broken, &user, 1, 0) == AOI_ERROR_ARGUMENT, "no force");
+}
+
+/* At 1 it falls from 1 to 0.2: with a compliance of 0.5, from 0.5 to 0.9 no force goes with it. */
+static double falling_law(double d, double rate) { return (d < 1.0 ? d : 0.2 * d) + 0.0 * rate; }
+/* Right to eight digits; the others are noise. */
+static double noisy_law(double d, double rate)
+{
+    return d * sqrt(d) * (1.0 + 1e-8 * sin(1e17 * d)) + 0.0 * rate;
+}
+static double smooth_slope(double d, double rate) { return 1.5 * sqrt(d) + 0.0 * rate; }
+
+static aoi_law within_patch(double (*force)(double, double), double compliance, double *note)
+{
+    const aoi_user_law user = {.function = {force}, .given = {1}};
+    aoi_law law;
+    CHECK(aoi_law_create_user(&law, &user, 0, 0) == AOI_OK, "a caller's law");
+    law.compliance = compliance;
+    law.note = note;
+    return law;
+}
+
+static void a_law_that_falls_has_no_force_within_a_patch(void)
+{
+    double note[AOI_LAW_NOTE] = {0.0};
+    const aoi_law law = within_patch(falling_law, 0.5, note);
+    CHECK(near(force_of(&law, 0.4), 0.8, 1e-12), "before its fall");
+    CHECK(near(force_of(&law, 1.8), 0.4, 1e-12), "after it");
+    CHECK(note[2] == 0.0, "nothing to note");
+    for (double d = 0.52; d < 0.9; d += 0.05) {
+        CHECK(isnan(force_of(&law, d)) && note[0] == d && note[2] == AOI_ERROR_LAW_JUMPS, "at %g", d);
+        note[2] = 0.0;
+        CHECK(isnan(aoi_law_potential(&law, NULL, d)) && note[2] == AOI_ERROR_LAW_JUMPS,
+              "nor an energy at %g", d);
+    }
+}
+
+static void a_law_of_few_digits_has_a_force_within_a_patch(void)
+{
+    aoi_law law = within_patch(noisy_law, 0.3, NULL);
+    law.user.function[AOI_USER_STIFFNESS] = smooth_slope;
+    law.user.given[AOI_USER_STIFFNESS] = 1;
+    for (double own = 1e-6; own < 1.5; own *= 1.37) {
+        CHECK(near(force_of(&law, own - 0.3 * own * sqrt(own)), own * sqrt(own), 1e-5), "at %g", own);
+    }
+}
+
+static void spring_of_one(const aoi_law *law, const double *memory, int piece, double d, double rate,
+                          aoi_law_value *value)
+{
+    (void)law;
+    (void)memory;
+    (void)piece;
+    (void)rate;
+    *value = (aoi_law_value){d, 1.0, 0.0};
+}
+
+static int stuck_piece(const aoi_law *law, const double *memory, double d, int rising, double *low,
+                       double *high)
+{
+    (void)law;
+    (void)memory;
+    (void)d;
+    (void)rising;
+    *low = 0.0;
+    *high = 1.0;
+    return 0;
+}
+
+static void pieces_that_go_no_further_are_an_error(void)
+{
+    double note[AOI_LAW_NOTE] = {0.0}, low, high;
+    aoi_law_value value;
+    const aoi_law law = {.force = spring_of_one, .piece = stuck_piece, .limit = HUGE_VAL,
+                         .compliance = 0.5, .note = note};
+    CHECK(aoi_law_piece(&law, NULL, 0.4, 1, &low, &high) == 0 && high == 0.5, "the first piece");
+    CHECK(aoi_law_piece(&law, NULL, 0.6, 1, &low, &high) == AOI_NO_PIECE, "there is no other");
+    aoi_law_push(&law, NULL, 0.6, 1.0, &value);
+    CHECK(isnan(value.force) && note[0] == 0.6 && note[1] == 1.0, "and no force");
+    aoi_law plastic = law_at(14);
+    const double memory[AOI_LAW_MEMORY] = {0.0};
+    CHECK(aoi_law_piece(&plastic, memory, HUGE_VAL, 1, &low, &high) >= 0 && high == HUGE_VAL,
+          "the last piece holds even the infinite");
+}
+
+static double pulling_law(double d, double rate) { return d - 1.0 + rate; }
+
+static void the_force_alone_is_the_force(void)
+{
+    const aoi_user_law user = {.function = {pulling_law}, .given = {1}};
+    double note[AOI_LAW_NOTE] = {0.0};
+    aoi_law laws[EVERY + 3];
+    for (size_t i = 0; i < EVERY; i++) {
+        laws[i] = law_at(i);
+    }
+    for (int pulls = 0; pulls < 2; pulls++) {
+        CHECK(aoi_law_create_user(&laws[EVERY + pulls], &user, 1, pulls) == AOI_OK, "made");
+    }
+    laws[EVERY + 2] = within_patch(cubic_law, 0.1, NULL);
+    for (size_t i = 0; i < EVERY + 3; i++) {
+        const double memory[AOI_LAW_MEMORY] = {0.0};
+        for (double d = -1e-6; d < 2.0; d = d < 1e-9 ? 2.0 * d + 3e-6 : 3.0 * d) {
+            aoi_law_value value;
+            aoi_law_push(&laws[i], memory, d, -0.2, &value);
+            CHECK(aoi_law_push_only(&laws[i], memory, d, -0.2) == value.force, "law %zu at %g", i, d);
+        }
+    }
+    aoi_law broken = within_patch(nan_law, 0.0, note);
+    CHECK(isnan(aoi_law_push_only(&broken, NULL, 1.5, 2.0)) && note[0] == 1.5 && note[1] == 2.0 &&
+              note[2] == AOI_ERROR_LAW,
+          "NaN is noted");
 }
 
 static double settled(const aoi_law *law, const double *memory)
@@ -498,8 +627,13 @@ int main(void)
     energy_grows_past_the_limit();
     plastic_contact_remembers();
     plastic_unloading_is_thorntons();
+    plastic_unloading_starts_from_the_force_there_was();
     tables_are_hermite_cubics();
     callers_laws();
+    a_law_that_falls_has_no_force_within_a_patch();
+    a_law_of_few_digits_has_a_force_within_a_patch();
+    pieces_that_go_no_further_are_an_error();
+    the_force_alone_is_the_force();
     no_force_up_to_rest();
     only_the_pulling_law_pulls();
     return check_report();
