@@ -127,7 +127,11 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     4: (ConvergenceError, "an iteration did not converge"),
     5: (InputError, "the contact functional does not move the body (it is zero on all free dofs)"),
     6: (ConvergenceError, "the linear solver failed"),
-    7: (ConvergenceError, "even the shortest step does not meet the tolerance; take a larger rtol"),
+    7: (
+        ConvergenceError,
+        "even the shortest step does not meet the tolerance; take a larger rtol, or, where a "
+        "contact without mass (m0 = 0) meets a strongly damped law, a small m0",
+    ),
     8: (
         ConvergenceError,
         "the run fills a GiB of steps; take a shorter duration, a larger rtol, fewer stiff "
