@@ -397,6 +397,7 @@ class _Search(Generic[R]):
     ) -> None:
         self.ladders, self.run, self.asked, self.rtol = ladders, run, asked, rtol
         self.results: dict[tuple[int, ...], R | None] = {}
+        self.errors: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = {}
         self.failure: AOImpactError | None = None
         self.truth = (0,) * len(ladders)
         self.truth_error = 0.0
@@ -417,7 +418,10 @@ class _Search(Generic[R]):
 
     def error(self, orders: tuple[int, ...]) -> float:
         """Estimated error, the truth's own included."""
-        return self._apart(self.at(orders), self.at(self.truth)) + self.truth_error
+        key = orders, self.truth
+        if key not in self.errors:
+            self.errors[key] = self._apart(self.at(orders), self.at(self.truth))
+        return self.errors[key] + self.truth_error
 
     def _apart(self, one: R | None, other: R | None) -> float:
         return math.inf if one is None or other is None else self.asked.difference(one, other)
@@ -472,15 +476,12 @@ class _Search(Generic[R]):
             return orders
         rest = _with(orders, which, 0)
         largest = max(range(len(rest)), key=rest.__getitem__)
-
-        def fits(order: int) -> bool:
-            return self.error(_with(rest, largest, order)) <= self.rtol
-
-        most = rest[largest] + orders[which] + int(_WORTH_OF_RIGID * sum(orders))
-        most = min(most, self.truth[largest])
-        if not fits(most):
-            return orders
-        return _with(rest, largest, _between(rest[largest], most, fits))
+        more = orders[which] + int(_WORTH_OF_RIGID * sum(orders))
+        most = min(rest[largest] + more, self.truth[largest])
+        for order in range(rest[largest] + 1, most + 1, max(1, more // _EACH)):
+            if self.error(_with(rest, largest, order)) <= self.rtol:
+                return _with(rest, largest, order)
+        return orders
 
     def _alone(self, which: int, allowed: float) -> int:
         """The least order of one body at which it alone errs no more than allowed."""
@@ -496,7 +497,13 @@ class _Search(Generic[R]):
         high = min(math.ceil(_GROWTH * low), self.truth[which])
         while high < self.truth[which] and not fits(high):
             low, high = high, min(math.ceil(_GROWTH * high), self.truth[which])
-        return _between(low, high, fits)
+        while high - low > 1:
+            middle = (low + high) // 2
+            if fits(middle):
+                high = middle
+            else:
+                low = middle
+        return high
 
     def _pruned(self, orders: tuple[int, ...]) -> tuple[int, ...]:
         """Take orders off, from the largest first, as long as the answer stands."""
@@ -511,17 +518,6 @@ class _Search(Generic[R]):
                 if step == 1:
                     return orders
                 step //= 2
-
-
-def _between(low: int, high: int, fits: Callable[[int], bool]) -> int:
-    """An order that fits, after one that does not: above `low`, up to `high`, which does."""
-    while high - low > 1:
-        middle = (low + high) // 2
-        if fits(middle):
-            high = middle
-        else:
-            low = middle
-    return high
 
 
 def _with(orders: tuple[int, ...], which: int, order: int) -> tuple[int, ...]:

@@ -11,13 +11,16 @@ from aoimpact.answer import Answer
 from aoimpact.errors import held_warnings
 from aoimpact.krylov import KrylovSpace
 from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
-from aoimpact.paper_sphere import BALL_MASS
+from aoimpact.paper_sphere import BALL_MASS, RADIUS
+from aoimpact.paper_sphere import LAW as SPHERES_LAW
+from aoimpact.paper_sphere import STEEL as SPHERE_STEEL
 
 from twelve import ALUMINIUM, ENDS, IMPACTS, STEEL, beam, cube, law
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4)
 
 
+@functools.cache
 def whole(body):
     """All of a body's anti-oscillators."""
     return ao.antioscillators(body) if isinstance(body, ao.ContactPoint) else body
@@ -26,26 +29,41 @@ def whole(body):
 # ------------------------------------------------------------------------------ the paper's scene
 
 
+@functools.cache
+def paper_beam():
+    return beam_model().contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+
+
 @pytest.fixture(scope="module")
 def paper():
-    tip = beam_model().contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1))
     sphere = ao.AOModel(m0=0.001 * BALL_MASS, m=[0.999 * BALL_MASS], k=[275.7e6])
-    return functools.partial(ao.simulate, projectile=sphere, target=tip, law=LAW, velocity=1.0)
+    return functools.partial(
+        ao.simulate, projectile=sphere, target=paper_beam(), law=LAW, velocity=1.0
+    )
 
 
-def test_a_rigid_sphere_gives_the_beams_displacement(paper):
-    """The paper's conclusion: for the structure's displacement the projectile may be rigid."""
-    hit = paper(duration=20e-3, quantity="target_displacement", rtol=3e-2)
-    assert hit.models[0].label == "rigid"
-    full = paper(target=whole(paper.keywords["target"]), duration=20e-3)
-    assert Answer("target_displacement").difference(hit, full) <= 3e-2
-
-
-def test_a_rigid_sphere_does_not_give_the_force(paper):
-    for quantity in ("force", "peak_force"):
-        hit = paper(duration=250e-6, quantity=quantity, rtol=3e-2)
-        assert hit.models[0].label == "AO(1)"
-        assert hit.projectile.label == "AO(1)"
+# Eq. (13), sphere on sphere, and eq. (16), sphere on beam: the paper rounds both to 1e10 N/m^1.5.
+@pytest.mark.parametrize("contact_law", [SPHERES_LAW, LAW], ids=["eq. (13)", "eq. (16)"])
+def test_a_rigid_sphere_gives_the_beams_displacement_but_not_the_force(paper, contact_law):
+    """The paper's conclusion, to 3 %, of its sphere and beam over 20 ms."""
+    strike = functools.partial(paper, law=contact_law, duration=20e-3)
+    mass = strike.keywords["projectile"].static_mass
+    beam = whole(strike.keywords["target"])
+    full, stiff = strike(target=beam), strike(target=beam, projectile=ao.rigid(mass=mass))
+    apart = {
+        quantity: Answer(quantity).difference(stiff, full)
+        for quantity in ("target_displacement", "impulse", "peak_force", "force")
+    }
+    assert max(apart["target_displacement"], apart["impulse"]) < 0.02
+    assert min(apart["peak_force"], apart["force"]) > 0.08
+    taken = {
+        quantity: strike(quantity=quantity, rtol=3e-2)
+        for quantity in ("target_displacement", "peak_force", "force")
+    }
+    assert taken["target_displacement"].models[0].label == "rigid"
+    assert taken["peak_force"].models[0].label == taken["force"].models[0].label == "AO(1)"
+    for quantity, hit in taken.items():
+        assert Answer(quantity).difference(hit, full) <= 3e-2
 
 
 def test_error_says_what_models_and_what_time_integration_add(paper):
@@ -66,56 +84,116 @@ def test_quantity_and_tolerance_have_defaults(paper):
 # ------------------------------------------------------------------- true errors, and least orders
 
 
+SCENES = IMPACTS | {
+    "the paper's spheres": lambda: (paper_sphere(), paper_sphere(), SPHERES_LAW, 1.0, 1e-4),
+    "the paper's sphere and beam": lambda: (paper_sphere(), paper_beam(), LAW, 1.0, 2.5e-4),
+}
+
+
+@functools.cache
+def paper_sphere():
+    body = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), SPHERE_STEEL)
+    return body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0))
+
+
+class Scene:
+    """An impact of whole bodies, and what smaller models of them make of it."""
+
+    def __init__(self, name):
+        *self.bodies, contact_law, velocity, duration = SCENES[name]()
+        self.run = functools.partial(
+            ao.simulate, law=contact_law, velocity=velocity, duration=duration
+        )
+        projectile, target = map(whole, self.bodies)
+        self.full = self.run(projectile=projectile, target=target)
+        self._pairs, self._answers = {}, {}
+
+    def answer(self, quantity, rtol):
+        """The run that was found to do."""
+        if (quantity, rtol) not in self._answers:
+            projectile, target = self.bodies
+            with held_warnings():  # e.g. of a record that ends in contact
+                hit = self.run(projectile=projectile, target=target, quantity=quantity, rtol=rtol)
+            self._answers[quantity, rtol] = hit
+        return self._answers[quantity, rtol]
+
+    def excess(self, quantity, rtol):
+        """By how many oscillators the models taken are larger than any found by trial.
+
+        All smaller pairs are tried, of large models those of three and of four fewer.
+        """
+        taken = sum(model.n for model in self.answer(quantity, rtol).models)
+        least = 0 if taken <= MOST_TRIED else taken - 4
+        for wanted in range(least, taken - 2):
+            for n in range(wanted + 1):
+                if self._error(quantity, n, wanted - n, 1e-5) <= rtol:
+                    return taken - wanted
+        return 0
+
+    def _error(self, quantity, n, m, in_time):
+        errors = []
+        for one in self._models(0, n):
+            for other in self._models(1, m):
+                if math.isinf(one.m0) and math.isinf(other.m0):
+                    continue
+                key = id(one), id(other)
+                if key not in self._pairs:
+                    with held_warnings():
+                        self._pairs[key] = self.run(
+                            projectile=one,
+                            target=other,
+                            solver=ao.Adaptive(rtol=in_time),
+                            energies=False,
+                        )
+                errors.append(Answer(quantity).difference(self._pairs[key], self.full))
+        return min(errors, default=math.inf)
+
+    @functools.cached_property
+    def _spaces(self):
+        return [
+            None
+            if isinstance(body, ao.AOModel)
+            else KrylovSpace(body, contact_time=self.full.contact_duration)
+            for body in self.bodies
+        ]
+
+    @functools.cache  # noqa: B019 - scenes are kept anyway
+    def _models(self, which, n):
+        """A body's models of n oscillators: one, but none of a star that has fewer, two if held."""
+        body, space = self.bodies[which], self._spaces[which]
+        if space is None:
+            return [body] if n == body.n else []
+        with held_warnings():
+            star = space.antioscillators(n)
+        if star.n < n:
+            return []
+        return [ao.rigid(mass=math.inf), star] if n == 0 and star.held else [star]
+
+
+# Up to that many oscillators of both bodies all smaller pairs are tried.
+MOST_TRIED = 24
+
+scene = functools.cache(Scene)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", IMPACTS)
+@pytest.mark.parametrize("name", SCENES)
 def test_true_error_is_within_the_tolerance(name):
-    projectile, target, contact_law, velocity, duration = IMPACTS[name]()
-    run = functools.partial(ao.simulate, law=contact_law, velocity=velocity, duration=duration)
-    full = run(projectile=whole(projectile), target=whole(target))
-    asked = [(quantity, rtol) for quantity in ("force", "rebound") for rtol in TOLERANCES]
-    for quantity, rtol in [*asked, ("target_displacement", 1e-2)]:
-        hit = run(projectile=projectile, target=target, quantity=quantity, rtol=rtol)
-        assert Answer(quantity).difference(hit, full) <= rtol, (quantity, rtol)
-        assert hit.error.reduction <= rtol
+    for quantity in ("force", "duration", "rebound", "target_displacement"):
+        for rtol in TOLERANCES:
+            if quantity == "target_displacement" and rtol < 1e-3:
+                continue
+            hit = scene(name).answer(quantity, rtol)
+            assert Answer(quantity).difference(hit, scene(name).full) <= rtol, (quantity, rtol)
+            assert hit.error.reduction <= rtol
 
 
 @pytest.mark.slow
 def test_order_is_at_most_two_above_the_least_in_nine_of_ten():
-    """The least is found by trying all pairs of orders against the whole bodies."""
-    excess = []
-    for make in IMPACTS.values():
-        projectile, target, contact_law, velocity, duration = make()
-        run = functools.partial(ao.simulate, law=contact_law, velocity=velocity, duration=duration)
-        full = run(projectile=whole(projectile), target=whole(target))
-        for rtol in (1e-1, 1e-2):
-            hit = run(projectile=projectile, target=target, rtol=rtol)
-            taken = sum(model.n for model in hit.models)
-            bodies = [
-                models_up_to(body, full.contact_duration, taken) for body in (projectile, target)
-            ]
-            excess.append(taken - least_sum(bodies, run, full, rtol, taken))
+    """The least is found by trying pairs of orders against the whole bodies."""
+    excess = [scene(name).excess("force", rtol) for name in SCENES for rtol in TOLERANCES]
+    excess += [scene(name).excess("rebound", rtol) for name in SCENES for rtol in TOLERANCES[:3]]
     assert np.mean(np.array(excess) <= 2) >= 0.9
-
-
-def models_up_to(body, contact_time, most):
-    if isinstance(body, ao.AOModel):
-        return [body]
-    space = KrylovSpace(body, contact_time=contact_time)
-    models = [space.antioscillators(n) for n in range(most + 1)]
-    return [ao.rigid(mass=math.inf), *models] if models[0].held else models
-
-
-def least_sum(bodies, run, full, rtol, most):
-    for wanted in range(most):
-        for one in bodies[0]:
-            for other in bodies[1]:
-                if one.n + other.n != wanted or (math.isinf(one.m0) and math.isinf(other.m0)):
-                    continue
-                with held_warnings():
-                    hit = run(projectile=one, target=other, solver=ao.Adaptive(rtol=1e-5))
-                if Answer("force").difference(hit, full) <= rtol:
-                    return wanted
-    return most
 
 
 def test_a_compact_block_may_be_a_rigid_wall():
