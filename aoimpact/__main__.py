@@ -147,7 +147,7 @@ def _run(options: argparse.Namespace) -> None:
     scene = read_scene(options.scene)
     with held_warnings() as warnings:
         result = scene.simulate()
-    files = write_files(scene, result, options.out) if options.out else ()
+        files = write_files(scene, result, options.out) if options.out else ()
     for warning in warnings:
         print(f"aoimpact: warning: {warning}", file=sys.stderr)
     if options.json:

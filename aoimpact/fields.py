@@ -15,7 +15,7 @@ import numpy.typing as npt
 from . import deformed, vtu
 from .checks import choice, integer
 from .contact import Body
-from .errors import InputError
+from .errors import InputError, warn
 from .material import Material
 from .mesh import Mesh
 from .stress import Stress, gauss_stress, nodal_stress
@@ -24,9 +24,12 @@ if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
 
-__all__ = ["Field", "Probe", "solid"]
+__all__ = ["Field", "Probe", "solid", "warn_if_wrong"]
 
 FloatArray = npt.NDArray[np.float64]
+
+# Relative errors of fields that nobody should have to look for.
+_BADLY_WRONG = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +84,17 @@ class Field:
     times: FloatArray
     displacement: FloatArray
     velocity: FloatArray
+    _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False)
+
+    @cached_property
+    def error(self) -> FloatArray | None:
+        """How wrong the field may be at its times for the few shapes of a reduced model, (k,).
+
+        An estimate within some factor, relative, in the norm of strain energy. None of a full
+        model. The force may be right where this is large: a model fitted to a short blow need not
+        swing on as the body does. The error of the force itself (`Result.error`) comes on top.
+        """
+        return self._error()
 
     def __repr__(self) -> str:
         times = ", ".join(f"{time:.6g}" for time in self.times[:4])
@@ -101,7 +115,13 @@ class Field:
         ------
         InputError
             If the body has no elements and material: it was given by K and M.
+
+        Warns
+        -----
+        AOImpactWarning
+            If a reduced model may give it badly wrong; see `error`.
         """
+        warn_if_wrong(self.times, self.error)
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
         evaluate = nodal_stress if place == "nodes" else gauss_stress
@@ -165,6 +185,18 @@ class Field:
             moved = moved - moved.mean(axis=0)
         time = float(self.times[number])
         return deformed.plot_deformed(mesh, moved, colour, time, ax, scale=scale, **kwargs)
+
+
+def warn_if_wrong(times: FloatArray, error: FloatArray | None) -> None:
+    """Say where a reduced model's few shapes may give a field badly wrong."""
+    if error is None or not (error > _BADLY_WRONG).any():
+        return
+    first, worst = times[int(np.argmax(error > _BADLY_WRONG))], float(error.max())
+    warn(
+        f"the stress may be wrong by {min(worst, 1.0):.0%} of the largest, from t = {first:.3g} s "
+        "on: the model's few shapes give the force, but not how the body swings on; take more "
+        'oscillators, method="krylov" with duration=, or quantity= a point of the body'
+    )
 
 
 def solid(body: Body, what: str) -> tuple[Mesh, Material]:

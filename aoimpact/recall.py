@@ -78,7 +78,7 @@ def _response(
     if reduced is None:
         return None
     recovery = Recovery(reduced, PACE / (blow[1] - blow[0]))
-    return Response(reduced.body, motion, recovery, _flight(plan, body), peak_time)
+    return Response(reduced.body, motion, recovery, _flight(plan, body), peak_time, blow[1])
 
 
 def _flight(plan: Plan, body: int) -> Flight | None:

@@ -71,6 +71,10 @@ class Recovery:
         rigid = body.rigid_modes
         return of_coordinates, of_forces - body.M @ (rigid @ (rigid.T @ of_forces))
 
+    def solve(self, loads: FloatArray) -> FloatArray:
+        """Return (K + s²M)⁻¹ loads, shape (n_dofs, m)."""
+        return self._solver.solve(np.ascontiguousarray(loads))
+
     def displacement(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
         """Return X on the free dofs, m.
 

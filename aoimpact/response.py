@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Protocol
@@ -13,7 +14,8 @@ import scipy.sparse as sp
 from .checks import finite_array, unit_vector
 from .contact import Body
 from .errors import InputError
-from .fields import Field, Probe, solid
+from .fielderror import FieldError
+from .fields import Field, Probe, solid, warn_if_wrong
 from .locate import node_at, weights_at
 from .recovery import Recovery
 from .stress import stress_rows
@@ -71,6 +73,8 @@ class Response:
         What a free body does beside what its model contains.
     peak_time : float
         When the largest force acts, s.
+    blow_end : float
+        When the contact is over that it acts in, s.
     """
 
     body: Body
@@ -78,6 +82,7 @@ class Response:
     recovery: Recovery | None
     flight: Flight | None
     peak_time: float
+    blow_end: float = math.inf
 
     def probe(self, point: Any, direction: Any, nodes: Any, times: Any) -> Probe:
         """See `BodyResult.probe`."""
@@ -101,7 +106,8 @@ class Response:
             way, speed = self.flight.at(wanted)
             coordinates = coordinates + np.outer(self.flight.shape, way)
             rates = rates + np.outer(self.flight.shape, speed)
-        return Field(self.body, wanted, self._at_nodes(coordinates), self._at_nodes(rates))
+        moved, speeds = self._at_nodes(coordinates), self._at_nodes(rates)
+        return Field(self.body, wanted, moved, speeds, partial(self._error, wanted))
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
         """Return functionalᵀX by the model's own shapes, without what recovery adds to them.
@@ -117,6 +123,20 @@ class Response:
         if self.flight is None:
             return seen
         return seen + float(functional @ self.flight.shape) * self.flight.at(times)[0]
+
+    @cached_property
+    def _judge(self) -> FieldError | None:
+        return None if self.recovery is None else FieldError(self.recovery)
+
+    def _error(self, times: FloatArray) -> FloatArray | None:
+        """How wrong the field may be at `times`, relative; None where nothing is left out."""
+        if self._judge is None:
+            return None
+        coordinates = self.motion.observed(None, times)[0]
+        top = np.array([self.peak_time])
+        peak = self.motion.observed(None, top)[0], self.motion.force(top)
+        since = np.maximum(times - self.blow_end, 0.0)
+        return self._judge.estimate(coordinates, self.motion.force(times), since, peak)
 
     @cached_property
     def _free(self) -> IntArray:
@@ -147,6 +167,7 @@ class Response:
         near = np.unique(weights.indices)
         at_nodes = stress_rows(mesh, material, near)[:, self._free]
         rows = sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ at_nodes
+        warn_if_wrong(times, self._error(times))
         return self._functionals(rows, times)[0].T.reshape(*shape, 6)
 
     def _functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:

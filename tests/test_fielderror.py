@@ -1,0 +1,110 @@
+"""Fields say how wrong they may be: against those of all of a body's anti-oscillators."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import aoimpact as ao
+from aoimpact.errors import held_warnings
+
+FloatArray = npt.NDArray[np.float64]
+TIMES = np.array([3e-5, 5e-5, 1e-4, 3e-4, 1e-3, 2e-3])
+
+
+@functools.cache
+def cantilever() -> ao.ContactPoint:
+    alu = ao.Material(E=70e9, nu=0.3, rho=2700)
+    mesh = ao.box_mesh((0.5, 0.02, 0.02), (16, 1, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, alu, fixed=[("xmin", "xyz")])
+    return body.contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1))
+
+
+def struck(target: Any) -> ao.Result:
+    return ao.simulate(
+        projectile=ao.rigid(mass=0.0327),
+        target=target,
+        law=ao.Hertz(k=1e10),
+        velocity=1.0,
+        duration=2e-3,
+        solver=ao.Adaptive(rtol=1e-6),
+    )
+
+
+@functools.cache
+def exact() -> ao.Result:
+    return struck(ao.antioscillators(cantilever()))
+
+
+def fitted(n: int, **keywords: float) -> ao.AOModel:
+    time = exact().contact_duration
+    return ao.antioscillators(cantilever(), n, method="krylov", contact_time=time, **keywords)
+
+
+def wrong(hit: ao.Result) -> tuple[FloatArray, FloatArray]:
+    """The largest error of stress, relative to the largest stress; and what the field says."""
+    right = exact().target.field(TIMES).stress().components
+    field = hit.target.field(TIMES)
+    with held_warnings():
+        mine = field.stress().components
+    assert field.error is not None
+    return np.abs(mine - right).max(axis=(1, 2)) / np.abs(right).max(), field.error
+
+
+@pytest.mark.parametrize("n", [3, 8, 12, 20])
+def test_a_right_force_and_a_wrong_stress_afterwards_is_said(n: int) -> None:
+    hit = struck(fitted(n))
+    assert hit.peak_force == pytest.approx(exact().peak_force, rel=2e-2)
+    true, said = wrong(hit)
+    assert true[-1] > 0.4
+    assert said.max() > 0.4
+    # Never much less than what it is, and during the blow not much more either.
+    assert (said > true / 8.0).all()
+    assert (said[:2] < 5.0 * true[:2] + 1e-3).all()
+    with pytest.warns(ao.AOImpactWarning, match="the stress may be wrong by"):
+        hit.target.field(TIMES).stress()
+    with pytest.warns(ao.AOImpactWarning, match="how the body swings on"):
+        _ = hit.target.probe(point=(0.0, 0.01, 0.02), times=TIMES).stress
+    hit.target.field(TIMES[:2]).stress()  # without a warning
+
+
+def test_models_of_what_comes_afterwards_are_told_from_others() -> None:
+    short, long = (wrong(struck(model)) for model in (fitted(20), fitted(20, duration=2e-3)))
+    assert long[0].max() < 0.1 < 0.4 < short[0].max()
+    assert long[1].max() < 0.1 < 0.4 < short[1].max()
+
+
+def test_a_good_model_is_not_called_a_bad_one() -> None:
+    """The oscillators of largest mass swing as the body does, but for a few percent."""
+    true, said = wrong(struck(ao.antioscillators(cantilever(), 20)))
+    assert true.max() < 0.03
+    assert said.max() < 0.03
+    assert (said < 5.0 * true).all()
+    assert (said > true / 5.0).all()
+
+
+def test_natural_modes_miss_what_was_left_out_at_the_blow() -> None:
+    true, said = wrong(struck(ao.modal(cantilever(), 30)))
+    assert (said > true / 8.0).all()
+
+
+def test_the_whole_body_has_no_error() -> None:
+    error = exact().target.field(TIMES).error
+    assert error is not None
+    assert error.max() < 1e-4
+    scene = ao.Scene()
+    full = scene.add(cantilever())
+    scene.apply(full, force=100.0)
+    run = scene.simulate(duration=1e-5, solver=ao.Newmark(dt=1e-6, estimate=False))
+    assert run[full].field([5e-6]).error is None
+
+
+def test_what_does_not_move_is_right() -> None:
+    scene = ao.Scene()
+    beam = scene.add(fitted(3))
+    run = scene.simulate(duration=1e-4)
+    assert run[beam].field([5e-5]).error == pytest.approx(0.0, abs=1e-300)
