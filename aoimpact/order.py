@@ -73,6 +73,9 @@ _FASTEST, _SLOWEST = 0.5, 0.85
 _SMALL_BODY = 1500
 _SHARE_OF_DOFS = 0.1
 
+# So many orders less are tried at once before a model counts as the least.
+_BEHIND = 5
+
 # A body that may be rigid is worth models of the others that are larger by this share at most.
 _WORTH_OF_RIGID = 0.25
 
@@ -516,8 +519,17 @@ class _Search(Generic[R]):
                     break
             else:
                 if step == 1:
-                    return orders
+                    return self._seen_behind(orders)
                 step //= 2
+
+    def _seen_behind(self, orders: tuple[int, ...]) -> tuple[int, ...]:
+        """Take several orders off at once, where one less is worse: errors do not fall steadily."""
+        for step in range(2, _BEHIND + 1):
+            for which in range(len(orders)):
+                fewer = _with(orders, which, orders[which] - step)
+                if fewer[which] >= 0 and self.error(fewer) <= self.rtol:
+                    return self._pruned(fewer)
+        return orders
 
 
 def _with(orders: tuple[int, ...], which: int, order: int) -> tuple[int, ...]:
