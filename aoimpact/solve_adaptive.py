@@ -32,7 +32,7 @@ _LINEAR = 1e-2
 _FLOOR = 0.01 * TIGHTEST
 
 # Steps that a run under a smooth law seldom takes.
-_LONG = 1000
+_LONG = 500
 
 # A tighter run that takes so many times the steps, and a few, is given up.
 _PATIENCE, _FEW = 20, 1000

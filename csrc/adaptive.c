@@ -1,4 +1,4 @@
-/* The adaptive run: contact by collocation in steps of base 2^-level, flight in closed form, and what
+/* The adaptive run: contact by collocation in steps of base 2^(-level/4), flight in closed form, and what
  * makes the one follow the other. */
 #include "adaptive.h"
 
@@ -6,8 +6,10 @@
 #include <math.h>
 
 enum {
-    DEEPEST_LEVEL = 90,
-    HIGHEST_LEVEL = -40,
+    LEVELS = 4,     /* an octave */
+    LEAST_RISE = 2, /* of levels at once */
+    DEEPEST_LEVEL = 90 * LEVELS,
+    HIGHEST_LEVEL = -40 * LEVELS,
     MOST_STRIDES = 10000000,
     MOST_TRIMS = 12,
     MOST_IDLE = 1000
@@ -22,8 +24,20 @@ static const double STEPS_AHEAD = 64.0;
 /* A rest of a step shorter than this share of it is taken along: over it rates are noise. */
 static const double SLIVER = 1e-6;
 
+/* After a failure steps are shorter by this at most and at least. */
+static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
+
+/* After a success they are longer by this at most. */
+static const double MOST_GROWTH = 8.0;
+
 /* A step worse than this is so far off that its events are not to be trusted. */
 static const double TRUSTED = 0.1;
+
+/* The length of a step of the run's level. */
+static double step_of_level(const aoi_adaptive *run)
+{
+    return run->base * exp2(-(double)run->level / LEVELS);
+}
 
 /* ------------------------------------------------------------------------------ work space */
 
@@ -44,6 +58,12 @@ static size_t span_of(const aoi_system *system)
 
 static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
 
+/* The first level from this one on that is taken: few of them where each needs tables of many modes. */
+static int level_from(const aoi_adaptive *run, double level)
+{
+    return run->grain * (int)ceil(level / run->grain);
+}
+
 void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, size_t *row)
 {
     size_t ports = 0;
@@ -63,6 +83,10 @@ void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, si
 
 /* Work on a contact from the touch on, as a share of force times indentation: 1/(n+1) for a power n. */
 static const double HERTZ_SHARE = 0.4;
+
+/* The first step as a share of the time in and of a power of rtol, as far as the solution at an edge
+ * reaches, or where there is none, with a residual compliance; and at most. */
+static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
 /* About the indentation at which the law has taken an energy, and what a steady force adds to it on the
  * way: by the force, since what a plastic law gives back is only a part of it. */
@@ -100,6 +124,17 @@ static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
     }
 }
 
+/* The residual compliance between the bodies of a joint. */
+static double residual_of(const aoi_system *system, const aoi_joint *joint)
+{
+    double sum = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = &system->body[joint->body[side]];
+        sum += body->residual ? body->residual[joint->port[side] * (body->ports + 1)] : 0.0;
+    }
+    return sum;
+}
+
 /* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
  * that the first steps are rather too careful. */
 static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *pair, double rate,
@@ -110,6 +145,7 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
     double mobility, swing;
     aoi_law_value value;
     mobility_of(pair, &mobility, &swing);
+    contact->mobility = mobility;
     rate = fmax(rate, 0.0);
     acceleration = fmax(acceleration, 0.0);
     if (!(mobility > 0.0) || !(rate + acceleration > 0.0)) {
@@ -141,21 +177,13 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
         run->level = HIGHEST_LEVEL;
     }
     /* The motion starts like t + t^(7/2): the first step resolves that to rtol. */
-    const double levels = log2(run->base / (3.0 * time * pow(run->rtol, 1.0 / 3.5)));
-    if (fabs(levels) < DEEPEST_LEVEL && (int)ceil(levels) > run->level) {
-        run->level = (int)ceil(levels);
+    const double first = time * (residual_of(run->system, &run->system->joint[joint]) > 0.0
+                                     ? BENT_START * pow(run->rtol, 1.0 / 3.5)
+                                     : fmin(EDGE_START * pow(run->rtol, 1.0 / 3.5), MOST_START));
+    const double levels = LEVELS * log2(run->base / first);
+    if (fabs(levels) < DEEPEST_LEVEL && level_from(run, levels) > run->level) {
+        run->level = level_from(run, levels);
     }
-}
-
-/* The residual compliance between the bodies of a joint. */
-static double residual_of(const aoi_system *system, const aoi_joint *joint)
-{
-    double sum = 0.0;
-    for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = &system->body[joint->body[side]];
-        sum += body->residual ? body->residual[joint->port[side] * (body->ports + 1)] : 0.0;
-    }
-    return sum;
 }
 
 /* Lists it among the closed ones, which stay in order. */
@@ -187,7 +215,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t joint)
     contact->slack = 0.0;
     contact->start = fmax(here, rest); /* exactly: what is left off here would add up */
     contact->start_rate = rate;
-    contact->last_length = contact->since_touch = 0.0;
+    contact->last_length = contact->since_touch = contact->edge = 0.0;
     contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
                                    &contact->low, &contact->high);
     aoi_law_force(of->law, contact->memory, contact->piece, contact->start, rate, &value);
@@ -359,6 +387,7 @@ int aoi_adaptive_start(aoi_adaptive *run)
     aoi_adaptive_size(run->system, &work, &lists, &run->row_size);
     run->span = span_of(run->system);
     run->level = 0;
+    run->grain = aoi_system_most_modes(run->system) > 1 ? LEVELS : 1;
     run->base = run->indentation_scale = run->impulse_scale = 0.0;
     run->origin = run->time;
     run->elapsed = 0.0;
@@ -467,7 +496,7 @@ static int flight(aoi_adaptive *run)
 static int watch_flights(aoi_adaptive *run)
 {
     const size_t none = run->system->joint_count;
-    const double now = aoi_run_now(run), step = ldexp(run->base, -run->level);
+    const double now = aoi_run_now(run), step = step_of_level(run);
     const double rounding = 4.0 * DBL_EPSILON * now;
     const double due = fmin(nextafter(now + rounding, HUGE_VAL), run->end);
     const double ahead = fmax(now + STEPS_AHEAD * step, now + 2.0 * rounding);
@@ -508,11 +537,21 @@ static int prepare(aoi_adaptive *run, double *limit)
     return AOI_OK;
 }
 
-/* The level of a step at most half as long as h. */
-static int level_below(const aoi_adaptive *run, double h)
+/* Takes the level of a step at most so long; in any case a finer one. */
+static void refine(aoi_adaptive *run, double h)
 {
-    const int level = (int)ceil(log2(2.0 * run->base / h));
-    return level > run->level ? level : run->level + 1;
+    const int level = level_from(run, LEVELS * log2(run->base / h));
+    run->level = level > run->level ? level : level_from(run, run->level + 1);
+}
+
+/* Takes a coarser level where that is worth new tables, and not likely to fail. */
+static void coarsen(aoi_adaptive *run, double growth)
+{
+    const double longer = LEVELS * log2(fmin(growth, MOST_GROWTH));
+    const int level = level_from(run, run->level - longer);
+    if (level <= run->level - LEAST_RISE && level >= HIGHEST_LEVEL) {
+        run->level = level;
+    }
 }
 
 /* What to do after a step that cannot be taken: events at its start, an earlier end, a finer level. */
@@ -534,10 +573,7 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
         growth = 0.4;
     }
     run->rejected++;
-    run->level = attempt->h < ldexp(run->base, -run->level)
-                     ? level_below(run, attempt->h)
-                     : run->level + 1;
-    run->level += (growth < 0.25) + 2 * (growth < 0.06);
+    refine(run, attempt->h * fmin(fmax(growth, LEAST_SHRINKAGE), MOST_SHRINKAGE));
     *trim = HUGE_VAL;
     return AOI_OK;
 }
@@ -555,13 +591,26 @@ static int law_fails(aoi_adaptive *run)
     return 0;
 }
 
+/* The length of the next step, and its level if it has one: none if it ends where something happens. */
+static double step_length(const aoi_adaptive *run, double limit, double trim, int *level)
+{
+    const double usual = step_of_level(run), stop = fmin(limit, trim);
+    const double h = trim < HUGE_VAL ? usual : aoi_release_step(run, usual);
+    *level = h < usual ? AOI_NO_LEVEL : run->level;
+    if (stop <= h * (1.0 + SLIVER)) { /* and no sliver is left over */
+        *level = AOI_NO_LEVEL;
+        return stop;
+    }
+    return h;
+}
+
 static int contact_step(aoi_adaptive *run, double *row, size_t *size)
 {
     double limit, trim = HUGE_VAL;
     int trims = 0, idle = 0;
     if (run->base == 0.0) {
         run->base = run->end - aoi_run_now(run);
-        run->level = 10;
+        run->level = 10 * LEVELS;
     }
     int status = prepare(run, &limit);
     while (status == AOI_OK && run->level < DEEPEST_LEVEL && idle++ < MOST_IDLE) {
@@ -569,12 +618,8 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             *size = 0;
             return AOI_OK;
         }
-        double h = ldexp(run->base, -run->level);
-        int level = run->level;
-        if (fmin(limit, trim) <= h * (1.0 + SLIVER)) { /* and no sliver is left over */
-            h = fmin(limit, trim);
-            level = AOI_NO_LEVEL;
-        }
+        int level;
+        const double h = step_length(run, limit, trim, &level);
         if (!(run->elapsed + h > run->elapsed)) {
             break; /* shorter than the clock can tell */
         }
@@ -582,9 +627,9 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
         aoi_step_try(run, h, level, &attempt);
         if (attempt.growth >= 1.0 && attempt.place >= 1.0 && !attempt.closed) {
             status = aoi_step_accept(run, &attempt, row, size);
-            const int longer =
-                (attempt.growth >= 2.0) + (attempt.growth >= 4.0) + (attempt.growth >= 8.0);
-            run->level -= level == AOI_NO_LEVEL || run->level - longer < HIGHEST_LEVEL ? 0 : longer;
+            if (level != AOI_NO_LEVEL) {
+                coarsen(run, attempt.growth);
+            }
             run->time = aoi_run_now(run);
             if (run->end - run->time <= 4.0 * DBL_EPSILON * run->end) {
                 run->time = run->end;

@@ -28,6 +28,9 @@ typedef struct aoi_attempt {
 /* The time now. */
 double aoi_run_now(const aoi_adaptive *run);
 
+/* How far below its level a quantity of that scale may be where its event happens. */
+double aoi_event_tolerance(const aoi_adaptive *run, double scale);
+
 /* Lists the contacts of the step that begins now and brings their bodies here. */
 void aoi_step_prepare(aoi_adaptive *run);
 
@@ -47,6 +50,14 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
  * ever: take a shorter step. */
 int aoi_step_at_start(aoi_adaptive *run, double place);
 
+/* In what time the only closed contact will let go, if its force goes on as a power of the indentation and
+ * nothing else happens; infinite where it does not move out, or not within the time given. */
+double aoi_release_after(const aoi_adaptive *run, double within);
+
+/* The length of the next step, at most h: shorter where the only contact is about to let go, so that the
+ * last step ends there and is no longer than such a step may be. */
+double aoi_release_step(const aoi_adaptive *run, double h);
+
 /* Closes a contact where its bodies are now. */
 void aoi_contact_close(aoi_adaptive *run, size_t joint);
 
@@ -63,7 +74,7 @@ void aoi_body_note_change(aoi_adaptive *run, size_t b);
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how);
 
 /* The two bodies of a joint, at the time now, in place. */
-void aoi_pair_now(aoi_adaptive *run, size_t joint, aoi_flight *pair);
+void aoi_pair_now(const aoi_adaptive *run, size_t joint, aoi_flight *pair);
 
 /* Nothing is watched yet. */
 void aoi_watch_begin(aoi_adaptive *run);

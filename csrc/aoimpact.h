@@ -771,13 +771,19 @@ void aoi_response_push(const aoi_modes *body, double h, const double *force, dou
 /* In place of a law's piece: bodies that overlap while the law, which may not pull, gives no force. */
 enum { AOI_SLACK = -1 };
 
-/* One contact during a step. The caller sets the first block: the piece of the law and its memory;
- * indentation, rate and force at the start of the step; what counts as large for the indentation; the
- * motion without contact forces, and a guess of the indentation and its rate. */
+/* Where in a step a contact's force begins or ends, like t^(3/2): a polynomial through its values at the
+ * nodes would miss part of its impulse, the nearest polynomial does not. */
+enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
+
+/* One contact during a step. The caller sets the first block: the piece of the law and its memory; which
+ * edge of the contact the step has; indentation, rate and force at the start of the step; what counts as
+ * large for the indentation; the motion without contact forces, and a guess of the indentation and its
+ * rate. */
 typedef struct aoi_stage {
     size_t joint;
     const double *memory;
     int piece;
+    enum aoi_edge edge;
     double start, start_rate, start_force, scale;
     double homogeneous[AOI_STAGES], homogeneous_rate[AOI_STAGES];
     double indentation[AOI_STAGES], rate[AOI_STAGES];
@@ -790,8 +796,12 @@ typedef struct aoi_stage {
  * are at most span places apart. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
-/* Solves F = law(indentation, rate) at all nodes of all contacts together by Newton's method, to rounding
- * of each one's scale. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
+/* Whether a law of these contacts depends on rates, or has to see them turn. */
+int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_stage *stage);
+
+/* Solves F = law(indentation, rate) of all contacts together by Newton's method, to rounding of each one's
+ * scale: F at all nodes, or, at an edge (of bodies without residual compliance), the polynomial nearest to
+ * the law's force. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
  * body. AOI_ERROR_NO_CONVERGENCE where the guess was too far: take a shorter step. */
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_stage *stage, double *work);
@@ -804,6 +814,12 @@ typedef struct aoi_collocation_error {
 } aoi_collocation_error;
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_stage *stage, aoi_collocation_error *error);
+
+/* At the nodes of the part of a step up to place (0 .. 1): the polynomial nearest there to the law's force
+ * along an indentation given by its Legendre coefficients. What the bodies do within a step with an edge
+ * follows from that to the same digits as what they do over all of it. h: of the step. */
+void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
+                             double h, const double *legendre, double place, double *force);
 
 /* int F dt over the step, and int F d(indentation). */
 double aoi_collocation_impulse(const aoi_stage *stage, double h);
@@ -819,13 +835,14 @@ enum aoi_track { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TR
                  AOI_TRACK_SIZE, AOI_TRACK_FIXED, AOI_TRACK_STATE = 3 };
 
 /* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0);
- * piece, memory, work done on it before (J), indentation and rate at the start; the force at the nodes; the
- * Legendre coefficients of the indentation. One that is in no row any more without having ended, or goes
- * on as AOI_SLACK, has ended where its last row with force does. */
+ * the edge it was solved with; piece, memory, work done on it before (J), indentation and rate at the start;
+ * the force at the nodes; the Legendre coefficients of the indentation. One that is in no row any more
+ * without having ended, or goes on as AOI_SLACK, has ended where its last row with force does. */
 enum aoi_track_contact {
     AOI_TRACK_JOINT = 0,
     AOI_TRACK_BEGINS,
     AOI_TRACK_ENDS,
+    AOI_TRACK_EDGE,
     AOI_TRACK_PIECE,
     AOI_TRACK_MEMORY,
     AOI_TRACK_WORK = AOI_TRACK_MEMORY + AOI_LAW_MEMORY,
@@ -853,6 +870,8 @@ typedef struct aoi_follower {
 typedef struct aoi_contact_state {
     int closed, begins, piece;
     double low, high; /* ends of the piece */
+    double mobility;  /* of both ports under a sudden force, 1/kg */
+    double edge;      /* length of a step that its beginning, so its end, allows; 0: not known */
     double memory[AOI_LAW_MEMORY];
     double start, start_rate, force; /* now, while closed */
     double indentation_scale, impulse_scale, rate_scale;
@@ -892,7 +911,8 @@ typedef struct aoi_adaptive {
     aoi_list engaged, changed; /* bodies: in this step; since their last row              */
     size_t span, row_size;
     size_t closed_count, stage_count; /* the stages: closed contacts first, then those beside them */
-    int level;                        /* steps are base 2^-level long */
+    int level;                        /* steps are base 2^(-level/4) long */
+    int grain;                        /* of which only these multiples are taken */
     double base;
     double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
     double origin, elapsed; /* time is their sum: short steps of a late contact */
@@ -951,6 +971,8 @@ typedef struct aoi_sampler {
     double *work;
 
     size_t row, most_modes;
+    int has_edge; /* a contact of the row was solved with an edge      */
+    double part;  /* of the row up to where port_force goes: else 1    */
     double *port_force, *states;
     double *settled; /* work on each contact up to the end of its last row; NaN: not yet asked for */
 } aoi_sampler;

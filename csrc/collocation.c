@@ -11,8 +11,11 @@ enum { MOST_ITERATIONS = 25, SQUARE = AOI_STAGES * AOI_STAGES };
  * changes no longer shrink: rounding. */
 static const double CONVERGED = 1e-15, ROUNDING = 1e-12;
 
-/* Converging quadratically: the next change will be below rounding. */
-static const double QUADRATIC = 0.01, NEXT_CHANGE = 1e-16;
+/* The matrix is kept as long as a change is smaller than the one before by this. */
+static const double KEPT = 1e-3;
+
+/* With the matrix of the change before, the error falls by twice the ratio of the last changes. */
+static const double FALL = 2.0, NEXT_CHANGE = 1e-16;
 
 /* aoi_vector_dot of a length that the compiler knows. */
 static inline double dot_of_stages(const double *x, const double *y)
@@ -25,8 +28,7 @@ static inline double dot_of_stages(const double *x, const double *y)
     return even + odd;
 }
 
-/* Whether the rates are wanted: by a law, or to see them turn. */
-static int wants_rates(const aoi_system *system, const aoi_stage *stage, size_t count)
+int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_stage *stage)
 {
     for (size_t s = 0; s < count; s++) {
         const aoi_law *law = system->joint[stage[s].joint].law;
@@ -122,9 +124,9 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
 }
 
 /* Gauss without pivoting within a band: I + influence diag(stiffness), with influence nearly a
- * Volterra operator, has pivots near or above one. Element (i, j) is matrix[i * stride + j]. */
-static inline void eliminate(size_t n, size_t half, size_t stride, double *matrix,
-                             double *right)
+ * Volterra operator, has pivots near or above one. Element (i, j) is matrix[i * stride + j]. Leaves the
+ * factors to the left of the diagonal, and the inverse pivots on it. */
+static void factorise_band(size_t n, size_t half, size_t stride, double *matrix)
 {
     for (size_t k = 0; k < n; k++) {
         const double inverse = 1.0 / matrix[k * stride + k];
@@ -136,9 +138,41 @@ static inline void eliminate(size_t n, size_t half, size_t stride, double *matri
             for (size_t q = k + 1; q <= last; q++) {
                 row[q] -= factor * pivot_row[q];
             }
-            right[i] -= factor * right[k];
+            row[k] = factor;
         }
         matrix[k * stride + k] = inverse;
+    }
+}
+
+/* The same for one contact, by whole rows: their length the compiler knows. */
+static void factorise_one(double *matrix)
+{
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        double pivot_row[AOI_STAGES], *row = matrix + k * AOI_STAGES;
+        const double inverse = 1.0 / row[k];
+        for (size_t q = 0; q < AOI_STAGES; q++) {
+            pivot_row[q] = q > k ? row[q] : 0.0;
+        }
+        row[k] = inverse;
+        for (size_t i = k + 1; i < AOI_STAGES; i++) {
+            row = matrix + i * AOI_STAGES;
+            const double factor = row[k] * inverse;
+            for (size_t q = 0; q < AOI_STAGES; q++) {
+                row[q] -= factor * pivot_row[q];
+            }
+            row[k] = factor;
+        }
+    }
+}
+
+static inline void substitute(size_t n, size_t half, size_t stride, const double *matrix, double *right)
+{
+    for (size_t k = 1; k < n; k++) {
+        double sum = right[k];
+        for (size_t q = k > half ? k - half : 0; q < k; q++) {
+            sum -= matrix[k * stride + q] * right[q];
+        }
+        right[k] = sum;
     }
     /* The newest entry last, and no division: each step waits for one product of the step before. */
     for (size_t k = n; k-- > 0;) {
@@ -150,155 +184,325 @@ static inline void eliminate(size_t n, size_t half, size_t stride, double *matri
     }
 }
 
-/* Row (s, i) of Newton's equations for the forces:
- * F + stiffness (A F) + damping (B F) = f + stiffness (delta_h - delta) + damping (rate_h - rate). */
-static double newton_row(const couplings *of, const aoi_stage *stage, size_t s, size_t i,
-                         const aoi_law_value *value, double *row)
+/* From values at the start and the nodes to the points where the law is asked at an edge. */
+static void to_edge(enum aoi_edge edge, double start, const double *nodes, double *points)
 {
-    const aoi_stage *here = &stage[s];
-    for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
-        const double *a = block_of(of, of->displacement, s, t) + i * AOI_STAGES;
-        for (size_t k = 0; k < AOI_STAGES; k++) {
-            row[t * AOI_STAGES + k] = value->stiffness * a[k];
-        }
-        if (of->rate) {
-            const double *b = block_of(of, of->rate, s, t) + i * AOI_STAGES;
-            for (size_t k = 0; k < AOI_STAGES; k++) {
-                row[t * AOI_STAGES + k] += value->damping * b[k];
-            }
-        }
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        const double *row = aoi_radau_indentation_at_edge[edge][k];
+        points[k] = row[0] * start + dot_of_stages(row + 1, nodes);
     }
-    row[s * AOI_STAGES + i] += 1.0;
-    double right = value->force + value->stiffness * (here->homogeneous[i] - here->indentation[i]);
-    if (of->rate) {
-        right += value->damping * (here->homogeneous_rate[i] - here->rate[i]);
-    }
-    return right;
 }
 
-/* From the forces (in right) to indentations and rates; the largest change relative to scale. */
-static double update(const couplings *of, const double *right, aoi_stage *stage)
+/* From forces at those points to the polynomial nearest to them. */
+static void from_edge(enum aoi_edge edge, double *force)
 {
-    double largest = 0.0;
-    for (size_t s = 0; s < of->count; s++) {
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            double indentation = 0.0, rate = 0.0;
-            for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
-                const double *a = block_of(of, of->displacement, s, t) + i * AOI_STAGES;
-                indentation += dot_of_stages(a, right + t * AOI_STAGES);
-                if (of->rate) {
-                    const double *b = block_of(of, of->rate, s, t) + i * AOI_STAGES;
-                    rate += dot_of_stages(b, right + t * AOI_STAGES);
-                }
+    double nodes[AOI_STAGES];
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        nodes[i] = dot_of_stages(aoi_radau_edge_projection[edge][i], force);
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        force[i] = nodes[i];
+    }
+}
+
+void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
+                             double h, const double *legendre, double place, double *force)
+{
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        aoi_law_value value;
+        double slope;
+        const double indentation = aoi_legendre_evaluate(
+            AOI_STAGES + 1, legendre, place * aoi_radau_edge_point[edge][k], &slope);
+        aoi_law_force(law, memory, piece, indentation, slope / h, &value);
+        force[k] = value.force;
+    }
+    from_edge(edge, force);
+}
+
+/* What a law gives where it is asked: at the nodes, or at the points of an edge. */
+typedef struct reply {
+    double force[AOI_STAGES], stiffness[AOI_STAGES], damping[AOI_STAGES];
+} reply;
+
+static void ask(const aoi_system *system, const aoi_stage *stage, int with_rates, reply *of)
+{
+    double at_points[AOI_STAGES], rates_there[AOI_STAGES];
+    const double *indentation = stage->indentation, *rate = stage->rate;
+    const aoi_law *law = system->joint[stage->joint].law;
+    if (stage->piece == AOI_SLACK) {
+        *of = (reply){{0.0}, {0.0}, {0.0}};
+        return;
+    }
+    if (stage->edge != AOI_EDGE_NONE) {
+        to_edge(stage->edge, stage->start, stage->indentation, at_points);
+        indentation = at_points;
+    }
+    if (stage->edge != AOI_EDGE_NONE && with_rates) {
+        to_edge(stage->edge, stage->start_rate, stage->rate, rates_there);
+        rate = rates_there;
+    }
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        aoi_law_value value;
+        aoi_law_force(law, stage->memory, stage->piece, indentation[k], rate[k], &value);
+        of->force[k] = value.force;
+        of->stiffness[k] = value.stiffness;
+        of->damping[k] = value.damping;
+    }
+}
+
+/* Adds by[k] times row k of a block to row k of the matrix, or the same by way of an edge's points. */
+static void add_block(const aoi_stage *stage, const double *by, const double *block, size_t stride,
+                      double *matrix)
+{
+    for (size_t i = 0; i < AOI_STAGES && stage->edge == AOI_EDGE_NONE; i++) {
+        for (size_t q = 0; q < AOI_STAGES; q++) {
+            matrix[i * stride + q] += by[i] * block[i * AOI_STAGES + q];
+        }
+    }
+    for (size_t k = 0; k < AOI_STAGES && stage->edge != AOI_EDGE_NONE; k++) {
+        const double *at = aoi_radau_indentation_at_edge[stage->edge][k] + 1;
+        double row[AOI_STAGES] = {0.0};
+        for (size_t j = 0; j < AOI_STAGES; j++) {
+            for (size_t q = 0; q < AOI_STAGES; q++) {
+                row[q] += at[j] * block[j * AOI_STAGES + q];
             }
-            const double next = stage[s].homogeneous[i] - indentation;
-            const double change = fabs(next - stage[s].indentation[i]) / stage[s].scale;
+        }
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            const double share = aoi_radau_edge_projection[stage->edge][i][k] * by[k];
+            for (size_t q = 0; q < AOI_STAGES; q++) {
+                matrix[i * stride + q] += share * row[q];
+            }
+        }
+    }
+}
+
+/* Newton's equations for the forces, (1 + stiffness A + damping B) F = f + stiffness (delta_h - delta) +
+ * damping (rate_h - rate), and later for their changes: the same matrix, with f - F on the right. */
+typedef struct equations {
+    size_t n, half, stride, size;
+    double *storage, *matrix; /* element (i, j) is matrix[i * stride + j] */
+    double *right;            /* and the solution                         */
+} equations;
+
+/* In work space behind the couplings. */
+static equations lay_out(size_t count, size_t span, double *work)
+{
+    const size_t n = count * AOI_STAGES, half = half_width(count, span);
+    if (count == 1) {
+        return (equations){n, half, AOI_STAGES, SQUARE, work, work, work + SQUARE};
+    }
+    const size_t size = n * (2 * half + 1);
+    return (equations){n, half, 2 * half, size, work, work + half, work + size};
+}
+
+/* Rows of a contact. */
+static void set_rows(const couplings *of, const aoi_stage *stage, size_t s, const reply *law,
+                     const equations *to)
+{
+    double *rows = to->matrix + s * AOI_STAGES * to->stride;
+    for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
+        double *block = rows + t * AOI_STAGES;
+        add_block(&stage[s], law->stiffness, block_of(of, of->displacement, s, t), to->stride, block);
+        if (of->rate) {
+            add_block(&stage[s], law->damping, block_of(of, of->rate, s, t), to->stride, block);
+        }
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        rows[i * to->stride + s * AOI_STAGES + i] += 1.0;
+    }
+}
+
+/* Adds factor times what the values lack of their aim, where the law is asked. */
+static void add_lack(const aoi_stage *stage, const double *aim, const double *values,
+                     const double *factor, double *to)
+{
+    double lack[AOI_STAGES], at_points[AOI_STAGES];
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        lack[i] = at_points[i] = aim[i] - values[i];
+    }
+    if (stage->edge != AOI_EDGE_NONE) {
+        to_edge(stage->edge, 0.0, lack, at_points);
+    }
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        to[k] += factor[k] * at_points[k];
+    }
+}
+
+/* The right-hand sides, and the matrix if it is to be renewed. */
+static void set_equations(const aoi_system *system, const couplings *of, const aoi_stage *stage,
+                          int first, int renew, const equations *to)
+{
+    for (size_t k = 0; k < to->size && renew; k++) {
+        to->storage[k] = 0.0;
+    }
+    for (size_t s = 0; s < of->count; s++) {
+        const aoi_stage *here = &stage[s];
+        double *right = to->right + s * AOI_STAGES;
+        reply law;
+        ask(system, here, of->rate != NULL, &law);
+        if (renew) {
+            set_rows(of, stage, s, &law, to);
+        }
+        if (first) {
+            add_lack(here, here->homogeneous, here->indentation, law.stiffness, law.force);
+        }
+        if (first && of->rate) {
+            add_lack(here, here->homogeneous_rate, here->rate, law.damping, law.force);
+        }
+        if (here->edge != AOI_EDGE_NONE) {
+            from_edge(here->edge, law.force);
+        }
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            right[i] = law.force[i] - (first ? 0.0 : here->force[i]);
+        }
+    }
+}
+
+static void solve(const couplings *of, int renew, const equations *to)
+{
+    if (of->count == 1) { /* sizes that the compiler knows */
+        if (renew) {
+            factorise_one(to->matrix);
+        }
+        substitute(AOI_STAGES, AOI_STAGES - 1, AOI_STAGES, to->matrix, to->right);
+        return;
+    }
+    if (renew) {
+        factorise_band(to->n, to->half, to->stride, to->matrix);
+    }
+    substitute(to->n, to->half, to->stride, to->matrix, to->right);
+}
+
+/* What forces of all contacts do to contact s at its nodes. */
+static void answer_of(const couplings *of, const double *values, size_t s, const double *force,
+                      double *answer)
+{
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        answer[i] = 0.0;
+    }
+    for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
+        const double *block = block_of(of, values, s, t), *by = force + t * AOI_STAGES;
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            answer[i] += dot_of_stages(block + i * AOI_STAGES, by);
+        }
+    }
+}
+
+/* From changes of the forces (the first: from nothing) to those of indentations and rates. Returns the
+ * largest relative to scale. */
+static double update(const couplings *of, const double *by, int first, aoi_stage *stage)
+{
+    double largest = 0.0, answer[AOI_STAGES];
+    for (size_t s = 0; s < of->count; s++) {
+        aoi_stage *here = &stage[s];
+        const double inverse = 1.0 / here->scale;
+        answer_of(of, of->displacement, s, by, answer);
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            const double next = (first ? here->homogeneous[i] : here->indentation[i]) - answer[i];
+            const double change = fabs(next - here->indentation[i]) * inverse;
             largest = change <= largest ? largest : change; /* NaN, too, is large */
-            stage[s].indentation[i] = next;
-            if (of->rate) {
-                stage[s].rate[i] = stage[s].homogeneous_rate[i] - rate;
+            here->indentation[i] = next;
+            here->force[i] = (first ? 0.0 : here->force[i]) + by[s * AOI_STAGES + i];
+        }
+        if (of->rate) {
+            answer_of(of, of->rate, s, by, answer);
+            for (size_t i = 0; i < AOI_STAGES; i++) {
+                here->rate[i] = (first ? here->homogeneous_rate[i] : here->rate[i]) - answer[i];
             }
         }
     }
     return largest;
 }
 
-static void law_at(const aoi_system *system, const aoi_stage *stage, size_t i, aoi_law_value *value)
-{
-    if (stage->piece == AOI_SLACK) {
-        *value = (aoi_law_value){0.0, 0.0, 0.0};
-        return;
-    }
-    const aoi_law *law = system->joint[stage->joint].law;
-    aoi_law_force(law, stage->memory, stage->piece, stage->indentation[i], stage->rate[i], value);
-}
-
-static double newton(const aoi_system *system, const couplings *of, aoi_stage *stage, double *matrix,
-                     double *right)
-{
-    const size_t n = of->count * AOI_STAGES, half = half_width(of->count, of->span);
-    const size_t width = of->count == 1 ? AOI_STAGES : 2 * half + 1;
-    double *origin = of->count == 1 ? matrix : matrix + half;
-    const size_t stride = of->count == 1 ? AOI_STAGES : width - 1;
-    for (size_t k = 0; of->count > 1 && k < n * width; k++) {
-        matrix[k] = 0.0;
-    }
-    for (size_t s = 0; s < of->count; s++) {
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            const size_t row = s * AOI_STAGES + i;
-            aoi_law_value value;
-            law_at(system, &stage[s], i, &value);
-            right[row] = newton_row(of, stage, s, i, &value, origin + row * stride);
-        }
-    }
-    if (of->count == 1) { /* sizes that the compiler knows */
-        eliminate(AOI_STAGES, AOI_STAGES - 1, AOI_STAGES, origin, right);
-    } else {
-        eliminate(n, half, stride, origin, right);
-    }
-    return update(of, right, stage);
-}
-
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_stage *stage, double *work)
 {
     const size_t blocks = blocks_of(count, span), size = count * blocks * SQUARE;
-    const int with_rates = wants_rates(system, stage, count);
+    const int with_rates = aoi_collocation_wants_rates(system, count, stage);
     couplings of = {count, count == 1 ? 0 : span, blocks, work, with_rates ? work + size : NULL};
-    double *matrix = work + 2 * size;
-    double *right = matrix + count * AOI_STAGES * (2 * half_width(count, span) + 1);
+    const equations newton = lay_out(count, span, work + 2 * size);
     double before = HUGE_VAL;
+    int renew = 1;
     couple(system, response, h, stage, &of);
     for (int i = 0; i < MOST_ITERATIONS; i++) {
-        const double change = newton(system, &of, stage, matrix, right);
+        set_equations(system, &of, stage, i == 0, renew, &newton);
+        solve(&of, renew, &newton);
+        const double change = update(&of, newton.right, i == 0, stage), ratio = change / before;
         if (!isfinite(change)) {
             return AOI_ERROR_NO_CONVERGENCE;
         }
-        const double ratio = change / before;
         if (change <= CONVERGED || (change <= ROUNDING && ratio >= 0.5) ||
-            (i > 0 && ratio < QUADRATIC && ratio * ratio * change <= NEXT_CHANGE)) {
-            for (size_t k = 0; k < count * AOI_STAGES; k++) {
-                aoi_law_value value;
-                law_at(system, &stage[k / AOI_STAGES], k % AOI_STAGES, &value);
-                stage[k / AOI_STAGES].force[k % AOI_STAGES] = value.force;
-            }
+            (i > 0 && ratio < KEPT && FALL * ratio * change <= NEXT_CHANGE)) {
             return AOI_OK;
         }
+        renew = i > 0 && !(ratio < KEPT);
         before = change;
     }
     return AOI_ERROR_NO_CONVERGENCE;
 }
 
-/* The response at node i of both bodies' ports to a unit impulse on the contact. */
-static double answer_at(const aoi_response *response, const aoi_joint *joint, size_t i)
+/* What a contact of both bodies answers to at the nodes after a unit impulse. */
+static void answers(const aoi_response *response, const aoi_joint *joint, double *answer)
 {
-    return response[joint->body[0]].answer[joint->port[0] * AOI_STAGES + i] +
-           response[joint->body[1]].answer[joint->port[1] * AOI_STAGES + i];
+    const double *first = response[joint->body[0]].answer + joint->port[0] * AOI_STAGES;
+    const double *second = response[joint->body[1]].answer + joint->port[1] * AOI_STAGES;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        answer[i] = first[i] + second[i];
+    }
+}
+
+/* The law's force minus the polynomial's somewhere in the step; at: the cardinal polynomials of 0 and the
+ * nodes there, of: those of the nodes. */
+static double defect_at(const aoi_law *law, const aoi_stage *stage, const double *at, const double *of)
+{
+    aoi_law_value value;
+    const double indentation = at[0] * stage->start + dot_of_stages(at + 1, stage->indentation);
+    const double rate = law->depends_on_rate
+                            ? at[0] * stage->start_rate + dot_of_stages(at + 1, stage->rate)
+                            : 0.0;
+    aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
+    return value.force - dot_of_stages(of, stage->force);
+}
+
+/* Between the nodes. */
+static void defects(const aoi_law *law, const aoi_stage *stage, double h, const double *answer,
+                    aoi_collocation_error *error)
+{
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        const double weighted =
+            h * aoi_radau_extra_weight[i] *
+            defect_at(law, stage, aoi_radau_indentation_at_extra[i], aoi_radau_force_at_extra[i]);
+        error->impulse += weighted;
+        error->indentation += answer[i] * weighted;
+    }
+}
+
+/* At an edge, by a finer rule. */
+static void edge_defects(const aoi_law *law, const aoi_stage *stage, double h, const double *answer,
+                         aoi_collocation_error *error)
+{
+    for (size_t k = 0; k < AOI_EDGE_CHECKS; k++) {
+        const double weighted = h * aoi_radau_check_weight[k] *
+                                defect_at(law, stage, aoi_radau_indentation_at_check[stage->edge][k],
+                                          aoi_radau_force_at_check[stage->edge][k]);
+        error->impulse += weighted;
+        error->indentation +=
+            weighted * dot_of_stages(aoi_radau_answer_at_check[stage->edge][k], answer);
+    }
 }
 
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_stage *stage, aoi_collocation_error *error)
 {
     const aoi_joint *joint = &system->joint[stage->joint];
-    const aoi_law *law = joint->law;
-    double values[AOI_STAGES + 1] = {stage->start}, rates[AOI_STAGES + 1] = {stage->start_rate};
+    double values[AOI_STAGES + 1] = {stage->start}, answer[AOI_STAGES];
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
+    answers(response, joint, answer);
+    if (stage->piece != AOI_SLACK) {
+        (stage->edge == AOI_EDGE_NONE ? defects : edge_defects)(joint->law, stage, h, answer, error);
+    }
     for (size_t i = 0; i < AOI_STAGES; i++) {
         values[i + 1] = stage->indentation[i];
-        rates[i + 1] = stage->rate[i];
-    }
-    for (size_t i = 0; i < AOI_STAGES && stage->piece != AOI_SLACK; i++) {
-        aoi_law_value value;
-        const double *at = aoi_radau_indentation_at_extra[i];
-        const double rate = law->depends_on_rate ? aoi_vector_dot(AOI_STAGES + 1, at, rates) : 0.0;
-        const double indentation =
-            at[AOI_STAGES] * values[AOI_STAGES] + dot_of_stages(at, values);
-        aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
-        const double defect =
-            value.force - dot_of_stages(aoi_radau_force_at_extra[i], stage->force);
-        const double weighted = h * aoi_radau_extra_weight[i] * defect;
-        error->impulse += weighted;
-        error->indentation += answer_at(response, joint, i) * weighted;
     }
     aoi_legendre_fit(values, stage->legendre);
     const double *c = stage->legendre;

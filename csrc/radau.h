@@ -4,7 +4,7 @@
 
 #include "aoimpact.h"
 
-enum { AOI_RADAU_MOMENTS = 13 };
+enum { AOI_RADAU_MOMENTS = 13, AOI_EDGE_CHECKS = 10 };
 
 extern const double aoi_radau_node[AOI_STAGES];
 extern const double aoi_radau_to_legendre[AOI_STAGES][AOI_STAGES];
@@ -16,5 +16,12 @@ extern const double aoi_radau_extra_weight[AOI_STAGES];
 extern const double aoi_radau_force_at_extra[AOI_STAGES][AOI_STAGES];
 extern const double aoi_radau_indentation_at_extra[AOI_STAGES][AOI_STAGES + 1];
 extern const double aoi_radau_slope_at_node[AOI_STAGES][AOI_STAGES + 1];
+extern const double aoi_radau_edge_point[2][AOI_STAGES];
+extern const double aoi_radau_indentation_at_edge[2][AOI_STAGES][AOI_STAGES + 1];
+extern const double aoi_radau_edge_projection[2][AOI_STAGES][AOI_STAGES];
+extern const double aoi_radau_check_weight[AOI_EDGE_CHECKS];
+extern const double aoi_radau_force_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES];
+extern const double aoi_radau_indentation_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES + 1];
+extern const double aoi_radau_answer_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES];
 
 #endif

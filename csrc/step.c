@@ -37,10 +37,25 @@ static const double CAUTION = 0.9;
  * nodes: in steps that grow, but not by leaps. */
 static const double SLACK_GROWTH = 2.0;
 
+/* A step ends where a contact lets go if it does so to this share of its length. */
+static const double EDGE_WIDTH = 0.1;
+
+/* Beside an edge a step may be so much longer than the one with it; and how much longer than that one,
+ * if its error says so, the other edge's may be. */
+static const double EDGE_GROWTH = 2.0, EDGE_REACH = 1.4;
+
+/* It begins where it touches if it is no deeper there than this share of how far it could go in it. */
+static const double EDGE_DEPTH = 1e-3;
+
 /* Newton's convergence is judged on no smaller indentation than this share of the largest. */
 static const double NEWTON_SHARE = 1e-6;
 
 double aoi_run_now(const aoi_adaptive *run) { return run->origin + run->elapsed; }
+
+double aoi_event_tolerance(const aoi_adaptive *run, double scale)
+{
+    return fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) * scale;
+}
 
 static const aoi_law *law_of(const aoi_adaptive *run, const aoi_stage *stage)
 {
@@ -111,7 +126,7 @@ void aoi_body_note_change(aoi_adaptive *run, size_t b)
     }
 }
 
-void aoi_pair_now(aoi_adaptive *run, size_t joint, aoi_flight *pair)
+void aoi_pair_now(const aoi_adaptive *run, size_t joint, aoi_flight *pair)
 {
     const aoi_joint *of = &run->system->joint[joint];
     for (int side = 0; side < 2; side++) {
@@ -209,9 +224,9 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
     run->response[b] = body->table[oldest];
 }
 
-/* The share of the residual compliances in a contact, of forces at the start (per newton of which the
- * polynomials will take account): what the indentation would be more without them. */
-static double held_back(const aoi_adaptive *run, size_t joint, double *kept)
+/* What the forces at the start of the step bend the residual compliances of a contact by. The indentation
+ * then has it in it already; the motion without contact forces has not. */
+static double bent_at_start(const aoi_adaptive *run, size_t joint)
 {
     const aoi_joint *of = &run->system->joint[joint];
     double sum = 0.0;
@@ -226,18 +241,16 @@ static double held_back(const aoi_adaptive *run, size_t joint, double *kept)
             sum += (side == other ? 1.0 : -1.0) * compliance * run->contact[joint_by].force;
         }
     }
-    *kept = sum;
     return sum;
 }
 
 static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_rates)
 {
     const aoi_joint *joint = &run->system->joint[stage->joint];
-    double held;
-    const double start = stage->start + held_back(run, stage->joint, &held);
+    const double bent = bent_at_start(run, stage->joint);
     for (size_t i = 0; i < AOI_STAGES; i++) {
-        stage->homogeneous[i] = start;
-        stage->homogeneous_rate[i] = -held / h * aoi_radau_slope_at_node[i][0];
+        stage->homogeneous[i] = stage->start + bent;
+        stage->homogeneous_rate[i] = -bent / h * aoi_radau_slope_at_node[i][0];
     }
     for (int side = 0; side < 2; side++) {
         const size_t b = joint->body[side], at = run->system->first[b];
@@ -271,6 +284,30 @@ static void guess(const aoi_contact_state *contact, double h, double usual, aoi_
     stage->scale = fmax(largest, NEWTON_SHARE * usual);
 }
 
+/* Whether a residual compliance lies between the bodies of a contact: its velocity changes at once where
+ * the force begins or ends. */
+static int bends(const aoi_adaptive *run, size_t joint)
+{
+    const size_t *body = run->system->joint[joint].body;
+    return run->system->body[body[0]].residual != NULL || run->system->body[body[1]].residual != NULL;
+}
+
+/* Which edge of a contact a step of length h has. */
+static enum aoi_edge edge_of(const aoi_adaptive *run, size_t joint, double h)
+{
+    const aoi_contact_state *contact = &run->contact[joint];
+    if (!contact->closed || contact->piece == AOI_SLACK || bends(run, joint)) {
+        return AOI_EDGE_NONE;
+    }
+    if (contact->begins) { /* from touch, not pressed together */
+        const double rest = aoi_law_rest(run->system->joint[joint].law, contact->memory);
+        return contact->start - rest <= EDGE_DEPTH * h * contact->start_rate ? AOI_EDGE_START
+                                                                             : AOI_EDGE_NONE;
+    }
+    const double left = aoi_release_after(run, 2.0 * h);
+    return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;
+}
+
 /* Fills the stage of a contact, open or closed, for a step of length h. */
 static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
 {
@@ -278,6 +315,7 @@ static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
     const aoi_contact_state *contact = &run->contact[stage->joint];
     stage->memory = contact->memory;
     stage->piece = contact->closed ? contact->piece : AOI_SLACK;
+    stage->edge = edge_of(run, stage->joint, h);
     stage->start_force = contact->force;
     stage->start = contact->start;
     stage->start_rate = contact->start_rate;
@@ -287,8 +325,7 @@ static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
         aoi_pair_now(run, stage->joint, &pair);
         aoi_flight_indentation(&pair, &stage->start, &stage->start_rate, &acceleration);
         stage->start_force = 0.0;
-        double held;
-        stage->start -= held_back(run, stage->joint, &held);
+        stage->start -= bent_at_start(run, stage->joint);
     }
     homogeneous(run, stage, h, with_rates);
     if (s < run->closed_count) {
@@ -312,43 +349,58 @@ static double scale_of(const aoi_adaptive *run, const aoi_stage *stage, double l
                 LESSER_SHARE * run->indentation_scale);
 }
 
-/* By how much the step could be longer, as far as this contact goes. */
+/* By how much more of the force an error of the indentation makes under this law than under Hertz's. */
+static double steepness_of(const aoi_adaptive *run, const aoi_stage *stage, double largest)
+{
+    aoi_law_value value;
+    aoi_law_push(law_of(run, stage), stage->memory, largest, stage->start_rate, &value);
+    /* Of the largest force: a small one at the end of a contact is not to be right to itself. */
+    const double force = fmax(value.force, run->contact[stage->joint].peak_force);
+    return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
+}
+
+/* The errors of a step as shares of what they may be. No step can do better than rounding. */
+static void judge(aoi_adaptive *run, aoi_stage *stage, double h, double *within, double *handed_on)
+{
+    const aoi_contact_state *contact = &run->contact[stage->joint];
+    const double largest = largest_of(stage), scale = scale_of(run, stage, largest);
+    const double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
+    const int at_an_end = contact->last_length == 0.0 || stage->indentation[AOI_STAGES - 1] <= 0.0;
+    const double end_share = at_an_end ? END_SHARE : 1.0;
+    const double tail_share = TAIL_SHARE * (bends(run, stage->joint) ? end_share : 1.0) * run->rtol;
+    const double step_share = STEP_SHARE * end_share * run->rtol;
+    aoi_collocation_error error;
+    aoi_collocation_estimate(run->system, run->response, h, stage, &error);
+    *within = steepness_of(run, stage, largest) * error.tail /
+              (fmax(tail_share, 8.0 * DBL_EPSILON) * scale);
+    *handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
+                 fmax(step_share, 2.0 * DBL_EPSILON);
+}
+
+/* By how much the step could be longer, as far as this contact goes. At an edge errors grow like the
+ * powers of time that a polynomial misses: d^(3/2) makes t^(7/2) of the motion, t^(5/2) of the impulse. */
 static double growth_of(aoi_adaptive *run, aoi_stage *stage, double h)
 {
-    const aoi_joint *joint = &run->system->joint[stage->joint];
-    const aoi_contact_state *contact = &run->contact[stage->joint];
-    aoi_collocation_error error;
-    aoi_law_value value;
-    aoi_collocation_estimate(run->system, run->response, h, stage, &error);
+    const int at_edge = stage->edge != AOI_EDGE_NONE;
+    double within, handed_on;
+    judge(run, stage, h, &within, &handed_on);
     if (stage->piece == AOI_SLACK) {
         return SLACK_GROWTH;
     }
-    const double largest = largest_of(stage), scale = scale_of(run, stage, largest);
-    const double impulse_scale =
-        fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
-    /* A massless contact changes its velocity at once where the force ends: a bend to fit. */
-    const int at_an_end = contact->last_length == 0.0 || stage->indentation[AOI_STAGES - 1] <= 0.0;
-    const int bends = run->system->body[joint->body[0]].residual != NULL ||
-                      run->system->body[joint->body[1]].residual != NULL;
-    const double end_share = at_an_end ? END_SHARE : 1.0;
-    /* No step can do better than rounding. */
-    const double tail_share =
-        fmax(TAIL_SHARE * (bends ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
-    const double step_share = fmax(STEP_SHARE * end_share * run->rtol, 2.0 * DBL_EPSILON);
-    /* A law of a high power makes more of an error of the indentation than Hertz's. */
-    aoi_law_push(joint->law, stage->memory, largest, stage->start_rate, &value);
-    /* Of the largest force: a small one at the end of a contact is not to be right to itself. */
-    const double force = fmax(value.force, contact->peak_force);
-    const double steepness = force > 0.0 ? value.stiffness * largest / (1.5 * force) : 1.0;
-    const double within = fmax(steepness, 1.0) * error.tail / (tail_share * scale);
-    const double handed_on =
-        (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) / step_share;
-    const double growth = CAUTION * fmin(pow(within, -1.0 / (AOI_STAGES + 1)),
-                                         pow(handed_on, -1.0 / (2 * AOI_STAGES)));
-    if (within <= 1.0 && handed_on <= 1.0) {
-        return fmax(growth, 1.0);
-    } /* NaN, too, is no success */
-    return growth < CAUTION ? growth : (isnan(within + handed_on) ? 0.0 : CAUTION);
+    if (isnan(within + handed_on)) {
+        return 0.0;
+    }
+    const double growth =
+        CAUTION * fmin(pow(within, at_edge ? -1.0 / 3.5 : -1.0 / (AOI_STAGES + 1)),
+                       pow(handed_on, at_edge ? -1.0 / 2.5 : -1.0 / (2 * AOI_STAGES)));
+    if (within > 1.0 || handed_on > 1.0) {
+        return fmin(growth, CAUTION);
+    }
+    if (at_edge) {
+        run->contact[stage->joint].edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
+        return EDGE_GROWTH;
+    }
+    return fmax(growth, 1.0);
 }
 
 /* ------------------------------------------------------------------------------------ events */
@@ -397,23 +449,32 @@ static void line_up(double start, const double *nodes, double factor, double shi
     }
 }
 
+/* The piece of the law that a contact is on, or would be if it were not slack. */
+static int piece_of(const aoi_law *law, const aoi_stage *stage)
+{
+    double low, high;
+    return stage->piece != AOI_SLACK
+               ? stage->piece
+               : aoi_law_piece(law, stage->memory, stage->start, stage->start_rate > 0.0, &low, &high);
+}
+
 /* Where the law's own force, which is cut at zero, changes its sign. */
 static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
 {
     aoi_contact_state *contact = &run->contact[stage->joint];
     const aoi_law *law = law_of(run, stage);
+    const int piece = piece_of(law, stage);
     double force[AOI_STAGES], values[AOI_STAGES + 1], largest = 0.0;
     aoi_law_value value;
     for (size_t i = 0; i < AOI_STAGES; i++) {
-        aoi_law_force(law, stage->memory, stage->piece == AOI_SLACK ? 0 : stage->piece,
-                      stage->indentation[i], stage->rate[i], &value);
+        aoi_law_force(law, stage->memory, piece, stage->indentation[i], stage->rate[i], &value);
         force[i] = value.force;
         largest = fmax(largest, fabs(value.force));
     }
     largest = fmax(largest, contact->peak_force);
-    const double tolerance = fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) * largest;
+    const double tolerance = aoi_event_tolerance(run, largest);
     if (stage->piece == AOI_SLACK) {
-        aoi_law_force(law, stage->memory, 0, stage->start, stage->start_rate, &value);
+        aoi_law_force(law, stage->memory, piece, stage->start, stage->start_rate, &value);
         line_up(fmin(value.force, 0.0), force, -1.0, 0.0, values);
         falls(values, tolerance, AOI_EVENT_TIGHTEN, contact, attempt);
     } else {
@@ -427,8 +488,7 @@ static void closed_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *atte
     const aoi_law *law = law_of(run, stage);
     aoi_contact_state *contact = &run->contact[stage->joint];
     const double rest = aoi_law_rest(law, stage->memory);
-    const double tolerance = fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) *
-                             scale_of(run, stage, largest_of(stage));
+    const double tolerance = aoi_event_tolerance(run, scale_of(run, stage, largest_of(stage)));
     double values[AOI_STAGES + 1];
     line_up(stage->start, stage->indentation, 1.0, -rest, values);
     falls(values, tolerance, AOI_EVENT_OPEN, contact, attempt);
@@ -547,17 +607,6 @@ static void open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attemp
 
 /* ------------------------------------------------------------------------------- the attempt */
 
-static int wants_rates(const aoi_adaptive *run)
-{
-    for (size_t s = 0; s < run->closed_count; s++) {
-        const aoi_law *law = law_of(run, &run->stage[s]);
-        if (law->depends_on_rate || law->turns) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 /* Contacts that share a body are at most so many stages apart. */
 static size_t span_of(const aoi_adaptive *run)
 {
@@ -568,7 +617,8 @@ static size_t span_of(const aoi_adaptive *run)
 
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
 {
-    const int with_rates = wants_rates(run);
+    const int with_rates =
+        aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
     *attempt = (aoi_attempt){h, 0.0, 2.0, 0};
     for (size_t i = 0; i < run->engaged.count; i++) {
         make_response(run, run->engaged.at[i], h, level, with_rates);
@@ -600,54 +650,90 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
 
 /* -------------------------------------------------------------------------------- acceptance */
 
+/* Where in the step the force has its largest maximum: that of the indentation, or, under a law that
+ * depends on the rate, before it. 1 where there is none inside. */
+static double top_of(const aoi_law *law, const aoi_stage *stage)
+{
+    double place, value, by_force[AOI_STAGES];
+    if (!law->depends_on_rate) {
+        return aoi_legendre_top(AOI_STAGES + 1, stage->legendre, &place, &value) ? place : 1.0;
+    }
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        by_force[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], stage->force);
+    }
+    return aoi_legendre_top(AOI_STAGES, by_force, &place, &value) ? place : 1.0;
+}
+
+static void take_peak(const aoi_adaptive *run, double force, double after, aoi_contact_state *contact)
+{
+    if (force > contact->peak_force) {
+        contact->peak_force = force;
+        contact->peak_time = aoi_run_now(run) + after;
+    }
+}
+
 static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h, aoi_contact_state *contact)
 {
     const aoi_law *law = law_of(run, stage);
-    double place = 1.0, slope, force = 0.0, by_force[AOI_STAGES];
-    const double *of = stage->legendre;
-    aoi_law_value value;
-    size_t count = AOI_STAGES + 1;
+    double force = 0.0, rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1];
     for (size_t i = 0; i < AOI_STAGES; i++) {
         force = fmax(force, stage->force[i]);
+        rates[i + 1] = stage->rate[i];
     }
     if (force < CAUTION * contact->peak_force) {
         return;
     }
-    if (law->depends_on_rate) { /* the force has its maximum before the indentation */
-        for (size_t k = 0; k < AOI_STAGES; k++) {
-            by_force[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], stage->force);
-        }
-        of = by_force;
-        count = AOI_STAGES;
-        if (stage->start_force > contact->peak_force) {
-            contact->peak_force = stage->start_force;
-            contact->peak_time = aoi_run_now(run);
-        }
-    }
-    double inside, rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1];
-    if (!aoi_legendre_top(count, of, &place, &inside)) {
-        place = 1.0;
-    }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        rates[i + 1] = stage->rate[i];
+    if (law->depends_on_rate) {
+        take_peak(run, stage->start_force, 0.0, contact);
     }
     aoi_legendre_fit(rates, by_rate); /* a slope over a very short step would be noise */
-    for (int end = 0; end < 2; end++) {
-        const double at = end ? 1.0 : place;
+    const double places[2] = {top_of(law, stage), 1.0};
+    for (int i = 0; i < 2; i++) {
+        double slope;
+        aoi_law_value value;
         const double indentation =
-            aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, at, &slope);
+            aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, places[i], &slope);
         aoi_law_force(law, stage->memory, stage->piece, indentation,
-                      aoi_legendre_evaluate(AOI_STAGES + 1, by_rate, at, &slope), &value);
-        if (value.force > contact->peak_force) {
-            contact->peak_force = value.force;
-            contact->peak_time = aoi_run_now(run) + at * h;
-        }
+                      aoi_legendre_evaluate(AOI_STAGES + 1, by_rate, places[i], &slope), &value);
+        take_peak(run, value.force, places[i] * h, contact);
+    }
+}
+
+static size_t write_body(const aoi_adaptive *run, size_t b, double *row)
+{
+    const size_t n = run->system->body[b].n, first = run->system->first[b];
+    row[0] = (double)b;
+    row[1] = run->body[b].work;
+    row[2] = run->body[b].dissipated;
+    for (size_t j = 0; j < n; j++) {
+        row[AOI_TRACK_STATE + j] = run->x[first + j];
+        row[AOI_TRACK_STATE + n + j] = run->v[first + j];
+    }
+    return AOI_TRACK_STATE + 2 * n;
+}
+
+static void write_contact(const aoi_contact_state *contact, const aoi_stage *stage, double *of)
+{
+    const int ends = contact->event == AOI_EVENT_OPEN || contact->event == AOI_EVENT_SLACKEN;
+    of[AOI_TRACK_JOINT] = (double)stage->joint;
+    of[AOI_TRACK_BEGINS] = contact->begins && stage->piece != AOI_SLACK;
+    of[AOI_TRACK_ENDS] = ends && stage->piece != AOI_SLACK;
+    of[AOI_TRACK_EDGE] = stage->edge;
+    of[AOI_TRACK_PIECE] = stage->piece;
+    of[AOI_TRACK_WORK] = contact->work;
+    for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
+        of[AOI_TRACK_MEMORY + i] = contact->memory[i];
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        of[AOI_TRACK_FORCE + i] = stage->force[i];
+    }
+    for (size_t i = 0; i <= AOI_STAGES; i++) {
+        of[AOI_TRACK_INDENTATION + i] = stage->legendre[i];
     }
 }
 
 size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
 {
-    const aoi_system *system = run->system;
     size_t at = AOI_TRACK_FIXED;
     for (size_t i = 0; contacts > 0 && i < run->engaged.count; i++) {
         if (run->body[run->engaged.at[i]].engaged == 2) {
@@ -656,37 +742,12 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
     }
     const size_t bodies = run->changed.count;
     for (size_t i = 0; i < bodies; i++) {
-        const size_t b = run->changed.at[i], n = system->body[b].n, first = system->first[b];
-        row[at++] = (double)b;
-        row[at++] = run->body[b].work;
-        row[at++] = run->body[b].dissipated;
-        for (size_t j = 0; j < n; j++) {
-            row[at + j] = run->x[first + j];
-            row[at + n + j] = run->v[first + j];
-        }
-        at += 2 * n;
-        run->body[b].changed = 0;
+        at += write_body(run, run->changed.at[i], row + at);
+        run->body[run->changed.at[i]].changed = 0;
     }
     run->changed.count = 0;
     for (size_t s = 0; s < contacts; s++, at += AOI_TRACK_CONTACT_SIZE) {
-        const aoi_stage *stage = &run->stage[s];
-        const aoi_contact_state *contact = &run->contact[stage->joint];
-        double *of = row + at;
-        const int ends = contact->event == AOI_EVENT_OPEN || contact->event == AOI_EVENT_SLACKEN;
-        of[AOI_TRACK_JOINT] = (double)stage->joint;
-        of[AOI_TRACK_BEGINS] = contact->begins && stage->piece != AOI_SLACK;
-        of[AOI_TRACK_ENDS] = ends && stage->piece != AOI_SLACK;
-        of[AOI_TRACK_PIECE] = stage->piece;
-        of[AOI_TRACK_WORK] = contact->work;
-        for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
-            of[AOI_TRACK_MEMORY + i] = contact->memory[i];
-        }
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            of[AOI_TRACK_FORCE + i] = stage->force[i];
-        }
-        for (size_t i = 0; i <= AOI_STAGES; i++) {
-            of[AOI_TRACK_INDENTATION + i] = stage->legendre[i];
-        }
+        write_contact(&run->contact[run->stage[s].joint], &run->stage[s], row + at);
     }
     row[AOI_TRACK_START] = aoi_run_now(run);
     row[AOI_TRACK_LENGTH] = h;
@@ -859,7 +920,8 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
 {
     const double h = attempt->h, later = run->origin + (run->elapsed + h);
-    const int with_rates = wants_rates(run);
+    const int with_rates =
+        aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
     *size = aoi_step_write(run, h, run->closed_count, row);
     move_bodies(run, h, later);
     for (size_t s = 0; s < run->closed_count; s++) {

@@ -17,11 +17,45 @@ size_t aoi_sampler_rows(const aoi_system *system)
            AOI_PORT_ROWS * system->first_port[system->body_count];
 }
 
-/* The forces of the present row on all ports. */
-static void gather(aoi_sampler *sampler)
+static const double *row_of(const aoi_sampler *sampler, size_t row)
+{
+    return sampler->track + sampler->index[row];
+}
+
+/* The force's polynomial over a contact's row. */
+static void fit_force(const double *of, double *legendre)
+{
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
+    }
+}
+
+/* The force of a contact at the nodes of the part of its row up to place. At an edge that is the
+ * polynomial nearest on that part: the row's own is right only on the whole. */
+static void force_on_part(const aoi_sampler *sampler, size_t c, double place, double *force)
+{
+    const double *of = sampler->track + sampler->contact_at[c], *whole = of + AOI_TRACK_FORCE;
+    const double h = row_of(sampler, sampler->contact_row[c])[AOI_TRACK_LENGTH];
+    if (place < 1.0 && of[AOI_TRACK_EDGE] != AOI_EDGE_NONE) {
+        aoi_collocation_on_part((enum aoi_edge)of[AOI_TRACK_EDGE], sampler->system->joint[c].law,
+                                of + AOI_TRACK_MEMORY, (int)of[AOI_TRACK_PIECE], h,
+                                of + AOI_TRACK_INDENTATION, place, force);
+        return;
+    }
+    double legendre[AOI_STAGES], slope;
+    fit_force(of, legendre);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        const double at = place * aoi_radau_node[i];
+        force[i] = place < 1.0 ? aoi_legendre_evaluate(AOI_STAGES, legendre, at, &slope) : whole[i];
+    }
+}
+
+/* The forces on all ports, of a part of the present row; part: up to where. */
+static void gather(aoi_sampler *sampler, double part)
 {
     const aoi_system *system = sampler->system;
     const size_t ports = system->first_port[system->body_count];
+    sampler->part = part;
     for (size_t k = 0; k < ports * AOI_STAGES; k++) {
         sampler->port_force[k] = 0.0;
     }
@@ -29,7 +63,8 @@ static void gather(aoi_sampler *sampler)
         if (sampler->contact_row[c] != sampler->row) {
             continue;
         }
-        const double *force = sampler->track + sampler->contact_at[c] + AOI_TRACK_FORCE;
+        double force[AOI_STAGES];
+        force_on_part(sampler, c, part, force);
         for (int side = 0; side < 2; side++) {
             const size_t port = system->first_port[system->joint[c].body[side]] +
                                 system->joint[c].port[side];
@@ -46,6 +81,7 @@ static void enter_row(aoi_sampler *sampler, size_t row)
     const double *here = sampler->track + sampler->index[row];
     size_t at = sampler->index[row] + AOI_TRACK_FIXED;
     sampler->row = row;
+    sampler->has_edge = 0;
     for (size_t i = 0; i < (size_t)here[AOI_TRACK_BODIES]; i++) {
         const size_t b = (size_t)sampler->track[at];
         sampler->body_row[b] = row;
@@ -57,6 +93,7 @@ static void enter_row(aoi_sampler *sampler, size_t row)
         sampler->contact_row[c] = row;
         sampler->contact_at[c] = at;
         sampler->settled[c] = NAN;
+        sampler->has_edge |= sampler->track[at + AOI_TRACK_EDGE] != AOI_EDGE_NONE;
         at += AOI_TRACK_CONTACT_SIZE;
     }
 }
@@ -75,8 +112,9 @@ static int number_below(double value, size_t limit, size_t *number)
 /* Whether a contact of a row can be read. */
 static int contact_is_sound(const aoi_system *system, const double *of)
 {
-    size_t joint, piece;
-    if (!number_below(of[AOI_TRACK_JOINT], system->joint_count, &joint)) {
+    size_t joint, edge, piece;
+    if (!number_below(of[AOI_TRACK_JOINT], system->joint_count, &joint) ||
+        !number_below(of[AOI_TRACK_EDGE], AOI_EDGE_NONE + 1, &edge)) {
         return 0;
     }
     const aoi_law *law = system->joint[joint].law;
@@ -155,25 +193,8 @@ int aoi_sampler_start(aoi_sampler *sampler)
             return AOI_ERROR_ARGUMENT;
         }
     }
-    gather(sampler);
+    gather(sampler, 1.0);
     return AOI_OK;
-}
-
-static const double *row_of(const aoi_sampler *sampler, size_t row)
-{
-    return sampler->track + sampler->index[row];
-}
-
-static void advance(aoi_sampler *sampler, double time)
-{
-    const size_t before = sampler->row;
-    while (sampler->row + 1 < sampler->rows &&
-           row_of(sampler, sampler->row + 1)[AOI_TRACK_START] <= time) {
-        enter_row(sampler, sampler->row + 1);
-    }
-    if (sampler->row != before) {
-        gather(sampler);
-    }
 }
 
 /* Where in the present row a time lies; 1 after it. */
@@ -182,6 +203,21 @@ static double place_of(const aoi_sampler *sampler, double time)
     const double *row = row_of(sampler, sampler->row);
     const double length = row[AOI_TRACK_LENGTH], into = time - row[AOI_TRACK_START];
     return length > 0.0 ? fmin(1.0, into / length) : 1.0;
+}
+
+/* Goes on to the row of a time, and to the forces up to there. */
+static void advance(aoi_sampler *sampler, double time)
+{
+    const size_t before = sampler->row;
+    while (sampler->row + 1 < sampler->rows &&
+           row_of(sampler, sampler->row + 1)[AOI_TRACK_START] <= time) {
+        enter_row(sampler, sampler->row + 1);
+    }
+    const double place = place_of(sampler, time);
+    const double part = sampler->has_edge && place > 0.0 ? place : 1.0;
+    if (sampler->row != before || sampler->part != part) {
+        gather(sampler, part);
+    }
 }
 
 /* x, v of a body at a time, into state (2n). Returns whether forces have acted on it since its row. */
@@ -198,9 +234,9 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
     const double place = pushed ? place_of(sampler, time) : 0.0;
     aoi_modes_fly(body, start, pushed ? start + place * length : time, state, state + body->n);
     if (pushed) {
-        aoi_response_push(body, length,
-                          sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, place,
-                          state, state + body->n);
+        aoi_response_push(body, sampler->part * length,
+                          sampler->port_force + sampler->system->first_port[b] * AOI_STAGES,
+                          place / sampler->part, state, state + body->n);
         aoi_modes_fly(body, start + length, time, state, state + body->n);
     }
     return pushed;
@@ -212,25 +248,17 @@ void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *s
     (void)state_at(sampler, time, body, state);
 }
 
-/* The force's polynomial over a contact's row. */
-static void fit_force(const double *of, double *legendre)
-{
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
-    }
-}
-
 /* Work on a contact over its row up to place: the quadrature of the run itself, on that part. */
-static double contact_work(const double *of, double place)
+static double contact_work(const aoi_sampler *sampler, size_t c, double place)
 {
-    double legendre[AOI_STAGES], work = 0.0;
-    fit_force(of, legendre);
+    const double *of = sampler->track + sampler->contact_at[c];
+    double force[AOI_STAGES], work = 0.0;
+    force_on_part(sampler, c, place, force);
     for (size_t i = 0; i < AOI_STAGES; i++) {
-        double slope, ignored;
-        const double at = place * aoi_radau_node[i];
-        (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, at, &slope);
-        work += aoi_radau_to_legendre[0][i] * place *
-                aoi_legendre_evaluate(AOI_STAGES, legendre, at, &ignored) * slope;
+        double slope;
+        (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION,
+                                    place * aoi_radau_node[i], &slope);
+        work += aoi_radau_to_legendre[0][i] * place * force[i] * slope;
     }
     return work;
 }
@@ -259,7 +287,8 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
         aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
     if (piece != AOI_SLACK) {
         aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
-        if (law->depends_on_rate) { /* the slope over a very short step is noise */
+        if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {
+            /* The slope over a very short step is noise, but not at an edge. */
             value.force = force_at(of, place);
         }
         value.force = law->pulls || value.force > 0.0 ? value.force : 0.0;
@@ -273,7 +302,7 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
                                                                       indentation);
         record[2 * stride] = elastic;
         record[3 * stride] =
-            is_elastic(law) ? 0.0 : of[AOI_TRACK_WORK] + contact_work(of, place) - elastic;
+            is_elastic(law) ? 0.0 : of[AOI_TRACK_WORK] + contact_work(sampler, c, place) - elastic;
     }
     return value.force;
 }
@@ -294,7 +323,7 @@ static double lost_in(aoi_sampler *sampler, size_t c)
     }
     if (isnan(sampler->settled[c])) {
         const double *of = sampler->track + sampler->contact_at[c];
-        sampler->settled[c] = of[AOI_TRACK_WORK] + contact_work(of, 1.0);
+        sampler->settled[c] = of[AOI_TRACK_WORK] + contact_work(sampler, c, 1.0);
     }
     return sampler->settled[c];
 }
@@ -320,7 +349,8 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
     const double *x0 = held + AOI_TRACK_STATE, *v0 = x0 + body->n;
     double *scratch = sampler->states + 4 * sampler->most_modes, more, lost;
     if (pushed) {
-        aoi_modes_step_work(body, start, row[AOI_TRACK_LENGTH], place_of(sampler, time),
+        aoi_modes_step_work(body, start, sampler->part * row[AOI_TRACK_LENGTH],
+                            place_of(sampler, time) / sampler->part,
                             sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, x0, v0,
                             state, state + body->n, scratch, &more, &lost);
     } else {

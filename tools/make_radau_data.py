@@ -11,6 +11,7 @@ mp.mp.dps = 60
 
 STAGES = 8
 MOMENTS = 13  # AOI_RADAU_MOMENTS: z^(2m)/(2m)! at z = 3 is below 1e-15 beyond them
+CHECKS = 10  # AOI_EDGE_CHECKS: a finer rule than that of the STAGES points at an edge
 
 
 def shifted_legendre(n: int) -> list[mp.mpf]:
@@ -120,6 +121,38 @@ def extra_weights(nodes: list[mp.mpf], extra: list[mp.mpf]) -> list[mp.mpf]:
     return [weights[i] for i in range(STAGES, n)]
 
 
+def edge_rule(count: int) -> tuple[list[mp.mpf], list[mp.mpf]]:
+    """Gauss's rule in s, for the integral over x = s^2 on [0, 1]: points x and weights.
+
+    A force that begins like x^(3/2) is smooth in s.
+    """
+    roots = sorted(
+        mp.re(r) for r in mp.polyroots(shifted_legendre(count)[::-1], 500, extraprec=400)
+    )
+    rows = [[mp.legendre(k, 2 * s - 1) for s in roots] for k in range(count)]
+    weights = mp.lu_solve(mp.matrix(rows), mp.matrix([1] + [0] * (count - 1)))
+    return [s**2 for s in roots], [2 * s * weights[i] for i, s in enumerate(roots)]
+
+
+def edge_points(count: int) -> list[list[mp.mpf]]:
+    """The points near the start of the step, and, mirrored, near its end."""
+    points = edge_rule(count)[0]
+    return [points, [1 - x for x in points]]
+
+
+def projection(nodes: list[mp.mpf], points: list[mp.mpf]) -> list[list[mp.mpf]]:
+    """From values at the edge points to the values at the nodes of the nearest polynomial."""
+    weights = edge_rule(len(points))[1]
+
+    def one(c: mp.mpf, x: mp.mpf) -> mp.mpf:
+        return sum(
+            (2 * k + 1) * at(shifted_legendre(k), c) * at(shifted_legendre(k), x)
+            for k in range(STAGES)
+        )
+
+    return [[w * one(c, x) for x, w in zip(points, weights, strict=True)] for c in nodes]
+
+
 def written(value: object) -> str:
     if isinstance(value, list):
         return "{" + ", ".join(written(v) for v in value) + "}"
@@ -192,6 +225,39 @@ def main() -> None:
         "Slopes at the nodes of the cardinal polynomials of 0 and the nodes.",
         "slope_at_node[AOI_STAGES][AOI_STAGES + 1]",
         slopes(ends, nodes),
+    )
+
+    edges, checks = edge_points(STAGES), edge_points(CHECKS)
+    declare("Points at an edge.", "edge_point[2][AOI_STAGES]", edges)
+    declare(
+        "Cardinal polynomials of 0 and the nodes at the points of an edge.",
+        "indentation_at_edge[2][AOI_STAGES][AOI_STAGES + 1]",
+        [[lagrange(ends, x) for x in points] for points in edges],
+    )
+    declare(
+        "From values at the points of an edge to the nodes, by the nearest polynomial.",
+        "edge_projection[2][AOI_STAGES][AOI_STAGES]",
+        [projection(nodes, points) for points in edges],
+    )
+    declare(
+        "Weights of the finer rule at an edge.",
+        "check_weight[AOI_EDGE_CHECKS]",
+        edge_rule(CHECKS)[1],
+    )
+    declare(
+        "l_j at its points.",
+        "force_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES]",
+        [[lagrange(nodes, x) for x in points] for points in checks],
+    )
+    declare(
+        "Cardinal polynomials of 0 and the nodes there.",
+        "indentation_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES + 1]",
+        [[lagrange(ends, x) for x in points] for points in checks],
+    )
+    declare(
+        "Those of the nodes at what is left of the step there.",
+        "answer_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES]",
+        [[lagrange(ends, 1 - x)[1:] for x in points] for points in checks],
     )
 
 

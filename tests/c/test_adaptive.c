@@ -308,6 +308,25 @@ static void a_bouncing_ball_keeps_its_height(void)
     release(&p);
 }
 
+/* The end of a contact is foreseen, and its steps need no search: of a mass on a wall hardly one is in vain,
+ * and they are few, however tight the tolerance. */
+static void contacts_end_where_a_step_does(void)
+{
+    const aoi_law laws[] = {hertz(2e9), linear(1e6), law_named("power", 2, 1e7, 1.25, 0.0)};
+    for (int i = 0; i < 9; i++) {
+        plant p = {.bodies = 0};
+        add_rigid(&p, 0.3, 1.0);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &laws[i % 3]);
+        const double rtol = pow(10.0, -4.0 - 3.0 * (double)(i / 3));
+        must_go(&p, rtol, 0.05);
+        CHECK(!p.contact[0].closed && near(p.v[0], -1.0, rtol), "law %d: it has let go", i % 3);
+        CHECK(p.run.rejected <= 3 && p.run.steps <= 10 + (size_t)(4 * (i / 3)), "law %d, rtol %g: %zu steps, %zu in vain",
+              i % 3, rtol, p.run.steps, p.run.rejected);
+        release(&p);
+    }
+}
+
 /* Where a ball rests on its contact, k d^(3/2) = m g, it stays at rest; let go above, it swings about. */
 static void what_rests_goes_on_resting(void)
 {
@@ -562,6 +581,7 @@ int main(void)
     contacts_meet_by_any_mode();
     three_touch_at_once();
     a_bouncing_ball_keeps_its_height();
+    contacts_end_where_a_step_does();
     what_rests_goes_on_resting();
     preloaded_bodies_fly_apart();
     hunt_and_crossley_lose_what_they_must();

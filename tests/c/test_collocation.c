@@ -6,7 +6,7 @@
 enum { MOST_WORK = 200000 };
 
 /* All joints closed, at the beginning of a step of length h from the plant's start, solved. */
-static int solve(plant *p, double h, size_t span, int with_rates)
+static int solve_at_edge(plant *p, double h, size_t span, int with_rates, enum aoi_edge edge)
 {
     static double work[MOST_WORK];
     CHECK(aoi_collocation_size(p->joints, span) <= MOST_WORK, "room");
@@ -19,7 +19,7 @@ static int solve(plant *p, double h, size_t span, int with_rates)
         const aoi_joint *joint = &p->joint[c];
         double rate = 0.0, start = -joint->gap;
         aoi_stage *stage = &p->stage[c];
-        *stage = (aoi_stage){.joint = c, .piece = 0};
+        *stage = (aoi_stage){.joint = c, .piece = 0, .edge = edge};
         for (int side = 0; side < 2; side++) {
             const double sign = side == 0 ? 1.0 : -1.0;
             const size_t b = joint->body[side];
@@ -45,6 +45,11 @@ static int solve(plant *p, double h, size_t span, int with_rates)
         }
     }
     return aoi_collocation_solve(&p->system, p->response, h, p->joints, span, p->stage, work);
+}
+
+static int solve(plant *p, double h, size_t span, int with_rates)
+{
+    return solve_at_edge(p, h, span, with_rates, AOI_EDGE_NONE);
 }
 
 /* A plant with room for responses. */
@@ -243,6 +248,54 @@ static void the_estimate_is_the_error(void)
     }
 }
 
+/* The time from touch to a depth, or from there to the release, of a mass on a wall under Hertz's law: the
+ * series of int dx / sqrt(v^2 - 0.8 k x^(5/2) / m), v: velocity at touch. */
+static double way_in(double k, double m, double v, double depth)
+{
+    const double e = 0.8 * k * pow(depth, 2.5) / (m * v * v);
+    double factor = 1.0, sum = 1.0;
+    for (int j = 1; j < 200; j++) {
+        factor *= e * (2.0 * j - 1.0) / (2.0 * j);
+        sum += factor / (2.5 * j + 1.0);
+    }
+    return depth / v * sum;
+}
+
+/* A step that begins at the touch, or ends at the release, is as right as others: the closed form in
+ * place and velocity. Through the nodes alone it would not be, by far. */
+static void steps_at_the_edges_of_a_contact_are_right(void)
+{
+    const double k = 3.0, m = 2.0, v = 1.5;
+    const aoi_law law = hertz(k);
+    const double reach = pow(1.25 * m * v * v / k, 0.4);
+    for (int end = 0; end < 2; end++) {
+        const double depth = 0.08 * reach, h = way_in(k, m, v, depth);
+        const double inner = sqrt(v * v - 0.8 * k * pow(depth, 2.5) / m);
+        double error[2];
+        for (int plain = 0; plain < 2; plain++) {
+            plant p = {.bodies = 0};
+            add_rigid(&p, m, end ? -inner : v);
+            p.part[0].x[0] = end ? depth : 0.0;
+            add_wall(&p);
+            join_rigid(&p, 0, 1, 0.0, &law);
+            prepare(&p);
+            const enum aoi_edge edge = end ? AOI_EDGE_END : AOI_EDGE_START;
+            CHECK(solve_at_edge(&p, h, 0, 0, plain ? AOI_EDGE_NONE : edge) == AOI_OK, "solved");
+            aoi_collocation_error estimate;
+            aoi_collocation_estimate(&p.system, p.response, h, &p.stage[0], &estimate);
+            take_step(&p);
+            error[plain] = fmax(fabs(p.v[0] - (end ? -v : inner)) / v,
+                                fabs(p.x[0] - (end ? 0.0 : depth)) / reach);
+            CHECK(estimate.tail < 1e-7 * reach, "the motion is followed: %g", estimate.tail);
+            CHECK(fabs(estimate.impulse) < 10.0 * fmax(error[plain], 1e-14) * m * v, "impulse %g, error %g",
+                  estimate.impulse, error[plain]);
+            free(p.work);
+        }
+        CHECK(error[0] < 1e-12 && error[1] > 1e3 * error[0], "edge %d: off by %g, else by %g", end,
+              error[0], error[1]);
+    }
+}
+
 static void the_tail_is_the_error_within_the_step(void)
 {
     const aoi_law law = linear(4.0);
@@ -325,6 +378,7 @@ int main(void)
     massless_contacts_share_their_compliance();
     the_end_of_a_step_is_of_order_fifteen();
     the_estimate_is_the_error();
+    steps_at_the_edges_of_a_contact_are_right();
     the_tail_is_the_error_within_the_step();
     impulse_and_work_are_momentum_and_energy();
     no_number_is_no_solution();
