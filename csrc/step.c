@@ -359,6 +359,31 @@ static double steepness_of(const aoi_adaptive *run, const aoi_stage *stage, doub
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
 
+/* What the last coefficients of the force's polynomial hold. A massless contact under a law of the rate
+ * follows its forces at once: they may run away from a smooth indentation, within the time that law and
+ * compliance make together. */
+static double force_tail(const aoi_stage *stage)
+{
+    double c[4];
+    for (size_t k = 0; k < 4; k++) {
+        c[k] = fabs(aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[AOI_STAGES - 1 - k], stage->force));
+    }
+    const double last = c[0] + 0.2 * c[1], before = c[2] + 0.2 * c[3];
+    return last < before ? last * sqrt(last / before) : last;
+}
+
+/* What counts as large for its force: what it has seen, or what its impulse takes at the pace at which
+ * the bodies met. */
+static double force_scale(const aoi_contact_state *contact, const aoi_stage *stage, double impulse,
+                          double indentation)
+{
+    double largest = fmax(contact->peak_force, impulse * contact->rate_scale / indentation);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        largest = fmax(largest, stage->force[i]);
+    }
+    return largest;
+}
+
 /* The errors of a step as shares of what they may be. No step can do better than rounding. */
 static void judge(aoi_adaptive *run, aoi_stage *stage, double h, double *within, double *handed_on)
 {
@@ -367,12 +392,17 @@ static void judge(aoi_adaptive *run, aoi_stage *stage, double h, double *within,
     const double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
     const int at_an_end = contact->last_length == 0.0 || stage->indentation[AOI_STAGES - 1] <= 0.0;
     const double end_share = at_an_end ? END_SHARE : 1.0;
-    const double tail_share = TAIL_SHARE * (bends(run, stage->joint) ? end_share : 1.0) * run->rtol;
+    const int bent = bends(run, stage->joint);
+    const double tail_share =
+        fmax(TAIL_SHARE * (bent ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
     const double step_share = STEP_SHARE * end_share * run->rtol;
     aoi_collocation_error error;
     aoi_collocation_estimate(run->system, run->response, h, stage, &error);
-    *within = steepness_of(run, stage, largest) * error.tail /
-              (fmax(tail_share, 8.0 * DBL_EPSILON) * scale);
+    *within = steepness_of(run, stage, largest) * error.tail / (tail_share * scale);
+    if (bent && run->system->joint[stage->joint].law->depends_on_rate) {
+        const double size = force_scale(contact, stage, impulse_scale, scale);
+        *within = fmax(*within, force_tail(stage) / (tail_share * size));
+    }
     *handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }

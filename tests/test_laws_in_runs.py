@@ -109,3 +109,28 @@ def test_a_force_below_all_numbers_is_none(n: float) -> None:
     hit = ao.simulate(projectile=ball, target=ball, law=law, velocity=1.0, duration=1e-4)
     assert hit.peak_force < 1e-180
     assert hit.rebound_velocity == 1.0
+
+
+@pytest.mark.filterwarnings("ignore:.*ends in contact")  # the force falls for ever
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-9])
+@pytest.mark.parametrize("lag", [0.01, 0.07, 0.15])
+def test_a_massless_contact_follows_a_damper_within_its_own_time(lag, rtol):
+    """The force peaks within a thousandth of the record, while the indentation is smooth.
+
+    A ball on a spring k1 and a damper in series: F'' + F' k1/c + F k1/m = 0 from F = 0, k1 v.
+    """
+    mass, k1, velocity = 1.0, 1e6, 0.5
+    damping = 2.0 * lag * math.sqrt(k1 * mass)
+    decay = 0.5 * k1 / damping
+    root = math.sqrt(decay**2 - k1 / mass)
+    time = math.atanh(root / decay) / root
+    peak = k1 * velocity * math.exp(-decay * time) * math.sinh(root * time) / root
+    result = ao.simulate(
+        projectile=ao.rigid(mass=mass),
+        target=ao.AOModel(m0=0.0, k0=0.0, m=[1e12], k=[k1]),
+        law=ao.KelvinVoigt(k=1e-6, c=damping),
+        velocity=velocity,
+        duration=1e3 * time,
+        solver=ao.Adaptive(rtol=rtol),
+    )
+    assert result.peak_force == pytest.approx(peak, rel=rtol)
