@@ -282,6 +282,7 @@ MUTANTS = [
     ("modal.c", "1.0 + step->correct_v * twice_decay(modal, j) + stiffness", "1.0 + stiffness"),
     ("modal.c", "settled - residual_times(modal, p, force + ports)", "settled"),
     ("modal.c", "twice += force[p] * residual_times(modal, p, force)", "twice += 0.0"),
+    ("modal.c", "memset(force_of(body), 0, 2 * ports * sizeof(double));", ""),
     ("modal.c", "0.25 * step->dt * power", "0.5 * step->dt * power"),
     ("modal.c", "weight[j] / size * (dashpot / size)", "weight[j] / size * (spring / size)"),
     ("modal.c", "!(twice_decay(modal, j) >= 0.0)", "0"),
