@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .band import IntArray, narrow_order
 from .checks import positive
 from .errors import InputError
 from .events import Events
@@ -91,6 +92,9 @@ class Track:
     ----------
     bodies, joints : tuples
         The scene, as the core takes it.
+    order : ndarray, shape (contacts,), or None
+        Which contact each of the joints is, where the core takes them in another order. All else
+        is by contacts.
     duration : float
         s.
     events : tuple of Events
@@ -106,6 +110,7 @@ class Track:
 
     bodies: tuple[CoreBody, ...]
     joints: tuple[CoreJoint, ...]
+    order: IntArray | None = field(repr=False)
     duration: float
     events: tuple[Events, ...]
     touches: tuple[list[tuple[float, float]], ...] = field(repr=False)
@@ -171,6 +176,9 @@ class Track:
             record,
             energies,
         )
+        if self.order is not None:
+            contacts = record[: 4 * len(self.joints)].reshape(len(self.joints), 4, -1)
+            contacts[self.order] = contacts.copy()
         return record
 
     def states(self, times: FloatArray, body: int) -> tuple[FloatArray, FloatArray]:
@@ -208,7 +216,8 @@ def adaptive_run(
     ConvergenceError
         If the tolerance cannot be met; with the time.
     """
-    scene = tuple(bodies), tuple(joints)
+    order = _order(bodies, joints) if len(joints) > 2 else None
+    scene = tuple(bodies), tuple(joints if order is None else (joints[i] for i in order))
     x, v = x.copy(), v.copy()
     table, index, raw, contacts, steps, rejected = _core.adaptive(
         *scene, rtol, duration, x, v, most_steps
@@ -218,7 +227,16 @@ def adaptive_run(
         Events(peak, time, tuple(of), impulse)
         for (peak, time, impulse, _), of in zip(contacts, intervals, strict=True)
     )
-    return Track(*scene, duration, events, touches, steps, rejected, x, v, table, index)
+    if order is not None:
+        back = np.argsort(order)
+        events, touches = tuple(events[i] for i in back), tuple(touches[i] for i in back)
+    return Track(*scene, order, duration, events, touches, steps, rejected, x, v, table, index)
+
+
+def _order(bodies: Sequence[CoreBody], joints: Sequence[CoreJoint]) -> IntArray | None:
+    """Return a better order of the contacts; a wall hands the force of none on to the others."""
+    couples = [residual is not None or push.any() for _, _, _, push, residual, *_ in bodies]
+    return narrow_order([(joint[0], joint[2]) for joint in joints], couples)
 
 
 def _intervals(
