@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -26,8 +27,11 @@ CoreLaw = tuple[Any, ...]
 MOST_SHARE = 0.95
 
 # Own indentations, m, among which the one of that share is looked for.
-_INDENTATIONS = np.geomspace(1e-15, 10.0, 641)
+_DECADE = 40
+_INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
+# Logarithms: where the search for the deepest indentation begins, and how it goes on up.
+_SHALLOW, _STRIDE = -28.0, 0.35
 
 # Logarithm of the longest indentation, m, and the least work, J, that are told from infinity and 0.
 _LONGEST, _LEAST_WORK = 300.0, 1e-300
@@ -157,10 +161,9 @@ class ContactLaw:
             return compliance * self._evaluate(there, np.zeros(there.shape))[1] - MOST_SHARE
 
         within = _INDENTATIONS[self._limit() >= _INDENTATIONS]
-        beyond = np.flatnonzero(excess(within) >= 0.0)
-        if beyond.size == 0:
+        first = _first_beyond(excess, within)
+        if first is None:
             return math.inf
-        first = int(beyond[0])
         if first == 0:
             raise InputError(
                 f"compliance={compliance:g} m/N is more than {self!r} has itself: nothing is left "
@@ -197,9 +200,9 @@ class ContactLaw:
         def excess(log_indentation: float) -> float:
             return math.log(max(self._work(math.exp(log_indentation)), _LEAST_WORK) / wanted)
 
-        high = min(end, 0.0)
+        high = min(end, _SHALLOW)  # a user's law may end not far beyond what it is for
         while excess(high) < 0.0 and high < end:
-            high = min(high + 4.0, end)
+            high = min(high + _STRIDE, end)
         if excess(high) < 0.0:
             if high == _LONGEST:
                 raise InputError(f"{self!r} never takes an energy of {wanted:g} J")
@@ -219,6 +222,27 @@ class ContactLaw:
         if self.depends_on_rate:
             return integrated_restitution(self.force, mass, velocity, deepest)
         return math.sqrt(float(self.potential(deepest)) / self._work(deepest))
+
+
+def _first_beyond(
+    excess: Callable[[FloatArray], FloatArray], indentations: FloatArray
+) -> int | None:
+    """Return the index of the first indentation at which `excess` is not negative.
+
+    From the shallow ones on: a user's law may end, by what it raises, beyond what it is for, and
+    whoever goes there in a run hears of it.
+    """
+    for start in range(0, len(indentations), _DECADE):
+        try:
+            with np.errstate(all="ignore"):
+                found = np.flatnonzero(excess(indentations[start : start + _DECADE]) >= 0.0)
+        except Exception:
+            if start == 0:
+                raise
+            return None
+        if found.size:
+            return start + int(found[0])
+    return None
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,9 @@ from .law import ContactLaw
 
 __all__ = ["restitution"]
 
+# Beyond 1 that is nothing but the ten digits of an integration.
+_ROUNDING = 1e-9
+
 # Energies, J, from which powers of all quantities are still numbers.
 _LEAST = 1e-250
 
@@ -38,7 +41,8 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     Raises
     ------
     InputError, InputTypeError
-        If `law` is none, or `mass` or `velocity` is not positive, or numbers end on the way.
+        If `law` is none, or `mass` or `velocity` is not positive, or numbers end on the way, or a
+        user's law gives more energy than it takes.
     """
     if not isinstance(law, ContactLaw):
         raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
@@ -47,9 +51,15 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     if _LEAST < 0.5 * m * v * v < 1.0 / _LEAST:
         with suppress(ArithmeticError):
             delivered = law._restitution(m, v)
-    if not 0.0 <= delivered <= 1.0:
+    if 1.0 + _ROUNDING < delivered < math.inf:
+        raise InputError(
+            f"law={law!r} gives more energy than it takes: at mass={m:g} kg and velocity={v:g} m/s "
+            f"rigid bodies would part {delivered:g} times as fast as they meet; let its force be "
+            "no larger on the way out than on the way in"
+        )
+    if not 0.0 <= delivered < math.inf:
         raise InputError(
             f"mass={m:g} kg and velocity={v:g} m/s on {law!r}: some power of them is beyond the "
             "range of numbers; give values nearer to 1 (kg, m/s, N/m^n)"
         )
-    return delivered
+    return min(delivered, 1.0)

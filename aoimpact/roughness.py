@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import ConvergenceError, InputError
+from .errors import ConvergenceError
 from .law import ContactLaw
 from .laws import UserLaw
 from .plan import Joint, Plan
@@ -62,8 +62,9 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
     for place, pace in _PLACES:
         steps = np.arange(_POINTS, dtype=np.float64)
         try:
-            force = law.force(place * depth * (1.0 + _STEP * steps), pace * speed)
-        except ConvergenceError:  # no number: the run will say so
+            with np.errstate(all="ignore"):
+                force = law.force(place * depth * (1.0 + _STEP * steps), pace * speed)
+        except Exception:  # no number: the run will say so, should it come there
             continue
         size = float(np.abs(force).max())
         if size > 0.0:
@@ -77,6 +78,7 @@ def _depth(plan: Plan, joint: Joint) -> float:
     masses = (plan.players[body].static_mass for body in (joint.first, joint.second))
     energy = 0.5 * plan.fastest**2 / sum(1.0 / mass for mass in masses)
     try:
-        return joint.law.stroke(energy) if energy > 0.0 else _SOME
-    except (InputError, ConvergenceError):
+        with np.errstate(all="ignore"):
+            return joint.law.stroke(energy) if energy > 0.0 else _SOME
+    except Exception:  # the user's law ends, by what it raises, where a run may never come
         return _SOME

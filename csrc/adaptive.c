@@ -88,19 +88,34 @@ static const double HERTZ_SHARE = 0.4;
  * reaches, or where there is none, with a residual compliance; and at most. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
-/* About the indentation at which the law has taken an energy, and what a steady force adds to it on the
- * way: by the force, since what a plastic law gives back is only a part of it. */
+/* Where the search for the deepest indentation begins and how it goes on up, logarithms: a caller's law
+ * may end not far beyond what it is for, so that nobody may ask there. */
+static const double SHALLOW = -28.0, STRIDE = 0.35;
+
+/* Whether the law takes an energy, and what a steady force adds to it on the way, up to about this
+ * indentation: by the force, since what a plastic law gives back is only a part of it. */
+static int takes(const aoi_law *law, const double *memory, double indentation, double energy,
+                 double force)
+{
+    aoi_law_value value;
+    aoi_law_push(law, memory, indentation, 0.0, &value);
+    return !(HERTZ_SHARE * value.force * indentation < energy + force * indentation);
+}
+
+/* About the indentation at which it does. */
 static double deepest(const aoi_law *law, const double *memory, double energy, double force)
 {
-    double low = -700.0, high = 100.0; /* logarithms */
-    for (int i = 0; i < 50; i++) {
-        const double middle = 0.5 * (low + high), indentation = exp(middle);
-        aoi_law_value value;
-        aoi_law_push(law, memory, indentation, 0.0, &value);
-        if (HERTZ_SHARE * value.force * indentation < energy + force * indentation) {
-            low = middle;
-        } else {
+    double low = -700.0, high = SHALLOW; /* logarithms */
+    while (high < 100.0 && !takes(law, memory, exp(high), energy, force)) {
+        low = high;
+        high += STRIDE;
+    }
+    for (int i = 0; i < 50 && high - low > 1e-9; i++) {
+        const double middle = 0.5 * (low + high);
+        if (takes(law, memory, exp(middle), energy, force)) {
             high = middle;
+        } else {
+            low = middle;
         }
     }
     return exp(high);

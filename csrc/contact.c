@@ -85,7 +85,9 @@ static int find_root(const search *s, double low, double high, double *force, do
         } else {
             low = x;
         }
-        const double newton = excess / slope, enough = 4.0 * DBL_EPSILON * x;
+        /* An infinite slope would make any guess the root: then by bisection. */
+        const double newton = isinf(slope) && excess != 0.0 ? HUGE_VAL : excess / slope;
+        const double enough = 4.0 * DBL_EPSILON * x;
         double next = x - newton;
         /* Strictly inside, or Newton could jump from end to end of the bracket for ever. */
         if (!(fabs(newton) <= enough || (next > low && next < high))) {

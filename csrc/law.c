@@ -177,8 +177,8 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
             }
             continue;
         }
-        if (fabs(missing) <= 2.0 * DBL_EPSILON * fabs(*d)) { /* the rounding of its terms */
-            return AOI_OK;
+        if (fabs(missing) <= 2.0 * DBL_EPSILON * fmax(fabs(*d), fabs(indentation))) {
+            return AOI_OK; /* the rounding of its terms: one that pulls has the least d */
         }
         *(missing > 0.0 ? &s.low : &s.high) = *d;
         const double next = next_of(&s, missing, *d, i, value);
@@ -187,7 +187,8 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
         }
         *d = next;
     }
-    return fabs(missing) <= LAW_NOISE * fabs(*d) ? AOI_OK : AOI_ERROR_LAW_JUMPS;
+    return fabs(missing) <= LAW_NOISE * fmax(fabs(*d), fabs(indentation)) ? AOI_OK
+                                                                           : AOI_ERROR_LAW_JUMPS;
 }
 
 /* The answer of a law that has none: NaN, by which whoever integrates stops. */

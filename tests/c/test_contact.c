@@ -312,6 +312,23 @@ static void what_is_not_finite_is_said(void)
           "compliance NaN");
 }
 
+static double linear_law(double d, double rate) { return 2.0 * d + 0.0 * rate; }
+static double endless_slope(double d, double rate) { return (double)INFINITY + 0.0 * (d + rate); }
+
+static void an_infinite_slope_ends_no_search(void)
+{
+    const aoi_user_law user = {.function = {linear_law, endless_slope}, .given = {1, 1}};
+    aoi_law law;
+    CHECK(aoi_law_create_user(&law, &user, 0, 0) == AOI_OK, "a caller's law");
+    for (int i = 0; i < GUESSES; i++) {
+        const aoi_contact_equation equation = {3.0, 0.25, 0.0, 0.0, guess_number(i, 2.0, 3.0)};
+        double force = -1.0, indentation = -1.0;
+        CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &indentation) == AOI_OK, "guess %d", i);
+        CHECK(near(indentation, 2.0, 1e-14) && force == 2.0 * indentation,
+              "guess %d: %.17g", i, indentation);
+    }
+}
+
 int main(void)
 {
     power_laws_of_any_size();
@@ -323,5 +340,6 @@ int main(void)
     what_pulls_lets_go_at_rest();
     rounding_ends_the_search();
     what_is_not_finite_is_said();
+    an_infinite_slope_ends_no_search();
     return check_report();
 }

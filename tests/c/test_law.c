@@ -493,6 +493,25 @@ static void a_law_that_falls_has_no_force_within_a_patch(void)
     }
 }
 
+/* On the way out g d^(1/4) rate outweighs the rest at small d: the law's own indentation is then next
+ * to nothing beside the total one, and c F is all of that. */
+static void a_damper_that_pulls_has_a_force_within_a_patch(void)
+{
+    const double parameter[] = {1e10, 1e4};
+    double note[AOI_LAW_NOTE] = {0.0};
+    aoi_law law;
+    CHECK(aoi_law_create(&law, "tsuji", 2, parameter) == AOI_OK, "Tsuji's law");
+    law.compliance = 1e-9;
+    law.note = note;
+    for (double d = 1e-14; d < 1e-8; d *= 3.0) {
+        aoi_law_value value;
+        aoi_law_force(&law, NULL, 0, d, -1.0, &value);
+        const double own = d + law.compliance * value.force;
+        CHECK(near(value.force, -d / law.compliance, 1e-3) && own < 1e-3 * d, "at %g: %g", d, value.force);
+        CHECK(note[2] == 0.0, "nothing to note at %g", d);
+    }
+}
+
 static void a_law_of_few_digits_has_a_force_within_a_patch(void)
 {
     aoi_law law = within_patch(noisy_law, 0.3, NULL);
@@ -632,6 +651,7 @@ int main(void)
     callers_laws();
     a_law_that_falls_has_no_force_within_a_patch();
     a_law_of_few_digits_has_a_force_within_a_patch();
+    a_damper_that_pulls_has_a_force_within_a_patch();
     pieces_that_go_no_further_are_an_error();
     the_force_alone_is_the_force();
     no_force_up_to_rest();
