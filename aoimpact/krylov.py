@@ -235,8 +235,11 @@ class KrylovSpace:
     """The space from which scene-fitted anti-oscillators of a body are made; it grows.
 
     `antioscillators(tip, n, method="krylov")` makes one and asks it once. Kept by hand it gives
-    models of any order, the next one for a single solve more. A held body's static mode costs some
-    solves with the same factors if the body is compact, a factorisation of K if it is slender.
+    models of any order, the next one for a single solve more. A held body's static mode costs, by
+    direct solvers, some six solves with the same factors if the body is compact; if it is slender
+    or thin and of elements of second order, some ten to thirty and the factors of the linear
+    elements on its corners. If that does not do (slender and of linear elements or without a mesh;
+    in part free), it takes a factorisation of K, as large again as that of K + s²M.
 
     Parameters
     ----------

@@ -12,6 +12,7 @@ import scipy.linalg as la
 from . import _core
 from .contact import Body, ContactPoint
 from .errors import ConvergenceError, InputTypeError, SingularError
+from .fromdynamic import static_by_dynamic
 from .solvers import LinearSolver
 from .star import Origin
 
@@ -26,11 +27,6 @@ __all__ = [
 ]
 
 FloatArray = npt.NDArray[np.float64]
-
-# Solutions with K + s²M that are tried in place of a factorisation of K, and ‖b - Kx‖/‖b‖ that
-# they have to reach: at first, and in the end, where bᵀx is right to its square.
-_FIRST_FEW, _PROMISING = 8, 0.1
-_FEW, _REACHED = 16, 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,10 +125,11 @@ def displacement(
     invert : callable
         s² ↦ the solver of K + s²M.
     dynamic : LinearSolver, optional
-        A solver of K + s²M that is there already: tried first, if it is a direct one.
+        A solver of K + s²M that is there already: tried first, if it is a direct one, for less than
+        the cost of a factorisation; bᵀx is then right to some 1e-9.
     """
     if dynamic is not None and dynamic.precondition is None:
-        found = _by_dynamic_stiffness(body, b, dynamic)
+        found = static_by_dynamic(body, b, dynamic)
         if found is not None:
             return found
     K, M, rigid = body.K, body.M, body.rigid_modes
@@ -160,34 +157,6 @@ def displacement(
         f"the static mode of a partly free body did not converge (last change {size:.2g}): "
         "hold the body, or give it fewer soft parts"
     )
-
-
-def _by_dynamic_stiffness(body: Body, b: FloatArray, dynamic: LinearSolver) -> FloatArray | None:
-    """K⁻¹ b by conjugate gradients with (K + s²M)⁻¹ before them; None if that takes many.
-
-    It takes a solution for each mode below s that b excites: few for compact bodies.
-    """
-    K, rigid = body.K, body.rigid_modes
-    x, r = np.zeros_like(b), b.copy()
-    z = p = dynamic.solve(r)
-    rz, load = float(r @ z), float(np.linalg.norm(b))
-    for iteration in range(1, _FEW + 1):
-        product = K @ p
-        curvature = float(p @ product)
-        if not (rz > 0.0 and curvature > 0.0):
-            return None
-        x += rz / curvature * p
-        r -= rz / curvature * product
-        left = float(np.linalg.norm(r)) / load
-        if left <= _REACHED:
-            found: FloatArray = x - rigid @ (rigid.T @ (body.M @ x))
-            return found
-        if iteration == _FIRST_FEW and left > _PROMISING:
-            return None
-        z = dynamic.solve(r)
-        before, rz = rz, float(r @ z)
-        p = z + rz / before * p
-    return None
 
 
 def origin_of(

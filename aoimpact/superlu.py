@@ -62,7 +62,7 @@ class Factorization:
         return start, rows, np.ascontiguousarray(lower.data), pivots, place, panel[: count + 1]
 
 
-def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:
+def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) -> Factorization:
     """Factorise a sparse symmetric positive definite matrix with SuperLU.
 
     Without pivoting and ordered by minimum degree of A + Aᵀ, SuperLU computes L D Lᵀ (as L U).
@@ -72,11 +72,15 @@ def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:
     matrix : scipy.sparse matrix, shape (n, n)
     what : str
         Its name in error messages.
+    checked : bool, optional
+        Whether to look at what came out, which costs some solutions: not needed for what only
+        preconditions.
 
     Raises
     ------
     SingularError
-        If the matrix is singular to rounding, or (up to 10 000 dofs) has negative eigenvalues.
+        If the matrix is singular; if `checked`, also if it is so to rounding or (up to 10 000 dofs)
+        has negative eigenvalues.
     """
     csc = sp.csc_matrix(matrix)
     try:
@@ -89,6 +93,8 @@ def factorize(matrix: Any, *, what: str = "the matrix") -> Factorization:
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         raise SingularError(f"{what} is singular ({error})") from None
     factors = Factorization(csc, lu)
+    if not checked:
+        return factors
     check_condition(csc, factors.solve, what)
     if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
         raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")

@@ -1,13 +1,15 @@
 """What building scene-fitted anti-oscillators costs, as ratios to what else could be done.
 
     python benchmarks/reduction.py [--size 2.5]
+    python benchmarks/reduction.py --held
     python benchmarks/reduction.py --arpack [--size 1.9] [--along 100]
 
 The first: against one factorisation of K + s²M by the same solver, and n + 2 solutions with it; a
-sphere with elements of `size` mm. The second: against the lowest constraint modes by ARPACK with
-factors by the same solver, for equal force error; the sphere on its like, and a rigid ball on a
-slender bar held at both ends (4 x 4 elements across, `along` along). Machines differ and are
-shared: the ratios are what to read.
+sphere with elements of `size` mm. The second: the same for bodies held at their ends, slender,
+thin and compact, which need their static mode besides; in processor time. The third: against the
+lowest constraint modes by ARPACK with factors by the same solver, for equal force error; the sphere
+on its like, and a rigid ball on a slender bar held at both ends (4 x 4 elements across, `along`
+along). Machines differ and are shared: the ratios are what to read.
 """
 
 from __future__ import annotations
@@ -38,8 +40,8 @@ CONTACT_TIME = 80e-6
 REFERENCE, MOST = 80, 48
 
 
-def yardstick(tip: ao.ContactPoint, solves: int) -> None:
-    inverse = tip.body.inverse((10.0 / CONTACT_TIME) ** 2)
+def yardstick(tip: ao.ContactPoint, solves: int, solver: str = "auto") -> None:
+    inverse = tip.body.inverse((10.0 / CONTACT_TIME) ** 2, solver=solver)
     load = tip.b
     for _ in range(solves):
         load = tip.body.M @ inverse.solve(load)
@@ -65,6 +67,37 @@ def against_solutions(tip: ao.ContactPoint) -> None:
         built, alone = best_times(*calls, enough=3.0)
         lines.append(Line(f"{n} AOs", built, f"a factorisation and {n + 2} solves", alone))
     print_table(f"Sphere, {tip.body.n_dofs} dofs, {krylov(1).origin.solver}", lines)
+
+
+def held(size: tuple[float, float, float], divisions: tuple[int, int, int]) -> ao.ContactPoint:
+    mesh = ao.box_mesh(size, divisions, kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    return body.contact(point=(size[0] / 2, size[1] / 2, size[2]), direction=(0, 0, -1))
+
+
+def held_against_solutions() -> None:
+    beam, plate, block = (1.0, 0.02, 0.02), (0.3, 0.3, 0.005), (0.05, 0.05, 0.05)
+    solvers = ("pardiso", "superlu") if pardiso.is_installed() else ("superlu",)
+    for name, size, *meshes in (
+        ("Beam", beam, (60, 3, 3), (200, 4, 4)),
+        ("Plate", plate, (18, 18, 2), (40, 40, 2)),
+        ("Block", block, (9, 9, 9), (15, 15, 15)),
+    ):
+        for mesh, large in zip(meshes, (False, True), strict=True):
+            tip = held(size, mesh)
+            tip.body.rigid_modes  # noqa: B018 - as in main
+            for solver in solvers[:1] if large else solvers:
+                times = best_times(
+                    partial(
+                        ao.antioscillators, tip, 8, method="krylov",
+                        contact_time=CONTACT_TIME, solver=solver,
+                    ),
+                    partial(yardstick, tip, 10, solver),
+                    enough=5.0,
+                    clock=time.process_time,
+                )  # fmt: skip
+                line = Line("8 AOs", times[0], "a factorisation and 10 solves", times[1])
+                print_table(f"{name}, {tip.body.n_dofs} dofs, {solver}", [line])
 
 
 class Factors:
@@ -145,9 +178,13 @@ def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--arpack", action="store_true", help="against constraint modes by ARPACK")
+    parser.add_argument("--held", action="store_true", help="bodies that are held")
     parser.add_argument("--size", type=float, help="of the sphere's elements, mm")
     parser.add_argument("--along", type=int, default=100, help="elements along the bar")
     options = parser.parse_args()
+    if options.held:
+        held_against_solutions()
+        return
     ball = sphere(1e-3 * (options.size or (1.9 if options.arpack else 2.5)))
     ball.body.rigid_modes  # noqa: B018 - they are the body's, not the model's
     if not options.arpack:

@@ -1,0 +1,101 @@
+"""Static modes by the factors of K + s²M: K⁻¹ b, and nothing of K factorised at full size."""
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg
+
+import aoimpact as ao
+from aoimpact import fromdynamic
+from aoimpact.fromdynamic import static_by_dynamic
+from aoimpact.generate import box_mesh
+from aoimpact.solvers import solutions_worth
+
+from slender import rod
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
+
+
+def struck(size, divisions, kind, fixed=ENDS):
+    body = ao.FEModel.from_mesh(box_mesh(size, divisions, kind=kind), STEEL, fixed=fixed)
+    middle = (size[0] / 2, size[1] / 2, size[2])
+    return body.contact(point=middle, direction=(0, 0, -1))
+
+
+def by_dynamic(tip, contact_time):
+    return static_by_dynamic(tip.body, tip.b, tip.body.inverse((10 / contact_time) ** 2))
+
+
+SCENES = {
+    "block": ((0.02, 0.02, 0.02), (4, 4, 4), "hexahedron20", 1e-5),
+    "bar": ((0.5, 0.02, 0.02), (40, 2, 2), "hexahedron20", 9e-5),
+    "bar of tetrahedra": ((0.3, 0.02, 0.02), (30, 2, 2), "tetra10", 9e-5),
+    "plate": ((0.2, 0.2, 0.01), (12, 12, 2), "hexahedron20", 9e-5),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_it_is_the_displacement_under_a_steady_force(name):
+    *mesh, contact_time = SCENES[name]
+    tip = struck(*mesh)
+    x = by_dynamic(tip, contact_time)
+    exact = scipy.sparse.linalg.spsolve(tip.body.K.tocsc(), tip.b)
+    assert x is not None
+    assert np.linalg.norm(tip.body.K @ x - tip.b) <= 2e-6 * np.linalg.norm(tip.b)
+    assert tip.b @ x == pytest.approx(tip.b @ exact, rel=1e-8)
+    np.testing.assert_allclose(x, exact, atol=1e-6 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_fitted_oscillators_take_one_factorisation_of_full_size(name):
+    """However slender the body: k0 is right, and the solutions are worth less than another one."""
+    *mesh, contact_time = SCENES[name]
+    tip = struck(*mesh)
+    calls = {"factorisations": 0, "solutions": 0}
+
+    def own(matrix):
+        calls["factorisations"] += 1
+        solve = scipy.sparse.linalg.factorized(matrix)
+
+        def counted(rhs):
+            calls["solutions"] += 1
+            return solve(rhs)
+
+        return counted
+
+    star = ao.antioscillators(tip, 4, method="krylov", contact_time=contact_time, solver=own)
+    assert calls["factorisations"] == 1
+    assert calls["solutions"] <= 4 + 0.5 * solutions_worth(tip.body.inverse(1.0))
+    assert star.k0 == pytest.approx(ao.antioscillators(tip, 0).k0, rel=1e-8)
+
+
+def test_a_long_rod_without_a_mesh_is_left_to_a_factorisation_of_k():
+    """A blow passes over a hundredth of it: too many motions are slower for the steps allowed."""
+    K, M = rod(2000, fixed=[0])
+    tip = ao.FEModel(K=K, M=M).contact(dof=1999)
+    assert by_dynamic(tip, 0.01) is None
+    star = ao.antioscillators(tip, 3, method="krylov", contact_time=0.01)
+    assert star.k0 == pytest.approx(1.0, rel=1e-9)  # EA/L
+
+
+def test_the_more_a_factorisation_costs_the_more_steps_it_is_worth():
+    """A cube's factors grow with its dofs, a bar's only with its cross-section."""
+
+    def worth(*mesh):
+        return solutions_worth(struck(*mesh, "tetra10").body.inverse(1e10))
+
+    cubes = [worth((0.02, 0.02, 0.02), (n, n, n)) for n in (2, 4, 6)]
+    assert cubes == sorted(cubes)
+    bars = [worth((0.02 * n, 0.02, 0.02), (2 * n, 2, 2)) for n in (10, 20)]
+    assert bars[1] == pytest.approx(bars[0], rel=0.1)
+
+
+def test_a_search_that_meets_no_stiffness_gives_up():
+    """K with a motion of no stiffness that b excites: nothing is returned, nothing loops."""
+    K, _ = rod(20, fixed=[0])
+    soft = K.tolil()
+    soft[:, 19] = 0.0
+    soft[19, :] = 0.0
+    search = fromdynamic._Search(soft.tocsr(), np.eye(20)[19], lambda r: r)
+    search.run(5)
+    assert not search.done
