@@ -232,6 +232,19 @@ static double total_at(const aoi_law *law, const double *memory, int piece, doub
     return end - law->compliance * value.force;
 }
 
+/* Up to where a piece reaches: without end where c dF/dd is too much at its end, since the law's limit
+ * comes before, and the total indentation may even fall from there on. */
+static double reach_of(const aoi_law *law, const double *memory, int piece, double end)
+{
+    aoi_law_value value;
+    if (fabs(end) == HUGE_VAL) {
+        return end;
+    }
+    own_force(law, memory, piece, end, 0.0, &value);
+    return law->compliance * value.stiffness < MOST_SHARE ? end - law->compliance * value.force
+                                                          : HUGE_VAL;
+}
+
 int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, int rising,
                   double *low, double *high)
 {
@@ -246,7 +259,7 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
     }
     /* With a compliance d > indentation: go up from piece to piece until one reaches as far. At an
      * end, to rounding, only a rising motion goes on to the next. */
-    double end = total_at(law, memory, piece, *high);
+    double end = reach_of(law, memory, piece, *high);
     const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
     while (end <= indentation + rounding && *high < HUGE_VAL) {
         const double before = *high;
@@ -254,7 +267,7 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
         if (!(*high > before)) {
             return AOI_NO_PIECE;
         }
-        end = total_at(law, memory, piece, *high);
+        end = reach_of(law, memory, piece, *high);
     }
     *low = total_at(law, memory, piece, *low);
     *high = end;

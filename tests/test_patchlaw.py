@@ -14,6 +14,7 @@ from aoimpact.errors import InputError, LawLimitError
 from aoimpact.fem import FEModel
 from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from aoimpact.laws import ContactLaw, Hertz, HuntCrossley, Linear, PatchLaw, PowerLaw
+from aoimpact.laws_plastic import Thornton
 from aoimpact.material import Material
 from aoimpact.modes import modal
 from aoimpact.newmark import Newmark
@@ -230,3 +231,11 @@ def test_the_radius_told_beside_a_body_without_a_patch_will_do() -> None:
         width(0.0085)
     told = float(str(says.value).rpartition("radius=")[2].split(" ")[0])
     assert 0.5 < width(told) < 0.9
+
+
+def test_a_contact_that_yields_only_beyond_the_patch_is_hertzs():
+    body = sphere("paper", 0.003)
+    elastic = simulate(projectile=body, target=body, law=LAW, **SCENE)
+    for force in (1e5, 1e7, 1e9):
+        plastic = simulate(projectile=body, target=body, law=Thornton(LAW.k, force), **SCENE)
+        assert plastic.peak_force == pytest.approx(elastic.peak_force, rel=1e-9)

@@ -92,6 +92,7 @@ MUTANTS = [
     ("law.c", "LAW_NOISE = 1e-6", "LAW_NOISE = 1e-12"),
     ("law.c", "fabs(missing) <= LAW_NOISE * fmax(fabs(*d), fabs(indentation))", "1"),
     ("law.c", "return AOI_NO_PIECE;", "return piece;"),
+    ("law.c", "law->compliance * value.stiffness < MOST_SHARE ? end", "1 ? end"),
     ("law.c", "&& *high < HUGE_VAL) {", ") {"),
     ("law.c", "!law->alone || law->compliance > 0.0", "!law->alone"),
     ("law.c", "return value.force < 0.0 && !law->pulls", "return value.force < 0.0"),

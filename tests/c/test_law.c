@@ -560,6 +560,29 @@ static void pieces_that_go_no_further_are_an_error(void)
           "the last piece holds even the infinite");
 }
 
+/* However far beyond the patch's limit yield lies: where the law less the patch's part would already
+ * fall, at 0.1 c F is ten times d. */
+static void a_far_yield_leaves_the_elastic_piece_alone(void)
+{
+    double note[AOI_LAW_NOTE] = {0.0};
+    for (double yield = 1e-4; yield < 1.0; yield *= 1.3) {
+        const double k = 1e10, parameter[] = {k, k * yield * sqrt(yield)};
+        const double memory[AOI_LAW_MEMORY] = {0.0};
+        aoi_law elastic, plastic;
+        CHECK(aoi_law_create(&elastic, "hertz", 1, &k) == AOI_OK, "Hertz's law");
+        CHECK(aoi_law_create(&plastic, "thornton", 2, parameter) == AOI_OK, "Thornton's");
+        elastic.compliance = plastic.compliance = 3e-9;
+        plastic.note = note;
+        for (double d = 1e-9; d < 7e-5; d *= 2.0) { /* 3e-9 1.5e10 d^(1/2) < 0.5 */
+            aoi_law_value wanted, value;
+            aoi_law_push(&elastic, NULL, d, 1.0, &wanted);
+            aoi_law_push(&plastic, memory, d, 1.0, &value);
+            CHECK(value.force == wanted.force && note[2] == 0.0, "yield at %g, d %g: %g, not %g", yield,
+                  d, value.force, wanted.force);
+        }
+    }
+}
+
 static double pulling_law(double d, double rate) { return d - 1.0 + rate; }
 
 static void the_force_alone_is_the_force(void)
@@ -653,6 +676,7 @@ int main(void)
     a_law_of_few_digits_has_a_force_within_a_patch();
     a_damper_that_pulls_has_a_force_within_a_patch();
     pieces_that_go_no_further_are_an_error();
+    a_far_yield_leaves_the_elastic_piece_alone();
     the_force_alone_is_the_force();
     no_force_up_to_rest();
     only_the_pulling_law_pulls();
