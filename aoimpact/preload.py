@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
 from . import _core
 from .errors import ConvergenceError, InputError, LawLimitError
@@ -146,10 +147,19 @@ class _Pile:
     @cached_property
     def usual(self) -> FloatArray:
         """The stiffness, shape (n, n), of all of it so: the scale of steps."""
-        matrix = np.diag(self.stiffness)
-        for slope, of in zip(self.slopes, self.contacts, strict=True):
-            matrix = matrix + slope * np.outer(of.direction, of.direction)
-        return matrix
+        return np.diag(self.stiffness) + self.pressed(self.slopes)
+
+    @cached_property
+    def directions(self) -> sp.csr_array:
+        """Those of the contacts, shape (contacts, n); each has entries of its two bodies only."""
+        rows = [of.direction for of in self.contacts]
+        return sp.csr_array(np.array(rows).reshape(len(rows), len(self.load)))
+
+    def pressed(self, slopes: Sequence[float]) -> FloatArray:
+        """The stiffness, shape (n, n), that contacts of such slopes, N/m, add."""
+        across = self.directions
+        added: FloatArray = (across.T @ sp.diags_array(np.array(slopes)) @ across).toarray()
+        return added
 
     def place(self, x: FloatArray) -> _Place:
         """What holds where the modes are x."""
@@ -172,12 +182,10 @@ class _Pile:
 
     def balanced(self, at: _Place) -> bool:
         """Whether the forces left over are those of rounding."""
-        rounding = sum(
-            error * np.abs(of.direction).max()
-            for error, of in zip(at.rounding, self.contacts, strict=True)
-        )
+        rounding = (abs(self.directions).T @ np.array(at.rounding)).max(initial=0.0)
         left = np.abs(at.balance).max(initial=0.0)
-        return bool(left <= _BALANCED * self.size(at) + rounding)
+        largest = max((force for force, _ in at.pushes), default=0.0)
+        return bool(left <= _BALANCED * max(largest, np.abs(self.load).max(initial=0.0)) + rounding)
 
     def size(self, at: _Place) -> float:
         """The forces that are there, N."""
@@ -194,6 +202,16 @@ class _Pile:
                 raise LawLimitError(
                     f"preload: contact {i} is {depth:.3g} m deep at rest, and its law stands up to "
                     f"{of.limit:.3g} m; take a larger patch, a longer table, or less load"
+                )
+
+    def check_limits(self, at: _Place) -> None:
+        """Refuse laws that end before they bear the load, where no rest was found."""
+        for i, of in enumerate(self.contacts):
+            if float(of.direction @ at.x) - of.gap > of.limit and of.force(of.limit)[1] == 0.0:
+                raise LawLimitError(
+                    f"preload: contact {i} finds no rest: its law stands up to {of.limit:.3g} m, "
+                    f"where it has {of.force(of.limit)[0]:.3g} N and rises no more; take a longer "
+                    "table, or less load"
                 )
 
     def check_rounding(self, at: _Place, slopes: list[float], size: float) -> None:
@@ -225,9 +243,8 @@ class _Pile:
 
     def step(self, at: _Place, damping: float) -> FloatArray:
         """Newton's step, shorter the more it is damped."""
-        matrix = np.diag(self.stiffness) + damping * self.usual
-        for (_, slope), of in zip(at.pushes, self.contacts, strict=True):
-            matrix += slope * np.outer(of.direction, of.direction)
+        slopes = [slope for _, slope in at.pushes]
+        matrix = np.diag(self.stiffness) + damping * self.usual + self.pressed(slopes)
         step, free = np.zeros(len(at.x)), self.movable
         step[free] = np.linalg.lstsq(matrix[np.ix_(free, free)], at.balance[free], rcond=None)[0]
         return step
@@ -278,6 +295,7 @@ def equilibrium(
         else:
             damping *= _LOOSER
     pile.check_rounding(first, pile.slopes, pile.size(first))
+    pile.check_limits(at)
     raise ConvergenceError(
         "preload: no static equilibrium found; a body that nothing holds against gravity or its "
         f"load falls for ever (imbalance {np.abs(at.balance).max():.3g} N); support it, or start "

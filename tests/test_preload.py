@@ -1,5 +1,6 @@
 """Bodies at rest bear what presses on them: balance, and springs in series and parallel."""
 
+import itertools
 import math
 
 import numpy as np
@@ -133,3 +134,21 @@ def test_what_is_pulled_apart_finds_no_rest():
     scene.apply(other, force=100.0)
     with pytest.raises(ao.ConvergenceError, match="nothing holds"):
         at_rest(scene)
+
+
+def test_the_top_of_a_high_pile_rests_as_exactly_as_its_foot():
+    scene, height = ao.Scene(gravity=9.81), 200
+    balls = [scene.add(ao.rigid(mass=1.0)) for _ in range(height)]
+    for below, above in itertools.pairwise([*balls, scene.add(ao.rigid(mass=math.inf))]):
+        scene.connect(below, above, ao.Hertz(k=1e10))
+    run = scene.simulate(duration=1e-5, preload=True, energies=False)
+    forces = [contact.force[0] for contact in run.contacts]
+    assert forces == pytest.approx(9.81 * np.arange(1, height + 1), rel=1e-10)
+
+
+def test_a_table_that_ends_level_below_the_load_is_named():
+    scene = ao.Scene(gravity=9.81)
+    ball, floor = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(ball, floor, ao.Tabulated([0.0, 1e-5, 1e-4], [0.0, 5.0, 5.0]))
+    with pytest.raises(ValueError, match=r"0\.0001 m, where it has 5 N .* longer table"):
+        scene.simulate(duration=1e-3, preload=True)
