@@ -19,8 +19,9 @@ from . import pardiso
 from .coarsening import QUADRATIC, corner_interpolation
 from .contact import Body
 from .errors import SingularError
+from .fill import mean_width
 from .solvers import LinearSolver, solutions_worth
-from .superlu import CHECKED_DOFS, factorize
+from .superlu import factorize
 
 __all__ = ["static_by_dynamic"]
 
@@ -37,6 +38,10 @@ _FIRST, _PROMISING, _LAST = 2, 0.1, 6
 # Steps without the corners: so many, and this share of what a factorisation is worth. With them a
 # step costs about two solutions; a factorisation is worth trying for as much as it costs itself.
 _FEW, _SHARE, _SHARE_WITH_CORNERS = 8, 0.3, 0.5
+
+# Dofs in a cut above which PARDISO factorises sooner than SuperLU; below, it is its package's look
+# at each row that counts.
+_WIDE = 200.0
 
 
 def static_by_dynamic(body: Body, b: FloatArray, dynamic: LinearSolver) -> FloatArray | None:
@@ -158,7 +163,7 @@ def _on_corners(body: Body, dynamic: LinearSolver) -> _Corners | None:
     restriction = prolongation.T.tocsr()
     K, what = (restriction @ body.K @ prolongation).tocsr(), "K on the corners"
     try:
-        if dynamic.name == "pardiso" and K.shape[0] > CHECKED_DOFS:
+        if dynamic.name == "pardiso" and mean_width(K) > _WIDE:
             return _Corners(prolongation, restriction, pardiso.inverse(K, what))
         return _Corners(prolongation, restriction, factorize(K, what=what, checked=False).solve)
     except SingularError:
