@@ -621,7 +621,7 @@ static double step_length(const aoi_adaptive *run, double limit, double trim, in
 
 static int contact_step(aoi_adaptive *run, double *row, size_t *size)
 {
-    double limit, trim = HUGE_VAL;
+    double limit, trim = HUGE_VAL, doubted = 0.0;
     int trims = 0, idle = 0;
     if (run->base == 0.0) {
         run->base = run->end - aoi_run_now(run);
@@ -644,6 +644,8 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             status = aoi_step_accept(run, &attempt, row, size);
             if (level != AOI_NO_LEVEL) {
                 coarsen(run, attempt.growth);
+            } else if (trim < HUGE_VAL && attempt.place > 1.0 && doubted > 0.0) {
+                refine(run, doubted); /* what it was cut short for was no event: nor is it to be again */
             }
             run->time = aoi_run_now(run);
             if (run->end - run->time <= 4.0 * DBL_EPSILON * run->end) {
@@ -651,6 +653,7 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             }
             return status;
         }
+        doubted = attempt.growth < 1.0 ? h * fmax(attempt.growth, LEAST_SHRINKAGE) : doubted;
         status = go_back(run, &attempt, &trim, &trims, &limit);
     }
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;

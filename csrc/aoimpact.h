@@ -730,6 +730,10 @@ int aoi_legendre_falls(const double *values, const double *coefficient, double l
 /* Where in (0, 1) it has its largest maximum, if it has one inside. Returns 1 then. */
 int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value);
 
+/* Where it falls to a level on its way to its least minimum in (0, 1), if that is lower than depth (<= level):
+ * what a look at the nodes misses. Returns 1 then. AOI_STAGES + 1 coefficients. */
+int aoi_legendre_dips(const double *coefficient, double depth, double level, double *place);
+
 /* ------------------------------------------------- a body's answer over one step: response.c */
 
 /* What a body does over a step of length h under forces that are polynomials, given by their values at

@@ -120,3 +120,23 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
     }
     return found;
 }
+
+int aoi_legendre_dips(const double *coefficient, double depth, double level, double *place)
+{
+    double turned[AOI_STAGES + 1], bottom = 0.0, value = 0.0, slope;
+    for (size_t k = 0; k <= AOI_STAGES; k++) {
+        turned[k] = -coefficient[k];
+    }
+    if (!aoi_legendre_top(AOI_STAGES + 1, turned, &bottom, &value) || !(-value < depth)) {
+        return 0;
+    }
+    double before = 0.0;
+    for (size_t i = 0; i < AOI_STAGES && aoi_radau_node[i] < bottom; i++) {
+        before = aoi_radau_node[i];
+    }
+    if (!(aoi_legendre_evaluate(AOI_STAGES + 1, coefficient, before, &slope) > level)) {
+        return 0;
+    }
+    *place = zero_between(AOI_STAGES + 1, coefficient, 0, level, before, bottom);
+    return 1;
+}

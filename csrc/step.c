@@ -359,7 +359,8 @@ static double steepness_of(const aoi_adaptive *run, const aoi_stage *stage, doub
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
 
-/* What the last coefficients of the force's polynomial hold. A massless contact under a law of the rate
+/* What the last coefficients of the force's polynomial hold. Under a law of the rate light contact masses
+ * and stiff oscillators ring in the force long before they show in the indentation; a massless contact
  * follows its forces at once: they may run away from a smooth indentation, within the time that law and
  * compliance make together. */
 static double force_tail(const aoi_stage *stage)
@@ -384,6 +385,16 @@ static double force_scale(const aoi_contact_state *contact, const aoi_stage *sta
     return largest;
 }
 
+/* Whether the largest force of a contact may lie in this step. At an edge it is no polynomial of time. */
+static int may_peak(const aoi_contact_state *contact, const aoi_stage *stage)
+{
+    double largest = 0.0;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        largest = fmax(largest, stage->force[i]);
+    }
+    return stage->edge == AOI_EDGE_NONE && largest >= CAUTION * contact->peak_force;
+}
+
 /* The errors of a step as shares of what they may be. No step can do better than rounding. */
 static void judge(aoi_adaptive *run, aoi_stage *stage, double h, double *within, double *handed_on)
 {
@@ -399,7 +410,7 @@ static void judge(aoi_adaptive *run, aoi_stage *stage, double h, double *within,
     aoi_collocation_error error;
     aoi_collocation_estimate(run->system, run->response, h, stage, &error);
     *within = steepness_of(run, stage, largest) * error.tail / (tail_share * scale);
-    if (bent && run->system->joint[stage->joint].law->depends_on_rate) {
+    if (law_of(run, stage)->depends_on_rate && (bent || may_peak(contact, stage))) {
         const double size = force_scale(contact, stage, impulse_scale, scale);
         *within = fmax(*within, force_tail(stage) / (tail_share * size));
     }
@@ -455,19 +466,53 @@ static int falls_below(const double *values, double tolerance, double *place)
     return 1;
 }
 
-/* Takes note of what happens to a contact where a quantity falls, if that is its first event. */
-static void falls(const double *values, double tolerance, int kind, aoi_contact_state *contact,
-                  aoi_attempt *attempt)
+/* Takes note of what happens to a contact at a place, if that is its first event. */
+static void note_event(double place, int kind, aoi_contact_state *contact, aoi_attempt *attempt)
 {
-    double place;
-    if (!falls_below(values, tolerance, &place)) {
-        return;
-    }
     if (place < contact->event_place) {
         contact->event_place = place;
         contact->event = kind;
     }
     attempt->place = place < attempt->place ? place : attempt->place;
+}
+
+/* The same where a quantity falls. */
+static void falls(const double *values, double tolerance, int kind, aoi_contact_state *contact,
+                  aoi_attempt *attempt)
+{
+    double place;
+    if (falls_below(values, tolerance, &place)) {
+        note_event(place, kind, contact, attempt);
+    }
+}
+
+/* Whether a node is the lowest about, so that a dip beside it may be as deep as what it rises to a neighbour. */
+static int may_dip(const double *values, double depth)
+{
+    for (size_t i = 1; i <= AOI_STAGES; i++) {
+        const double next = i < AOI_STAGES ? values[i + 1] : values[i];
+        const double higher = fmax(values[i - 1], next) - values[i];
+        if (values[i] <= values[i - 1] && values[i] <= next && values[i] < higher - depth) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* The same for the indentation's distance from an end, that may have been passed and come back to between
+ * two nodes. Only a step that is good enough says so. */
+static void leaves(const double *values, double tolerance, int kind, aoi_contact_state *contact,
+                   aoi_attempt *attempt)
+{
+    double coefficient[AOI_STAGES + 1], place;
+    falls(values, tolerance, kind, contact, attempt);
+    if (contact->event == kind || !(attempt->growth >= 1.0) || !may_dip(values, tolerance)) {
+        return;
+    }
+    aoi_legendre_fit(values, coefficient);
+    if (aoi_legendre_dips(coefficient, -tolerance, -0.5 * tolerance, &place)) {
+        note_event(place, kind, contact, attempt);
+    }
 }
 
 /* start and AOI_STAGES nodes of factor * value + shift. */
@@ -513,6 +558,17 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
     }
 }
 
+/* What is left to rise before a turn is below the tolerance: it turns where it is, since steps as short as
+ * that would see rates that are rounding. */
+static void turn_now(const aoi_stage *stage, double tolerance, aoi_contact_state *contact,
+                     aoi_attempt *attempt)
+{
+    if (contact->event == AOI_EVENT_TURN && contact->event_place < 1.0 &&
+        stage->start_rate * contact->event_place * attempt->h <= tolerance) {
+        contact->event_place = attempt->place = 0.0;
+    }
+}
+
 static void closed_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
 {
     const aoi_law *law = law_of(run, stage);
@@ -527,16 +583,17 @@ static void closed_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *atte
     }
     if (stage->piece != AOI_SLACK && contact->high < HUGE_VAL) {
         line_up(stage->start, stage->indentation, -1.0, contact->high, values);
-        falls(values, tolerance, AOI_EVENT_ABOVE, contact, attempt);
+        leaves(values, tolerance, AOI_EVENT_ABOVE, contact, attempt);
     }
     if (stage->piece != AOI_SLACK && contact->low > rest) {
         line_up(stage->start, stage->indentation, 1.0, -contact->low, values);
-        falls(values, tolerance, AOI_EVENT_BELOW, contact, attempt);
+        leaves(values, tolerance, AOI_EVENT_BELOW, contact, attempt);
     }
     if (law->turns && stage->piece != AOI_SLACK && stage->start_rate > 0.0) {
         const double slow = EVENT_SHARE * run->rtol * contact->rate_scale;
         line_up(stage->start_rate, stage->rate, 1.0, 0.0, values);
         falls(values, slow, AOI_EVENT_TURN, contact, attempt);
+        turn_now(stage, tolerance, contact, attempt);
     }
 }
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from every_law import LAWS, MASS, law_of
+from scipy.integrate import quad, solve_ivp
 
 import aoimpact as ao
 
@@ -134,3 +135,68 @@ def test_a_massless_contact_follows_a_damper_within_its_own_time(lag, rtol):
         solver=ao.Adaptive(rtol=rtol),
     )
     assert result.peak_force == pytest.approx(peak, rel=rtol)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("beyond", [10.0**-n for n in (2.0, 2.5, 3.0, 3.5, 4.0, 5.0)])
+def test_a_blow_that_turns_just_beyond_a_knot_of_a_table_is_followed_there(beyond, rtol):
+    """The peak force is that where the table's energy is the ball's."""
+    knots = np.linspace(0.0, 5.5e-4, 12)
+    law = ao.Tabulated(knots, 1e9 * knots**1.5)
+    deepest = knots[4] * (1.0 + beyond)
+    spans = zip(knots[:5], [*knots[1:5], deepest], strict=True)
+    energy = sum(quad(law.force, low, high, epsabs=0.0, epsrel=1e-12)[0] for low, high in spans)
+    result = ao.simulate(
+        projectile=ao.rigid(mass=30.0),
+        target=ao.rigid(mass=math.inf),
+        law=law,
+        velocity=math.sqrt(2.0 * energy / 30.0),
+        duration=0.02,
+        solver=ao.Adaptive(rtol=rtol),
+    )
+    assert result.peak_force == pytest.approx(law.force(deepest), rel=rtol)
+
+
+@pytest.mark.filterwarnings("ignore:.*ends in contact")
+@pytest.mark.parametrize("law", [ao.KelvinVoigt(1e6, 500.0), ao.HuntCrossley(1e9, 3.0)])
+@pytest.mark.parametrize(("light", "stiffness"), [(1e-3, 1e8), (0.1, 1e10)])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-6])
+def test_what_rings_in_a_damper_is_in_the_peak(law, light, stiffness, rtol):
+    """A stiff oscillator behind a damped contact, against DOP853 at a tight tolerance."""
+
+    def rates(_, state):
+        near, far, near_rate, far_rate = state
+        push = float(law.force(near, near_rate)) if near > 0.0 else 0.0
+        spring = stiffness * (far - near)
+        return [near_rate, far_rate, (spring - push) / light, -spring / 0.5]
+
+    end, start = 1e-4, [0.0, 0.0, 1.0, 1.0]
+    times = np.linspace(0.0, end, 40001)
+    path = solve_ivp(rates, (0.0, end), start, "DOP853", times, rtol=1e-12, atol=1e-15)
+    result = ao.simulate(
+        projectile=ao.AOModel(m0=light, k0=0.0, m=[0.5], k=[stiffness]),
+        target=ao.rigid(mass=math.inf),
+        law=law,
+        velocity=1.0,
+        duration=end,
+        solver=ao.Adaptive(rtol=rtol),
+    )
+    force = law.force(path.y[0], path.y[2])
+    assert result.peak_force == pytest.approx(force.max(), rel=rtol)
+
+
+@pytest.mark.parametrize("velocity", [0.3, 1.0, 3.0, 10.0])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-7, 1e-9, 1e-11])
+def test_a_massless_contact_turns_where_its_law_could_yield(velocity, rtol):
+    """Thornton's law below its yield force is Hertz's, but that it looks for the deepest point."""
+    scene = {
+        "projectile": ao.AOModel(m0=0.4, k0=3e4, m=[0.04, 0.85, 0.31], k=[3e4, 9.6e10, 3.5e8]),
+        "target": ao.AOModel(m0=0.0, k0=9.3e8, m=[0.3, 0.55, 1.8], k=[2.6e7, 7.6e7, 9.5e9]),
+        "velocity": velocity,
+        "duration": 2.5e-3,
+        "solver": ao.Adaptive(rtol=rtol),
+    }
+    yielding = ao.simulate(law=ao.Thornton(7e10, yield_force=1e9), **scene)
+    hertz = ao.simulate(law=ao.Hertz(7e10), **scene)
+    assert yielding.peak_force == pytest.approx(hertz.peak_force, rel=2.0 * rtol)
+    assert yielding.impulse == pytest.approx(hertz.impulse, rel=2.0 * rtol)

@@ -193,6 +193,7 @@ MUTANTS = [
     ),
     ("polynomial.c", "!found || here > *value", "!found"),
     ("polynomial.c", "i > 1 ? aoi_radau_node[i - 2] : 0.0", "0.0"),
+    ("polynomial.c", "|| !(-value < depth)", ""),
     ("response.c", "power *= -z * z", "power *= z * z"),
     ("response.c", "SERIES_LIMIT = 3.0", "SERIES_LIMIT = 12.0"),
     ("response.c", "compliance * slope * h * aoi_radau_node[i]", "compliance * slope * h"),

@@ -99,6 +99,16 @@ static void falls_and_tops_of_a_parabola(void)
     CHECK(aoi_legendre_top(3, c, &place, &value) == 1 && near(place, 0.3, 1e-12), "three terms are all");
 }
 
+static double dip(double x) { return (x - 0.4) * (x - 0.45); } /* between two nodes, -1/1600 deep */
+
+static void a_dip_between_nodes_is_seen(void)
+{
+    double values[COUNT], c[COUNT], place = -1.0;
+    fit(dip, values, c);
+    CHECK(aoi_legendre_dips(c, -6e-4, 0.0, &place) == 1 && near(place, 0.4, 1e-12), "at %.17g", place);
+    CHECK(aoi_legendre_dips(c, -7e-4, 0.0, &place) == 0, "not so deep");
+}
+
 static void what_rises_has_neither(void)
 {
     double values[COUNT], c[COUNT], place, value;
@@ -133,6 +143,7 @@ int main(void)
     values_and_slopes_are_sums_of_legendre_polynomials();
     a_fit_gives_its_polynomial_back();
     falls_and_tops_of_a_parabola();
+    a_dip_between_nodes_is_seen();
     what_rises_has_neither();
     the_first_fall_and_the_highest_top_count();
     return check_report();
