@@ -102,7 +102,9 @@ def wide_enough(
     try:
         deep = law.law.potential(depths) >= 0.5 * mass * velocity**2
         depth = depths[int(np.argmax(deep))] if deep.any() else depths[-1]
-        slope = (law.law.force(depth) - law.law.force(0.99 * depth)) / (0.01 * depth)
+        # A damped law is steepest at the rate at which the bodies meet.
+        step = law.law.force(depth, velocity) - law.law.force(0.99 * depth, velocity)
+        slope = step / (0.01 * depth)
     except LawLimitError:  # it is the law's own table that ends
         return error
     factor = max(law.compliance * float(slope) / _COMFORTABLE, 1.1)
@@ -111,8 +113,8 @@ def wide_enough(
         factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
     return LawLimitError(
         f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law stands "
-        f"up to an indentation of {law.limit:.3g} m, where the contact is as wide as they are; for "
-        "this impact make the contact points with radius="
+        f"up to an indentation of {law.limit:.3g} m, where the contact is as wide as they are, "
+        "and less deep at the rate of a damped law; for this impact make the contact points with radius="
         f"{_listed([factor * radius for radius in radii])} or more, where the bodies have room"
     )
 

@@ -310,7 +310,7 @@ struct aoi_law {
     double (*rest)(const aoi_law *law, const double *memory);
     double parameter[AOI_LAW_PARAMETERS]; /* as the law's own paragraph in law_*.c says */
     double compliance;   /* c >= 0 [m/N] taken out: F = law(indentation + c F, rate)             */
-    double limit;        /* deepest indentation at which that stands: then AOI_ERROR_PATCH       */
+    double limit;        /* deepest indentation at which that stands at rest: see aoi_law_stands  */
     int depends_on_rate; /* the force depends on the rate                                        */
     int turns;           /* loading and unloading differ: a step must end where the rate turns   */
     int pulls;           /* negative forces are meant; the contact ends at rest only             */
@@ -346,6 +346,11 @@ void aoi_law_push(const aoi_law *law, const double *memory, double indentation, 
 
 /* The force of aoi_law_push, which is cheaper where the derivatives are taken by differences. */
 double aoi_law_push_only(const aoi_law *law, const double *memory, double indentation, double rate);
+
+/* Whether that force is the law's: 0 deeper than the law's limit, and where compliance and rate leave
+ * no more than the straight line that aoi_law_push then draws on (at a rate, dF/dd may reach 1/c before
+ * the limit). Whoever integrates then stops with AOI_ERROR_PATCH. */
+int aoi_law_stands(const aoi_law *law, const double *memory, double indentation, double rate);
 
 /* As law->piece, of total indentations (compliance or not), for every law. AOI_NO_PIECE where its
  * pieces do not go on to there: aoi_law_force gives NaN for it. */

@@ -157,8 +157,9 @@ static double next_of(const search *s, double missing, double d, int iteration,
 
 /* Solves d - c F(d) = indentation for the law's own indentation d; value: the law there. Halley's
  * method, with the curvature of the power of d that the law is like here, from d = indentation; the
- * bracket holds it where the law is not like one. AOI_ERROR_LAW_JUMPS where there is no such d,
- * since the force falls from one value to another. NaN goes through. */
+ * bracket holds it where the law is not like one. AOI_ERROR_PATCH where a line has been drawn on for
+ * the law; AOI_ERROR_LAW_JUMPS where there is no such d, since the force falls from one value to
+ * another. NaN goes through. */
 static int own_indentation(const aoi_law *law, const double *memory, int piece,
                            double indentation, double rate, double *own, aoi_law_value *value)
 {
@@ -173,7 +174,7 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
         }
         if (missing > 0.0 && law->compliance * value->stiffness >= MOST_SHARE) {
             if (too_steep(&s, d, value)) {
-                return AOI_OK;
+                return AOI_ERROR_PATCH;
             }
             continue;
         }
@@ -208,8 +209,8 @@ void aoi_law_force(const aoi_law *law, const double *memory, int piece, double i
     double own;
     if (law->compliance == 0.0) {
         own_force(law, memory, piece, indentation, rate, value);
-    } else if (piece == AOI_NO_PIECE ||
-               own_indentation(law, memory, piece, indentation, rate, &own, value) != AOI_OK) {
+    } else if (piece == AOI_NO_PIECE || own_indentation(law, memory, piece, indentation, rate, &own,
+                                                        value) == AOI_ERROR_LAW_JUMPS) {
         no_force(law, indentation, rate, value);
     } else {
         stiffen(law->compliance, value);
@@ -284,7 +285,8 @@ void aoi_law_remember(const aoi_law *law, double indentation, double rate, doubl
         double low, high;
         const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
         if (piece == AOI_NO_PIECE ||
-            own_indentation(law, memory, piece, indentation, rate, &indentation, &value) != AOI_OK) {
+            own_indentation(law, memory, piece, indentation, rate, &indentation, &value) ==
+                AOI_ERROR_LAW_JUMPS) {
             return; /* as the force there, which stops the run */
         }
     }
@@ -321,6 +323,21 @@ double aoi_law_push_only(const aoi_law *law, const double *memory, double indent
     return value.force < 0.0 && !law->pulls ? 0.0 : value.force;
 }
 
+int aoi_law_stands(const aoi_law *law, const double *memory, double indentation, double rate)
+{
+    if (indentation > law->limit) {
+        return 0;
+    }
+    if (law->compliance == 0.0 || !law->depends_on_rate || indentation <= aoi_law_rest(law, memory)) {
+        return 1;
+    }
+    aoi_law_value value;
+    double low, high, own;
+    const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
+    return piece == AOI_NO_PIECE ||
+           own_indentation(law, memory, piece, indentation, rate, &own, &value) != AOI_ERROR_PATCH;
+}
+
 /* That of a law with a compliance, up to its limit. */
 static double inner_potential(const aoi_law *law, const double *memory, double indentation)
 {
@@ -329,7 +346,7 @@ static double inner_potential(const aoi_law *law, const double *memory, double i
     const int piece = aoi_law_piece(law, memory, indentation, 0, &low, &high);
     double d;
     if (piece == AOI_NO_PIECE ||
-        own_indentation(law, memory, piece, indentation, 0.0, &d, &value) != AOI_OK) {
+        own_indentation(law, memory, piece, indentation, 0.0, &d, &value) == AOI_ERROR_LAW_JUMPS) {
         no_force(law, indentation, 0.0, &value);
         return value.force;
     }

@@ -171,8 +171,11 @@ PyObject *law_force(PyObject *self, PyObject *args)
         force[i] = value.force;
         stiffness[i] = value.stiffness;
         damping[i] = value.damping;
-        status = isnan(value.force) ? AOI_ERROR_LAW
-                                    : (indentation[i] > law.limit ? AOI_ERROR_PATCH : AOI_OK);
+        if (isnan(value.force)) {
+            status = AOI_ERROR_LAW;
+        } else if (!aoi_law_stands(&law, untouched, indentation[i], rate[i])) {
+            status = AOI_ERROR_PATCH;
+        }
     }
     return finish_law(&buffers, status, &law);
 }

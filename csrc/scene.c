@@ -181,7 +181,8 @@ static int contact_begin(const aoi_scene *scene, aoi_contact *contact)
     }
     aoi_law_remember(law, contact->indentation, contact->rate, contact->memory);
     contact->start_energy = aoi_law_potential(law, contact->memory, contact->indentation);
-    return contact->indentation > law->limit ? AOI_ERROR_PATCH : AOI_OK;
+    return aoi_law_stands(law, contact->memory, contact->indentation, contact->rate) ? AOI_OK
+                                                                                     : AOI_ERROR_PATCH;
 }
 
 /* --------------------------------------------------------------------------- the record */
@@ -364,7 +365,8 @@ static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact *contact)
     if (contact->law->remember) {
         aoi_law_remember(contact->law, indentation, contact->rate, contact->memory);
     }
-    return indentation > contact->law->limit ? AOI_ERROR_PATCH : AOI_OK;
+    return aoi_law_stands(contact->law, contact->memory, indentation, contact->rate) ? AOI_OK
+                                                                                     : AOI_ERROR_PATCH;
 }
 
 static int scene_step(aoi_scene *scene, double time)

@@ -878,6 +878,17 @@ static void move_bodies(aoi_adaptive *run, double h, double later)
     }
 }
 
+/* Whether the forces at the nodes are the law's, or a line drawn on beyond it. */
+static int stands(const aoi_law *law, const aoi_stage *stage)
+{
+    int all = 1;
+    for (size_t i = 0; i < AOI_STAGES && law->compliance > 0.0 && law->depends_on_rate && all; i++) {
+        all = stage->force[i] <= 0.0 ||
+              aoi_law_stands(law, stage->memory, stage->indentation[i], stage->rate[i]);
+    }
+    return all;
+}
+
 /* What a contact has gone through in the step, and its state at the end. */
 static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int with_rates)
 {
@@ -885,7 +896,7 @@ static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int
     const aoi_law *law = law_of(run, stage);
     const double largest = largest_of(stage);
     const int end = AOI_STAGES - 1;
-    if (largest > law->limit) {
+    if (largest > law->limit || !stands(law, stage)) {
         run->culprit = stage->joint;
         return AOI_ERROR_PATCH;
     }

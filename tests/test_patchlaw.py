@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from aoimpact.adaptive import Adaptive
 from aoimpact.answer import Answer
 from aoimpact.contact import ContactPoint
 from aoimpact.errors import InputError, LawLimitError
@@ -15,6 +16,7 @@ from aoimpact.fem import FEModel
 from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from aoimpact.laws import ContactLaw, Hertz, HuntCrossley, Linear, PatchLaw, PowerLaw
 from aoimpact.laws_plastic import Thornton
+from aoimpact.laws_viscous import KuwabaraKono
 from aoimpact.material import Material
 from aoimpact.modes import modal
 from aoimpact.newmark import Newmark
@@ -239,3 +241,15 @@ def test_a_contact_that_yields_only_beyond_the_patch_is_hertzs():
     for force in (1e5, 1e7, 1e9):
         plastic = simulate(projectile=body, target=body, law=Thornton(LAW.k, force), **SCENE)
         assert plastic.peak_force == pytest.approx(elastic.peak_force, rel=1e-9)
+
+
+@pytest.mark.parametrize("solver", [Adaptive(rtol=1e-6), Newmark(dt=1e-7)])
+def test_a_damped_law_that_is_too_steep_for_its_patch_is_refused(solver):
+    """Where c dF/dδ would pass 1 at the rate of the blow nothing is left of the law."""
+    law = HuntCrossley.from_restitution(LAW.k, 0.03, 1.0)
+    body = sphere("paper", 0.0015)
+    with pytest.raises(LawLimitError, match="rate of a damped law"):
+        simulate(projectile=body, target=body, law=law, **(SCENE | {"solver": solver}))
+    patched = KuwabaraKono(LAW.k, 1e-3).within_patch(1.7e-9)
+    with pytest.raises(LawLimitError, match="beyond"):
+        patched.force(1e-5, 20.0)

@@ -83,6 +83,7 @@ MUTANTS = [
     ("law_elastic.c", "n * slope;", "slope;"),
     ("law_elastic.c", "0.5 * law->parameter[0] * indentation", "law->parameter[0] * indentation"),
     ("law.c", "p < kind->least[i]", "0"),
+    ("law.c", "                return AOI_ERROR_PATCH;", "                return AOI_OK;"),
     ("law.c", "value->damping *= stiffer", "value->damping *= 1.0"),
     ("law.c", "if (there.stiffness < value->stiffness) {", "if (0) {"),
     ("law.c", "beyond * value->stiffness / (1.0 - MOST_SHARE)", "beyond * value->stiffness"),

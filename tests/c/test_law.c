@@ -270,6 +270,34 @@ static void beyond_its_limit_a_law_is_a_line(void)
     CHECK(near(slope, 20.0 * 1.5e10 * bend, 1e-9), "20 times as stiff: %g", slope);
 }
 
+/* At a rate a damped law is steeper: what stands is the law itself, F = k d^1.5 (1 + chi v) at d + c F,
+ * and where it no longer does, more than that is left of the patch's share. */
+static void a_damped_law_stands_less_deep(void)
+{
+    const double parameter[] = {1e10, 30.0, 1.5}, c = 2e-9;
+    size_t standing = 0, count = 0;
+    aoi_law law;
+    CHECK(aoi_law_create(&law, "hunt_crossley", 3, parameter) == AOI_OK, "a law");
+    law.compliance = c;
+    for (double d = 1e-8; d < 1e-2; d *= 1.07) {
+        for (double v = 0.0; v < 10.0; v += 0.7) {
+            aoi_law_value value;
+            aoi_law_push(&law, NULL, d, v, &value);
+            const double own = d + c * value.force, k = 1e10 * (1.0 + 30.0 * v);
+            const int right = near(value.force, k * own * sqrt(own), 1e-10);
+            const int steep = c * 1.5 * k * sqrt(own) >= 0.95 * (1.0 - 1e-9);
+            const int stands = aoi_law_stands(&law, NULL, d, v);
+            CHECK(stands == (right && !steep), "at %g m, %g m/s: %d %d", d, v, right, steep);
+            standing += stands != 0;
+            count++;
+        }
+    }
+    CHECK(standing > count / 10 && standing < count * 9 / 10, "some of either: %zu of %zu", standing,
+          count);
+    law.limit = 1e-6;
+    CHECK(!aoi_law_stands(&law, NULL, 2e-6, 0.0) && aoi_law_stands(&law, NULL, 5e-7, 0.0), "its limit");
+}
+
 /* Whoever looks for the depth of an energy finds one. */
 static void energy_grows_past_the_limit(void)
 {
@@ -666,6 +694,7 @@ int main(void)
     derivatives_are_those_of_the_force();
     compliance_is_taken_out();
     beyond_its_limit_a_law_is_a_line();
+    a_damped_law_stands_less_deep();
     energy_grows_past_the_limit();
     plastic_contact_remembers();
     plastic_unloading_is_thorntons();
