@@ -296,13 +296,14 @@ static int bends(const aoi_adaptive *run, size_t joint)
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t joint, double h)
 {
     const aoi_contact_state *contact = &run->contact[joint];
+    const aoi_law *law = run->system->joint[joint].law;
     if (!contact->closed || contact->piece == AOI_SLACK || bends(run, joint)) {
         return AOI_EDGE_NONE;
     }
-    if (contact->begins) { /* from touch, not pressed together */
-        const double rest = aoi_law_rest(run->system->joint[joint].law, contact->memory);
-        return contact->start - rest <= EDGE_DEPTH * h * contact->start_rate ? AOI_EDGE_START
-                                                                             : AOI_EDGE_NONE;
+    if (contact->begins) { /* from touch, not pressed together, and not with a force that jumps */
+        const double rest = aoi_law_rest(law, contact->memory);
+        const double deep = EDGE_DEPTH * h * contact->start_rate;
+        return contact->force == 0.0 && contact->start - rest <= deep ? AOI_EDGE_START : AOI_EDGE_NONE;
     }
     const double left = aoi_release_after(run, 2.0 * h);
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;

@@ -43,7 +43,7 @@ LAWS: dict[str, Callable[[float, float, float], ao.ContactLaw]] = {
     "Tabulated": lambda k, e, n: _table(k),
     "UserLaw": lambda k, e, n: ao.UserLaw(damped_hertz),
     "patch Hertz": lambda k, e, n: ao.Hertz(k).within_patch(3.0 / k),
-    "patch HuntCrossley": lambda k, e, n: ao.HuntCrossley(k, 0.3).within_patch(3.0 / k),
+    "patch HuntCrossley": lambda k, e, n: ao.HuntCrossley(k, 0.3).within_patch(0.1 / k),
     "patch Thornton": lambda k, e, n: ao.Thornton(k, 1e-8 * k).within_patch(3.0 / k),
 }
 

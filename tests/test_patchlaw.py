@@ -243,6 +243,7 @@ def test_a_contact_that_yields_only_beyond_the_patch_is_hertzs():
         assert plastic.peak_force == pytest.approx(elastic.peak_force, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:.*too coarse")
 @pytest.mark.parametrize("solver", [Adaptive(rtol=1e-6), Newmark(dt=1e-7)])
 def test_a_damped_law_that_is_too_steep_for_its_patch_is_refused(solver):
     """Where c dF/dδ would pass 1 at the rate of the blow nothing is left of the law."""

@@ -212,7 +212,6 @@ MUTANTS = [
     ("collocation.c", "CONVERGED = 1e-15, ROUNDING = 1e-12", "CONVERGED = 1e-5, ROUNDING = 1e-4"),
     ("adaptive.c", "body->residual || aoi_body_yields(body)", "body->push[0] != 0.0"),
     ("adaptive.c", "if (left < time) {", "if (0) {"),
-    ("adaptive.c", "? value.force * time", "? 1e9 * value.force * time"),
     (
         "adaptive.c",
         "shared_overlap(of->law, contact->memory, overlap,",
