@@ -115,7 +115,8 @@ def wide_enough(
         f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law stands "
         f"up to an indentation of {law.limit:.3g} m, where the contact is as wide as they are, "
         "and less deep at the rate of a damped law; for this impact make the contact points with "
-        f"radius={_listed([factor * radius for radius in radii])} or more, where the bodies have room"
+        f"radius={_listed([factor * radius for radius in radii])} or more, where the bodies have "
+        "room"
     )
 
 
