@@ -46,15 +46,19 @@ static cubic cubic_of(const aoi_law *law, size_t i)
                    (s[i] + s[i + 1] - 2.0 * rise) / (length * length)};
 }
 
+/* Beyond its ends a piece goes on as a straight line: the cubic would turn, and a contact without mass
+ * be in balance there, too. */
 static void table_force(const aoi_law *law, const double *memory, int piece, double indentation,
                         double rate, aoi_law_value *value)
 {
     const cubic c = cubic_of(law, (size_t)piece);
-    const double x = indentation - knots(law)[piece];
+    const double *d = knots(law) + piece;
+    const double top = (size_t)piece + 1 < law->table_count ? d[1] : HUGE_VAL;
+    const double x = fmin(fmax(indentation, d[0]), top) - d[0], past = indentation - d[0] - x;
     (void)memory;
     (void)rate;
-    value->force = c.force + x * (c.slope + x * (c.square + x * c.cubic));
     value->stiffness = c.slope + x * (2.0 * c.square + x * 3.0 * c.cubic);
+    value->force = c.force + x * (c.slope + x * (c.square + x * c.cubic)) + past * value->stiffness;
     value->damping = 0.0;
 }
 

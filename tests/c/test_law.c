@@ -433,6 +433,14 @@ static void tables_are_hermite_cubics(void)
         CHECK(aoi_law_piece(&law, NULL, knot[i], 1, &low, &high) == i && low == knot[i], "up");
     }
     aoi_law_value value;
+    for (int i = 1; i < KNOTS - 1; i++) { /* the forces beside a piece do not turn */
+        const double d = knot[i], further = 10.0;
+        aoi_law_force(&law, NULL, i, d - further, 0.0, &value);
+        CHECK(near(value.force, d * d * (d - 3.0 * further), 1e-12), "below piece %d", i);
+        CHECK(near(value.stiffness, 3.0 * d * d, 1e-12), "its slope");
+        aoi_law_force(&law, NULL, i - 1, d + further, 0.0, &value);
+        CHECK(near(value.force, d * d * (d + 3.0 * further), 1e-12), "above piece %d", i - 1);
+    }
     aoi_law_push(&law, NULL, 3.0, 0.0, &value);
     CHECK(near(value.force, 7.0, 1e-14) && near(value.stiffness, 3.0, 1e-14), "a line past the end");
     table[KNOTS + 2] = 0.0;
