@@ -139,17 +139,6 @@ static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
     }
 }
 
-/* The residual compliance between the bodies of a joint. */
-static double residual_of(const aoi_system *system, const aoi_joint *joint)
-{
-    double sum = 0.0;
-    for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = &system->body[joint->body[side]];
-        sum += body->residual ? body->residual[joint->port[side] * (body->ports + 1)] : 0.0;
-    }
-    return sum;
-}
-
 /* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
  * that the first steps are rather too careful. */
 static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *pair, double rate,
@@ -192,7 +181,7 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
         run->level = HIGHEST_LEVEL;
     }
     /* The motion starts like t + t^(7/2): the first step resolves that to rtol. */
-    const double first = time * (residual_of(run->system, &run->system->joint[joint]) > 0.0
+    const double first = time * (aoi_system_residual(run->system, joint) > 0.0
                                      ? BENT_START * pow(run->rtol, 1.0 / 3.5)
                                      : fmin(EDGE_START * pow(run->rtol, 1.0 / 3.5), MOST_START));
     const double levels = LEVELS * log2(run->base / first);
@@ -235,7 +224,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t joint)
                                    &contact->low, &contact->high);
     aoi_law_force(of->law, contact->memory, contact->piece, contact->start, rate, &value);
     contact->force = value.force;
-    if (value.damping > 0.0 && residual_of(run->system, of) > 0.0) {
+    if (value.damping > 0.0 && aoi_system_residual(run->system, joint) > 0.0) {
         contact->start_rate = contact->force = 0.0; /* a damper stops what has no mass */
     }
     estimate_scales(run, joint, &pair, rate, acceleration);
@@ -268,7 +257,7 @@ static void start_closed(aoi_adaptive *run, size_t joint, double overlap)
     aoi_contact_state *contact = &run->contact[joint];
     const aoi_joint *of = &run->system->joint[joint];
     const double delta = shared_overlap(of->law, contact->memory, overlap,
-                                        residual_of(run->system, of));
+                                        aoi_system_residual(run->system, joint));
     double mobility, swing;
     aoi_flight pair;
     aoi_law_value value;

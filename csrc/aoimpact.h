@@ -696,6 +696,9 @@ int aoi_system_link(aoi_system *system, size_t *first_joint, size_t *joint_of);
 /* Modes of the body that has most; 1 without bodies. */
 size_t aoi_system_most_modes(const aoi_system *system);
 
+/* The residual compliance between the bodies of a joint, m/N. */
+double aoi_system_residual(const aoi_system *system, size_t joint);
+
 /* AOI_ERROR_ARGUMENT where numbers are not finite, frequencies or load times do not ascend, decays are
  * negative, or a joint names a body or port that is not there, or one body twice. O(all arrays). */
 int aoi_system_check(const aoi_system *system);
@@ -967,6 +970,10 @@ void aoi_modes_step_work(const aoi_modes *body, double from, double h, double pl
 /* Loads times what the contact forces of the moment bend the residual compliance at them, J. force: of
  * all kinds on the ports. Their work since a moment without contact has this in it. */
 double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force);
+
+/* The energy in the residual compliance between the bodies of a joint that is lost where a contact force
+ * ends at once: what has no mass snaps back. */
+double aoi_system_snap(const aoi_system *system, size_t joint, double force);
 
 /* A track to be sampled, at times that ascend from one call to the next. The caller sets the first block;
  * work: doubles of aoi_sampler_size. */

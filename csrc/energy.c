@@ -87,6 +87,11 @@ double aoi_modes_bent_work(const aoi_modes *body, double time, const double *for
     return work;
 }
 
+double aoi_system_snap(const aoi_system *system, size_t joint, double force)
+{
+    return 0.5 * aoi_system_residual(system, joint) * force * force;
+}
+
 /* ---------------------------------------------------------------------------------- in flight */
 
 /* Work on the modes of rising loads over a stretch in which they do not bend: quadrature over its

@@ -961,6 +961,7 @@ static void happen(aoi_adaptive *run, size_t joint, double now)
     switch (contact->event) {
     case AOI_EVENT_OPEN:
         strike_closed(run, joint);
+        contact->work += aoi_system_snap(run->system, joint, contact->force);
         contact->force = 0.0;
         contact->touches = 0;
         contact->free_until = now;

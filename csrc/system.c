@@ -103,3 +103,14 @@ size_t aoi_system_most_modes(const aoi_system *system)
     }
     return most;
 }
+
+double aoi_system_residual(const aoi_system *system, size_t joint)
+{
+    const aoi_joint *of = &system->joint[joint];
+    double sum = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = &system->body[of->body[side]];
+        sum += body->residual ? body->residual[of->port[side] * (body->ports + 1)] : 0.0;
+    }
+    return sum;
+}

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from every_law import LAWS, MASS, law_of
 from scipy.integrate import quad, solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 import aoimpact as ao
 
@@ -135,6 +137,49 @@ def test_a_massless_contact_follows_a_damper_within_its_own_time(lag, rtol):
         solver=ao.Adaptive(rtol=rtol),
     )
     assert result.peak_force == pytest.approx(peak, rel=rtol)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-10])
+def test_a_spring_without_mass_that_a_pull_lets_go_of_loses_what_it_held(rtol):
+    """A ball on a spring in series with a spring and a damper that pulls until its depth is zero.
+
+    c x' + k x = s (y - x), m y'' = -s (y - x): linear, so that a matrix exponential has the moment
+    of x = 0. The ball's energy goes into the damper, c x'^2, and what the first spring still holds
+    then, that nothing takes over.
+    """
+    mass, spring, k, c, velocity = 1.0, 1e4, 1e4, 30.0, 1.0
+    rates = np.array(
+        [
+            [-(k + spring) / c, spring / c, 0.0],
+            [0.0, 0.0, 1.0],
+            [spring / mass, -spring / mass, 0.0],
+        ]
+    )
+
+    def state(time):
+        return expm(rates * time) @ [0.0, 0.0, velocity]
+
+    end = brentq(lambda time: state(time)[0], 0.02, 0.06, xtol=1e-16)
+    depth, place, left = state(end)
+    held = 0.5 * spring * (place - depth) ** 2
+
+    def heat(time):
+        return c * (rates[0] @ state(time)) ** 2
+
+    lost = quad(heat, 0.0, end, epsabs=0.0, epsrel=1e-11)[0] + held
+    result = ao.simulate(
+        projectile=ao.AOModel(m0=0.0, k0=0.0, m=[mass], k=[spring]),
+        target=WALL,
+        law=ao.KelvinVoigt(k, c, end="indentation"),
+        velocity=velocity,
+        duration=0.1,
+        solver=ao.Adaptive(rtol=rtol),
+    )
+    assert held > 0.01 * lost
+    assert result.contacts[0][1] == pytest.approx(end, rel=rtol)
+    assert result.rebound_velocity == pytest.approx(left, rel=rtol)
+    assert result.energy.dissipated[-1] == pytest.approx(lost, rel=rtol)
+    assert result.error.energy < rtol
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])

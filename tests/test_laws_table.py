@@ -1,5 +1,6 @@
 """A law through points."""
 
+import itertools
 import math
 
 import numpy as np
@@ -99,7 +100,7 @@ def test_a_table_in_series_with_a_spring_takes_the_blow(seed, rtol):
         rate = math.sqrt(max(2.0 * left(d) / mass, 1e-300))
         return 2.0 * (high - low) * u * (1.0 + slope(d) / k) / rate
 
-    ways = zip(knots[:-1], knots[1:], strict=True)
+    ways = itertools.pairwise(knots)
     time = 2.0 * sum(scipy.integrate.quad(slowness, 0.0, 1.0, args=way)[0] for way in ways)
     assert result.contact_duration == pytest.approx(time, rel=max(rtol, 1e-7))
 

@@ -19,7 +19,8 @@ static double ledger(const plant *p, const double *record)
 }
 
 /* What a scene of two ringing bodies and a contact is made of. */
-enum { GRAVITY = 1, STEADY = 2, RISING = 4, DAMPED = 8, MASSLESS = 16, VISCOUS = 32, PRESSED = 64 };
+enum { GRAVITY = 1, STEADY = 2, RISING = 4, DAMPED = 8, MASSLESS = 16, VISCOUS = 32, PRESSED = 64,
+       PULLING = 128 };
 
 static void furnish(plant *p, int with, const aoi_law *law)
 {
@@ -49,7 +50,9 @@ static void furnish(plant *p, int with, const aoi_law *law)
 static void the_ledger_closes(int with, const char *what)
 {
     const double end = 0.012, rtol = 1e-10;
-    const aoi_law law = with & VISCOUS ? law_named("hunt_crossley", 3, 1e7, 0.2, 1.5) : hertz(1e7);
+    const aoi_law law = with & VISCOUS   ? law_named("hunt_crossley", 3, 1e7, 0.2, 1.5)
+                        : with & PULLING ? law_named("kelvin_voigt_pulling", 2, 1e5, 50.0, 0.0)
+                                         : hertz(1e7);
     double record[MOST_ROWS], first = 0.0, scale = 1.0;
     plant p = {.bodies = 0};
     furnish(&p, with, &law);
@@ -68,6 +71,39 @@ static void the_ledger_closes(int with, const char *what)
     release(&p);
 }
 
+/* A ball on a spring without mass falls on a wall again and again, which each time pulls until it lets go:
+ * what the spring holds then is lost. */
+static void pulls_that_end_are_booked(void)
+{
+    const double compliance = 1e-3, rtol = 1e-9;
+    const aoi_law law = law_named("kelvin_voigt_pulling", 2, 1e4, 10.0, 0.0);
+    double record[MOST_ROWS], lost = 0.0;
+    plant p = {.bodies = 0};
+    part *ball = add_rigid(&p, 1.0, 1.0);
+    ball->pulled = ball->massless = 1;
+    ball->gravity[0] = 9.81;
+    ball->residual[0] = compliance;
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 0.0, &law);
+    must_go(&p, rtol, 1.0);
+    for (size_t r = 0; r < p.rows; r++) {
+        const double *row = p.track + p.index[r];
+        const double *of = row + (size_t)row[AOI_TRACK_SIZE] - AOI_TRACK_CONTACT_SIZE;
+        if (row[AOI_TRACK_CONTACTS] > 0.0 && of[AOI_TRACK_ENDS] > 0.0) {
+            const double pull = of[AOI_TRACK_FORCE + AOI_STAGES - 1];
+            lost += 0.5 * compliance * pull * pull;
+        }
+    }
+    CHECK(p.contact[0].impulse > 5.0 && lost > 1e-3, "it bounces, and loses %g J so", lost);
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    for (int i = 0; i <= 100; i++) {
+        aoi_sampler_column(&p.sampler, 0.01 * i, 1, record, 1);
+        CHECK(fabs(ledger(&p, record) - 0.5) < 1e2 * rtol, "at %g s the ledger is at %.12g J", 0.01 * i,
+              ledger(&p, record));
+    }
+    release(&p);
+}
+
 static void ledgers_close(void)
 {
     the_ledger_closes(0, "alone");
@@ -81,6 +117,8 @@ static void ledgers_close(void)
     the_ledger_closes(RISING | MASSLESS, "rising loads on massless contacts");
     the_ledger_closes(RISING | DAMPED, "rising loads, damping");
     the_ledger_closes(RISING | PRESSED | MASSLESS, "pressed together from the start");
+    the_ledger_closes(MASSLESS | PULLING, "a pull that ends at once");
+    the_ledger_closes(STEADY | MASSLESS | PULLING, "loads and pulls");
     the_ledger_closes(RISING | GRAVITY | DAMPED | MASSLESS | VISCOUS, "everything");
 }
 
@@ -272,6 +310,7 @@ int main(void)
 {
     what_is_no_track_is_refused();
     ledgers_close();
+    pulls_that_end_are_booked();
     work_and_losses_are_those_of_the_motion();
     dense_output_meets_the_rows();
     columns_are_those_of_the_states();
