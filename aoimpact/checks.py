@@ -51,6 +51,8 @@ def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> fl
     InputError
         If it is NaN, or infinite where that has no meaning.
     """
+    if type(value) is float and math.isfinite(value):
+        return value  # the common case: asking for what else is a real number takes far longer
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
     if not _is_real(value):

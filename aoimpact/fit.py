@@ -48,7 +48,7 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
         What to call the bodies.
     """
     models: list[Any] = [getattr(body, "model", None) for body in plan.players]
-    if all(_fitted_time(model) is None for model in models):
+    if not any(map(_fitted_time, models)):
         return
     said = set()
     for joint, events in zip(plan.joints, run.events, strict=True):

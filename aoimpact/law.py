@@ -30,6 +30,8 @@ MOST_SHARE = 0.95
 _DECADE = 40
 _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
+_NO_NOTE = np.full(3, math.nan)
+
 # Logarithms: where the search for the deepest indentation begins, and how it goes on up.
 _SHALLOW, _STRIDE = -28.0, 0.35
 
@@ -77,8 +79,8 @@ class ContactLaw:
 
     def for_core(self) -> CoreLaw:
         """Return the law as the core's ``take_law`` reads it; new for every call of the core."""
-        note = np.full(3, math.nan)  # the core's word on where and why a law gave no force
-        return self._kind(), self._parameters(), 0.0, self._limit(), note, self._data()
+        # A note is the core's word on where and why a law gave no force.
+        return self._kind(), self._parameters(), 0.0, self._limit(), _NO_NOTE.copy(), self._data()
 
     def force(self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0) -> Any:
         """Return the contact force, on the loading branch where there is history.

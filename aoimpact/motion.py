@@ -16,6 +16,7 @@ import numpy.typing as npt
 from .errors import InputError
 from .events import Eventful, Events, FloatArray
 from .fields import Field, Probe
+from .frozen import Frozen
 from .response import Response
 
 __all__ = [
@@ -23,23 +24,10 @@ __all__ = [
     "BodyInfo",
     "BodyResult",
     "ContactResult",
+    "Drift",
     "Energy",
     "ErrorEstimate",
-    "Frozen",
 ]
-
-
-class Frozen:
-    """Makes the arrays of a dataclass read-only, also after unpickling."""
-
-    def __post_init__(self) -> None:
-        for value in vars(self).values():
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        Frozen.__post_init__(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +123,35 @@ class BodyInfo:
     def fixed(self) -> bool:
         """Whether it cannot fly off: held by supports, or a wall."""
         return self.held or self.wall
+
+
+@dataclass(frozen=True)
+class Drift:
+    """What a reduced body leaves out: mass that moves on, untouched, with the whole of the body.
+
+    Attributes
+    ----------
+    share : float
+        Of the centre of mass's motion.
+    mass : float
+        kg.
+    velocity, acceleration : float
+        m/s, m/s².
+    """
+
+    share: float
+    mass: float
+    velocity: float
+    acceleration: float
+
+    def add(self, rows: FloatArray, t: FloatArray) -> None:
+        """Add it to the rows of a body."""
+        way = t * (self.velocity + 0.5 * self.acceleration * t)
+        speed = self.velocity + self.acceleration * t
+        rows[0] += self.share * way
+        rows[1] += self.share * speed
+        rows[2] += 0.5 * self.mass * speed**2
+        rows[5] += self.mass * self.acceleration * way
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import _core
 from .checks import boolean, positive, real
 from .errors import ConvergenceError, InputError
+from .frozen import Frozen
 from .laws import ContactLaw
 
 __all__ = ["Contact", "CoreBody", "Load", "Newmark", "Record", "newmark_scene"]
@@ -77,7 +78,7 @@ Load = tuple[int, int, FloatArray, FloatArray]  # body, port, times, forces
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class Record(Frozen):
     """What the core wrote.
 
     Attributes

@@ -121,7 +121,8 @@ def wide_enough(
 
 
 def _patches(bodies: Sequence[Any]) -> list[Patch]:
-    return [body.patch for body in bodies if getattr(body, "patch", None) is not None]
+    found = (getattr(body, "patch", None) for body in bodies)
+    return [patch for patch in found if patch is not None]
 
 
 def _listed(radii: Sequence[float]) -> str:

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from .laws import ContactLaw, PatchLaw, Tabulated
 from .modalbody import ModalBody
-from .motion import BodyInfo
+from .motion import Drift
 from .players import Player, State
 from .preload import Pressed, equilibrium
-from .response import Response
-from .run import Drift
 
 __all__ = ["CONTACT_ROWS", "Joint", "Load", "Plan"]
 
@@ -28,8 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 CONTACT_ROWS = 4
 
 
-@dataclass(frozen=True)
-class Joint:
+class Joint(NamedTuple):
     """A contact of two bodies.
 
     Attributes
@@ -144,25 +141,6 @@ class Plan:
             found.append(Drift(share, mass, velocity, self.gravity) if moves else None)
         return tuple(found)
 
-    def infos(
-        self,
-        states: Sequence[Callable[[], tuple[FloatArray, FloatArray]]],
-        responses: Sequence[Callable[[], Response | None]],
-    ) -> tuple[BodyInfo, ...]:
-        """Return what a run keeps of the bodies.
-
-        Parameters
-        ----------
-        states : sequence of callables
-            What gives each one's coordinates and rates at the end of the record.
-        responses : sequence of callables
-            What makes all of each known.
-        """
-        return tuple(
-            BodyInfo(player.label, player.mass, player.held, state, player.ports, response)
-            for player, state, response in zip(self.players, states, responses, strict=True)
-        )
-
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:
         """The loads on each body that has some."""
@@ -173,7 +151,7 @@ class Plan:
 
     def load_on(self, body: int) -> tuple[FloatArray, FloatArray] | None:
         """Return all loads on a body as one: times, shape (m,), and forces on ports, (m, p)."""
-        ours = self._loads_of.get(body)
+        ours = self._loads_of.get(body) if self.loads else None
         if ours is None:
             return None
         times = np.unique(np.concatenate([load.times for load in ours]))

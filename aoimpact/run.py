@@ -6,7 +6,7 @@ import itertools
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -21,17 +21,19 @@ from .motion import (
     BodyInfo,
     BodyResult,
     ContactResult,
+    Drift,
     Energy,
     ErrorEstimate,
-    Frozen,
 )
+from .plan import Plan
+from .response import Response
 from .table import run_columns, write_csv
 from .units import quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Drift", "Handle", "Recorded", "Recorder", "Run"]
+__all__ = ["Handle", "Recorder", "Run"]
 
 _CONTACT_ROWS, _BODY_ROWS = 4, 6
 
@@ -66,6 +68,16 @@ class Recorder(Protocol):
     """A run of a solver that can be read at times."""
 
     @property
+    def solver(self) -> str:
+        """How time was integrated."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """Length of the record, s."""
+        ...
+
+    @property
     def times(self) -> FloatArray: ...
     @property
     def marks(self) -> FloatArray:
@@ -83,65 +95,20 @@ class Recorder(Protocol):
         ...
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        """Return the record at times, shape (rows, n), for the caller to write on."""
-        ...
+        """Return the record at times, shape (rows, n), for the caller to write on.
 
-
-@dataclass(frozen=True, eq=False)
-class Recorded(Frozen):
-    """The record of a solver with fixed steps.
-
-    Attributes
-    ----------
-    times : ndarray, shape (n,)
-        s.
-    record : ndarray, shape (rows, n)
         Four rows a contact (force, indentation, energies stored and lost), six a body and two a
         port of it, as the core lays them out.
-    events, dense
-        As in :class:`Recorder`: it locates none, and knows nothing between its steps.
-    """
+        """
+        ...
 
-    times: FloatArray
-    record: FloatArray
-    events: tuple[Events, ...] | None = None
-    dense: bool = False
+    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
+        """Return a body's own coordinates and their rates at the end of the record."""
+        ...
 
-    @property
-    def marks(self) -> FloatArray:
-        return self.times
-
-    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        return self.record.copy()
-
-
-@dataclass(frozen=True)
-class Drift:
-    """What a reduced body leaves out: mass that moves on, untouched, with the whole of the body.
-
-    Attributes
-    ----------
-    share : float
-        Of the centre of mass's motion.
-    mass : float
-        kg.
-    velocity, acceleration : float
-        m/s, m/s².
-    """
-
-    share: float
-    mass: float
-    velocity: float
-    acceleration: float
-
-    def add(self, rows: FloatArray, t: FloatArray) -> None:
-        """Add it to the rows of a body."""
-        way = t * (self.velocity + 0.5 * self.acceleration * t)
-        speed = self.velocity + self.acceleration * t
-        rows[0] += self.share * way
-        rows[1] += self.share * speed
-        rows[2] += 0.5 * self.mass * speed**2
-        rows[5] += self.mass * self.acceleration * way
+    def response(self, body: int) -> Response | None:
+        """Make all that a body does be known; None if it has no finite elements."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,23 +119,12 @@ class Run:
 
     Attributes
     ----------
-    infos : tuple of BodyInfo
-    ends : tuple of (body, port, body, port)
-        Of the contacts.
-    duration : float
-        s.
-    solver : str
-        How time was integrated.
-    energies : bool
-        Whether energies are recorded.
-    time_error : float or None
-        Of the peak force, relative, from integrating in time.
+    plan : Plan
+        What was run.
     recorder : Recorder
         The solver's own record, from which curves are read.
-    drifts : tuple of Drift or None
-        What each reduced body leaves out.
-    scene : str
-        The mark of the scene's handles.
+    time_error : float or None
+        Of the peak force, relative, from integrating in time.
     reduction_error : float or None
         Of the quantity asked for, relative, where models were chosen for it.
     models : tuple, or None
@@ -177,29 +133,65 @@ class Run:
         The times asked for, s; the solver's own if None.
     """
 
-    infos: tuple[BodyInfo, ...]
-    ends: tuple[tuple[int, int, int, int], ...] = field(repr=False)
-    duration: float
-    solver: str
-    energies: bool
+    plan: Plan
+    recorder: Recorder
     time_error: float | None
-    recorder: Recorder = field(repr=False)
-    drifts: tuple[Drift | None, ...] = field(repr=False)
-    scene: str = field(default="", repr=False)
     reduction_error: float | None = None
-    models: tuple[Any, ...] | None = field(default=None, repr=False)
-    asked: FloatArray | None = field(default=None, repr=False)
+    models: tuple[Any, ...] | None = None
+    asked: FloatArray | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What has been computed on the way does not travel."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
-    # ------------------------------------------------------------------- histories
+    # ------------------------------------------------------------------- what was run
+
+    @property
+    def duration(self) -> float:
+        """Length of the record, s."""
+        return self.recorder.duration
+
+    @property
+    def solver(self) -> str:
+        """How time was integrated."""
+        return self.recorder.solver
+
+    @property
+    def energies(self) -> bool:
+        """Whether energies are recorded."""
+        return self.plan.energies
+
+    @property
+    def ends(self) -> tuple[tuple[int, int, int, int], ...]:
+        """Body, port, body and port of the contacts."""
+        return self.plan.ends
 
     @property
     def joints(self) -> int:
         """Number of contacts."""
-        return len(self.ends)
+        return len(self.plan.joints)
+
+    @cached_property
+    def infos(self) -> tuple[BodyInfo, ...]:
+        """What is known of the bodies beside their histories."""
+        return tuple(
+            BodyInfo(
+                player.label,
+                player.mass,
+                player.held,
+                partial(self.recorder.state, i),
+                player.ports,
+                partial(self.recorder.response, i),
+            )
+            for i, player in enumerate(self.plan.players)
+        )
+
+    @cached_property
+    def drifts(self) -> tuple[Drift | None, ...]:
+        """What each reduced body leaves out."""
+        return self.plan.drifts
+
+    # ------------------------------------------------------------------- histories
 
     @cached_property
     def t(self) -> FloatArray:
@@ -235,7 +227,7 @@ class Run:
     def __getitem__(self, body: Handle | int) -> BodyResult:
         if isinstance(body, bool) or not isinstance(body, (Handle, int, np.integer)):
             raise InputTypeError(f"a run is read by the handles of its scene, got {body!r}")
-        if isinstance(body, Handle) and body.scene != self.scene:
+        if isinstance(body, Handle) and body.scene != self.plan.scene:
             raise InputError(
                 f"{body!r} is of another scene than this run; read the run by the handles that its "
                 "own scene's add returned"
@@ -342,15 +334,18 @@ class Run:
 
     # ---------------------------------------------------------------------- events
 
-    @cached_property
+    @property
     def events(self) -> tuple[Events, ...]:
         """Of each contact: the solver's own where it locates them, else found between the steps."""
-        if self.recorder.events is not None:
-            return self.recorder.events
+        located = self.recorder.events
+        return self._found if located is None else located
+
+    @cached_property
+    def _found(self) -> tuple[Events, ...]:
         found = []
         for joint in range(self.joints):
             force, indentation = self._rows[4 * joint], self._rows[4 * joint + 1]
-            first, port, second, other = self.ends[joint]
+            first, port, second, other = self.plan.joints[joint].ends_at
             rate = self._velocity(first, port) - self._velocity(second, other)
             found.append(find_events(self.t, force, indentation, rate))
         return tuple(found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import uuid
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,8 @@ Solver = Adaptive | Newmark
 
 # Squares and energies of speeds beyond these overflow, or vanish.
 SLOWEST, FASTEST = 1e-60, 1e60
+
+_BY_DEFAULT = Adaptive()
 
 
 @dataclass(frozen=True)
@@ -385,7 +387,7 @@ def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[Player]) -> 
         _touched(bodies, Handle(joint.first, joint.first_port)),
         _touched(bodies, Handle(joint.second, joint.second_port)),
     )
-    return replace(joint, law=effective_law(own_law(joint.law), ends), ends=ends)
+    return joint._replace(law=effective_law(own_law(joint.law), ends), ends=ends)
 
 
 def _weightless(body: StarPlayer) -> bool:
@@ -421,7 +423,7 @@ def solve(plan: Plan, solver: Solver | None) -> Run:
     """
     if solver is None:
         full = any(isinstance(body, FullPlayer) for body in plan.players)
-        solver = Newmark() if full else Adaptive()
+        solver = Newmark() if full else _BY_DEFAULT
     if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
     try:

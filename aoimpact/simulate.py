@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from .adaptive import Adaptive
@@ -24,6 +23,8 @@ from .solvers import Solver
 from .sufficient import checked_linear_solver, sufficient
 
 __all__ = ["plan_impact", "simulate"]
+
+_NAMES = "projectile", "target"
 
 
 def simulate(
@@ -93,16 +94,18 @@ def simulate(
     """
     chosen = quantity is not None or rtol is not None
     linear = checked_linear_solver(linear_solver, chosen=chosen)
-    plan_of = partial(plan_impact, law=law, velocity=velocity, duration=duration, gap=gap)
+    blow: dict[str, Any] = {"velocity": velocity, "duration": duration, "gap": gap}
     if not chosen:
-        plan = plan_of(projectile, target, energies=energies)
+        plan = plan_impact(projectile, target, law, energies=energies, **blow)
         result = _simulated(plan, solver)
-        warn_of_misfit(plan, result.run, ("projectile", "target"))
+        warn_of_misfit(plan, result.run, _NAMES)
         return result
     _checked(law, velocity, duration, gap, energies)
     bodies = projectile, target
     done, found = sufficient(
-        lambda models, rule, seen: _simulated(plan_of(*models, energies=seen), rule),
+        lambda models, rule, seen: _simulated(
+            plan_impact(models[0], models[1], law, energies=seen, **blow), rule
+        ),
         bodies,
         answer("force" if quantity is None else quantity, *bodies),
         rtol,
@@ -147,7 +150,7 @@ def plan_impact(
     """
     speed, length, distance = _checked(law, velocity, duration, gap, energies)
     bodies = player("projectile", projectile, speed), player("target", target, 0.0)
-    for name, body in zip(("projectile", "target"), bodies, strict=True):
+    for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body, InterfacePlayer):
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass
-from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from .events import Events
 from .laws import UserLaw
 from .plan import Plan
 from .recall import recall_tracked
+from .response import Response
 from .roughness import refuse_rough
 from .run import Run
 
@@ -53,14 +54,27 @@ class Sampled:
 
     Attributes
     ----------
+    plan : Plan
+        What was run.
     track : Track
         The core's rows of the run, from which every curve is computed when it is asked for.
+    rule : Adaptive
     dense : bool
         True: what lies between two rows has a closed form or a polynomial.
     """
 
+    plan: Plan
     track: Track
-    dense: bool = True
+    rule: Adaptive
+    dense: ClassVar[bool] = True
+
+    @property
+    def solver(self) -> str:
+        return f"Adaptive(rtol={self.rule.rtol:g}), {self.track.steps} steps in contact"
+
+    @property
+    def duration(self) -> float:
+        return self.track.duration
 
     @property
     def times(self) -> FloatArray:
@@ -76,6 +90,13 @@ class Sampled:
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
         return self.track.sample(times, energies=energies)
+
+    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
+        modal, ours = self.plan.modal[body], slice(*self.plan.first_modes[body : body + 2])
+        return modal.coordinates(self.track.x[ours]), modal.coordinates(self.track.v[ours])
+
+    def response(self, body: int) -> Response | None:
+        return recall_tracked(self.plan, body, self.track)
 
 
 def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
@@ -99,20 +120,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
     touches = most_touches(track)
     if touches > 1:
         track, error = _confirmed(plan, track, rule.rtol, touches)
-    return Run(
-        infos=plan.infos(
-            [partial(_state, plan, track, i) for i in range(len(plan.players))],
-            [partial(recall_tracked, plan, i, track) for i in range(len(plan.players))],
-        ),
-        ends=plan.ends,
-        duration=plan.duration,
-        solver=f"Adaptive(rtol={rule.rtol:g}), {track.steps} steps in contact",
-        energies=plan.energies,
-        time_error=error,
-        recorder=Sampled(track),
-        drifts=plan.drifts,
-        scene=plan.scene,
-    )
+    return Run(plan, Sampled(plan, track, rule), error)
 
 
 def _first_track(plan: Plan, rtol: float) -> Track:
@@ -172,18 +180,13 @@ def _warn(rtol: float, touches: int, text: str) -> None:
     )
 
 
-def _state(plan: Plan, track: Track, body: int) -> tuple[FloatArray, FloatArray]:
-    """A body's coordinates and rates at the end."""
-    modal, ours = plan.modal[body], slice(*plan.first_modes[body : body + 2])
-    return modal.coordinates(track.x[ours]), modal.coordinates(track.v[ours])
-
-
 def _track(plan: Plan, rtol: float, most_steps: int = sys.maxsize) -> Track:
     laws = {id(joint.law): joint.law.for_core() for joint in plan.joints}
-    moving = [body.moving * speed for body, speed in zip(plan.modal, plan.velocities, strict=True)]
+    bodies = [player.modal for player in plan.players]
+    moving = [body.moving * speed for body, speed in zip(bodies, plan.velocities, strict=True)]
     v = np.concatenate(moving)
     return adaptive_run(
-        [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(plan.modal)],
+        [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(bodies)],
         [
             (j.first, j.first_port, j.second, j.second_port, j.gap, laws[id(j.law)])
             for j in plan.joints

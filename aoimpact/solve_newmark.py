@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
 from .errors import ConvergenceError, InputError, warn
-from .events import FloatArray, find_peak
+from .events import Events, FloatArray, find_peak
 from .laws import ContactLaw
 from .newmark import Newmark, Record, newmark_scene
 from .patchlaw import check_width
 from .plan import CONTACT_ROWS, Plan
-from .players import Player
 from .recall import recall_stepped
-from .run import Recorded, Run
+from .response import Response
+from .run import Run
 
-__all__ = ["rigid_contact_time", "solve_newmark"]
+__all__ = ["Recorded", "rigid_contact_time", "solve_newmark"]
 
 # The steps of a first attempt within a contact, when the caller leaves dt to us.
 _FIRST_STEPS = 100
@@ -32,6 +32,57 @@ _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 
 # Share of the peak force above which the force is compared between two steps.
 _AROUND_PEAK = 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """A run with fixed steps as a :class:`Recorder`, to be read at those.
+
+    Attributes
+    ----------
+    plan : Plan
+        What was run.
+    rule : Newmark
+    record : Record
+    events, dense
+        It locates none, and knows nothing between its steps.
+    """
+
+    plan: Plan
+    rule: Newmark
+    record: Record
+    events: ClassVar[tuple[Events, ...] | None] = None
+    dense: ClassVar[bool] = False
+
+    @property
+    def solver(self) -> str:
+        rule, steps = self.rule, len(self.times) - 1
+        return (
+            f"Newmark(dt={self.record.dt:.6g}, beta={rule.beta:g}, gamma={rule.gamma:g}), "
+            f"{steps} steps"
+        )
+
+    @property
+    def duration(self) -> float:
+        return float(self.times[-1])
+
+    @property
+    def times(self) -> FloatArray:
+        return self.record.t
+
+    @property
+    def marks(self) -> FloatArray:
+        return self.record.t
+
+    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
+        return self.record.rows.copy()
+
+    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
+        player, (u, v) = self.plan.players[body], self.record.final[body]
+        return player.coordinates(u), player.coordinates(v)
+
+    def response(self, body: int) -> Response | None:
+        return recall_stepped(self.plan, body, self.rule, self.record)
 
 
 def solve_newmark(plan: Plan, rule: Newmark) -> Run:
@@ -57,29 +108,7 @@ def solve_newmark(plan: Plan, rule: Newmark) -> Run:
         )
     for i, joint in enumerate(plan.joints):
         check_width(joint.law, record.rows[CONTACT_ROWS * i + 1])
-    states = [
-        partial(_coordinates, player, *final)
-        for player, final in zip(plan.players, record.final, strict=True)
-    ]
-    return Run(
-        infos=plan.infos(
-            states,
-            [partial(recall_stepped, plan, i, rule, record) for i in range(len(plan.players))],
-        ),
-        ends=plan.ends,
-        duration=float(record.t[-1]),
-        solver=f"Newmark(dt={record.dt:.6g}, beta={rule.beta:g}, gamma={rule.gamma:g}), "
-        f"{len(record.t) - 1} steps",
-        energies=plan.energies,
-        time_error=error,
-        recorder=Recorded(record.t, record.rows),
-        drifts=plan.drifts,
-        scene=plan.scene,
-    )
-
-
-def _coordinates(player: Player, u: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-    return player.coordinates(u), player.coordinates(v)
+    return Run(plan, Recorded(plan, rule, record), error)
 
 
 @dataclass(frozen=True, eq=False)

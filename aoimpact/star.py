@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -137,7 +138,7 @@ class AOModel:
             )
         return self.k0
 
-    @property
+    @cached_property
     def static_mass(self) -> float:
         """m_st = m0 + Σ m_i, kg, eq. (10)."""
         return self.m0 + math.fsum(self.m)

@@ -13,15 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import aoimpact as ao
-from aoimpact.motion import BodyInfo
+from aoimpact.newmark import Record
 from aoimpact.result import Result
-from aoimpact.run import Recorded, Run
+from aoimpact.run import Run
+from aoimpact.simulate import plan_impact
+from aoimpact.solve_newmark import Recorded
 
 FloatArray = NDArray[np.float64]
-
-
-def at_rest() -> tuple[FloatArray, FloatArray]:
-    return np.zeros(1), np.zeros(1)
 
 
 @dataclass(frozen=True)
@@ -105,17 +103,16 @@ class HalfSine:
 
     def of(self, t: FloatArray, record: FloatArray, energies: bool = True) -> Result:
         """The result of a record, as a solver with fixed steps leaves it."""
-        run = Run(
-            infos=(
-                BodyInfo("rigid", self.projectile, False, at_rest),
-                BodyInfo("rigid", self.target, self.held, at_rest),
-            ),
-            ends=((0, 0, 1, 0),),
+        plan = plan_impact(
+            ao.rigid(mass=self.projectile),
+            ao.AOModel(m0=self.target, k0=1.0 if self.held else 0.0),
+            self.law,
+            velocity=self.velocity,
             duration=float(t[-1]),
-            solver="closed form",
+            gap=self.gap,
             energies=energies,
-            time_error=1e-3,
-            recorder=Recorded(t, record),
-            drifts=(None, None),
         )
+        at_rest = np.zeros(1), np.zeros(1)
+        recorder = Recorded(plan, ao.Newmark(), Record(t, record, (at_rest, at_rest), float(t[1])))
+        run = Run(plan, recorder, time_error=1e-3)
         return Result(run=run, velocity=self.velocity, gap=self.gap, law=self.law)
