@@ -15,6 +15,9 @@ _Factors = tuple[_I, _I, _F, _F, _I, _I]
 _Law = tuple[Any, ...]
 _Modes = tuple[_F | None, ...]  # aoi_modes, as ModalBody.for_core makes it
 _Joint = tuple[int, int, int, int, float, _Law]  # body and port of each side, gap
+# Peak force, its time, impulse, intervals (start, end) and touches (impulse, pace) of a contact.
+_Pairs = list[tuple[float, float]]
+_Contact = tuple[float, float, float, _Pairs, _Pairs]
 _Body = tuple[Any, ...]  # as python_newmark.c says
 
 def law_force(
@@ -81,11 +84,12 @@ def adaptive(
     joints: tuple[_Joint, ...],
     rtol: float,
     duration: float,
-    x: _F,
-    v: _F,
+    x: _F | None,
+    moving: tuple[_F, ...],
+    velocities: tuple[float, ...],
     most_steps: int,
     /,
-) -> tuple[bytes, bytes, bytes, tuple[tuple[float, float, float, float], ...], int, int]: ...
+) -> tuple[bytes, bytes, bytes, bytes, tuple[_Contact, ...], int, int]: ...
 def track_sample(
     bodies: tuple[_Modes, ...],
     joints: tuple[_Joint, ...],

@@ -98,14 +98,13 @@ class Track:
     duration : float
         s.
     events : tuple of Events
-        Of each contact.
+        Of each contact; an interval that the record cuts off ends with it, one that would begin
+        there is none.
     touches : tuple of lists of (impulse, pace)
         Of each contact, for each of its intervals: the impulse, N s, and the rate at which it
         begins, times its length, relative to how deep it goes.
     steps, rejected : int
         Steps of contact taken, and tried in vain.
-    x, v : ndarrays
-        The modes of all bodies where the last row ends.
     """
 
     bodies: tuple[CoreBody, ...]
@@ -116,10 +115,15 @@ class Track:
     touches: tuple[list[tuple[float, float]], ...] = field(repr=False)
     steps: int
     rejected: int
-    x: FloatArray = field(repr=False)
-    v: FloatArray = field(repr=False)
     _table: bytes = field(repr=False)
     _index: bytes = field(repr=False)
+    _x: bytes = field(repr=False)
+    _v: bytes = field(repr=False)
+
+    @property
+    def final(self) -> tuple[FloatArray, FloatArray]:
+        """The modes of all bodies, and their rates, where the last row ends."""
+        return np.frombuffer(self._x), np.frombuffer(self._v)
 
     @property
     def rows(self) -> int:
@@ -200,16 +204,31 @@ class Track:
 def adaptive_run(
     bodies: Sequence[CoreBody],
     joints: Sequence[CoreJoint],
-    x: FloatArray,
-    v: FloatArray,
+    moving: Sequence[FloatArray],
+    velocities: Sequence[float],
     *,
     rtol: float,
     duration: float,
+    x: FloatArray | None = None,
     most_steps: int = sys.maxsize,
 ) -> Track:
-    """Run the core to a tolerance, from modes x and rates v of all bodies (left as they are).
+    """Run the core to a tolerance.
 
-    It gives up after about `most_steps`.
+    Parameters
+    ----------
+    bodies, joints : sequences
+        As `ModalBody.for_core` and :class:`CoreJoint` have them.
+    moving : sequence of ndarrays
+        Rates of each body's modes when it moves as a whole, at unit velocity.
+    velocities : sequence of float
+        At which they do at the start, m/s.
+    rtol : float
+    duration : float
+        s.
+    x : ndarray, optional
+        Modes of all bodies at the start; undeformed if left out.
+    most_steps : int, optional
+        It gives up after about as many.
 
     Raises
     ------
@@ -218,44 +237,27 @@ def adaptive_run(
     """
     order = _order(bodies, joints) if len(joints) > 2 else None
     scene = tuple(bodies), tuple(joints if order is None else (joints[i] for i in order))
-    x, v = x.copy(), v.copy()
-    table, index, raw, contacts, steps, rejected = _core.adaptive(
-        *scene, rtol, duration, x, v, most_steps
-    )
-    intervals, touches = _intervals(np.frombuffer(raw).reshape(-1, 5), len(scene[1]), duration)
-    events = tuple(
-        Events(peak, time, tuple(of), impulse)
-        for (peak, time, impulse, _), of in zip(contacts, intervals, strict=True)
+    table, index, x_end, v_end, contacts, steps, rejected = _core.adaptive(
+        *scene, rtol, duration, x, tuple(moving), tuple(velocities), most_steps
     )
     if order is not None:
-        back = np.argsort(order)
-        events, touches = tuple(events[i] for i in back), tuple(touches[i] for i in back)
-    return Track(*scene, order, duration, events, touches, steps, rejected, x, v, table, index)
+        contacts = tuple(contacts[i] for i in np.argsort(order))
+    return Track(
+        *scene,
+        order,
+        duration,
+        tuple([Events(peak, at, tuple(of), impulse) for peak, at, impulse, of, _ in contacts]),
+        tuple([touches for *_, touches in contacts]),
+        steps,
+        rejected,
+        table,
+        index,
+        x_end,
+        v_end,
+    )
 
 
 def _order(bodies: Sequence[CoreBody], joints: Sequence[CoreJoint]) -> IntArray | None:
     """Return a better order of the contacts; a wall hands the force of none on to the others."""
     couples = [residual is not None or push.any() for _, _, _, push, residual, *_ in bodies]
     return narrow_order([(joint[0], joint[2]) for joint in joints], couples)
-
-
-def _intervals(
-    raw: FloatArray, count: int, duration: float
-) -> tuple[list[list[tuple[float, float]]], tuple[list[tuple[float, float]], ...]]:
-    """Start and end of each interval of each contact, and what is known of it (Track.touches).
-
-    An interval that the record cuts off ends with it; one that would begin there is none.
-    """
-    found: list[list[tuple[float, float]]] = [[] for _ in range(count)]
-    touches: list[list[tuple[float, float]]] = [[] for _ in range(count)]
-    begun = [(0.0, 0.0)] * count
-    for contact, time, begins, impulse, depth in raw.tolist():
-        joint = int(contact)
-        start, rate = begun[joint]
-        if begins:
-            begun[joint] = time, depth
-        elif start < duration:
-            found[joint].append((start, time))
-            pace = rate * (time - start) / depth if depth > 0.0 else 0.0
-            touches[joint].append((impulse, pace))
-    return found, tuple(touches)

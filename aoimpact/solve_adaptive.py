@@ -93,7 +93,8 @@ class Sampled:
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         modal, ours = self.plan.modal[body], slice(*self.plan.first_modes[body : body + 2])
-        return modal.coordinates(self.track.x[ours]), modal.coordinates(self.track.v[ours])
+        x, v = self.track.final
+        return modal.coordinates(x[ours]), modal.coordinates(v[ours])
 
     def response(self, body: int) -> Response | None:
         return recall_tracked(self.plan, body, self.track)
@@ -183,17 +184,16 @@ def _warn(rtol: float, touches: int, text: str) -> None:
 def _track(plan: Plan, rtol: float, most_steps: int = sys.maxsize) -> Track:
     laws = {id(joint.law): joint.law.for_core() for joint in plan.joints}
     bodies = [player.modal for player in plan.players]
-    moving = [body.moving * speed for body, speed in zip(bodies, plan.velocities, strict=True)]
-    v = np.concatenate(moving)
     return adaptive_run(
         [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(bodies)],
         [
             (j.first, j.first_port, j.second, j.second_port, j.gap, laws[id(j.law)])
             for j in plan.joints
         ],
-        np.concatenate(plan.at_rest) if plan.preload else np.zeros(len(v)),
-        v,
+        [body.moving for body in bodies],
+        plan.velocities,
         rtol=rtol,
         duration=plan.duration,
+        x=np.concatenate(plan.at_rest) if plan.preload else None,
         most_steps=most_steps,
     )

@@ -188,72 +188,99 @@ static int run_to_end(aoi_adaptive *run, growing *track, size_t most_steps)
     return status;
 }
 
-/* Room for a run; the caller frees run->body, contact, stage, response, work, lists. */
+/* Room for a run; the caller frees run->body, contact, stage, response, x (and v with it), work, lists. */
 static int furnish(aoi_adaptive *run, const aoi_system *system)
 {
     size_t work, lists, row;
+    const size_t n = system->first[system->body_count];
     aoi_adaptive_size(system, &work, &lists, &row);
     run->system = system;
     run->body = calloc(system->body_count + 1, sizeof *run->body);
     run->response = calloc(system->body_count + 1, sizeof *run->response);
     run->contact = calloc(system->joint_count + 1, sizeof *run->contact);
     run->stage = calloc(system->joint_count + 1, sizeof *run->stage);
+    run->x = calloc(2 * n + 1, sizeof(double));
+    run->v = run->x ? run->x + n : NULL;
     run->work = malloc((work + 1) * sizeof(double));
     run->lists = malloc((lists + 1) * sizeof(size_t));
-    if (!run->body || !run->response || !run->contact || !run->stage || !run->work || !run->lists) {
+    if (!run->body || !run->response || !run->contact || !run->stage || !run->x || !run->work ||
+        !run->lists) {
         PyErr_NoMemory();
         return 0;
     }
     return 1;
 }
 
-/* Where each contact has been seen last, while the events are gathered. */
-typedef struct history {
-    int closed;
-    double until, impulse, deepest;
-} history;
-
-typedef struct event_list {
-    double *values; /* NULL while they are only counted */
-    size_t count;
-} event_list;
-
-enum { EVENT_SIZE = 5 };
-
-static void note_event(event_list *list, size_t joint, double time, double begins, double impulse,
-                       double depth)
+/* The start: bodies that move as a whole (moving: their rates at unit velocity) from modes x, or from
+ * none of them where x is None. */
+static void take_start(held *buffers, PyObject *x_in, PyObject *moving, PyObject *velocities,
+                       aoi_adaptive *run)
 {
-    if (list->values) {
-        double *of = list->values + EVENT_SIZE * list->count;
-        of[0] = (double)joint;
-        of[1] = time;
-        of[2] = begins;
-        of[3] = impulse;
-        of[4] = depth;
+    const aoi_system *system = run->system;
+    size_t all = system->first[system->body_count];
+    const double *x = maybe(buffers, x_in, "x", &all);
+    if (x) {
+        memcpy(run->x, x, all * sizeof(double));
     }
-    list->count++;
+    need_tuple(buffers, moving, (Py_ssize_t)system->body_count);
+    need_tuple(buffers, velocities, (Py_ssize_t)system->body_count);
+    for (size_t b = 0; b < system->body_count && !buffers->failed; b++) {
+        size_t n = system->body[b].n;
+        const double *rate = doubles(buffers, PyTuple_GetItem(moving, (Py_ssize_t)b), "moving", &n);
+        const double velocity = PyFloat_AsDouble(PyTuple_GetItem(velocities, (Py_ssize_t)b));
+        if (PyErr_Occurred()) {
+            buffers->failed = 1;
+        }
+        for (size_t j = 0; j < n && !buffers->failed; j++) {
+            run->v[system->first[b] + j] = velocity * rate[j];
+        }
+    }
 }
 
-/* The events of a contact in one row. One that is in no row any more has ended where its last one did. */
-static void events_of_contact(const double *row, const double *of, history *seen, event_list *list)
+/* What is known of a contact while its intervals are gathered. */
+typedef struct history {
+    int closed;
+    double start, rate; /* of the interval under way, and of the indentation as it began */
+    double until, impulse, deepest;
+    PyObject *intervals, *touches; /* lists of (start, end) and of (impulse, pace) */
+} history;
+
+static int append_pair(PyObject *list, double first, double second)
 {
-    const size_t joint = (size_t)of[AOI_TRACK_JOINT];
+    PyObject *pair = Py_BuildValue("dd", first, second);
+    const int fine = pair && PyList_Append(list, pair) == 0;
+    Py_XDECREF(pair);
+    return fine;
+}
+
+/* An interval is over; one that would begin where the record ends is none. */
+static int close_interval(history *known, double end, double record_end)
+{
+    const double lasted = end - known->start;
+    const double pace = known->deepest > 0.0 ? known->rate * lasted / known->deepest : 0.0;
+    known->closed = 0;
+    return known->start >= record_end || (append_pair(known->intervals, known->start, end) &&
+                                          append_pair(known->touches, known->impulse, pace));
+}
+
+/* What a contact does in one row. One that is in no row any more has ended where its last one did. */
+static int follow_contact(const double *row, const double *of, history *known, double record_end)
+{
     const double start = row[AOI_TRACK_START], end = start + row[AOI_TRACK_LENGTH];
-    history *known = &seen[joint];
+    /* It may have slackened at the very start of the row. */
+    const int slack = of[AOI_TRACK_PIECE] == AOI_SLACK;
     double slope;
-    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* it may have slackened at the very start of the row */
-        if (known->closed) {
-            note_event(list, joint, known->until, 0.0, known->impulse, known->deepest);
-        }
-        known->closed = 0;
-        return;
+    if ((slack || of[AOI_TRACK_BEGINS] != 0.0) && known->closed &&
+        !close_interval(known, known->until, record_end)) {
+        return 0;
+    }
+    if (slack) {
+        return 1;
     }
     if (of[AOI_TRACK_BEGINS] != 0.0) {
-        if (known->closed) {
-            note_event(list, joint, known->until, 0.0, known->impulse, known->deepest);
-        }
         (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, 0.0, &slope);
-        note_event(list, joint, start, 1.0, 0.0, slope / row[AOI_TRACK_LENGTH]);
+        known->start = start;
+        known->rate = slope / row[AOI_TRACK_LENGTH];
         known->closed = 1;
         known->impulse = known->deepest = 0.0;
     }
@@ -261,109 +288,99 @@ static void events_of_contact(const double *row, const double *of, history *seen
                                                                 1.0, &slope));
     known->impulse += row[AOI_TRACK_LENGTH] * aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[0],
                                                              of + AOI_TRACK_FORCE);
-    if (of[AOI_TRACK_ENDS] != 0.0) {
-        note_event(list, joint, end, 0.0, known->impulse, known->deepest);
-        known->closed = 0;
-    }
     known->until = end;
+    return of[AOI_TRACK_ENDS] == 0.0 || close_interval(known, end, record_end);
 }
 
-static void gather_events(const growing *track, const aoi_system *system, double end, history *seen,
-                          event_list *list)
+static int gather_intervals(const growing *track, const aoi_system *system, double end, history *seen)
 {
-    list->count = 0;
-    memset(seen, 0, system->joint_count * sizeof *seen);
     for (size_t r = 0; r < track->rows; r++) {
         const double *row = track->track + track->index[r], *of = row + AOI_TRACK_FIXED;
         for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
             of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[0]].n;
         }
         for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++) {
-            events_of_contact(row, of, seen, list);
+            if (!follow_contact(row, of, &seen[(size_t)of[AOI_TRACK_JOINT]], end)) {
+                return 0;
+            }
             of += AOI_TRACK_CONTACT_SIZE;
         }
     }
     for (size_t c = 0; c < system->joint_count; c++) {
-        if (seen[c].closed) {
-            const int lasting = seen[c].until >= end * (1.0 - 1e-14);
-            note_event(list, c, lasting ? end : seen[c].until, 0.0, seen[c].impulse, seen[c].deepest);
+        const int lasting = seen[c].until >= end * (1.0 - 1e-14);
+        if (seen[c].closed && !close_interval(&seen[c], lasting ? end : seen[c].until, end)) {
+            return 0;
         }
     }
+    return 1;
 }
 
-/* Start and end of each interval in which a contact has force, as (joint, time, 1 or 0, impulse so far,
- * rate of the indentation or its largest). */
-static PyObject *events_of(const growing *track, const aoi_system *system, double end)
-{
-    event_list list = {NULL, 0};
-    PyObject *result = NULL;
-    history *seen = malloc((system->joint_count + 1) * sizeof *seen);
-    if (seen) {
-        gather_events(track, system, end, seen, &list);
-        list.values = malloc((EVENT_SIZE * list.count + 1) * sizeof(double));
-    }
-    if (list.values) {
-        gather_events(track, system, end, seen, &list);
-        result = PyBytes_FromStringAndSize((const char *)list.values,
-                                           (Py_ssize_t)(EVENT_SIZE * list.count * sizeof(double)));
-    } else {
-        PyErr_NoMemory();
-    }
-    free(list.values);
-    free(seen);
-    return result;
-}
-
-/* Per joint: peak force, its time, impulse, work. */
-static PyObject *contacts_of(const aoi_adaptive *run)
+/* Of each contact (peak force, its time, impulse, intervals, touches). */
+static PyObject *contacts_of(const aoi_adaptive *run, const growing *track)
 {
     const size_t count = run->system->joint_count;
     PyObject *result = PyTuple_New((Py_ssize_t)count);
-    for (size_t c = 0; result && c < count; c++) {
+    history *seen = calloc(count + 1, sizeof *seen);
+    int fine = result && seen;
+    for (size_t c = 0; fine && c < count; c++) {
         const aoi_contact_state *of = &run->contact[c];
-        PyObject *one = Py_BuildValue("dddd", of->peak_force, of->peak_time, of->impulse, of->work);
-        if (!one || PyTuple_SetItem(result, (Py_ssize_t)c, one) != 0) {
-            Py_DECREF(result);
-            return NULL;
-        }
+        seen[c].intervals = PyList_New(0);
+        seen[c].touches = PyList_New(0);
+        PyObject *one = seen[c].intervals && seen[c].touches
+                            ? Py_BuildValue("dddOO", of->peak_force, of->peak_time, of->impulse,
+                                            seen[c].intervals, seen[c].touches)
+                            : NULL;
+        fine = one && PyTuple_SetItem(result, (Py_ssize_t)c, one) == 0;
+    }
+    fine = fine && gather_intervals(track, run->system, run->end, seen);
+    for (size_t c = 0; seen && c < count; c++) {
+        Py_XDECREF(seen[c].intervals);
+        Py_XDECREF(seen[c].touches);
+    }
+    if (!seen) {
+        PyErr_NoMemory();
+    }
+    free(seen);
+    if (!fine) {
+        Py_XDECREF(result);
+        return NULL;
     }
     return result;
 }
 
-/* (track, index, events, contacts, steps, rejected) */
+/* (track, index, x, v, contacts, steps, rejected) */
 static PyObject *adaptive_result(const aoi_adaptive *run, const growing *track)
 {
-    PyObject *events = events_of(track, run->system, run->end), *contacts = contacts_of(run);
-    if (!events || !contacts) {
-        Py_XDECREF(events);
-        Py_XDECREF(contacts);
+    const size_t n = run->system->first[run->system->body_count];
+    const Py_ssize_t state = (Py_ssize_t)(n * sizeof(double));
+    PyObject *contacts = contacts_of(run, track);
+    if (!contacts) {
         return NULL;
     }
-    return Py_BuildValue("y#y#NNnn", (const char *)track->track,
+    return Py_BuildValue("y#y#y#y#Nnn", (const char *)track->track,
                          (Py_ssize_t)(track->used * sizeof(double)), (const char *)track->index,
-                         (Py_ssize_t)(track->rows * sizeof(size_t)), events, contacts,
-                         (Py_ssize_t)run->steps, (Py_ssize_t)run->rejected);
+                         (Py_ssize_t)(track->rows * sizeof(size_t)), (const char *)run->x, state,
+                         (const char *)run->v, state, contacts, (Py_ssize_t)run->steps,
+                         (Py_ssize_t)run->rejected);
 }
 
 PyObject *adaptive(PyObject *self, PyObject *args)
 {
-    PyObject *bodies, *joints, *x_out, *v_out, *result = NULL;
+    PyObject *bodies, *joints, *x_in, *moving, *velocities, *result = NULL;
     held buffers = {.failed = 0};
     taken made = {.body = NULL};
     aoi_adaptive run = {.system = NULL};
     growing track = {.track = NULL};
     Py_ssize_t most_steps;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!ddOOn", &PyTuple_Type, &bodies, &PyTuple_Type, &joints, &run.rtol,
-                          &run.end, &x_out, &v_out, &most_steps)) {
+    if (!PyArg_ParseTuple(args, "O!O!ddOOOn", &PyTuple_Type, &bodies, &PyTuple_Type, &joints, &run.rtol,
+                          &run.end, &x_in, &moving, &velocities, &most_steps)) {
         return NULL;
     }
     int status = take_system(&buffers, bodies, joints, &made);
-    size_t n = buffers.failed ? (size_t)-1 : made.first[made.system.body_count];
-    run.x = doubles_out(&buffers, x_out, "x", &n);
-    run.v = doubles_out(&buffers, v_out, "v", &n);
     if (!buffers.failed && status == AOI_OK && furnish(&run, &made.system)) {
-        status = run_to_end(&run, &track, (size_t)most_steps);
+        take_start(&buffers, x_in, moving, velocities, &run);
+        status = buffers.failed ? AOI_OK : run_to_end(&run, &track, (size_t)most_steps);
     }
     if (!buffers.failed && !PyErr_Occurred()) {
         result = status == AOI_OK
@@ -376,6 +393,7 @@ PyObject *adaptive(PyObject *self, PyObject *args)
     free(run.response);
     free(run.contact);
     free(run.stage);
+    free(run.x);
     free(run.work);
     free(run.lists);
     free(track.track);

@@ -116,10 +116,9 @@ def joints() -> tuple[Any, ...]:
 
 
 def adaptive_arguments(duration: float = 1e-3) -> list[Any]:
-    n = sum(len(body[0]) for body in bodies())
-    x, v = np.zeros(n), np.zeros(n)
-    v[0] = 1.0
-    return [bodies(), joints(), 1e-6, duration, x, v, sys.maxsize]
+    sizes = [len(body[0]) for body in bodies()]
+    moving, speeds = tuple(np.ones(n) for n in sizes), (1.0, 0.0, 0.0)
+    return [bodies(), joints(), 1e-6, duration, np.zeros(sum(sizes)), moving, speeds, sys.maxsize]
 
 
 def sample_arguments() -> list[Any]:
@@ -189,7 +188,7 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     ),
     "graph_aggregate": (lambda: [*blocks()[:2], np.zeros(6, np.int32)], {2}),
     "factors_find_panels": (lambda: [*factors()[:2], np.zeros(7, np.int32)], {2}),
-    "adaptive": (adaptive_arguments, {4, 5}),
+    "adaptive": (adaptive_arguments, set()),
     "track_sample": (sample_arguments, {5}),
     "track_states": (states_arguments, {6}),
     "briefs": (briefs_arguments, {5}),
@@ -254,8 +253,8 @@ def test_wrong_array_is_refused_and_nothing_written(name: str, bad: str) -> None
         arguments = CALLS[name][0]()
         good = arguments[position]
         arguments[position] = BAD_ARRAYS[bad](good)
-        if same_buffer(arguments[position], good):
-            continue
+        if same_buffer(arguments[position], good) or (name, bad) == ("adaptive", "None"):
+            continue  # without modes at the start the bodies are undeformed
         before = [np.array(a) for a in arguments if isinstance(a, np.ndarray)]
         with pytest.raises(REFUSALS):
             function(name)(*arguments)
@@ -367,6 +366,35 @@ def test_runs_without_tolerance_or_time_are_refused(position: int, value: float)
         _core.adaptive(*arguments)
 
 
+@pytest.mark.parametrize("bad", BAD_ARRAYS)
+def test_a_start_of_wrong_arrays_is_refused(bad: str) -> None:
+    for body in range(3):
+        arguments = adaptive_arguments()
+        moving = list(arguments[5])
+        moving[body] = BAD_ARRAYS[bad](arguments[5][body])
+        if same_buffer(moving[body], arguments[5][body]):
+            continue
+        arguments[5] = tuple(moving)
+        with pytest.raises(REFUSALS):
+            _core.adaptive(*arguments)
+
+
+@pytest.mark.parametrize("position", [5, 6])
+@pytest.mark.parametrize("wrong", [(), (1.0,), [1.0, 0.0, 0.0], (1.0, "fast", 0.0), None])
+def test_a_start_of_other_bodies_is_refused(position: int, wrong: Any) -> None:
+    arguments = adaptive_arguments()
+    arguments[position] = wrong
+    with pytest.raises(TypeError):
+        _core.adaptive(*arguments)
+
+
+def test_bodies_at_rest_and_undeformed_need_no_modes() -> None:
+    arguments = adaptive_arguments()
+    given = _core.adaptive(*arguments)
+    arguments[4] = None
+    assert _core.adaptive(*arguments) == given
+
+
 def test_a_run_of_more_steps_than_wanted_is_given_up() -> None:
     arguments = adaptive_arguments(duration=10.0)
     with pytest.raises(ao.ConvergenceError, match="shorter duration"):
@@ -375,9 +403,10 @@ def test_a_run_of_more_steps_than_wanted_is_given_up() -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_a_state_that_is_no_number_is_refused(value: float) -> None:
-    for position in (4, 5):
+    for place in (lambda a: a[4], lambda a: a[5][1]):  # of all modes, or of one body's rates
         arguments = adaptive_arguments()
-        arguments[position][2] = value
+        arguments[6] = (1.0, 1.0, 0.0)
+        place(arguments)[2] = value
         with pytest.raises(ao.ConvergenceError):
             _core.adaptive(*arguments)
 
@@ -618,13 +647,14 @@ def test_buffers_of_an_adaptive_run_are_given_back(name: str) -> None:
     one, none = doubles(1.0), doubles(0.0)
     ball = (doubles(0.0), None, one, one, None, None, one, one, None, None, None)
     wall = (none, None, one, none, None, None, none, one, None, none, none)
-    note, x, v = doubles(0.0, 0.0, 0.0), doubles(0.0, 0.0), doubles(1.0, 0.0)
+    note, x, moving = doubles(0.0, 0.0, 0.0), doubles(0.0, 0.0), (doubles(1.0), doubles(1.0))
+    start = x, moving, (1.0, 0.0), sys.maxsize
     scene = (ball, wall), ((0, 0, 1, 0, 0.0, (name, (1e9,), 0.0, math.inf, note, None)),)
     if name == "hertz":
-        table, index, *_ = _core.adaptive(*scene, 1e-6, 1e-3, x, v, sys.maxsize)
+        table, index, _, v, *_ = _core.adaptive(*scene, 1e-6, 1e-3, *start)
         track, record = doubles(*np.frombuffer(table)), doubles(*np.zeros(4 + 2 * 8))
         _core.track_sample(*scene, track, index, doubles(1e-3), record, True)
-        assert v[0] == pytest.approx(-1.0, rel=1e-6)
+        assert np.frombuffer(v)[0] == pytest.approx(-1.0, rel=1e-6)
         assert record[5] == pytest.approx(-1.0, rel=1e-6)
         track.append(0.0)
         record.append(0.0)
@@ -633,8 +663,8 @@ def test_buffers_of_an_adaptive_run_are_given_back(name: str) -> None:
         track.append(0.0)
     else:
         with pytest.raises(ao.InputError):
-            _core.adaptive(*scene, 1e-6, 1e-3, x, v, sys.maxsize)
-    for buffer in (one, none, ball[0], note, x, v):
+            _core.adaptive(*scene, 1e-6, 1e-3, *start)
+    for buffer in (one, none, ball[0], note, x, *moving):
         buffer.append(0.0)
 
 
