@@ -188,7 +188,9 @@ class Plan:
 
     def start_of(self, body: int) -> State | None:
         """Return the state that is stepped from, if that is not moving undeformed."""
-        return self.players[body].pressed(self.at_rest[body]) if self.preload else None
+        if not self.preload:
+            return None
+        return self.players[body].pressed(self.at_rest[body], self._rest[1][body])
 
     # ------------------------------------------------------------------- the start
 
@@ -203,31 +205,28 @@ class Plan:
         """
         if not self.preload:
             return tuple(np.zeros(body.n) for body in self.modal)
-        x = equilibrium(
+        rest = itertools.pairwise(self.first_modes)
+        return tuple(self._rest[0][first:end] for first, end in rest)
+
+    @cached_property
+    def _rest(self) -> tuple[FloatArray, list[FloatArray]]:
+        """All modes at rest, and what these leave out of the displacements of massless ports."""
+        return equilibrium(
             self.modal,
-            [self._pull(i) for i in range(len(self.modal))],
-            [self._pressed(joint) for joint in self.joints],
+            [
+                Pressed(((j.first, j.first_port), (j.second, j.second_port)), j.gap, j.law)
+                for j in self.joints
+            ],
+            gravity=self.gravity,
+            forces=[self._loaded(body) for body in range(len(self.modal))],
         )
-        return tuple(x[first:end] for first, end in itertools.pairwise(self.first_modes))
 
-    def _pull(self, body: int) -> FloatArray:
-        """Modal accelerations under gravity and the loads at t = 0."""
-        modal, load = self.modal[body], self.load_on(body)
-        pull = self.gravity * modal.weight
-        if load is not None:
-            forces = np.array([np.interp(0.0, load[0], column) for column in load[1].T])
-            pull = pull + forces @ modal.push
-        return pull
-
-    def _pressed(self, joint: Joint) -> Pressed:
-        direction = np.zeros(self.first_modes[-1])
-        residual = 0.0
-        sides = ((joint.first, joint.first_port, 1.0), (joint.second, joint.second_port, -1.0))
-        for body, port, sign in sides:
-            modal = self.modal[body]
-            direction[slice(*self.first_modes[body : body + 2])] += sign * modal.shape[port]
-            residual += 0.0 if modal.residual is None else float(modal.residual[port, port])
-        return Pressed(direction, joint.gap, joint.law.for_core(), joint.law._limit(), residual)
+    def _loaded(self, body: int) -> FloatArray:
+        """The loads on a body's ports at t = 0, N."""
+        load = self.load_on(body)
+        if load is None:
+            return np.zeros(self.players[body].ports)
+        return np.array([np.interp(0.0, load[0], column) for column in load[1].T])
 
     @property
     def fastest(self) -> float:

@@ -96,8 +96,11 @@ class Player(ABC):
         """Return the forces of gravity, m/s², on the coordinates that `for_core` takes them for."""
 
     @abstractmethod
-    def pressed(self, x: FloatArray) -> State:
-        """Return the state, as `for_core` takes it, moving from modes `x` with its velocity."""
+    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+        """Return the state, as `for_core` takes it, moving from modes `x` with its velocity.
+
+        `bent`, shape (p,), is what the modes leave out of the displacements of massless ports, m.
+        """
 
     def for_core(
         self,
@@ -178,8 +181,10 @@ class StarPlayer(Player):
         forces: FloatArray = gravity * star.mass * star.centre_weights
         return forces
 
-    def pressed(self, x: FloatArray) -> State:
-        return self.modal.coordinates(x), self.undeformed[1]
+    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+        coordinates = self.modal.coordinates(x)
+        coordinates[0] += bent[0]
+        return coordinates, self.undeformed[1]
 
     @cached_property
     def _modes(self) -> StarModes | None:
@@ -218,15 +223,19 @@ class StarPlayer(Player):
 def _modal_core(
     modes: StarModes, gravity: FloatArray | None, u: FloatArray, v: FloatArray
 ) -> CoreBody:
+    x = modes.project(u)
+    # Displaced at the start by more than its modes: something presses on a massless contact.
+    bent = u[:1] - modes.participation @ x if modes.residual else None
     return (
         "modal",
         modes.omega,
         modes.decay,
         modes.participation,
         np.array([modes.residual]),
+        None if bent is None else bent / modes.residual,
         None if gravity is None else modes.force(gravity),
         modes.participation * modes.centre[0],
-        modes.project(u),
+        x,
         modes.project(v),
     )
 
@@ -280,7 +289,7 @@ class FullPlayer(Player):
         forces: FloatArray = gravity * self.mass * self._centre
         return forces
 
-    def pressed(self, x: FloatArray) -> State:
+    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
         return self._whole.expand(self.modal.coordinates(x)), self._start
 
     @cached_property
@@ -357,6 +366,7 @@ class FullPlayer(Player):
             np.zeros_like(omega) if damping is None else damping.decay(omega),
             np.ascontiguousarray([tip.b @ phi for tip in self.model]),
             np.zeros((self.ports, self.ports)),
+            None,
             None if gravity is None else phi.T @ gravity,
             phi.T @ self._centre,
             phi.T @ (mass @ u),
@@ -400,12 +410,12 @@ class InterfacePlayer(Player):
 
     @property
     def undeformed(self) -> State:
-        return self.pressed(np.zeros(self.modal.n))
+        return self.pressed(np.zeros(self.modal.n), np.zeros(self.ports))
 
     def weight(self, gravity: float) -> FloatArray | None:
         return gravity * self.modal.weight
 
-    def pressed(self, x: FloatArray) -> State:
+    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
         return x, self.velocity * self.modal.moving
 
     def _stepped(
@@ -418,6 +428,7 @@ class InterfacePlayer(Player):
             np.zeros(modal.n) if modal.decay is None else modal.decay,
             modal.shape,
             np.zeros((self.ports, self.ports)) if modal.residual is None else modal.residual,
+            None,
             gravity,
             modal.centre,
             u,

@@ -12,7 +12,8 @@ enum {
     HIGHEST_LEVEL = -40 * LEVELS,
     MOST_STRIDES = 10000000,
     MOST_TRIMS = 12,
-    MOST_IDLE = 1000
+    MOST_IDLE = 1000,
+    SHARING_SWEEPS = 10000
 };
 
 /* An event closer to the start than this share of the step happens at the start. */
@@ -251,13 +252,44 @@ static double shared_overlap(const aoi_law *law, const double *memory, double fr
     return high;
 }
 
-/* Bodies that press on each other from the start. */
-static void start_closed(aoi_adaptive *run, size_t joint, double overlap)
+/* Indentation at the start beside the forces of all other contacts; returns whether its own changes. */
+static int share_overlap(aoi_adaptive *run, size_t joint)
 {
     aoi_contact_state *contact = &run->contact[joint];
     const aoi_joint *of = &run->system->joint[joint];
-    const double delta = shared_overlap(of->law, contact->memory, overlap,
-                                        aoi_system_residual(run->system, joint));
+    const double own = aoi_system_residual(run->system, joint), before = contact->force;
+    double overlap, rate, acceleration;
+    aoi_flight pair;
+    aoi_law_value value = {.force = 0.0};
+    aoi_pair_now(run, joint, &pair);
+    aoi_flight_indentation(&pair, &overlap, &rate, &acceleration);
+    const double others = own > 0.0 ? aoi_step_bent_at_start(run, joint) - own * before : 0.0;
+    contact->start = shared_overlap(of->law, contact->memory, fmax(overlap - others, 0.0), own);
+    if (contact->start > 0.0) {
+        aoi_law_push(of->law, contact->memory, contact->start, 0.0, &value);
+    }
+    contact->force = value.force;
+    return own > 0.0 && fabs(value.force - before) > 4.0 * DBL_EPSILON * value.force;
+}
+
+/* Contacts at one massless place move each other: one by one in turn, the energy only falls. */
+static void share_overlaps(aoi_adaptive *run)
+{
+    int changed = 1;
+    for (int sweep = 0; changed && sweep < SHARING_SWEEPS; sweep++) {
+        changed = 0;
+        for (size_t c = 0; c < run->system->joint_count; c++) {
+            changed |= share_overlap(run, c);
+        }
+    }
+}
+
+/* Bodies that press on each other from the start. */
+static void start_closed(aoi_adaptive *run, size_t joint)
+{
+    aoi_contact_state *contact = &run->contact[joint];
+    const aoi_joint *of = &run->system->joint[joint];
+    const double delta = contact->start;
     double mobility, swing;
     aoi_flight pair;
     aoi_law_value value;
@@ -352,14 +384,11 @@ static void begin_contacts(aoi_adaptive *run)
         run->contact[c] = (aoi_contact_state){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
         run->contact[c].peak_time = run->time;
     }
+    share_overlaps(run);
     aoi_watch_begin(run);
     for (size_t c = 0; c < run->system->joint_count; c++) {
-        aoi_flight pair;
-        double overlap, rate, acceleration;
-        aoi_pair_now(run, c, &pair);
-        aoi_flight_indentation(&pair, &overlap, &rate, &acceleration);
-        if (overlap > 0.0) {
-            start_closed(run, c, overlap);
+        if (run->contact[c].start > 0.0) {
+            start_closed(run, c);
         } else {
             aoi_watch_add(run, c);
         }

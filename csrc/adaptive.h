@@ -46,6 +46,9 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
 /* Writes the row of bodies that fly from now on; stage_count contacts of the step, 0 for none. */
 size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row);
 
+/* What the forces at the start of a step bend the residual compliances of a contact by, m. */
+double aoi_step_bent_at_start(const aoi_adaptive *run, size_t joint);
+
 /* Lets the events up to a place at the very start of the step tried happen; 0 where that would go on for
  * ever: take a shorter step. */
 int aoi_step_at_start(aoi_adaptive *run, double place);

@@ -453,9 +453,10 @@ typedef struct aoi_rayleigh {
 } aoi_rayleigh;
 
 /* How a body starts. u, v: its coordinates' initial values; centre: their weights in the centre of
- * mass; gravity: a constant force on each [N], or NULL. All are kept by the body but u and v. */
+ * mass; gravity: a constant force on each [N], or NULL; force: what is on the ports of a body in modes
+ * already [N], or NULL. All are kept by the body but u, v and force. */
 typedef struct aoi_start {
-    const double *u, *v, *centre, *gravity;
+    const double *u, *v, *centre, *gravity, *force;
 } aoi_start;
 
 /* What a body shows at the end of a step, in this order: displacement and velocity of its centre of

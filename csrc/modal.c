@@ -206,7 +206,9 @@ int aoi_body_start_modal(aoi_body *body, const aoi_modal *modal, const aoi_newma
                        step,             {0}};
     memcpy(part(body, X), start->u, n * sizeof(double));
     memcpy(part(body, V), start->v, n * sizeof(double));
-    memset(force_of(body), 0, 2 * ports * sizeof(double)); /* looked at before they are known */
+    for (size_t p = 0; p < 2 * ports; p++) { /* looked at before they are known */
+        force_of(body)[p] = start->force ? start->force[p % ports] : 0.0;
+    }
     return modal_prepare(body, compliance, rate_compliance);
 }
 

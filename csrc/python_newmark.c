@@ -21,7 +21,7 @@ static PyObject *item(PyObject *tuple, Py_ssize_t i) { return PyTuple_GetItem(tu
 static aoi_start take_start(held *buffers, PyObject *tuple, size_t n, player *one)
 {
     const Py_ssize_t at = PyTuple_Size(tuple) - 4;
-    aoi_start start = {NULL, NULL, NULL, NULL};
+    aoi_start start = {NULL, NULL, NULL, NULL, NULL};
     if (item(tuple, at) != Py_None) {
         start.gravity = doubles(buffers, item(tuple, at), "gravity", &n);
     }
@@ -61,7 +61,7 @@ static int take_star(held *buffers, PyObject *tuple, player *one, const aoi_newm
                : aoi_body_start_star(&one->body, star, &damping, rule, &start, one->work);
 }
 
-/* ("modal", omega, decay, participation, residual, gravity, centre, u, v) */
+/* ("modal", omega, decay, participation, residual, force or None, gravity, centre, u, v) */
 static int take_modal(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
 {
     size_t n = (size_t)-1, square = (size_t)-1, ports = 0;
@@ -76,7 +76,10 @@ static int take_modal(held *buffers, PyObject *tuple, player *one, const aoi_new
     modal->participation = doubles(buffers, item(tuple, 3), "participation", &all);
     modal->n = n;
     modal->ports = ports;
-    const aoi_start start = take_start(buffers, tuple, n, one);
+    aoi_start start = take_start(buffers, tuple, n, one);
+    if (item(tuple, 5) != Py_None) {
+        start.force = doubles(buffers, item(tuple, 5), "force", &ports);
+    }
     one->work = take_work(buffers, buffers->failed ? 0 : aoi_body_modal_size(n, ports));
     one->step_cost = 40.0 + 4.0 * (double)(n * (1 + ports));
     if (buffers->failed || ports * ports != square) {
@@ -127,7 +130,7 @@ static int take_player(held *buffers, PyObject *tuple, player *one, const aoi_ne
         const char *kind;
         Py_ssize_t size;
         int (*take)(held *, PyObject *, player *, const aoi_newmark *);
-    } kinds[] = {{"star", 11, take_star}, {"modal", 9, take_modal}, {"full", 11, take_full}};
+    } kinds[] = {{"star", 11, take_star}, {"modal", 10, take_modal}, {"full", 11, take_full}};
     PyObject *first = PyTuple_Check(tuple) && PyTuple_Size(tuple) > 0 ? item(tuple, 0) : Py_None;
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         if (PyUnicode_Check(first) && PyUnicode_CompareWithASCIIString(first, kinds[i].kind) == 0) {

@@ -224,9 +224,8 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
     run->response[b] = body->table[oldest];
 }
 
-/* What the forces at the start of the step bend the residual compliances of a contact by. The indentation
- * then has it in it already; the motion without contact forces has not. */
-static double bent_at_start(const aoi_adaptive *run, size_t joint)
+/* The indentation at the start has it in it already; the motion without contact forces has not. */
+double aoi_step_bent_at_start(const aoi_adaptive *run, size_t joint)
 {
     const aoi_joint *of = &run->system->joint[joint];
     double sum = 0.0;
@@ -247,7 +246,7 @@ static double bent_at_start(const aoi_adaptive *run, size_t joint)
 static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_rates)
 {
     const aoi_joint *joint = &run->system->joint[stage->joint];
-    const double bent = bent_at_start(run, stage->joint);
+    const double bent = aoi_step_bent_at_start(run, stage->joint);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         stage->homogeneous[i] = stage->start + bent;
         stage->homogeneous_rate[i] = -bent / h * aoi_radau_slope_at_node[i][0];
@@ -326,7 +325,7 @@ static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
         aoi_pair_now(run, stage->joint, &pair);
         aoi_flight_indentation(&pair, &stage->start, &stage->start_rate, &acceleration);
         stage->start_force = 0.0;
-        stage->start -= bent_at_start(run, stage->joint);
+        stage->start -= aoi_step_bent_at_start(run, stage->joint);
     }
     homogeneous(run, stage, h, with_rates);
     if (s < run->closed_count) {

@@ -43,7 +43,7 @@ def modal(n: int = 4, velocity: float = 0.0) -> tuple[Any, ...]:
     participation = np.array([np.ones(n), np.linspace(1.0, -1.0, n)])
     omega, decay = 1e3 * np.arange(n), np.full(n, 3.0)
     start = np.zeros(n), np.full(n, velocity)
-    return ("modal", omega, decay, participation, np.zeros((2, 2)), None, np.ones(n), *start)
+    return ("modal", omega, decay, participation, np.zeros((2, 2)), None, None, np.ones(n), *start)
 
 
 def chain(n: int) -> tuple[Any, Any]:

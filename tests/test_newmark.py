@@ -265,7 +265,16 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     tip = ao.FEModel(K=K, M=M).contact(dof=5)
     core = list(player("target", tip, 0.0).for_core(rule, dt))
     core[3] = b
-    modal = ("modal", np.sqrt(omega2), zero, b @ phi, np.zeros((2, 2)), None, phi.T @ core[-3])
+    modal = (
+        "modal",
+        np.sqrt(omega2),
+        zero,
+        b @ phi,
+        np.zeros((2, 2)),
+        None,
+        None,
+        phi.T @ core[-3],
+    )
     runs = []
     for body in (tuple(core), (*modal, np.zeros_like(zero), np.zeros_like(zero))):
         balls = [StarPlayer(ao.rigid(mass=0.1), v).for_core(rule, dt) for v in (0.1, 0.2)]

@@ -152,3 +152,70 @@ def test_a_table_that_ends_level_below_the_load_is_named():
     scene.connect(ball, floor, ao.Tabulated([0.0, 1e-5, 1e-4], [0.0, 5.0, 5.0]))
     with pytest.raises(ValueError, match=r"0\.0001 m, where it has 5 N .* longer table"):
         scene.simulate(duration=1e-3, preload=True)
+
+
+@pytest.mark.parametrize("height", [1, 3000])
+def test_a_long_column_bears_what_is_above_each_contact(height):
+    """Pressed from above, too: as much as all of it weighs."""
+    scene, pressed = ao.Scene(gravity=EARTH), EARTH * height
+    balls = [scene.add(BODY) for _ in range(height)]
+    for above, below in itertools.pairwise([*balls, scene.add(WALL)]):
+        scene.connect(above, below, ao.Hertz(k=1e10))
+    scene.apply(balls[0], force=pressed)
+    run = scene.simulate(duration=1e-6, preload=True, energies=False)
+    forces = [contact.force[0] for contact in run.contacts]
+    assert forces == pytest.approx(pressed + EARTH * np.arange(1, height + 1), rel=1e-9)
+
+
+def test_a_row_that_nothing_holds_is_pressed_where_its_centre_of_mass_stays():
+    scene, masses, press = ao.Scene(), [1.0, 3.0, 0.5], 100.0
+    row = [scene.add(ao.rigid(mass=mass)) for mass in masses]
+    for one, other in itertools.pairwise(row):
+        scene.connect(one, other, ao.Linear(k=1e6), gap=1e-4)
+    scene.apply(row[0], force=press)
+    scene.apply(row[2], force=-press)
+    run = scene.simulate(duration=1e-6, preload=True)
+    places = np.array([body.displacement[0] for body in run.bodies])
+    assert np.diff(places) == pytest.approx(-(1e-4 + press / 1e6), rel=1e-9)
+    assert masses @ places == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("solver", [ao.Adaptive(), ao.Newmark(dt=1e-6, estimate=False)])
+@pytest.mark.parametrize("damping", [None, ao.Rayleigh(beta=1e-5)])
+def test_loads_and_contacts_at_a_massless_place_are_in_balance(solver, damping):
+    """A ground spring and a linear contact share what is pressed on them by load and body."""
+    ground, stop, load = 1e6, 3e6, 50.0
+    star = ao.AOModel(m0=0.0, k0=ground, m=[1.0, 0.5], k=[2e6, 1e7], damping=damping)
+    scene = ao.Scene()
+    above, middle, wall = scene.add(BODY), scene.add(star), scene.add(WALL)
+    scene.connect(above, middle, ao.Hertz(k=1e9))
+    scene.connect(middle, wall, ao.Linear(k=stop))
+    scene.apply(above, force=load)
+    scene.apply(middle, force=load)
+    run = scene.simulate(duration=1e-3, preload=True, solver=solver)
+    for contact, force in zip(run.contacts, (load, 2 * load * stop / (ground + stop)), strict=True):
+        np.testing.assert_allclose(contact.force, force, rtol=1e-9)
+
+
+def test_a_free_beam_on_two_stops_obeys_the_law_of_the_lever():
+    mesh = ao.box_mesh((0.3, 0.02, 0.02), (6, 1, 1))
+    body = ao.FEModel.from_mesh(mesh, STEEL)
+    places, load = (0.05, 0.1, 0.25), 30.0
+    down = (0.0, 0.0, -1.0)
+    tips = [body.contact(point=(x, 0.01, 0.02), direction=down) for x in places]
+    scene = ao.Scene()
+    beam, left, right = scene.add(ao.interface(tips, 12)), scene.add(WALL), scene.add(WALL)
+    scene.connect(beam.port(0), left, ao.Linear(k=1e6))
+    scene.connect(beam.port(2), right, ao.Linear(k=3e6))
+    scene.apply(beam.port(1), force=load)
+    share = (places[1] - places[0]) / (places[2] - places[0])
+    assert at_rest(scene) == pytest.approx([load * (1.0 - share), load * share], rel=1e-8)
+
+
+def test_a_falling_body_among_many_is_named():
+    scene = ao.Scene(gravity=EARTH)
+    balls = [scene.add(BODY) for _ in range(50)]
+    for above, below in itertools.pairwise([*balls[:-1], scene.add(WALL)]):
+        scene.connect(above, below, ao.Hertz(k=1e10))
+    with pytest.raises(ao.ConvergenceError, match=r"falls for ever .* on body 49\)"):
+        scene.simulate(duration=1e-6, preload=True)

@@ -217,9 +217,10 @@ MUTANTS = [
     ("adaptive.c", "if (left < time) {", "if (0) {"),
     (
         "adaptive.c",
-        "shared_overlap(of->law, contact->memory, overlap,",
-        "shared_overlap(of->law, contact->memory, 2.0 * overlap,",
+        "contact->memory, fmax(overlap - others, 0.0)",
+        "contact->memory, fmax(2.0 * (overlap - others), 0.0)",
     ),
+    ("adaptive.c", "aoi_step_bent_at_start(run, joint) - own * before", "0.0"),
     ("system.c", "joint_of[--first_joint", "joint_of[first_joint"),
     ("system.c", "if (b >= system->body_count) {", "if (b > system->body_count) {"),
     ("system.c", "system->body[b].n > most", "system->body[b].n < most"),
@@ -236,7 +237,11 @@ MUTANTS = [
     ("step.c", "largest > law->limit", "0"),
     ("step.c", "TAIL_SHARE = 0.3, STEP_SHARE = 0.1", "TAIL_SHARE = 300.0, STEP_SHARE = 100.0"),
     ("step.c", "contact->work += aoi_collocation_work(stage)", "contact->work = 0.0"),
-    ("step.c", "stage->start -= bent_at_start", "stage->start += 0.0 * bent_at_start"),
+    (
+        "step.c",
+        "stage->start -= aoi_step_bent_at_start",
+        "stage->start += 0.0 * aoi_step_bent_at_start",
+    ),
     ("step.c", "stage->edge = edge_of(run, stage->joint, h)", "stage->edge = AOI_EDGE_NONE"),
     ("release.c", "MOST_OF_REST = 2.0 / 3.0", "MOST_OF_REST = 1e-3"),
     (
@@ -293,6 +298,7 @@ MUTANTS = [
     ("newmark.c", "c[SAG] += start->centre[i + 1] * sag(body, i)", "c[SAG] += 0.0"),
     ("newmark.c", "(damped && star->m0 == 0.0)", "0"),
     ("modal.c", "gravity - modal->omega[j]", "-modal->omega[j]"),
+    ("modal.c", "start->force ? start->force[p % ports] : 0.0", "0.0"),
     ("modal.c", "- twice_decay(modal, j) * v;", "- 0.5 * twice_decay(modal, j) * v;"),
     ("modal.c", "1.0 + step->correct_v * twice_decay(modal, j) + stiffness", "1.0 + stiffness"),
     ("modal.c", "settled - residual_times(modal, p, force + ports)", "settled"),

@@ -362,6 +362,32 @@ static void preloaded_bodies_fly_apart(void)
     release(&p);
 }
 
+/* A ball pressed by o on a massless platform that leans on a wall: the platform is at c (F - G), so that
+ * F = k (o - c (F - G)) and G = k c (F - G). */
+static void what_presses_on_a_massless_place_is_shared_from_the_start(void)
+{
+    const double k = 2.5e6, c = 3e-6, o = 1e-4, difference = k * o / (1.0 + 2.0 * k * c);
+    const double wanted[] = {k * (o - c * difference), k * c * difference};
+    const aoi_law law = linear(k);
+    double record[64];
+    plant p = {.bodies = 0};
+    add_rigid(&p, 0.4, 0.0);
+    part *platform = add_rigid(&p, 1e12, 0.0);
+    platform->massless = 1;
+    platform->residual[0] = c;
+    add_wall(&p);
+    join_rigid(&p, 0, 1, -o, &law);
+    join_rigid(&p, 1, 2, 0.0, &law);
+    must_go(&p, 1e-10, 1e-3);
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    aoi_sampler_column(&p.sampler, 0.0, 0, record, 1);
+    for (int i = 0; i < 2; i++) {
+        const double force = record[i * AOI_CONTACT_ROWS];
+        CHECK(near(force, wanted[i], 1e-12), "contact %d: %.15g N, not %.15g", i, force, wanted[i]);
+    }
+    release(&p);
+}
+
 /* Hunt and Crossley: F = k d^n (1 + chi d') loses what (1 + chi v)e^(-chi v) = (1 - chi u)e^(chi u) says
  * of approach v and departure u; F v dt = -m dv gives it by separation. */
 static void hunt_and_crossley_lose_what_they_must(void)
@@ -584,6 +610,7 @@ int main(void)
     contacts_end_where_a_step_does();
     what_rests_goes_on_resting();
     preloaded_bodies_fly_apart();
+    what_presses_on_a_massless_place_is_shared_from_the_start();
     hunt_and_crossley_lose_what_they_must();
     a_law_that_fails_is_named();
     a_body_of_any_mass_runs_up_the_law();

@@ -78,7 +78,7 @@ static void chain_body_factorise(chain_body *c, aoi_newmark rule, const double *
 static int chain_body_start(chain_body *c, aoi_newmark rule)
 {
     CHECK(aoi_body_full_size(c->full.K.n, 1) <= 7 * MOST + 2, "room to work in");
-    const aoi_start begin = {c->u0, c->v0, c->centre, NULL};
+    const aoi_start begin = {c->u0, c->v0, c->centre, NULL, NULL};
     const int status = aoi_body_start_full(&c->body, &c->full, &rule, &begin, c->work);
     return status == AOI_OK ? begin_freely(&c->body) : status;
 }
@@ -93,7 +93,7 @@ static void star_and_its_matrices_are_one_body(double k0, aoi_newmark rule, doub
     const aoi_star star = {1, 0.02, k0, M_STAR, K_STAR};
     const double masses[] = {0.02, 0.3}, centre[] = {0.02 / 0.32, 0.3 / 0.32};
     const double u0[] = {0.0, 0.0}, v0[] = {1.5, 1.5};
-    const aoi_start begin = {u0, v0, centre, NULL};
+    const aoi_start begin = {u0, v0, centre, NULL, NULL};
     double work[16];
     aoi_body of_star;
     chain_body_fill(&c, 2, k0, K_STAR, masses);
@@ -147,7 +147,7 @@ static void same_impact_on_both(double k0)
         double work[16], ball_work[8];
         aoi_body target, projectile;
         size_t done;
-        const aoi_start moving = {rest, &speed, &own, NULL}, still = {rest, rest, centre, NULL};
+        const aoi_start moving = {rest, &speed, &own, NULL, NULL}, still = {rest, rest, centre, NULL, NULL};
         CHECK(aoi_body_start_star(&projectile, &ball, NULL, &rule, &moving, ball_work) == AOI_OK,
               "ball");
         CHECK(aoi_body_start_star(&target, &star, NULL, &rule, &still, work) == AOI_OK, "star");
@@ -273,7 +273,7 @@ static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_newmark rule, a
         }
     }
     const aoi_modal modal = {ROW, TWO, omega, decay, r, NULL};
-    const aoi_start begin = {zero, v, c.centre, g}, modal_begin = {zero, modal_v, modal_h, modal_g};
+    const aoi_start begin = {zero, v, c.centre, g, NULL}, modal_begin = {zero, modal_v, modal_h, modal_g, NULL};
     aoi_body in_modes;
     CHECK(aoi_body_start_full(&c.body, &c.full, &rule, &begin, work) == AOI_OK, "finite elements");
     CHECK(aoi_body_start_modal(&in_modes, &modal, &rule, &modal_begin, modal_work) == AOI_OK,

@@ -34,7 +34,7 @@ static void modes_random(modes *m, size_t n, size_t ports, uint64_t *seed)
 
 static int modes_start(modes *m, const aoi_newmark *rule, int with_gravity)
 {
-    const aoi_start begin = {m->u, m->v, m->centre, with_gravity ? m->gravity : NULL};
+    const aoi_start begin = {m->u, m->v, m->centre, with_gravity ? m->gravity : NULL, NULL};
     CHECK(aoi_body_modal_size(m->modal.n, m->modal.ports) <= WORK, "room to work in");
     for (size_t i = 0; i < WORK; i++) {
         m->work[i] = NAN; /* what a caller hands over is anything */
@@ -53,7 +53,7 @@ static void a_star_and_its_modes_are_one_body(double k0, aoi_newmark rule, aoi_r
     double rest[4] = {0.0}, moving[] = {1.0, 1.0, 1.0, 1.0}, centre[] = {0.05, 0.1, 0.02, 0.3};
     size_t count;
     aoi_body body;
-    const aoi_start begin = {rest, moving, centre, g};
+    const aoi_start begin = {rest, moving, centre, g, NULL};
     CHECK(aoi_body_start_star(&body, &star, &damping, &rule, &begin, work) == AOI_OK, "a star");
     CHECK(aoi_star_to_modal(&star, omega2, r, &count, spare) == AOI_OK && count == 4, "its modes");
     memset(&m, 0, sizeof m);
@@ -230,6 +230,27 @@ static void what_cannot_be_is_refused(void)
     CHECK(modes_start(&m, &AVERAGE, 0) == AOI_ERROR_ARGUMENT, "no port");
 }
 
+/* u = R f before the first step, under the forces that the body starts with. */
+static void what_presses_at_the_start_has_bent_the_residual(void)
+{
+    static modes m;
+    const double f[] = {100.0, -40.0};
+    double row[AOI_BODY_ROWS + PORTS * AOI_PORT_ROWS];
+    memset(&m, 0, sizeof m);
+    m.residual[0] = 3e-7;
+    m.residual[1] = m.residual[2] = 1e-7;
+    m.residual[3] = 2e-7;
+    m.modal = (aoi_modal){1, PORTS, m.omega, m.decay, m.participation, m.residual};
+    const aoi_start begin = {m.u, m.v, m.centre, NULL, f};
+    CHECK(aoi_body_start_modal(&m.body, &m.modal, &AVERAGE, &begin, m.work) == AOI_OK, "starts");
+    m.body.observe(&m.body, 0, row, 1);
+    for (size_t p = 0; p < PORTS; p++) {
+        const double wanted = m.residual[2 * p] * f[0] + m.residual[2 * p + 1] * f[1];
+        CHECK(near(row[AOI_BODY_ROWS + AOI_PORT_ROWS * p], wanted, 1e-15), "port %zu", p);
+        CHECK(row[AOI_BODY_ROWS + AOI_PORT_ROWS * p + 1] == 0.0, "port %zu rests", p);
+    }
+}
+
 int main(void)
 {
     const aoi_newmark rules[] = {{1e-6, 0.25, 0.5}, {3e-6, 0.3025, 0.6}};
@@ -242,6 +263,7 @@ int main(void)
     the_ledger_closes();
     a_ramp_is_followed_to_second_order();
     receptance_is_the_oscillators();
+    what_presses_at_the_start_has_bent_the_residual();
     what_cannot_be_is_refused();
     return check_report();
 }

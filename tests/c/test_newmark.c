@@ -28,7 +28,7 @@ static void start_with_blow(stepped *s, const aoi_star *star, aoi_newmark rule, 
     }
     s->v0[0] += blow;
     CHECK(aoi_body_star_size(star->n) <= sizeof s->work / sizeof s->work[0], "room to work in");
-    const aoi_start begin = {s->u0, s->v0, s->centre, NULL};
+    const aoi_start begin = {s->u0, s->v0, s->centre, NULL, NULL};
     const int status = aoi_body_start_star(&s->body, star, NULL, &rule, &begin, s->work);
     CHECK(status == AOI_OK && begin_freely(&s->body) == AOI_OK, "a star of %zu starts, status %d",
           star->n, status);
@@ -159,7 +159,7 @@ static void centre_is_the_weighted_mean(void)
     for (int i = 0; i < 5; i++) {
         s.centre[i] = 0.1 * (i + 1) - 0.2;
     }
-    const aoi_start begin = {s.u0, s.v0, s.centre, NULL};
+    const aoi_start begin = {s.u0, s.v0, s.centre, NULL, NULL};
     CHECK(aoi_body_start_star(&s.body, &r.star, NULL, &AVERAGE, &begin, s.work) == AOI_OK &&
               begin_freely(&s.body) == AOI_OK,
           "with weights of its own");
@@ -295,7 +295,7 @@ static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_newmark r
             d.a[i] -= damping.beta * k0 / d.m[0]; /* it moves at 1 m/s, undeformed */
         }
     }
-    const aoi_start begin = {s.u0, s.v0, s.centre, gravity};
+    const aoi_start begin = {s.u0, s.v0, s.centre, gravity, NULL};
     CHECK(aoi_body_start_star(&s.body, &r.star, &damping, &rule, &begin, s.work) == AOI_OK &&
               begin_freely(&s.body) == AOI_OK,
           "a damped star of %zu", n);
@@ -436,7 +436,7 @@ static void state_can_be_taken_up_again(double m0)
     double kinetic, elastic, worst = 0.0, size = 0.0;
     aoi_star_energy(&r.star, u, v, &kinetic, &elastic);
     CHECK(near(kinetic + elastic, energy, 1e-11), "its energy by the star's own formula");
-    const aoi_start begin = {u, v, one.centre, NULL};
+    const aoi_start begin = {u, v, one.centre, NULL, NULL};
     CHECK(aoi_body_start_star(&two.body, &r.star, NULL, &AVERAGE, &begin, two.work) == AOI_OK &&
               begin_freely(&two.body) == AOI_OK,
           "on");
@@ -457,7 +457,7 @@ static void rules_that_cannot_be(void)
                                {1e-6, nan, 0.5}, {1e-6, 0.25, 0.49}, {1e-6, 0.25, nan}};
     const aoi_star mass = {0, 1.0, 0.0, NULL, NULL}, none = {0, -1.0, 0.0, NULL, NULL};
     double zero[1] = {0.0}, work[8];
-    const aoi_start begin = {zero, zero, zero, NULL};
+    const aoi_start begin = {zero, zero, zero, NULL, NULL};
     aoi_body body;
     for (size_t i = 0; i < 8; i++) {
         work[i] = 77.0;

@@ -33,7 +33,7 @@ static void player_start(player *p, const aoi_star *star, aoi_newmark rule, doub
         p->v0[i] = velocity;
         p->centre[i] = isinf(total) ? 1.0 : (i == 0 ? star->m0 : star->m[i - 1]) / total;
     }
-    const aoi_start start = {p->u0, p->v0, p->centre, NULL};
+    const aoi_start start = {p->u0, p->v0, p->centre, NULL, NULL};
     const int status = aoi_body_start_star(&p->body, star, NULL, &rule, &start, p->work);
     CHECK(status == AOI_OK, "a star of %zu starts, status %d", star->n, status);
 }
@@ -434,7 +434,7 @@ static void row_make(size_t balls, aoi_newmark rule, const double *mass, double 
         row.v0[i] = i == 0 ? velocity : 0.0;
         row.bodies[i] = &row.body[i];
         row.contact[i] = (aoi_contact){.body = {i, i + 1}, .law = &row.law[i]};
-        const aoi_start start = {&row.u0[i], &row.v0[i], &own, NULL};
+        const aoi_start start = {&row.u0[i], &row.v0[i], &own, NULL, NULL};
         CHECK(aoi_body_start_star(&row.body[i], &row.star[i], NULL, &rule, &start,
                                   row.body_work[i]) == AOI_OK,
               "ball %zu", i);
@@ -581,7 +581,7 @@ static void preload_is_held(void)
     row_make(3, average(1e-6), mass, 0.0);
     const aoi_newmark rule = average(1e-6);
     const double push = 1e-3, own = 1.0;
-    const aoi_start start = {&row.u0[1], &push, &own, NULL};
+    const aoi_start start = {&row.u0[1], &push, &own, NULL, NULL};
     CHECK(aoi_body_start_star(&row.body[1], &row.star[1], NULL, &rule, &start, row.body_work[1]) ==
               AOI_OK,
           "pushed");
@@ -659,7 +659,7 @@ static void gravity_is_a_constant_force(void)
     CHECK(aoi_law_create(&row.law[0], "linear", 1, &k) == AOI_OK, "a spring");
     row.contact[0].gap = gap - above;
     row.u0[0] = -above;
-    const aoi_start start = {&row.u0[0], &row.v0[0], &own, &force};
+    const aoi_start start = {&row.u0[0], &row.v0[0], &own, &force, NULL};
     CHECK(aoi_body_start_star(&row.body[0], &row.star[0], NULL, &rule, &start, row.body_work[0]) ==
               AOI_OK,
           "a ball");
