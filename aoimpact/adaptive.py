@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -84,8 +84,7 @@ class Adaptive:
             )
 
 
-@dataclass(frozen=True, eq=False)
-class Track:
+class Track(NamedTuple):
     """The dense record of an adaptive run: exact between its rows at any time.
 
     Attributes
@@ -105,25 +104,24 @@ class Track:
         begins, times its length, relative to how deep it goes.
     steps, rejected : int
         Steps of contact taken, and tried in vain.
+    table, places : bytes
+        The rows as the core wrote them, and where each begins.
+    x, v : bytes
+        The modes of all bodies, and their rates, where the last row ends.
     """
 
     bodies: tuple[CoreBody, ...]
     joints: tuple[CoreJoint, ...]
-    order: IntArray | None = field(repr=False)
+    order: IntArray | None
     duration: float
     events: tuple[Events, ...]
-    touches: tuple[list[tuple[float, float]], ...] = field(repr=False)
+    touches: tuple[list[tuple[float, float]], ...]
     steps: int
     rejected: int
-    _table: bytes = field(repr=False)
-    _index: bytes = field(repr=False)
-    _x: bytes = field(repr=False)
-    _v: bytes = field(repr=False)
-
-    @property
-    def final(self) -> tuple[FloatArray, FloatArray]:
-        """The modes of all bodies, and their rates, where the last row ends."""
-        return np.frombuffer(self._x), np.frombuffer(self._v)
+    table: bytes
+    places: bytes
+    x: bytes
+    v: bytes
 
     @property
     def rows(self) -> int:
@@ -134,7 +132,7 @@ class Track:
     @property
     def marks(self) -> FloatArray:
         """When steps end: what the run hands on from one to the next is most exact there."""
-        table, index = np.frombuffer(self._table), np.frombuffer(self._index, dtype=np.uintp)
+        table, index = np.frombuffer(self.table), np.frombuffer(self.places, dtype=np.uintp)
         start = table[index + _START]
         most = max(1000, int(_MOST_VALUES / self.rows))
         return np.unique(np.append(start[:: 1 + len(start) // most], self.duration))
@@ -142,7 +140,7 @@ class Track:
     @property
     def times(self) -> FloatArray:
         """Times that draw smooth curves and hold the peaks and the ends of contacts."""
-        table, index = np.frombuffer(self._table), np.frombuffer(self._index, dtype=np.uintp)
+        table, index = np.frombuffer(self.table), np.frombuffer(self.places, dtype=np.uintp)
         start, length = table[index + _START], table[index + _LENGTH]
         touching = table[index + _CONTACTS] > 0.0
         begin, lasting = start[touching], length[touching]
@@ -174,8 +172,8 @@ class Track:
         _core.track_sample(
             self.bodies,
             self.joints,
-            np.frombuffer(self._table),
-            self._index,
+            np.frombuffer(self.table),
+            self.places,
             np.ascontiguousarray(times),
             record,
             energies,
@@ -192,8 +190,8 @@ class Track:
         _core.track_states(
             self.bodies,
             self.joints,
-            np.frombuffer(self._table),
-            self._index,
+            np.frombuffer(self.table),
+            self.places,
             wanted,
             body,
             found,
@@ -237,7 +235,7 @@ def adaptive_run(
     """
     order = _order(bodies, joints) if len(joints) > 2 else None
     scene = tuple(bodies), tuple(joints if order is None else (joints[i] for i in order))
-    table, index, x_end, v_end, contacts, steps, rejected = _core.adaptive(
+    table, places, x_end, v_end, contacts, steps, rejected = _core.adaptive(
         *scene, rtol, duration, x, tuple(moving), tuple(velocities), most_steps
     )
     if order is not None:
@@ -251,7 +249,7 @@ def adaptive_run(
         steps,
         rejected,
         table,
-        index,
+        places,
         x_end,
         v_end,
     )

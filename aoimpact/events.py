@@ -7,8 +7,7 @@ solver that locates its events itself hands them over as an :class:`Events` inst
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +20,7 @@ _BISECTIONS = 60  # halves [0, 1] down to rounding
 _LEAST_NEIGHBOUR = 0.5
 
 
-@dataclass(frozen=True)
-class Events:
+class Events(NamedTuple):
     """The events of one contact over a record.
 
     Attributes

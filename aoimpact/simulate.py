@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from .adaptive import Adaptive
@@ -12,11 +13,12 @@ from .checks import boolean, nonnegative, positive
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, warn
 from .fit import warn_of_misfit
+from .interface import InterfaceModel
 from .laws import ContactLaw
 from .newmark import Newmark
 from .patchlaw import effective_law
 from .plan import Joint, Plan
-from .players import InterfacePlayer, player
+from .players import player
 from .result import Result
 from .scene import checked_speed, solve
 from .solvers import Solver
@@ -94,18 +96,24 @@ def simulate(
     """
     chosen = quantity is not None or rtol is not None
     linear = checked_linear_solver(linear_solver, chosen=chosen)
-    blow: dict[str, Any] = {"velocity": velocity, "duration": duration, "gap": gap}
     if not chosen:
-        plan = plan_impact(projectile, target, law, energies=energies, **blow)
+        plan = plan_impact(
+            projectile,
+            target,
+            law,
+            velocity=velocity,
+            duration=duration,
+            gap=gap,
+            energies=energies,
+        )
         result = _simulated(plan, solver)
         warn_of_misfit(plan, result.run, _NAMES)
         return result
     _checked(law, velocity, duration, gap, energies)
     bodies = projectile, target
+    plan_of = partial(plan_impact, law=law, velocity=velocity, duration=duration, gap=gap)
     done, found = sufficient(
-        lambda models, rule, seen: _simulated(
-            plan_impact(models[0], models[1], law, energies=seen, **blow), rule
-        ),
+        lambda models, rule, seen: _simulated(plan_of(*models, energies=seen), rule),
         bodies,
         answer("force" if quantity is None else quantity, *bodies),
         rtol,
@@ -151,11 +159,11 @@ def plan_impact(
     speed, length, distance = _checked(law, velocity, duration, gap, energies)
     bodies = player("projectile", projectile, speed), player("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
-        if body.ports > 1 or isinstance(body, InterfacePlayer):
+        if body.ports > 1 or isinstance(body.model, InterfaceModel):
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"
             )
-    if all(math.isinf(body.static_mass) for body in bodies):
+    if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
         raise InputError("projectile and target are both of infinite mass: nothing can give way")
     ends = projectile, target
     joint = Joint(0, 0, 1, 0, effective_law(law, ends), distance, ends)

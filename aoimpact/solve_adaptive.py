@@ -59,8 +59,8 @@ class Sampled:
     track : Track
         The core's rows of the run, from which every curve is computed when it is asked for.
     rule : Adaptive
-    dense : bool
-        True: what lies between two rows has a closed form or a polynomial.
+    dense
+        What lies between two rows has a closed form or a polynomial.
     """
 
     plan: Plan
@@ -93,8 +93,8 @@ class Sampled:
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         modal, ours = self.plan.modal[body], slice(*self.plan.first_modes[body : body + 2])
-        x, v = self.track.final
-        return modal.coordinates(x[ours]), modal.coordinates(v[ours])
+        x, v = (np.frombuffer(of)[ours] for of in (self.track.x, self.track.v))
+        return modal.coordinates(x), modal.coordinates(v)
 
     def response(self, body: int) -> Response | None:
         return recall_tracked(self.plan, body, self.track)
@@ -182,6 +182,7 @@ def _warn(rtol: float, touches: int, text: str) -> None:
 
 
 def _track(plan: Plan, rtol: float, most_steps: int = sys.maxsize) -> Track:
+    # A law is taken once, however many contacts it acts in.
     laws = {id(joint.law): joint.law.for_core() for joint in plan.joints}
     bodies = [player.modal for player in plan.players]
     return adaptive_run(

@@ -3,7 +3,6 @@
 import itertools
 import math
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -146,7 +145,7 @@ def with_touches(track, touches):
     (event,) = track.events
     spans = tuple((start, end) for start, end, *_ in touches)
     values = [(impulse, pace) for _, _, impulse, pace in touches]
-    return replace(track, events=(replace(event, contacts=spans),), touches=(values,))
+    return track._replace(events=(event._replace(contacts=spans),), touches=(values,))
 
 
 def test_touches_count_by_their_impulse():
