@@ -131,28 +131,52 @@ def _add_run(commands: Commands) -> None:
         help="run a scene file",
         description=(
             "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
-            "comes of it: peak force, contact time, rebound, and how wrong they may be."
+            "comes of it: peak force, contact time, rebound, and how wrong they may be. A file "
+            "with a [sweep] is run once for each combination of its values, and a table is printed."
         ),
     )
     _add_scene(command)
-    _add_out(command, "histories (CSV), figures (PNG) and fields of meshed bodies (VTU)")
+    _add_out(
+        command,
+        "histories (CSV), figures (PNG) and fields of meshed bodies (VTU), or a sweep's table and "
+        "figure",
+    )
     command.add_argument("--json", action="store_true", help="print JSON, for machines")
+    command.add_argument(
+        "--workers", type=int, metavar="N", help="threads of a sweep (default: what the file says)"
+    )
+    command.add_argument(
+        "--checkpoint",
+        metavar="FILE",
+        help="keep a sweep's finished cases in a file, from which the same call goes on",
+    )
 
 
 def _run(options: argparse.Namespace) -> None:
     from .errors import held_warnings
-    from .run_files import as_json, numbers, write_files
+    from .run_files import as_json, numbers, rows, write_files, write_sweep
     from .scenefile import read_scene
+    from .sweep import sweep_file
 
     scene = read_scene(options.scene)
+    if not scene.grid and (options.workers is not None or options.checkpoint):
+        raise InputError(
+            f"{scene.path}: --workers and --checkpoint are for files with a [sweep], of which this "
+            "one has none"
+        )
+    result: Any
     with held_warnings() as warnings:
-        result = scene.simulate()
-        files = write_files(scene, result, options.out) if options.out else ()
+        if scene.grid:
+            result = sweep_file(scene, workers=options.workers, checkpoint=options.checkpoint)
+            files = write_sweep(result, options.out) if options.out else ()
+        else:
+            result = scene.simulate()
+            files = write_files(scene, result, options.out) if options.out else ()
     for warning in warnings:
         print(f"aoimpact: warning: {warning}", file=sys.stderr)
     if options.json:
         report: dict[str, Any] = {"scene": str(scene.path), "title": scene.title}
-        report |= numbers(result, scene.reported)
+        report |= rows(result) if scene.grid else numbers(result, scene.reported)
         report |= {"warnings": warnings, "files": [str(file) for file in files]}
         print(as_json(report))
         return

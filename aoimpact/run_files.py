@@ -1,4 +1,4 @@
-"""What ``aoimpact run`` leaves of an impact: histories, figures, and its numbers for machines."""
+"""What ``aoimpact run`` leaves: histories, tables, figures, and numbers for machines."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from .quantities import keeper
 from .result import Result
 from .run import Run
 from .scenefile import SceneFile
+from .sweep_table import SweepTable
 
-__all__ = ["as_json", "numbers", "write_files"]
+__all__ = ["as_json", "numbers", "rows", "write_files", "write_sweep"]
 
 _FIGURES = ("force", "indentation", "displacement", "energy")
 
@@ -87,6 +88,38 @@ def numbers(result: Result | Run, quantities: Sequence[str]) -> dict[str, Any]:
         "in_contact_at_end": result.in_contact_at_end,
         "relative_errors": _finite(errors),
         "solver": result.solver,
+    }
+
+
+def write_sweep(table: SweepTable, out: str | os.PathLike[str]) -> tuple[Path, ...]:
+    """Write the table of a sweep, and a figure over its first parameter of numbers, to a folder.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made or written to.
+    """
+    folder = writable_folder(out)
+    files = [folder / "sweep.csv"]
+    table.to_csv(files[0])
+    if any(table.data[name].dtype.kind in "iuf" for name in table.parameters):
+        files.append(_saved(table.plot(), folder / "sweep.png"))
+    return tuple(files)
+
+
+def rows(table: SweepTable) -> dict[str, Any]:
+    """Return what JSON can hold of a sweep; null where a number is not known."""
+    found = []
+    for number, values in enumerate(table.data):
+        row = dict(zip(table.columns, values.item(), strict=True))
+        row |= _finite({name: row[name] for name in table.quantities})
+        if number in table.errors:
+            row["error"] = str(table.errors[number])
+        found.append(row)
+    return {
+        "parameters": list(table.parameters),
+        "quantities": list(table.quantities),
+        "rows": found,
     }
 
 

@@ -1,9 +1,10 @@
-"""Scene files: impacts and scenes written down in TOML, checked with line numbers."""
+"""Scene files: impacts and scenes written down in TOML, checked to the line and column."""
 
 from __future__ import annotations
 
 import copy
 import os
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,10 +20,14 @@ from .result import Result
 from .run import Run
 from .scenefile_build import Builder, Kept, member_name
 from .scenefile_schema import SCENE_FILE
+from .scenefile_sweep import at_place, grid_of, sweep_problems
 from .simulate import simulate
-from .toml_lines import Place, line_of, toml_lines
+from .toml_lines import Place, Spot, spot_of, toml_spots
 
 __all__ = ["SceneFile", "read_scene"]
+
+# What tomllib says of a text that is no TOML.
+_UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
 
 
 def read_scene(path: str | os.PathLike[str]) -> SceneFile:
@@ -36,11 +41,11 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
     Raises
     ------
     SceneFileError
-        If the file cannot be read or is wrong: every problem with its line.
+        If the file cannot be read or is wrong: every problem with its line and column.
     """
     file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8")
+        text = file.read_text(encoding="utf-8-sig")  # with a mark at its start, or without
     except OSError as error:
         raise SceneFileError(f"{file}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
@@ -48,8 +53,10 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneFileError(f"{file}: is not TOML: {error}") from None
-    scene = SceneFile(file, data, toml_lines(text.replace("\r\n", "\n")))
+        found = _UNREADABLE.fullmatch(str(error))
+        where, what = (f":{found[2]}:{found[3]}", found[1]) if found else ("", str(error))
+        raise SceneFileError(f"{file}{where}: is not TOML: {what}") from None
+    scene = SceneFile(file, data, toml_spots(text.replace("\r\n", "\n")))
     scene.check()
     return scene
 
@@ -63,13 +70,13 @@ class SceneFile:
     path : Path
     data : dict
         As tomllib gives it.
-    lines : mapping
-        The line of every place in it.
+    spots : mapping
+        Line and column of every place in it.
     """
 
     path: Path
     data: Mapping[str, Any]
-    lines: Mapping[Place, int]
+    spots: Mapping[Place, Spot]
     _kept: Kept = field(default_factory=Kept)
 
     def __repr__(self) -> str:
@@ -99,6 +106,16 @@ class SceneFile:
         )
 
     @property
+    def grid(self) -> dict[str, list[Any]]:
+        """What [sweep] goes over, for `sweep`: values by place; empty without such a table."""
+        return grid_of(self.data["sweep"]["over"]) if "sweep" in self.data else {}
+
+    @property
+    def swept(self) -> tuple[str, ...]:
+        """Names of the numbers that the sweep keeps: those reported if it names none."""
+        return tuple(self.data.get("sweep", {}).get("keep", self.reported))
+
+    @property
     def members(self) -> tuple[tuple[str, str], ...]:
         """What each body is called in the result, and its name in [bodies]."""
         table = self.data[self.kind]
@@ -116,37 +133,42 @@ class SceneFile:
         Raises
         ------
         SceneFileError
-            With the line of each.
+            With the line and column of each.
         """
-        found = [
-            self._at(place, message)
-            for place, message in SCENE_FILE.problems(self.data, (), self.data)
-        ]
-        if not found:
-            with self._blaming(self.kind, "report"):
-                if self.reported:
-                    keeper(self.reported)
+        found = list(SCENE_FILE.problems(self.data, (), self.data))
+        if not found and "sweep" in self.data:
+            found = list(sweep_problems(self.data, self.kind))
         if found:
-            raise SceneFileError("\n".join(found))
+            raise SceneFileError("\n".join(self._at(*problem) for problem in found))
+        with self._blaming(self.kind, "report"):
+            if self.reported:
+                keeper(self.reported)
+        with self._blaming("sweep", "keep"):
+            if self.swept:
+                keeper(self.swept)
 
     def replaced(self, values: Mapping[str, Any]) -> SceneFile:
-        """Return the file with other values at dotted places, such as "impact.velocity".
+        """Return the file with other values at dotted places, and without its sweep.
+
+        Parameters
+        ----------
+        values : mapping
+            By place, such as "bodies.ball.mass", "scene.contacts.0.gap" or "scene.bodies.ball.
+            velocity"; what begins with no table of the file is in its impact or scene: "velocity".
 
         Raises
         ------
         SceneFileError
             If there is no such place, or the value is of the wrong type.
         """
-        data = copy.deepcopy(dict(self.data))
+        data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
         for name, value in values.items():
-            table: Any = data
-            *above, last = name.split(".")
-            for part in above:
-                table = table.get(part) if isinstance(table, dict) else None
-            if not isinstance(table, dict):
-                raise SceneFileError(f"{self.path}: has no table {'.'.join(above)!r} for {name!r}")
+            try:
+                table, last = at_place(data, self.kind, name.split("."))
+            except InputError as error:
+                raise SceneFileError(f"{self.path}: {name}: {error}") from None
             table[last] = np.asarray(value).tolist() if hasattr(value, "dtype") else value
-        scene = SceneFile(self.path, data, self.lines, self._kept)
+        scene = SceneFile(self.path, data, self.spots, self._kept)
         scene.check()
         return scene
 
@@ -174,13 +196,13 @@ class SceneFile:
     # ------------------------------------------------------------------------- messages
 
     def _at(self, place: Place, message: str) -> str:
-        line = line_of(self.lines, place)
-        where = f"{self.path}:{line}" if line is not None else str(self.path)
+        spot = spot_of(self.spots, place)
+        where = f"{self.path}:{spot.line}:{spot.column}" if spot is not None else str(self.path)
         return f"{where}: {_dotted(place)}{message}"
 
     @contextmanager
     def _blaming(self, *place: str | int) -> Iterator[None]:
-        """Say of bad input in which line it stands."""
+        """Say of bad input where it stands."""
         try:
             yield
         except SceneFileError:
@@ -189,7 +211,7 @@ class SceneFile:
             # The argument that a message begins with is a key of the table more often than not.
             word = str(error).partition(" ")[0].partition("=")[0].rstrip(":")
             word = {"rtol": "tolerance"}.get(word, word) if place == (self.kind,) else word
-            finer = (*place, word) if (*place, word) in self.lines else place
+            finer = (*place, word) if (*place, word) in self.spots else place
             raise SceneFileError(self._at(finer, str(error))) from error
 
 

@@ -11,6 +11,7 @@ from .adaptive import Adaptive
 from .elements import KINDS
 from .newmark import Newmark
 from .schema import (
+    Anything,
     Choice,
     Chosen,
     Either,
@@ -24,6 +25,7 @@ from .schema import (
     Reference,
     Table,
     Text,
+    Tree,
     Variants,
     needed,
     optional,
@@ -282,10 +284,30 @@ _SCENE = Table(
     | _RUN
 )
 
+_RANGE = Table(
+    {
+        "from": needed(Number()),
+        "to": needed(Number()),
+        "count": needed(Integer()),
+        "spacing": optional(Choice(("linear", "log"))),
+    },
+    called="a range such as { from = 0.0, to = 1.0, count = 5 }",
+)
+
+_SWEEP = Table(
+    {
+        "over": needed(Tree(Either((Listed(Anything()), _RANGE)), mark="from")),
+        "keep": optional(Listed(Text())),
+        "workers": optional(Integer()),
+        "checkpoint": optional(Text()),
+    }
+)
+
 _SHARED = {
     "title": optional(Text()),
     "materials": optional(Named(_MATERIAL)),
     "bodies": needed(Named(_BODY)),
+    "sweep": optional(_SWEEP),
 }
 
 SCENE_FILE = Variants(

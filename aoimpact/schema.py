@@ -13,6 +13,7 @@ from .checks import nearest
 from .toml_lines import Place
 
 __all__ = [
+    "Anything",
     "Choice",
     "Chosen",
     "Either",
@@ -26,6 +27,7 @@ __all__ = [
     "Reference",
     "Table",
     "Text",
+    "Tree",
     "Variants",
     "needed",
     "optional",
@@ -116,6 +118,18 @@ class Flag(Kind):
 
 
 @dataclass(frozen=True)
+class Anything(Kind):
+    """Whatever a place elsewhere in the file may hold."""
+
+    @property
+    def wanted(self) -> str:
+        return "a value"
+
+    def fits(self, value: Any) -> bool:
+        return True
+
+
+@dataclass(frozen=True)
 class Text(Kind):
     """Any text."""
 
@@ -176,7 +190,8 @@ class Listed(Kind):
 
     @property
     def wanted(self) -> str:
-        return f"a list of {self.length or 'values'}, each {self.of.wanted}"
+        each = "" if isinstance(self.of, Anything) else f", each {self.of.wanted}"
+        return f"a list of {self.length or 'values'}{each}"
 
     def fits(self, value: Any) -> bool:
         return isinstance(value, list)
@@ -222,6 +237,11 @@ class Table(_OfTable):
     """Keys that are known beforehand."""
 
     fields: Mapping[str, Field]
+    called: str = "a table"
+
+    @property
+    def wanted(self) -> str:
+        return self.called
 
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         yield from _unknown(value, self.fields, place)
@@ -277,6 +297,20 @@ class Named(_OfTable):
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         for name, entry in value.items():
             yield from self.of.problems(entry, (*place, name), root)
+
+
+@dataclass(frozen=True)
+class Tree(_OfTable):
+    """Entries of one kind in tables of any depth; a table that has `mark` is an entry itself."""
+
+    of: Kind
+    mark: str
+
+    def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
+        for name, entry in value.items():
+            branches = isinstance(entry, Mapping) and self.mark not in entry
+            kind = self if branches else self.of
+            yield from kind.problems(entry, (*place, name), root)
 
 
 def _unknown(value: Mapping[str, Any], known: Iterable[str], place: Place) -> Iterator[Problem]:

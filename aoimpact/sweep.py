@@ -17,7 +17,7 @@ from .quantities import QUANTITIES
 from .scenefile import SceneFile, read_scene
 from .sweep_table import SweepTable, sweep_table
 
-__all__ = ["sweep"]
+__all__ = ["sweep", "sweep_file"]
 
 
 def sweep(
@@ -36,7 +36,7 @@ def sweep(
     base : function, dict, scene file or scene
         A function, called with the parameters as keywords, that returns a case of `simulate_many`;
         a dict of `simulate`'s keywords, of which the grid sets some; a scene file or its path, with
-        parameters by their dotted place in it, such as "impact.velocity" or
+        parameters by their dotted place in it, such as "velocity" (of its impact) or
         "bodies.beam.contact.point"; or a scene, of whose ``simulate`` the parameters are keywords.
     grid : mapping of str to sequence
         Values of each parameter; the last one varies fastest.
@@ -73,6 +73,38 @@ def sweep(
     plan = _Plan(_maker(base, checked), checked)
     values = iterate_many(plan, workers, keep=keep, checkpoint=checkpoint, progress=progress)
     return sweep_table(checked, values, keep)
+
+
+def sweep_file(
+    scene: SceneFile, *, workers: Any = None, checkpoint: str | os.PathLike[str] | None = None
+) -> SweepTable:
+    """Run the sweep that a scene file describes.
+
+    Parameters
+    ----------
+    scene : SceneFile
+        With a [sweep].
+    workers, checkpoint : optional
+        As of `sweep`; what the file says if not given. A path in the file starts in its folder.
+
+    Raises
+    ------
+    InputError
+        If the file has no sweep, or every case of it fails.
+    """
+    asked = scene.data.get("sweep", {})
+    if checkpoint is None and "checkpoint" in asked:
+        checkpoint = scene.path.parent / asked["checkpoint"]
+    table = sweep(
+        scene,
+        scene.grid,
+        keep=scene.swept,
+        workers=asked.get("workers", 1) if workers is None else workers,
+        checkpoint=checkpoint,
+    )
+    if len(table.errors) == len(table):
+        raise InputError(f"{scene.path}: every case of the sweep failed: {table.errors[0]}")
+    return table
 
 
 def _checked_grid(grid: Any) -> dict[str, list[Any]]:

@@ -1,12 +1,13 @@
-"""On which line of a TOML file each of its keys stands: tomllib gives the values alone."""
+"""Where in a TOML file each of its keys stands: tomllib gives the values alone."""
 
 from __future__ import annotations
 
 import ast
 import bisect
 from collections.abc import Mapping
+from typing import NamedTuple
 
-__all__ = ["Place", "line_of", "toml_lines"]
+__all__ = ["Place", "Spot", "spot_of", "toml_spots"]
 
 # Names of tables and keys, and numbers of places in arrays.
 Place = tuple[str | int, ...]
@@ -14,16 +15,23 @@ Place = tuple[str | int, ...]
 _BARE_ENDS = " \t\r\n=.,]}#"
 
 
-def toml_lines(text: str) -> dict[Place, int]:
-    """Return the line, from 1, of every table, key and array entry of a valid TOML text."""
+class Spot(NamedTuple):
+    """A line and a column of a text, both from 1; a tab is one column."""
+
+    line: int
+    column: int
+
+
+def toml_spots(text: str) -> dict[Place, Spot]:
+    """Return where every table, key and array entry of a valid TOML text begins."""
     return _Scanner(text).scan()
 
 
-def line_of(lines: Mapping[Place, int], place: Place) -> int | None:
-    """Return the line of a place, or of the nearest table around it; None of the file as such."""
-    while place and place not in lines:
+def spot_of(spots: Mapping[Place, Spot], place: Place) -> Spot | None:
+    """Return where a place is, or the nearest table around it; None of the file as such."""
+    while place and place not in spots:
         place = place[:-1]
-    return lines.get(place)
+    return spots.get(place)
 
 
 class _Scanner:
@@ -32,11 +40,11 @@ class _Scanner:
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
-        self.lines: dict[Place, int] = {}
+        self.spots: dict[Place, Spot] = {}
         self._rows: dict[Place, int] = {}  # arrays of tables: how many so far
         self._starts = [0, *(i + 1 for i, char in enumerate(text) if char == "\n")]
 
-    def scan(self) -> dict[Place, int]:
+    def scan(self) -> dict[Place, Spot]:
         table: Place = ()
         self._skip(" \t\r\n")
         while self.at < len(self.text):
@@ -45,7 +53,7 @@ class _Scanner:
             else:
                 self._pair(table)
             self._skip(" \t\r\n")
-        return self.lines
+        return self.spots
 
     def _next(self, start: str) -> bool:
         return self.text.startswith(start, self.at)
@@ -61,49 +69,46 @@ class _Scanner:
             else:
                 return
 
-    def _note(self, place: Place) -> None:
-        self.lines.setdefault(place, bisect.bisect(self._starts, self.at))
+    def _note(self, place: Place, at: int) -> None:
+        line = bisect.bisect(self._starts, at)
+        self.spots.setdefault(place, Spot(line, at - self._starts[line - 1] + 1))
 
     def _header(self) -> Place:
         brackets = 2 if self._next("[[") else 1
-        start = self.at
         self.at += brackets
         names = self._names()
         self.at += brackets
         table: Place = ()
-        for i, name in enumerate(names):
+        for i, (name, at) in enumerate(names):
             table = (*table, name)
+            self._note(table, at)
             if brackets == 2 and i == len(names) - 1:
                 self._rows[table] = self._rows.get(table, 0) + 1
             if table in self._rows:
                 table = (*table, self._rows[table] - 1)
-        after, self.at = self.at, start
-        for length in range(1, len(table) + 1):
-            self._note(table[:length])
-        self.at = after
+                self._note(table, at)
         return table
 
     def _pair(self, table: Place) -> None:
-        start = self.at
-        names = self._names()
-        after, self.at = self.at, start
-        for length in range(1, len(names) + 1):
-            self._note((*table, *names[:length]))
-        self.at = after + 1  # the equals sign
-        self._value((*table, *names))
+        place = table
+        for name, at in self._names():
+            place = (*place, name)
+            self._note(place, at)
+        self.at += 1  # the equals sign
+        self._value(place)
 
-    def _names(self) -> list[str]:
-        """The parts of a dotted key, up to the sign that ends it."""
+    def _names(self) -> list[tuple[str, int]]:
+        """The parts of a dotted key, and where they begin, up to the sign that ends it."""
         names = []
         while True:
             self._skip(" \t")
+            start = self.at
             if self.text[self.at] in "\"'":
-                names.append(self._string())
+                names.append((self._string(), start))
             else:
-                start = self.at
                 while self.text[self.at] not in _BARE_ENDS:
                     self.at += 1
-                names.append(self.text[start : self.at])
+                names.append((self.text[start : self.at], start))
             self._skip(" \t")
             if not self._next("."):
                 return names
@@ -133,7 +138,7 @@ class _Scanner:
             if end == "}":
                 self._pair(place)
             else:
-                self._note((*place, count))
+                self._note((*place, count), self.at)
                 self._value((*place, count))
                 count += 1
 

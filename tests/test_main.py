@@ -202,11 +202,53 @@ def test_run_for_machines(scene: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert report["files"] == []
 
 
+SWEEP = """
+[sweep]
+keep = ["impulse"]
+
+[sweep.over]
+velocity = { from = 0.5, to = 1.5, count = 3 }
+"""
+
+
+def test_run_of_a_sweep(scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, store = tmp_path / "out", tmp_path / "cases"
+    scene.write_text(scene.read_text() + SWEEP)
+    keep = ["--workers", "2", "--checkpoint", str(store)]
+    assert main(["run", str(scene), "--out", str(out), *keep]) == 0
+    assert store.exists()
+    assert "3 cases" in capsys.readouterr().out
+    heading, *rows = (out / "sweep.csv").read_text().splitlines()
+    assert heading.startswith("velocity,impulse")
+    assert [float(row.split(",")[0]) for row in rows] == [0.5, 1.0, 1.5]
+    assert (out / "sweep.png").exists()
+    assert main(["run", str(scene), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["parameters"] == ["velocity"]
+    assert [row["impulse"] for row in report["rows"]] == [float(r.split(",")[1]) for r in rows]
+
+
+def test_a_sweep_of_which_nothing_works(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene.write_text(scene.read_text() + SWEEP.replace("velocity", "duration").replace("0.5", "-2"))
+    assert main(["run", str(scene), "--json"]) == 0  # one of three does
+    report = json.loads(capsys.readouterr().out)
+    assert ["error" in row for row in report["rows"]] == [True, True, False]
+    assert report["rows"][0]["impulse"] is None
+    scene.write_text(scene.read_text().replace("1.5", "-1"))
+    assert main(["run", str(scene)]) == 2
+    assert "every case of the sweep failed" in capsys.readouterr().err
+
+
+def test_workers_are_for_sweeps(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(scene), "--workers", "2"]) == 2
+    assert "are for files with a [sweep]" in capsys.readouterr().err
+
+
 def test_run_says_the_line(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene.write_text(scene.read_text().replace("velocity", "velocty"))
     assert main(["run", str(scene)]) == 2
     message = capsys.readouterr().err
-    assert f"{scene}:7: " in message
+    assert f"{scene}:7:1: " in message
     assert "did you mean 'velocity'" in message
     assert main(["run", str(scene.parent / "none.toml")]) == 2
     assert "cannot be read" in capsys.readouterr().err

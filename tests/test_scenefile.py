@@ -12,7 +12,8 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import scenefile_schema
-from aoimpact.schema import Chosen, Either, Kind, Listed, Named, Table, Variants
+from aoimpact.schema import Chosen, Either, Kind, Listed, Named, Table, Tree, Variants
+from aoimpact.sweep import sweep_file
 
 from scenes import BAR, ROW, STARS
 
@@ -219,7 +220,7 @@ law = { type = "Linear", k = 1e6 }
     asked = free.replace("[scene]", '[scene]\nquantity = "bal"')
     with pytest.raises(ao.SceneFileError, match="did you mean 'ball'") as error:
         ao.read_scene(written(tmp_path, asked)).simulate()
-    assert f":{line(asked, 'quantity')}: " in str(error.value)
+    assert f":{line(asked, 'quantity')}:1: " in str(error.value)
     wrong = text.replace(model, 'type = "modal", n = 6')
     with pytest.raises(ao.SceneFileError, match="a list of contacts needs the model 'interface'"):
         ao.read_scene(written(tmp_path, wrong)).simulate()
@@ -332,17 +333,22 @@ def test_linear_solvers_are_taken_and_named(tmp_path: Path) -> None:
     assert ao.read_scene(written(tmp_path, text)).case()["target"].origin.solver == "superlu"
     text = BAR.replace('model = { type = "antioscillators", n = 2 }', "")
     text = text.replace("velocity = 1.0", 'velocity = 1.0\nlinear_solver = "superlu"')
-    with pytest.raises(ao.SceneFileError, match=f":{line(text, 'linear')}: .*give quantity or rt"):
+    with pytest.raises(
+        ao.SceneFileError, match=f":{line(text, 'linear')}:1: .*give quantity or rt"
+    ):
         ao.read_scene(written(tmp_path, text)).simulate()
     hit = ao.read_scene(written(tmp_path, text + "tolerance = 0.1\n")).simulate()
     assert hit.models is not None
     assert hit.models[1].origin.solver == "superlu"
 
 
-def test_windows_ends_of_lines(tmp_path: Path) -> None:
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_windows_ends_of_lines_and_mark_at_the_start(mark: str, tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
-    path.write_bytes(STARS.replace("velocity", "velocty").replace("\n", "\r\n").encode())
-    with pytest.raises(ao.SceneFileError, match=r"scene.toml:13: .*did you mean 'velocity'"):
+    path.write_bytes((mark + STARS).replace("\n", "\r\n").encode())
+    assert ao.read_scene(path).case()["velocity"] == 2.0
+    path.write_bytes((mark + STARS).replace("velocity", "velocty").replace("\n", "\r\n").encode())
+    with pytest.raises(ao.SceneFileError, match=r"scene.toml:13:1: .*did you mean 'velocity'"):
         ao.read_scene(path)
 
 
@@ -433,7 +439,7 @@ def test_the_line_of_what_is_wrong(
     with pytest.raises(ao.SceneFileError) as error:
         ao.read_scene(path).simulate()
     assert re.search(text, str(error.value)), str(error.value)
-    assert f"{path}:{line(wrong, at)}: " in str(error.value)
+    assert re.search(rf"{re.escape(str(path))}:{line(wrong, at)}:\d+: ", str(error.value))
 
 
 def test_all_problems_at_once(tmp_path: Path) -> None:
@@ -447,12 +453,15 @@ def test_all_problems_at_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("a = \n", r"is not TOML: .*line 1"),
+        ("a = \n", r"scene.toml:1:5: is not TOML: Invalid value"),
         ("", "one of 'impact', 'scene' is missing"),
         ("impact = {}\nscene = {}", "'impact' and 'scene' exclude each other"),
         ("[impact]", "'bodies' is missing"),
-        ("bodies = 3\nimpact = {}", ":1: bodies: must be a table, got 3"),
-        ("materials = []\nbodies = {}\nimpact = {}", ":1: materials: must be a table, got a list"),
+        ("bodies = 3\nimpact = {}", ":1:1: bodies: must be a table, got 3"),
+        (
+            "materials = []\nbodies = {}\nimpact = {}",
+            ":1:1: materials: must be a table, got a list",
+        ),
     ],
 )
 def test_files_that_are_no_scenes(text: str, message: str, tmp_path: Path) -> None:
@@ -467,6 +476,71 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     path.write_bytes(b"title = '\xff'")
     with pytest.raises(ao.SceneFileError, match="not UTF-8"):
         ao.read_scene(path)
+
+
+# ---------------------------------------------------------------------------------------- sweeps
+
+
+SWEPT = """
+[sweep]
+keep = ["peak_force"]
+
+[sweep.over]
+velocity = [1.0, 2.0]
+law.k = { from = 1e8, to = 1e10, count = 3, spacing = "log" }
+bodies.beam.m0 = { from = 0.1, to = 0.3, count = 3 }
+"""
+
+
+def test_a_sweep_in_a_file(tmp_path: Path) -> None:
+    """A row is the run of a file that has its values in it."""
+    file = ao.read_scene(written(tmp_path, STARS + SWEPT))
+    assert file.grid["velocity"] == [1.0, 2.0]
+    assert file.grid["law.k"] == pytest.approx([1e8, 1e9, 1e10], rel=1e-15)
+    assert file.grid["bodies.beam.m0"] == pytest.approx([0.1, 0.2, 0.3], rel=1e-15)
+    table = sweep_file(file, workers=2)
+    assert table.shape == (2, 3, 3)
+    by_hand = STARS.replace("velocity = 2.0", "velocity = 1.0").replace("m0 = 0.1", "m0 = 0.3")
+    last = ao.read_scene(written(tmp_path, by_hand.replace("1e9", "1e10"))).simulate()
+    assert table["peak_force"].reshape(table.shape)[0, 2, 2] == last.peak_force
+
+
+def test_a_sweep_over_places_in_lists(tmp_path: Path) -> None:
+    over = """
+[sweep.over]
+scene.bodies.first.velocity = [0.0, 1.0]
+scene.contacts.0.gap = { from = 0, to = 2, count = 3 }
+"""
+    file = ao.read_scene(written(tmp_path, ROW + over))
+    assert file.grid["scene.contacts.0.gap"] == [0, 1, 2]
+    changed = file.replaced({"scene.bodies.first.velocity": 1.0, "scene.contacts.0.gap": 2})
+    assert changed.data["scene"]["bodies"][0]["velocity"] == 1.0
+    assert changed.data["scene"]["contacts"][0]["gap"] == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at", "text"),
+    [
+        ("velocity = [1.0", "velocty = [1.0", "velocty", "did you mean 'velocity'"),
+        ("bodies.beam", "bodies.bea", "bodies.bea.", "no table 'bea' there .did you mean 'beam'"),
+        ("[1.0, 2.0]", "[]", "velocity = []", "has no values"),
+        ("[1.0, 2.0]", '["fast"]', 'velocity = ["', r"over.velocity: must be a number"),
+        ("[1.0, 2.0]", "1.0", "velocity = 1.0", "must be a list of values, or a range such as"),
+        ("to = 1e10, ", "", "law.k", "'to' is missing"),
+        ("count = 3, s", "count = 0, s", "law.k", "count: must be from 1 to"),
+        ("from = 1e8", "from = 0", "law.k", "'log' needs from and to above 0"),
+        ('"log"', '"lag"', "law.k", "did you mean 'log'"),
+        ('["peak_force"]', '["peak_forc"]', "keep", "did you mean 'peak_force'"),
+        (SWEPT, "\n[sweep]\nover = {}\n", "over = {}", "nothing to sweep over"),
+    ],
+)
+def test_what_is_wrong_with_a_sweep(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
+    assert old in SWEPT
+    wrong = STARS + SWEPT.replace(old, new, 1)
+    with pytest.raises(ao.SceneFileError) as error:
+        ao.read_scene(written(tmp_path, wrong))
+    assert re.search(text, str(error.value)), str(error.value)
+    assert re.search(rf":{line(wrong, at)}:\d+: ", str(error.value)), str(error.value)
 
 
 # ---------------------------------------------------------------------------------------- documents
@@ -484,7 +558,7 @@ def names(kind: Kind) -> set[str]:
         return {kind.key} | set(kind.tables) | below
     if isinstance(kind, Either):
         return {name for one in kind.kinds for name in names(one)}
-    if isinstance(kind, (Listed, Named)):
+    if isinstance(kind, (Listed, Named, Tree)):
         return names(kind.of)
     return set()
 
@@ -506,5 +580,7 @@ def test_the_examples_of_the_documents_are_right(tmp_path: Path) -> None:
     blocks: list[Any] = re.findall(r"```toml\n(.*?)```", text, re.S)
     assert blocks
     for block in blocks:
-        if "duration" in block:
+        if block.startswith("[sweep]"):
+            assert len(ao.read_scene(written(tmp_path, blocks[0] + block)).grid) == 4
+        elif "duration" in block:
             ao.read_scene(written(tmp_path, block)).case()

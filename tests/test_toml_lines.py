@@ -1,4 +1,4 @@
-"""Lines of keys, wherever TOML lets them stand."""
+"""Lines and columns of keys, wherever TOML lets them stand."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact.toml_lines import line_of, toml_lines
+from aoimpact.toml_lines import spot_of, toml_spots
 
 TEXT = '''\
 # a comment with [brackets] and a = 1
@@ -43,7 +43,8 @@ z = \'\'\'
 
 def test_every_key_has_its_line() -> None:
     tomllib.loads(TEXT)
-    lines = toml_lines(TEXT)
+    spots = toml_spots(TEXT)
+    lines = {place: spot.line for place, spot in spots.items()}
     assert lines[("title",)] == 2
     assert lines[("bodies",)] == lines[("bodies", "ball")] == 4
     assert lines[("bodies", "ball", "mass")] == 5
@@ -61,12 +62,22 @@ def test_every_key_has_its_line() -> None:
     assert lines[("rows", 1, "inner", 0, "z")] == 24
     assert lines[("rows", 1, "inner", 0, "tab")] == 27
     assert ("no", "table") not in lines
+    # Columns: counted off the text above.
+    assert spots[("bodies", "ball")].column == 9
+    assert spots[array].column == 17
+    assert [spots[(*array, i)].column for i in range(4)] == [5, 8, 5, 10]
+    assert spots[(*array, 3, "b")].column == 19
+    assert spots[(*array, 3, "b", "c")].column == 21
+    assert spots[("rows", 1, "below", "y")].column == 3
+    for (*_, name), (line, column) in spots.items():
+        if isinstance(name, str) and name.isalpha() and name != "tab":
+            assert TEXT.splitlines()[line - 1][column - 1 :].startswith(name)
 
 
 def test_an_unknown_place_is_in_the_table_around_it() -> None:
-    lines = toml_lines(TEXT)
-    assert line_of(lines, ("bodies", "ball", "radius")) == 4
-    assert line_of(lines, ("nowhere",)) is None
+    lines = toml_spots(TEXT)
+    assert spot_of(lines, ("bodies", "ball", "radius")) == (4, 9)
+    assert spot_of(lines, ("nowhere",)) is None
 
 
 def places(value: Any, place: tuple[str | int, ...] = ()) -> set[tuple[str | int, ...]]:
@@ -83,7 +94,7 @@ def places(value: Any, place: tuple[str | int, ...] = ()) -> set[tuple[str | int
 
 
 def test_it_finds_what_tomllib_finds() -> None:
-    assert set(toml_lines(TEXT)) >= places(tomllib.loads(TEXT))
+    assert set(toml_spots(TEXT)) >= places(tomllib.loads(TEXT))
 
 
 VALUES = st.recursive(
@@ -109,6 +120,6 @@ def test_nothing_valid_leads_it_astray(values: list[str]) -> None:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError:  # a line break within braces
         return
-    found = toml_lines(text)
+    found = toml_spots(text)
     assert set(found) == places(data)
-    assert all(found[(f"key{i}",)] == line for i, line in at.items())
+    assert all(found[(f"key{i}",)] == (line, 1) for i, line in at.items())

@@ -1,0 +1,136 @@
+"""The sweep of a scene file: ranges of values, by the places in the file that they go to."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from .checks import nearest
+from .errors import InputError
+from .scenefile_schema import SCENE_FILE
+from .schema import Problem
+from .toml_lines import Place
+
+__all__ = ["at_place", "grid_of", "sweep_problems"]
+
+# Tables of a file, beside its impact or scene.
+_TABLES = ("title", "materials", "bodies")
+
+_MOST_VALUES = 1_000_000
+
+
+def grid_of(over: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Return the values of each place, by its dotted name as it is written.
+
+    Raises
+    ------
+    InputError
+        If a range or a list has no values.
+    """
+    return {".".join(place): _values(entry) for place, entry in _leaves(over)}
+
+
+def sweep_problems(data: Mapping[str, Any], kind: str) -> Iterator[Problem]:
+    """Yield what is wrong with the sweep of a file that is right without it."""
+    over = data["sweep"]["over"]
+    if not over:
+        yield ("sweep", "over"), "names nothing to sweep over, such as velocity = [0.5, 1.0]"
+    base = {name: of for name, of in data.items() if name != "sweep"}
+    for name, entry in _leaves(over):
+        try:
+            values = _values(entry)
+            tried = values if isinstance(entry, list) else [values[0], values[-1]]
+            problems = [problem for value in tried for problem in _tried(base, kind, name, value)]
+        except InputError as error:
+            problems = [str(error)]
+        for problem in dict.fromkeys(problems):
+            yield ("sweep", "over", *name), problem
+
+
+def at_place(data: Any, kind: str, name: Sequence[str]) -> tuple[Any, Any]:
+    """Return the table or list that holds a place, and its key or number there.
+
+    Raises
+    ------
+    InputError
+        If there is no such table.
+    """
+    parts = list(name) if name[0] in (kind, *_TABLES) else [kind, *name]
+    for part in parts[:-1]:
+        inside = data[_key(data, part)] if _known(data, part) else None
+        if not isinstance(inside, (dict, list)):
+            names = _names(data)
+            has = f"; there are {', '.join(names)}" if names else ""
+            raise InputError(f"the file has no table {part!r} there{nearest(part, names) or has}")
+        data = inside
+    if isinstance(data, list) and not _known(data, parts[-1]):
+        raise InputError(f"the list has no entry {parts[-1]!r}: it has {len(data)}, from 0")
+    return data, _key(data, parts[-1])
+
+
+def _leaves(over: Mapping[str, Any], above: tuple[str, ...] = ()) -> Iterator[tuple[Any, Any]]:
+    for name, entry in over.items():
+        if isinstance(entry, Mapping) and "from" not in entry:
+            yield from _leaves(entry, (*above, name))
+        else:
+            yield (*above, *name.split(".")), entry
+
+
+def _values(entry: Any) -> list[Any]:
+    if isinstance(entry, list):
+        if not entry:
+            raise InputError("has no values: the sweep is empty")
+        return list(entry)
+    first, last, count = entry["from"], entry["to"], entry["count"]
+    if not 1 <= count <= _MOST_VALUES:
+        raise InputError(f"count: must be from 1 to {_MOST_VALUES}, got {count}")
+    if not np.isfinite([first, last]).all():
+        raise InputError(f"from and to must be finite, got {first:g} and {last:g}")
+    if entry.get("spacing", "linear") == "log":
+        if not (first > 0.0 and last > 0.0):
+            raise InputError(f"spacing: 'log' needs from and to above 0, got {first:g}, {last:g}")
+        return list(np.geomspace(first, last, count).tolist())
+    whole = isinstance(first, int) and isinstance(last, int)
+    if whole and (count == 1 or (last - first) % (count - 1) == 0):
+        step = (last - first) // (count - 1) if count > 1 else 0
+        return [first + step * i for i in range(count)]
+    found = np.linspace(first, last, count)
+    return list(found.tolist())
+
+
+def _tried(base: Mapping[str, Any], kind: str, name: Place, value: Any) -> list[str]:
+    """What is wrong with the file that has the value there."""
+    data = copy.deepcopy(dict(base))
+    table, key = at_place(data, kind, [str(part) for part in name])
+    table[key] = value
+    return [message for _, message in SCENE_FILE.problems(data, (), data)]
+
+
+def _known(data: Any, part: str) -> bool:
+    if isinstance(data, dict):
+        return part in data
+    return part in _names(data)
+
+
+def _names(data: Any) -> list[str]:
+    """Keys of a table; of a list the numbers, and of its tables what they are called."""
+    if isinstance(data, dict):
+        return list(data)
+    called = [_called(entry) for entry in data]
+    return [*map(str, range(len(data))), *(name for name in called if name)]
+
+
+def _key(data: Any, part: str) -> Any:
+    if isinstance(data, dict):
+        return part
+    return int(part) if part.isdigit() else [_called(entry) for entry in data].index(part)
+
+
+def _called(entry: Any) -> str:
+    """The name of a body of a scene."""
+    if not isinstance(entry, Mapping) or not isinstance(entry.get("body"), str):
+        return ""
+    return str(entry.get("name", entry["body"]))
