@@ -47,6 +47,9 @@ static const double EDGE_GROWTH = 2.0, EDGE_REACH = 1.4;
 /* It begins where it touches if it is no deeper there than this share of how far it could go in it. */
 static const double EDGE_DEPTH = 1e-3;
 
+/* A force that grows like t^(1/4) from the start is so much of its last value at the node before. */
+static const double NEAR_TOP = 0.99;
+
 /* Newton's convergence is judged on no smaller indentation than this share of the largest. */
 static const double NEWTON_SHARE = 1e-6;
 
@@ -373,26 +376,49 @@ static double force_tail(const aoi_stage *stage)
     return last < before ? last * sqrt(last / before) : last;
 }
 
-/* What counts as large for its force: what it has seen, or what its impulse takes at the pace at which
- * the bodies met. */
-static double force_scale(const aoi_contact_state *contact, const aoi_stage *stage, double impulse,
-                          double indentation)
+/* The largest force at the nodes. */
+static double largest_force(const aoi_stage *stage)
 {
-    double largest = fmax(contact->peak_force, impulse * contact->rate_scale / indentation);
+    double largest = 0.0;
     for (size_t i = 0; i < AOI_STAGES; i++) {
         largest = fmax(largest, stage->force[i]);
     }
     return largest;
 }
 
-/* Whether the largest force of a contact may lie in this step. At an edge it is no polynomial of time. */
-static int may_peak(const aoi_contact_state *contact, const aoi_stage *stage)
+/* What counts as large for its force: what it has seen, or what its impulse takes at the pace at which
+ * the bodies met. */
+static double force_scale(const aoi_contact_state *contact, const aoi_stage *stage, double impulse,
+                          double indentation)
 {
-    double largest = 0.0;
+    return fmax(fmax(contact->peak_force, largest_force(stage)),
+                impulse * contact->rate_scale / indentation);
+}
+
+static void law_at_end(const aoi_law *law, const aoi_stage *stage, aoi_law_value *value)
+{
+    const int end = AOI_STAGES - 1;
+    aoi_law_force(law, stage->memory, stage->piece, stage->indentation[end], stage->rate[end], value);
+}
+
+/* The error of a force that depends on the rate where it is largest inside a step with an edge, of which its
+ * own series says nothing. The rate's coefficients fall slowly there, like a power: those to come hold more
+ * than the last ones do. */
+static double edge_force_error(const aoi_law *law, const aoi_stage *stage, double tail)
+{
+    double largest = 0.0, rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1];
+    aoi_law_value value;
+    law_at_end(law, stage, &value);
     for (size_t i = 0; i < AOI_STAGES; i++) {
-        largest = fmax(largest, stage->force[i]);
+        largest = i + 1 < AOI_STAGES ? fmax(largest, stage->force[i]) : largest;
+        rates[i + 1] = stage->rate[i];
     }
-    return stage->edge == AOI_EDGE_NONE && largest >= CAUTION * contact->peak_force;
+    if (largest <= fmax(stage->start_force, NEAR_TOP * value.force)) {
+        return 0.0;
+    }
+    aoi_legendre_fit(rates, by_rate);
+    const double last = fabs(by_rate[AOI_STAGES]) + fabs(by_rate[AOI_STAGES - 1]);
+    return fabs(value.stiffness) * tail + fabs(value.damping) * last * AOI_STAGES / 3.0;
 }
 
 /* The errors of a step as shares of what they may be. No step can do better than rounding. */
@@ -410,9 +436,13 @@ static void judge(aoi_adaptive *run, aoi_stage *stage, double h, double *within,
     aoi_collocation_error error;
     aoi_collocation_estimate(run->system, run->response, h, stage, &error);
     *within = steepness_of(run, stage, largest) * error.tail / (tail_share * scale);
-    if (law_of(run, stage)->depends_on_rate && (bent || may_peak(contact, stage))) {
+    const aoi_law *law = law_of(run, stage);
+    if (law->depends_on_rate && (bent || largest_force(stage) >= CAUTION * contact->peak_force)) {
         const double size = force_scale(contact, stage, impulse_scale, scale);
-        *within = fmax(*within, force_tail(stage) / (tail_share * size));
+        const double wrong = stage->edge == AOI_EDGE_NONE
+                                 ? force_tail(stage)
+                                 : edge_force_error(law, stage, error.tail);
+        *within = fmax(*within, wrong / (tail_share * size));
     }
     *handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
                  fmax(step_share, 2.0 * DBL_EPSILON);
@@ -889,6 +919,17 @@ static int stands(const aoi_law *law, const aoi_stage *stage)
     return all;
 }
 
+/* At an edge the nodes' polynomial is right on the whole, but not at its end. */
+static double force_at_end(const aoi_law *law, const aoi_stage *stage)
+{
+    aoi_law_value value;
+    if (stage->edge == AOI_EDGE_NONE) {
+        return stage->force[AOI_STAGES - 1];
+    }
+    law_at_end(law, stage, &value);
+    return value.force;
+}
+
 /* What a contact has gone through in the step, and its state at the end. */
 static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int with_rates)
 {
@@ -921,7 +962,7 @@ static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int
         (void)aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, 1.0, &slope);
         contact->start_rate = slope / h;
     }
-    contact->force = stage->force[end];
+    contact->force = force_at_end(law, stage);
     contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));
     if (stage->piece != AOI_SLACK) {
         aoi_law_remember(law, contact->start, contact->start_rate, contact->memory);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -136,6 +137,43 @@ def test_a_massless_contact_follows_a_damper_within_its_own_time(lag, rtol):
         duration=1e3 * time,
         solver=ao.Adaptive(rtol=rtol),
     )
+    assert result.peak_force == pytest.approx(peak, rel=rtol)
+
+
+@lru_cache
+def damped_peak(law: ao.ContactLaw, mass: float, velocity: float, deep: float) -> float:
+    """Rigid mass and wall, DOP853: v dv/dd = -F(d, v)/m, smooth in w = d^(1/4)."""
+
+    def slope(w, v):
+        return -4.0 * w**3 * law.force(w**4, v) / (mass * v)
+
+    def still(w, v):
+        return v[0] - 1e-3 * velocity
+
+    still.terminal = True
+    options = {"rtol": 1e-11, "atol": 1e-13, "events": still, "dense_output": True}
+    way = solve_ivp(slope, (0.0, deep**0.25), [velocity], "DOP853", **options)
+    places = np.linspace(0.0, way.t[-1], 20001)
+    peak: float = law.force(places**4, way.sol(places)[0]).max()
+    return peak
+
+
+@pytest.mark.parametrize("damping", [0.7, 1.1, 7.0, 10.7, 30.0])
+@pytest.mark.parametrize("kind", [ao.KuwabaraKono, ao.Tsuji])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5, 1e-6, 1e-8])
+def test_a_damped_force_that_is_largest_right_after_the_touch_is_found(kind, damping, rtol):
+    mass, k, velocity = 1e-3, 1e6, 1.0
+    time = (mass**2 / (k**2 * velocity)) ** 0.2
+    law = ao.Tsuji(k, damping, mass) if kind is ao.Tsuji else kind(k, 3.0 * damping * time)
+    result = ao.simulate(
+        projectile=ao.rigid(mass=mass),
+        target=WALL,
+        law=law,
+        velocity=velocity,
+        duration=15.0 * time,
+        solver=ao.Adaptive(rtol=rtol),
+    )
+    peak = damped_peak(law, mass, velocity, 3.0 * velocity * time)
     assert result.peak_force == pytest.approx(peak, rel=rtol)
 
 

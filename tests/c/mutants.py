@@ -243,6 +243,10 @@ MUTANTS = [
         "stage->start += 0.0 * aoi_step_bent_at_start",
     ),
     ("step.c", "stage->edge = edge_of(run, stage->joint, h)", "stage->edge = AOI_EDGE_NONE"),
+    ("step.c", "NEAR_TOP = 0.99", "NEAR_TOP = 1.1"),
+    ("step.c", "fabs(value.damping) * last", "0.0 * last"),
+    ("step.c", "contact->force = force_at_end(law, stage);", "contact->force = stage->force[end];"),
+    ("step.c", "EDGE_DEPTH = 1e-3", "EDGE_DEPTH = -1.0"),
     ("release.c", "MOST_OF_REST = 2.0 / 3.0", "MOST_OF_REST = 1e-3"),
     (
         "step.c",

@@ -108,6 +108,53 @@ static void a_linear_contact_is_half_a_sine(void)
     release(&p);
 }
 
+/* The largest force on a mass that meets a wall under a damped law: v dv/dd = -F/m by Runge and Kutta's
+ * method in w = d^(1/4), in which v is smooth, until it is nearly at rest. */
+static double damped_peak(const aoi_law *law, double mass, double v, double deep)
+{
+    enum { STEPS = 20000 };
+    const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    const double h = pow(deep, 0.25) / STEPS, still = 0.05 * v;
+    double peak = 0.0;
+    for (int i = 0; i < STEPS && v > still; i++) {
+        double slope = 0.0, sum = 0.0;
+        for (int s = 0; s < 4; s++) {
+            const double w = h * (i + share[s]), here = v + share[s] * h * slope;
+            aoi_law_value value;
+            aoi_law_push(law, NULL, w * w * w * w, here, &value);
+            peak = s == 0 ? fmax(peak, value.force) : peak;
+            slope = -4.0 * w * w * w * value.force / (mass * here);
+            sum += weight[s] * slope;
+        }
+        v += h * sum;
+    }
+    return peak;
+}
+
+/* A damped force may be largest within the first step, in which it is no polynomial of time. */
+static void a_damped_force_is_right_at_its_start(void)
+{
+    const double mass = 1e-3, k = 1e6, velocity = 1.0, time = pow(mass / k, 0.4);
+    for (int i = 0; i < 13; i++) { /* under the last the top comes right after the step */
+        const double damping = i < 12 ? 0.5 * pow(1.5, i) : 0.7354597560950398, lag = 3.0 * damping * time;
+        const aoi_law laws[] = {law_named("kuwabara_kono", 2, k, lag, 0.0),
+                                law_named("tsuji", 2, k, damping * sqrt(mass * k), 0.0)};
+        for (int which = 0; which < 2; which++) {
+            const double peak = damped_peak(&laws[which], mass, velocity, 3.0 * velocity * time);
+            for (double rtol = 1e-3; rtol > 5e-7; rtol *= 0.1) {
+                plant p = {.bodies = 0};
+                add_rigid(&p, mass, velocity);
+                add_wall(&p);
+                join_rigid(&p, 0, 1, 0.0, &laws[which]);
+                must_go(&p, rtol, 15.0 * time);
+                CHECK(near(p.contact[0].peak_force, peak, rtol), "law %d, damping %g, rtol %g: %.9g, not %.9g",
+                      which, damping, rtol, p.contact[0].peak_force, peak);
+                release(&p);
+            }
+        }
+    }
+}
+
 /* A residual compliance c in series with the law: k / (1 + k c). */
 static void a_massless_contact_is_a_spring_in_series(void)
 {
@@ -600,6 +647,7 @@ int main(void)
     rigid_bodies_collide_in_closed_form();
     the_first_moments_are_exact_relative_to_themselves();
     a_linear_contact_is_half_a_sine();
+    a_damped_force_is_right_at_its_start();
     a_massless_contact_is_a_spring_in_series();
     what_a_force_bends_touches_elsewhere();
     a_cradle_of_three();
