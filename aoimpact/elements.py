@@ -80,16 +80,21 @@ class ReferenceElement:
 
     def shape(self, points: FloatArray) -> FloatArray:
         """Return φ_a at reference points (n, 3), shape (n, n_nodes)."""
-        columns = [self._basis.lbasis(points.T, int(i))[0] for i in self._order]
-        return np.stack([np.broadcast_to(c, len(points)) for c in columns], axis=1)
+        return self.evaluate(points)[0]
 
     def gradient(self, points: FloatArray) -> FloatArray:
         """Return ∂φ_a/∂ξ_α at reference points (n, 3), shape (n, n_nodes, 3)."""
-        result = np.empty((len(points), self.n_nodes, 3))
+        return self.evaluate(points)[1]
+
+    def evaluate(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return `shape` and `gradient` at once, for little more than one of them."""
+        shape = np.empty((len(points), self.n_nodes))
+        gradient = np.empty((len(points), self.n_nodes, 3))
         for a, i in enumerate(self._order):
-            for alpha, derivative in enumerate(self._basis.lbasis(points.T, int(i))[1]):
-                result[:, a, alpha] = derivative
-        return result
+            shape[:, a], derivatives = self._basis.lbasis(points.T, int(i))
+            for alpha, derivative in enumerate(derivatives):
+                gradient[:, a, alpha] = derivative
+        return shape, gradient
 
     @property
     def mirror(self) -> IntArray:

@@ -102,9 +102,9 @@ class Surface:
         """Return x, shape (n, 3), and ∂x/∂u, ∂x/∂v, shape (n, 2, 3), of points on faces."""
         element, xi = reference_element(self.mesh.kind), self._xi(face, uv)
         corners = self.mesh.nodes[self.mesh.cells[self.cell[face]]]
-        x = np.einsum("na,nai->ni", element.shape(xi), corners)
-        jacobian = element.gradient(xi).swapaxes(1, 2) @ corners
-        return x, self._axes[self.side[face]] @ jacobian
+        shape, gradient = element.evaluate(xi)
+        x = np.einsum("na,nai->ni", shape, corners)
+        return x, self._axes[self.side[face]] @ (gradient.swapaxes(1, 2) @ corners)
 
     def normal(self, face: IntArray, uv: FloatArray) -> FloatArray:
         """Return outward unit normals, shape (n, 3)."""

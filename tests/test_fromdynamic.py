@@ -1,5 +1,7 @@
 """Static modes by the factors of K + s²M: K⁻¹ b, and nothing of K factorised at full size."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import scipy.sparse.linalg
@@ -16,8 +18,9 @@ STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
 
 
-def struck(size, divisions, kind, fixed=ENDS):
-    body = ao.FEModel.from_mesh(box_mesh(size, divisions, kind=kind), STEEL, fixed=fixed)
+@cache
+def struck(size, divisions, kind):
+    body = ao.FEModel.from_mesh(box_mesh(size, divisions, kind=kind), STEEL, fixed=ENDS)
     middle = (size[0] / 2, size[1] / 2, size[2])
     return body.contact(point=middle, direction=(0, 0, -1))
 

@@ -1,9 +1,10 @@
 """Multigrid: few iterations at every size, the residual asked for, and honest failures."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 from bodies import distorted_box
 
 import aoimpact as ao
@@ -23,11 +24,13 @@ RUBBER = ao.Material(E=2e9, nu=0.499, rho=1100)
 SHIFT = (1.5e5) ** 2
 
 
+@cache
 def held_bar(divisions, kind="tetra10", lengths=(0.4, 0.02, 0.02), material=STEEL):
     mesh = box_mesh(lengths, divisions, kind=kind)
     return ao.FEModel.from_mesh(mesh, material, fixed=[("xmin", "xyz")])
 
 
+@cache
 def ball(size, material=STEEL):
     return ao.FEModel.from_mesh(sphere_mesh(0.01, size), material)
 
@@ -61,6 +64,7 @@ BODIES = {
     "ball, coarse": lambda: ball(5e-3),
     "ball, ν = .499": lambda: ball(4e-3, RUBBER),
     "bar": lambda: held_bar((60, 3, 3)),
+    "bar, coarse": lambda: held_bar((40, 3, 3)),
     "long bar": lambda: held_bar((150, 2, 2), lengths=(1.0, 0.01, 0.01)),
     "hexahedron20": lambda: held_bar((40, 3, 3), "hexahedron20"),
     "hexahedron27": lambda: held_bar((30, 3, 3), "hexahedron27"),
@@ -110,7 +114,7 @@ def test_nodes_alone_do_nearly_as_well_as_the_mesh():
 
 
 def test_dofs_may_come_in_any_order():
-    body = BODIES["bar"]()
+    body = BODIES["bar, coarse"]()
     order = np.random.default_rng(0).permutation(body.n_dofs)
     K, M = (matrix[order][:, order].tocsr() for matrix in (body.K, body.M))
     mixed = Pencil(K, M, SHIFT, body.nodes, body.free[order], body.mesh)
@@ -133,7 +137,7 @@ def test_matrices_without_nodes_are_solved_all_the_same():
 # ----------------------------------------------------------------------------- same as others
 
 
-@pytest.mark.parametrize("name", ["ball, coarse", "bar", "hexahedron"])
+@pytest.mark.parametrize("name", ["ball, coarse", "bar, coarse", "hexahedron"])
 def test_the_solution_is_that_of_a_factorisation(name):
     body = BODIES[name]()
     loads = np.random.default_rng(0).standard_normal((body.n_dofs, 2))
@@ -200,12 +204,13 @@ def test_units_do_not_matter():
     """A body in millimetres, tonnes and years has the same solution, scaled, in as many steps."""
     body = held_bar((40, 3, 3))
     load = load_on(body)
+    reference = Multigrid(pencil_of(body, SHIFT), 1e-8)
+    expected = reference.solve(load)
     for factor in (1e-40, 1e40):
         scaled = Pencil(body.K * factor, body.M * factor, SHIFT, body.nodes, body.free, body.mesh)
         solver = Multigrid(scaled, 1e-8)
         x = solver.solve(load)
-        reference = Multigrid(pencil_of(body, SHIFT), 1e-8)
-        np.testing.assert_allclose(x * factor, reference.solve(load), rtol=1e-3, atol=1e-16)
+        np.testing.assert_allclose(x * factor, expected, rtol=1e-3, atol=1e-16)
         assert solver.iterations == reference.iterations
 
 
@@ -230,7 +235,7 @@ def test_a_bar_on_one_hinge_is_a_mechanism():
 
 def test_indefinite_matrices_are_refused():
     body = held_bar((40, 3, 3))
-    lowest = spla.eigsh(body.K, 1, body.M, sigma=0.0, return_eigenvectors=False)[0]
+    lowest = (2.0 * np.pi * body.frequencies(1)[0]) ** 2
     turned = Pencil(body.K - 50.0 * lowest * body.M, body.M, 0.0, body.nodes, body.free, body.mesh)
     with pytest.raises(ao.SingularError, match="not positive definite"):
         Multigrid(turned, 1e-8).solve(load_on(body))

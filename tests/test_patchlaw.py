@@ -175,18 +175,26 @@ def test_models_chosen_for_a_tolerance_meet_as_the_whole_bodies_do(
 # ------------------------------------------------------------------------- too wide a contact
 
 
+BALL = rigid(mass=0.1)
+
+
+@cache
+def block(divisions: tuple[int, int, int], radius: float) -> AOModel:
+    """A block of 100 by 100 by 50 mm, fitted to a blow in the middle of its top."""
+    mesh = box_mesh((0.1, 0.1, 0.05), divisions, kind="hexahedron20")
+    place = FEModel.from_mesh(mesh, STEEL).contact(point=(0.05, 0.05, 0.05), radius=radius)
+    return antioscillators(place, n=5, method="krylov", contact_time=30e-6)
+
+
 @pytest.mark.parametrize("solver", [None, Newmark(dt=2e-8)])
 def test_a_contact_wider_than_its_patch_is_refused_with_a_radius_that_will_do(
     solver: Newmark | None,
 ) -> None:
-    block = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.05), (8, 8, 3), kind="hexahedron20"), STEEL)
     law = Hertz.between(STEEL, 0.5, STEEL, float("inf"))
     scene: dict[str, Any] = {"law": law, "velocity": 80.0, "duration": 40e-6, "solver": solver}
 
     def strike(radius: float) -> float:
-        place = block.contact(point=(0.05, 0.05, 0.05), radius=radius)
-        target = antioscillators(place, n=5, method="krylov", contact_time=30e-6)
-        return simulate(projectile=rigid(mass=0.1), target=target, **scene).indentation.max()
+        return simulate(projectile=BALL, target=block((8, 8, 3), radius), **scene).indentation.max()
 
     with pytest.raises(LawLimitError, match=r"of radius 0\.01 m .* radius=(\S+) m or more") as says:
         strike(0.01)
@@ -218,15 +226,11 @@ def test_a_contact_wider_than_the_only_patch_is_refused_too() -> None:
 
 
 def test_the_radius_told_beside_a_body_without_a_patch_will_do() -> None:
-    block = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.05), (10, 10, 5), kind="hexahedron20"), STEEL)
     law = Hertz.between(STEEL, 0.5, STEEL, float("inf"))
 
     def width(radius: float) -> float:
-        place = block.contact(point=(0.05, 0.05, 0.05), radius=radius)
-        target = antioscillators(place, n=5, method="krylov", contact_time=30e-6)
-        hit = simulate(
-            projectile=rigid(mass=0.1), target=target, law=law, velocity=40.0, duration=40e-6
-        )
+        target = block((10, 10, 4), radius)
+        hit = simulate(projectile=BALL, target=target, law=law, velocity=40.0, duration=40e-6)
         return float(np.sqrt(0.5 * (hit.peak_force / law.k) ** (2 / 3))) / radius
 
     with pytest.raises(LawLimitError, match=r"radius=(\S+) m or more") as says:

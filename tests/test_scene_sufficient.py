@@ -47,7 +47,7 @@ def three(request):
     """The scene, and what the full finite-element model says, by Newmark's rule."""
     tips = tips_of(beam(ends=request.param))
     scene, struck = struck_in_three_places(tips)
-    full = scene.simulate(duration=DURATION, solver=ao.Newmark(dt=2e-8, estimate=False))
+    full = scene.simulate(duration=DURATION, solver=ao.Newmark(dt=5e-8, estimate=False))
     assert full[struck].label == f"full({tips[0].body.n_dofs})"
     return scene, struck, full
 

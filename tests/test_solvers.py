@@ -32,7 +32,7 @@ def block():
 
 @pytest.fixture(scope="module")
 def bar():
-    mesh = box_mesh((0.3, 0.02, 0.02), (60, 1, 1), kind="tetra10")
+    mesh = box_mesh((0.3, 0.02, 0.02), (40, 1, 1), kind="tetra10")
     return ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
 
 
