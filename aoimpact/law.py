@@ -216,7 +216,7 @@ class ContactLaw:
                 raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
         return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))
 
-    def _restitution(self, mass: float, velocity: float) -> float:
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
         """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s."""
         if not self.depends_on_rate and not self.has_memory:
             return 1.0

@@ -69,7 +69,7 @@ class _Hysteretic(ContactLaw):
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self._chi(), self.n)
 
-    def _restitution(self, mass: float, velocity: float) -> float:
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
         return hunt_crossley_restitution(self._chi() * velocity)
 
 
@@ -283,7 +283,7 @@ class Tsuji(ContactLaw):
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.alpha * math.sqrt(self.mass) * math.sqrt(self.k))
 
-    def _restitution(self, mass: float, velocity: float) -> float:
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
         return oscillator_restitution(self.alpha / math.sqrt(5.0) * math.sqrt(self.mass / mass))
 
 
@@ -335,7 +335,7 @@ class KuwabaraKono(ContactLaw):
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.A)
 
-    def _restitution(self, mass: float, velocity: float) -> float:
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
         return kuwabara_kono_restitution(1.5 * self.A / _kuwabara_kono_time(self.k, mass, velocity))
 
 
@@ -401,6 +401,6 @@ class KelvinVoigt(ContactLaw):
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.c)
 
-    def _restitution(self, mass: float, velocity: float) -> float:
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
         ratio = 0.5 * self.c / (math.sqrt(self.k) * math.sqrt(mass))
         return oscillator_restitution(ratio) if self.end == "force" else swing_restitution(ratio)

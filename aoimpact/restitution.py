@@ -50,7 +50,7 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     delivered = math.nan
     if _LEAST < 0.5 * m * v * v < 1.0 / _LEAST:
         with suppress(ArithmeticError):
-            delivered = law._restitution(m, v)
+            delivered = law.rigid_restitution(m, v)
     if 1.0 + _ROUNDING < delivered < math.inf:
         raise InputError(
             f"law={law!r} gives more energy than it takes: at mass={m:g} kg and velocity={v:g} m/s "

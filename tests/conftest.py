@@ -28,14 +28,24 @@ settings.load_profile("aoimpact")
 
 
 class Own:
-    """A linear solver of a user's; `calls` has the sizes of what it factorised."""
+    """A linear solver of a user's.
+
+    `calls` has the sizes of what it factorised, `solutions` counts what it solved for.
+    """
 
     def __init__(self) -> None:
         self.calls: list[int] = []
+        self.solutions = 0
 
     def __call__(self, matrix: Any) -> Callable[..., Any]:
         self.calls.append(matrix.shape[0])
-        return factorized(matrix)
+        solve = factorized(matrix)
+
+        def counted(rhs: Any) -> Any:
+            self.solutions += 1
+            return solve(rhs)
+
+        return counted
 
 
 @pytest.fixture
