@@ -12,7 +12,7 @@ LIMITED = not sysconfig.get_config_var("Py_GIL_DISABLED") and sys.implementation
 MSVC = sys.platform == "win32" and "GCC" not in sys.version
 
 # No contraction: a fused multiply-add on some machines only would give them other bits.
-UNIX = ["-std=c99", "-O3", "-ffp-contract=off", "-fvisibility=hidden"]
+UNIX = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden"]
 FLAGS = ["/std:c11", "/O2"] if MSVC else UNIX
 
 core = Extension(

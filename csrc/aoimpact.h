@@ -261,12 +261,20 @@ int aoi_secular_root(const aoi_secular *s, ptrdiff_t gap, double ceiling, size_t
 
 enum { AOI_LAW_PARAMETERS = 8, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
 
+/* At how many places in time a step of an adaptive run asks a law. */
+enum { AOI_STAGES = 8 };
+
 typedef struct aoi_law aoi_law;
 
 /* A law's answer: force [N], d force / d indentation [N/m], d force / d rate [N s/m]. */
 typedef struct aoi_law_value {
     double force, stiffness, damping;
 } aoi_law_value;
+
+/* Those at the nodes of a step. */
+typedef struct aoi_law_values {
+    double force[AOI_STAGES], stiffness[AOI_STAGES], damping[AOI_STAGES];
+} aoi_law_values;
 
 /* A law written by the caller, as functions of indentation > 0 [m] and rate [m/s]: its force [N],
  * stiffness [N/m], damping [N s/m] and potential [J] (rate 0). given says which there are: the
@@ -306,6 +314,9 @@ struct aoi_law {
     void (*remember)(const aoi_law *law, double indentation, double rate, double *memory);
     /* NULL, or the force alone, where that is cheaper than with its derivatives. */
     double (*alone)(const aoi_law *law, double indentation, double rate);
+    /* NULL, or force at AOI_STAGES places at once, for a law without pieces and memory. */
+    void (*together)(const aoi_law *law, const double *indentation, const double *rate,
+                     aoi_law_values *values);
     /* NULL: 0. Else the indentation at and below which there is no force. */
     double (*rest)(const aoi_law *law, const double *memory);
     double parameter[AOI_LAW_PARAMETERS]; /* as the law's own paragraph in law_*.c says */
@@ -364,6 +375,10 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
  * AOI_ERROR_LAW_JUMPS, where the law's force falls from one value to another and no d is between. */
 void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
                    double rate, aoi_law_value *value);
+
+/* The same at AOI_STAGES places. */
+void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const double *indentation,
+                    const double *rate, aoi_law_values *values);
 
 /* As law->potential, of the total indentation: less the c F^2/2 that is the bodies' own. Past the
  * limit of a law with a compliance, where it has no meaning, it grows on as over a straight line. */
@@ -605,8 +620,6 @@ int aoi_scene_run(aoi_scene *scene, double *record, size_t columns, size_t first
 
 /* ------------------------------------------------- exact linear motion: oscillator.c, bessel.c */
 
-enum { AOI_STAGES = 8 };
-
 /* What x'' + 2 decay x' + omega^2 x = f does in a time from rest: impulse, the response to a unit
  * impulse; rate, its derivative; step and ramp, its first two integrals, the responses to f = 1 and
  * f = t. With x0, v0 at the start and f = load + slope t:
@@ -752,7 +765,8 @@ typedef struct aoi_response {
     int has_rates;                        /* influence_rate is filled                     */
     double *impulse, *rate, *step, *ramp; /* [n][stage]: aoi_motion at the nodes          */
     double *to_x, *to_v;                  /* [n][stage]: integrals against l_stage        */
-    double *influence, *influence_rate;   /* [port][port][stage][stage]: of a force at the second */
+    double *influence, *influence_rate;   /* [port][port][stage][stage]: at the first port and the
+                                             second stage, of a force at the others */
     double *answer;                       /* [port][stage]: displacement after a unit impulse */
     double *scratch;
 } aoi_response;

@@ -1,6 +1,8 @@
 /* One step of contact: the forces as polynomials through the Radau nodes, their effect on the bodies
  * exact, Newton on their values, all contacts of the step together. */
+#include "collocation.h"
 #include "radau.h"
+#include "stages.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,17 +19,6 @@ static const double KEPT = 1e-3;
 /* With the matrix of the change before, the error falls by twice the ratio of the last changes. */
 static const double FALL = 2.0, NEXT_CHANGE = 1e-16;
 
-/* aoi_vector_dot of a length that the compiler knows. */
-static inline double dot_of_stages(const double *x, const double *y)
-{
-    double even = 0.0, odd = 0.0;
-    for (size_t k = 0; k < AOI_STAGES; k += 2) {
-        even += x[k] * y[k];
-        odd += x[k + 1] * y[k + 1];
-    }
-    return even + odd;
-}
-
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_stage *stage)
 {
     for (size_t s = 0; s < count; s++) {
@@ -40,20 +31,14 @@ int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const ao
 }
 
 /* Blocks of a row of contacts: those up to span away on either side. */
-static size_t blocks_of(size_t count, size_t span)
-{
-    return count == 1 ? 1 : 2 * span + 1;
-}
+static size_t blocks_of(size_t span) { return 2 * span + 1; }
 
-static size_t half_width(size_t count, size_t span)
-{
-    return count == 1 ? AOI_STAGES - 1 : AOI_STAGES * (span + 1) - 1;
-}
+static size_t half_width(size_t span) { return AOI_STAGES * (span + 1) - 1; }
 
 size_t aoi_collocation_size(size_t count, size_t span)
 {
-    const size_t rows = count * AOI_STAGES, width = 2 * half_width(count, span) + 1;
-    return 2 * count * blocks_of(count, span) * SQUARE + rows * width + rows;
+    const size_t rows = count * AOI_STAGES, width = 2 * half_width(span) + 1;
+    return 2 * count * blocks_of(span) * SQUARE + rows * width + rows;
 }
 
 /* Adds what contact t's force does to contact s (with a minus sign) by way of the bodies they share. */
@@ -79,14 +64,14 @@ static void add_coupling(const aoi_system *system, const aoi_response *response,
         }
         for (size_t k = 0; k < AOI_STAGES && residual != 0.0; k++) {
             displacement[k * AOI_STAGES + k] += residual;
-            for (size_t q = 0; q < AOI_STAGES && rate; q++) {
-                rate[k * AOI_STAGES + q] += residual / h * aoi_radau_slope_at_node[k][q + 1];
+            if (rate) {
+                aoi_stages_add(residual / h, aoi_radau_slope_at_node[k + 1], rate + k * AOI_STAGES);
             }
         }
     }
 }
 
-/* All couplings: block (s, t) at s * blocks + t + span - s. */
+/* All couplings: block (s, t) at s * blocks + t + span - s, by columns. */
 typedef struct couplings {
     size_t count, span, blocks;
     double *displacement, *rate;
@@ -94,7 +79,7 @@ typedef struct couplings {
 
 static const double *block_of(const couplings *of, const double *values, size_t s, size_t t)
 {
-    return values + (s * of->blocks + (of->blocks == 1 ? 0 : t + of->span - s)) * SQUARE;
+    return values + (s * of->blocks + t + of->span - s) * SQUARE;
 }
 
 static size_t first_of(const couplings *of, size_t s) { return s > of->span ? s - of->span : 0; }
@@ -144,28 +129,7 @@ static void factorise_band(size_t n, size_t half, size_t stride, double *matrix)
     }
 }
 
-/* The same for one contact, by whole rows: their length the compiler knows. */
-static void factorise_one(double *matrix)
-{
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        double pivot_row[AOI_STAGES], *row = matrix + k * AOI_STAGES;
-        const double inverse = 1.0 / row[k];
-        for (size_t q = 0; q < AOI_STAGES; q++) {
-            pivot_row[q] = q > k ? row[q] : 0.0;
-        }
-        row[k] = inverse;
-        for (size_t i = k + 1; i < AOI_STAGES; i++) {
-            row = matrix + i * AOI_STAGES;
-            const double factor = row[k] * inverse;
-            for (size_t q = 0; q < AOI_STAGES; q++) {
-                row[q] -= factor * pivot_row[q];
-            }
-            row[k] = factor;
-        }
-    }
-}
-
-static inline void substitute(size_t n, size_t half, size_t stride, const double *matrix, double *right)
+static void substitute(size_t n, size_t half, size_t stride, const double *matrix, double *right)
 {
     for (size_t k = 1; k < n; k++) {
         double sum = right[k];
@@ -184,25 +148,14 @@ static inline void substitute(size_t n, size_t half, size_t stride, const double
     }
 }
 
-/* From values at the start and the nodes to the points where the law is asked at an edge. */
-static void to_edge(enum aoi_edge edge, double start, const double *nodes, double *points)
+void aoi_edge_reach(enum aoi_edge edge, double start, const double *nodes, double *points)
 {
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        const double *row = aoi_radau_indentation_at_edge[edge][k];
-        points[k] = row[0] * start + dot_of_stages(row + 1, nodes);
-    }
+    aoi_stages_multiply_from(start, &aoi_radau_indentation_at_edge[edge][0][0], nodes, points);
 }
 
-/* From forces at those points to the polynomial nearest to them. */
-static void from_edge(enum aoi_edge edge, double *force)
+void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
 {
-    double nodes[AOI_STAGES];
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        nodes[i] = dot_of_stages(aoi_radau_edge_projection[edge][i], force);
-    }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        force[i] = nodes[i];
-    }
+    aoi_stages_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
 }
 
 void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
@@ -216,62 +169,53 @@ void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const doubl
         aoi_law_force(law, memory, piece, indentation, slope / h, &value);
         force[k] = value.force;
     }
-    from_edge(edge, force);
+    aoi_edge_project(edge, force, force);
 }
 
-/* What a law gives where it is asked: at the nodes, or at the points of an edge. */
-typedef struct reply {
-    double force[AOI_STAGES], stiffness[AOI_STAGES], damping[AOI_STAGES];
-} reply;
-
-static void ask(const aoi_system *system, const aoi_stage *stage, int with_rates, reply *of)
+void aoi_collocation_ask(const aoi_law *law, const aoi_stage *stage, int with_rates,
+                         aoi_law_values *of)
 {
     double at_points[AOI_STAGES], rates_there[AOI_STAGES];
     const double *indentation = stage->indentation, *rate = stage->rate;
-    const aoi_law *law = system->joint[stage->joint].law;
     if (stage->piece == AOI_SLACK) {
-        *of = (reply){{0.0}, {0.0}, {0.0}};
+        *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
         return;
     }
     if (stage->edge != AOI_EDGE_NONE) {
-        to_edge(stage->edge, stage->start, stage->indentation, at_points);
+        aoi_edge_reach(stage->edge, stage->start, stage->indentation, at_points);
         indentation = at_points;
     }
     if (stage->edge != AOI_EDGE_NONE && with_rates) {
-        to_edge(stage->edge, stage->start_rate, stage->rate, rates_there);
+        aoi_edge_reach(stage->edge, stage->start_rate, stage->rate, rates_there);
         rate = rates_there;
     }
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        aoi_law_value value;
-        aoi_law_force(law, stage->memory, stage->piece, indentation[k], rate[k], &value);
-        of->force[k] = value.force;
-        of->stiffness[k] = value.stiffness;
-        of->damping[k] = value.damping;
+    aoi_law_forces(law, stage->memory, stage->piece, indentation, rate, of);
+}
+
+void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *column, double *to)
+{
+    double there[AOI_STAGES];
+    if (edge != AOI_EDGE_NONE) {
+        aoi_edge_reach(edge, 0.0, column, there);
+        column = there;
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        to[i] = by[i] * column[i];
+    }
+    if (edge != AOI_EDGE_NONE) {
+        aoi_edge_project(edge, to, to);
     }
 }
 
-/* Adds by[k] times row k of a block to row k of the matrix, or the same by way of an edge's points. */
-static void add_block(const aoi_stage *stage, const double *by, const double *block, size_t stride,
+/* Adds a block, its columns weighed. */
+static void add_block(enum aoi_edge edge, const double *by, const double *block, size_t stride,
                       double *matrix)
 {
-    for (size_t i = 0; i < AOI_STAGES && stage->edge == AOI_EDGE_NONE; i++) {
-        for (size_t q = 0; q < AOI_STAGES; q++) {
-            matrix[i * stride + q] += by[i] * block[i * AOI_STAGES + q];
-        }
-    }
-    for (size_t k = 0; k < AOI_STAGES && stage->edge != AOI_EDGE_NONE; k++) {
-        const double *at = aoi_radau_indentation_at_edge[stage->edge][k] + 1;
-        double row[AOI_STAGES] = {0.0};
-        for (size_t j = 0; j < AOI_STAGES; j++) {
-            for (size_t q = 0; q < AOI_STAGES; q++) {
-                row[q] += at[j] * block[j * AOI_STAGES + q];
-            }
-        }
+    for (size_t q = 0; q < AOI_STAGES; q++) {
+        double column[AOI_STAGES];
+        aoi_collocation_weigh(edge, by, block + q * AOI_STAGES, column);
         for (size_t i = 0; i < AOI_STAGES; i++) {
-            const double share = aoi_radau_edge_projection[stage->edge][i][k] * by[k];
-            for (size_t q = 0; q < AOI_STAGES; q++) {
-                matrix[i * stride + q] += share * row[q];
-            }
+            matrix[i * stride + q] += column[i];
         }
     }
 }
@@ -287,24 +231,21 @@ typedef struct equations {
 /* In work space behind the couplings. */
 static equations lay_out(size_t count, size_t span, double *work)
 {
-    const size_t n = count * AOI_STAGES, half = half_width(count, span);
-    if (count == 1) {
-        return (equations){n, half, AOI_STAGES, SQUARE, work, work, work + SQUARE};
-    }
+    const size_t n = count * AOI_STAGES, half = half_width(span);
     const size_t size = n * (2 * half + 1);
     return (equations){n, half, 2 * half, size, work, work + half, work + size};
 }
 
 /* Rows of a contact. */
-static void set_rows(const couplings *of, const aoi_stage *stage, size_t s, const reply *law,
+static void set_rows(const couplings *of, const aoi_stage *stage, size_t s, const aoi_law_values *law,
                      const equations *to)
 {
     double *rows = to->matrix + s * AOI_STAGES * to->stride;
     for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
         double *block = rows + t * AOI_STAGES;
-        add_block(&stage[s], law->stiffness, block_of(of, of->displacement, s, t), to->stride, block);
+        add_block(stage[s].edge, law->stiffness, block_of(of, of->displacement, s, t), to->stride, block);
         if (of->rate) {
-            add_block(&stage[s], law->damping, block_of(of, of->rate, s, t), to->stride, block);
+            add_block(stage[s].edge, law->damping, block_of(of, of->rate, s, t), to->stride, block);
         }
     }
     for (size_t i = 0; i < AOI_STAGES; i++) {
@@ -321,56 +262,48 @@ static void add_lack(const aoi_stage *stage, const double *aim, const double *va
         lack[i] = at_points[i] = aim[i] - values[i];
     }
     if (stage->edge != AOI_EDGE_NONE) {
-        to_edge(stage->edge, 0.0, lack, at_points);
+        aoi_edge_reach(stage->edge, 0.0, lack, at_points);
     }
     for (size_t k = 0; k < AOI_STAGES; k++) {
         to[k] += factor[k] * at_points[k];
     }
 }
 
-/* The right-hand sides, and the matrix if it is to be renewed. */
-static void set_equations(const aoi_system *system, const couplings *of, const aoi_stage *stage,
-                          int first, int renew, const equations *to)
+void aoi_collocation_aim(const aoi_stage *stage, int first, int with_rates, aoi_law_values *law)
 {
-    for (size_t k = 0; k < to->size && renew; k++) {
-        to->storage[k] = 0.0;
+    if (first) {
+        add_lack(stage, stage->homogeneous, stage->indentation, law->stiffness, law->force);
     }
-    for (size_t s = 0; s < of->count; s++) {
-        const aoi_stage *here = &stage[s];
-        double *right = to->right + s * AOI_STAGES;
-        reply law;
-        ask(system, here, of->rate != NULL, &law);
-        if (renew) {
-            set_rows(of, stage, s, &law, to);
-        }
-        if (first) {
-            add_lack(here, here->homogeneous, here->indentation, law.stiffness, law.force);
-        }
-        if (first && of->rate) {
-            add_lack(here, here->homogeneous_rate, here->rate, law.damping, law.force);
-        }
-        if (here->edge != AOI_EDGE_NONE) {
-            from_edge(here->edge, law.force);
-        }
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            right[i] = law.force[i] - (first ? 0.0 : here->force[i]);
-        }
+    if (first && with_rates) {
+        add_lack(stage, stage->homogeneous_rate, stage->rate, law->damping, law->force);
+    }
+    if (stage->edge != AOI_EDGE_NONE) {
+        aoi_edge_project(stage->edge, law->force, law->force);
+    }
+    for (size_t i = 0; i < AOI_STAGES && !first; i++) {
+        law->force[i] -= stage->force[i];
     }
 }
 
-static void solve(const couplings *of, int renew, const equations *to)
+/* The right-hand sides, and the matrix if it is to be renewed. */
+static void set_equations(const aoi_system *system, const couplings *of, const aoi_stage *stage,
+                          const aoi_newton *newton, const equations *to)
 {
-    if (of->count == 1) { /* sizes that the compiler knows */
-        if (renew) {
-            factorise_one(to->matrix);
+    const int with_rates = of->rate != NULL;
+    for (size_t k = 0; k < to->size && newton->renew; k++) {
+        to->storage[k] = 0.0;
+    }
+    for (size_t s = 0; s < of->count; s++) {
+        aoi_law_values law;
+        aoi_collocation_ask(system->joint[stage[s].joint].law, &stage[s], with_rates, &law);
+        if (newton->renew) {
+            set_rows(of, stage, s, &law, to);
         }
-        substitute(AOI_STAGES, AOI_STAGES - 1, AOI_STAGES, to->matrix, to->right);
-        return;
+        aoi_collocation_aim(&stage[s], newton->iteration == 0, with_rates, &law);
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            to->right[s * AOI_STAGES + i] = law.force[i];
+        }
     }
-    if (renew) {
-        factorise_band(to->n, to->half, to->stride, to->matrix);
-    }
-    substitute(to->n, to->half, to->stride, to->matrix, to->right);
 }
 
 /* What forces of all contacts do to contact s at its nodes. */
@@ -381,10 +314,9 @@ static void answer_of(const couplings *of, const double *values, size_t s, const
         answer[i] = 0.0;
     }
     for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
-        const double *block = block_of(of, values, s, t), *by = force + t * AOI_STAGES;
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            answer[i] += dot_of_stages(block + i * AOI_STAGES, by);
-        }
+        double share[AOI_STAGES];
+        aoi_stages_multiply(block_of(of, values, s, t), force + t * AOI_STAGES, share);
+        aoi_stages_add(1.0, share, answer);
     }
 }
 
@@ -414,30 +346,45 @@ static double update(const couplings *of, const double *by, int first, aoi_stage
     return largest;
 }
 
+int aoi_newton_goes_on(const aoi_newton *newton, double change)
+{
+    return isfinite(change) && newton->iteration < MOST_ITERATIONS;
+}
+
+int aoi_newton_done(aoi_newton *newton, double change)
+{
+    const int first = newton->iteration++ == 0;
+    const double ratio = change / newton->before;
+    newton->renew = !first && !(ratio < KEPT);
+    newton->before = change;
+    return change <= CONVERGED || (change <= ROUNDING && ratio >= 0.5) ||
+           (!first && ratio < KEPT && FALL * ratio * change <= NEXT_CHANGE);
+}
+
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_stage *stage, double *work)
 {
-    const size_t blocks = blocks_of(count, span), size = count * blocks * SQUARE;
+    if (count == 1) {
+        return aoi_collocation_solve_one(system, response, h, stage);
+    }
+    const size_t blocks = blocks_of(span), size = count * blocks * SQUARE;
     const int with_rates = aoi_collocation_wants_rates(system, count, stage);
-    couplings of = {count, count == 1 ? 0 : span, blocks, work, with_rates ? work + size : NULL};
-    const equations newton = lay_out(count, span, work + 2 * size);
-    double before = HUGE_VAL;
-    int renew = 1;
+    couplings of = {count, span, blocks, work, with_rates ? work + size : NULL};
+    const equations to = lay_out(count, span, work + 2 * size);
+    aoi_newton newton = {0, 1, HUGE_VAL};
+    double change;
     couple(system, response, h, stage, &of);
-    for (int i = 0; i < MOST_ITERATIONS; i++) {
-        set_equations(system, &of, stage, i == 0, renew, &newton);
-        solve(&of, renew, &newton);
-        const double change = update(&of, newton.right, i == 0, stage), ratio = change / before;
-        if (!isfinite(change)) {
-            return AOI_ERROR_NO_CONVERGENCE;
+    do {
+        set_equations(system, &of, stage, &newton, &to);
+        if (newton.renew) {
+            factorise_band(to.n, to.half, to.stride, to.matrix);
         }
-        if (change <= CONVERGED || (change <= ROUNDING && ratio >= 0.5) ||
-            (i > 0 && ratio < KEPT && FALL * ratio * change <= NEXT_CHANGE)) {
+        substitute(to.n, to.half, to.stride, to.matrix, to.right);
+        change = update(&of, to.right, newton.iteration == 0, stage);
+        if (aoi_newton_done(&newton, change)) {
             return AOI_OK;
         }
-        renew = i > 0 && !(ratio < KEPT);
-        before = change;
-    }
+    } while (aoi_newton_goes_on(&newton, change));
     return AOI_ERROR_NO_CONVERGENCE;
 }
 
@@ -451,30 +398,38 @@ static void answers(const aoi_response *response, const aoi_joint *joint, double
     }
 }
 
-/* The law's force minus the polynomial's somewhere in the step; at: the cardinal polynomials of 0 and the
- * nodes there, of: those of the nodes. */
-static double defect_at(const aoi_law *law, const aoi_stage *stage, const double *at, const double *of)
-{
-    aoi_law_value value;
-    const double indentation = at[0] * stage->start + dot_of_stages(at + 1, stage->indentation);
-    const double rate = law->depends_on_rate
-                            ? at[0] * stage->start_rate + dot_of_stages(at + 1, stage->rate)
-                            : 0.0;
-    aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
-    return value.force - dot_of_stages(of, stage->force);
-}
-
-/* Between the nodes. */
+/* Between the nodes: the law's force minus the polynomial's. */
 static void defects(const aoi_law *law, const aoi_stage *stage, double h, const double *answer,
                     aoi_collocation_error *error)
 {
+    const double *at = &aoi_radau_indentation_at_extra[0][0];
+    double indentation[AOI_STAGES], rate[AOI_STAGES] = {0.0}, force[AOI_STAGES];
+    aoi_law_values there;
+    aoi_stages_multiply_from(stage->start, at, stage->indentation, indentation);
+    if (law->depends_on_rate) {
+        aoi_stages_multiply_from(stage->start_rate, at, stage->rate, rate);
+    }
+    aoi_stages_multiply(&aoi_radau_force_at_extra[0][0], stage->force, force);
+    aoi_law_forces(law, stage->memory, stage->piece, indentation, rate, &there);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         const double weighted =
-            h * aoi_radau_extra_weight[i] *
-            defect_at(law, stage, aoi_radau_indentation_at_extra[i], aoi_radau_force_at_extra[i]);
+            h * aoi_radau_extra_weight[i] * (there.force[i] - force[i]);
         error->impulse += weighted;
         error->indentation += answer[i] * weighted;
     }
+}
+
+/* The same somewhere in the step; at: the cardinal polynomials of 0 and the nodes there, of: those of the
+ * nodes. */
+static double defect_at(const aoi_law *law, const aoi_stage *stage, const double *at, const double *of)
+{
+    aoi_law_value value;
+    const double indentation = at[0] * stage->start + aoi_stages_dot(at + 1, stage->indentation);
+    const double rate = law->depends_on_rate
+                            ? at[0] * stage->start_rate + aoi_stages_dot(at + 1, stage->rate)
+                            : 0.0;
+    aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
+    return value.force - aoi_stages_dot(of, stage->force);
 }
 
 /* At an edge, by a finer rule. */
@@ -487,7 +442,7 @@ static void edge_defects(const aoi_law *law, const aoi_stage *stage, double h, c
                                           aoi_radau_force_at_check[stage->edge][k]);
         error->impulse += weighted;
         error->indentation +=
-            weighted * dot_of_stages(aoi_radau_answer_at_check[stage->edge][k], answer);
+            weighted * aoi_stages_dot(aoi_radau_answer_at_check[stage->edge][k], answer);
     }
 }
 
@@ -514,18 +469,15 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
 
 double aoi_collocation_impulse(const aoi_stage *stage, double h)
 {
-    return h * aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[0], stage->force);
+    return h * aoi_stages_dot(aoi_radau_to_legendre[0], stage->force);
 }
 
 double aoi_collocation_work(const aoi_stage *stage)
 {
-    double sum = 0.0;
+    double slope[AOI_STAGES], sum = 0.0;
+    aoi_stages_multiply_from(stage->start, &aoi_radau_slope_at_node[0][0], stage->indentation, slope);
     for (size_t i = 0; i < AOI_STAGES; i++) {
-        double slope = aoi_radau_slope_at_node[i][0] * stage->start;
-        for (size_t k = 0; k < AOI_STAGES; k++) {
-            slope += aoi_radau_slope_at_node[i][k + 1] * stage->indentation[k];
-        }
-        sum += aoi_radau_to_legendre[0][i] * stage->force[i] * slope;
+        sum += aoi_radau_to_legendre[0][i] * stage->force[i] * slope[i];
     }
     return sum;
 }

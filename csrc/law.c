@@ -217,6 +217,22 @@ void aoi_law_force(const aoi_law *law, const double *memory, int piece, double i
     }
 }
 
+void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const double *indentation,
+                    const double *rate, aoi_law_values *values)
+{
+    if (law->together && law->compliance == 0.0 && !law->note) {
+        law->together(law, indentation, rate, values);
+        return;
+    }
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        aoi_law_value value;
+        aoi_law_force(law, memory, piece, indentation[k], rate[k], &value);
+        values->force[k] = value.force;
+        values->stiffness[k] = value.stiffness;
+        values->damping[k] = value.damping;
+    }
+}
+
 double aoi_law_rest(const aoi_law *law, const double *memory)
 {
     return law->rest ? law->rest(law, memory) : 0.0;

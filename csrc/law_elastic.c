@@ -2,16 +2,32 @@
 #include "law.h"
 
 /* hertz: k. F = k d^(3/2), eqs. (13)-(15). */
+static inline void hertz_at(double k, double indentation, double *force, double *stiffness)
+{
+    const double d = indentation > 0.0 ? indentation : 0.0, root = sqrt(d);
+    *force = k * root * d;
+    *stiffness = 1.5 * k * root;
+}
+
 static void hertz_force(const aoi_law *law, const double *memory, int piece, double indentation,
                         double rate, aoi_law_value *value)
 {
-    const double d = indentation > 0.0 ? indentation : 0.0, root = sqrt(d);
     (void)memory;
     (void)piece;
     (void)rate;
-    value->force = law->parameter[0] * root * d;
-    value->stiffness = 1.5 * law->parameter[0] * root;
+    hertz_at(law->parameter[0], indentation, &value->force, &value->stiffness);
     value->damping = 0.0;
+}
+
+static void hertz_together(const aoi_law *law, const double *indentation, const double *rate,
+                           aoi_law_values *values)
+{
+    const double k = law->parameter[0];
+    (void)rate;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        hertz_at(k, indentation[i], &values->force[i], &values->stiffness[i]);
+        values->damping[i] = 0.0;
+    }
 }
 
 static double hertz_potential(const aoi_law *law, const double *memory, double indentation)
@@ -67,7 +83,7 @@ const aoi_law_kind aoi_laws_elastic[] = {
      1,
      {AOI_POSITIVE},
      {HUGE_VAL},
-     {.force = hertz_force, .potential = hertz_potential},
+     {.force = hertz_force, .potential = hertz_potential, .together = hertz_together},
      NULL},
     {"power",
      2,

@@ -1,5 +1,6 @@
 /* Polynomials over one step, in shifted Legendre polynomials: values, falls through a level, tops. */
 #include "radau.h"
+#include "stages.h"
 
 #include <float.h>
 #include <math.h>
@@ -32,12 +33,14 @@ double aoi_legendre_evaluate(size_t count, const double *coefficient, double at,
 
 void aoi_legendre_fit(const double *values, double *coefficient)
 {
-    for (size_t k = 0; k <= AOI_STAGES; k++) {
-        double sum = 0.0;
-        for (size_t i = 0; i <= AOI_STAGES; i++) {
-            sum += aoi_radau_to_legendre_0[k][i] * values[i];
+    double sum[AOI_STAGES + 1] = {0.0};
+    for (size_t i = 0; i <= AOI_STAGES; i++) {
+        for (size_t k = 0; k <= AOI_STAGES; k++) {
+            sum[k] += aoi_radau_to_legendre_0[i][k] * values[i];
         }
-        coefficient[k] = sum;
+    }
+    for (size_t k = 0; k <= AOI_STAGES; k++) {
+        coefficient[k] = sum[k];
     }
 }
 
@@ -92,9 +95,21 @@ int aoi_legendre_falls(const double *values, const double *coefficient, double l
     return 0;
 }
 
+/* At the start, where that of P_k is -(-1)^k k (k + 1), and at the nodes. */
+static void slopes_of(size_t count, const double *coefficient, double *slope)
+{
+    double all[AOI_STAGES + 1] = {0.0}, sign = 1.0;
+    slope[0] = 0.0;
+    for (size_t k = 1; k < count; k++, sign = -sign) {
+        all[k] = coefficient[k];
+        slope[0] += sign * (double)(k * (k + 1)) * coefficient[k];
+    }
+    aoi_stages_multiply(&aoi_radau_legendre_slope[1][0], all + 1, slope + 1);
+}
+
 int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value)
 {
-    double slope, slope_before, before = 0.0, rest = 0.0;
+    double slope[AOI_STAGES + 1], before = 0.0, rest = 0.0;
     int found = 0;
     for (size_t k = 2; k < count; k++) { /* |P_k'| <= k (k+1) on [0, 1] */
         rest += fabs(coefficient[k]) * 0.5 * (double)(k * (k + 1));
@@ -102,13 +117,12 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
     if (fabs(coefficient[1]) > rest) {
         return 0; /* it only rises or only falls */
     }
-    (void)aoi_legendre_evaluate(count, coefficient, 0.0, &slope_before);
+    slopes_of(count, coefficient, slope);
     for (size_t i = 0; i < AOI_STAGES; i++) {
-        (void)aoi_legendre_evaluate(count, coefficient, aoi_radau_node[i], &slope);
-        if (slope_before > 0.0 && slope <= 0.0) {
-            const double at =
-                zero_between(count, coefficient, 1, 0.0, before, aoi_radau_node[i]);
-            const double here = aoi_legendre_evaluate(count, coefficient, at, &slope_before);
+        if (slope[i] > 0.0 && slope[i + 1] <= 0.0) {
+            const double at = zero_between(count, coefficient, 1, 0.0, before, aoi_radau_node[i]);
+            double level;
+            const double here = aoi_legendre_evaluate(count, coefficient, at, &level);
             if (!found || here > *value) {
                 *value = here;
                 *place = at;
@@ -116,7 +130,6 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
             }
         }
         before = aoi_radau_node[i];
-        slope_before = slope;
     }
     return found;
 }

@@ -1,6 +1,7 @@
 /* What a linear body does over one step under forces that are polynomials in time. Nothing linear is
  * discretised, so a stiff oscillator that nobody excites asks for no short step. */
 #include "radau.h"
+#include "stages.h"
 
 #include <float.h>
 #include <math.h>
@@ -63,21 +64,19 @@ static void influence_row(const double *moments, size_t used, const double *by_l
                           const double moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES], size_t i,
                           int has_fast, double *row)
 {
+    double sum[AOI_STAGES] = {0.0};
+    for (size_t m = 0; m < used; m++) {
+        aoi_stages_add(moments[m], moment[m][i], sum);
+    }
     for (size_t k = 0; k < AOI_STAGES; k++) {
-        double sum = 0.0;
-        for (size_t m = 0; m < used; m++) {
-            sum += moments[m] * moment[m][i][k];
-        }
-        row[k] = sum * scale;
+        row[k] = sum[k] * scale;
     }
     for (size_t q = 0; q < AOI_STAGES && has_fast; q++) {
         double on_whole = 0.0;
         for (size_t l = 0; l <= q; l++) {
             on_whole += aoi_radau_shrink[i][q][l] * by_legendre[l];
         }
-        for (size_t k = 0; k < AOI_STAGES; k++) {
-            row[k] += on_whole * aoi_radau_to_legendre[q][k];
-        }
+        aoi_stages_add(on_whole, aoi_radau_to_legendre[q], row);
     }
 }
 
@@ -87,20 +86,26 @@ static int is_free_mass(const aoi_modes *body)
     return body->n == 1 && body->omega[0] == 0.0 && decay_of(body, 0) == 0.0;
 }
 
+/* Row i of an influence, whose columns lie side by side in memory. */
+static void put_row(const double *row, size_t i, double *influence)
+{
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        influence[k * AOI_STAGES + i] = row[k];
+    }
+}
+
 /* The influence of a free mass on all nodes: double integrals of the force. */
 static void influence_of_mass(aoi_response *response, const aoi_modes *body)
 {
     const double h = response->h;
     for (size_t pair = 0; pair < body->ports * body->ports; pair++) {
         const double weight = body->shape[pair / body->ports] * body->push[pair % body->ports];
-        const double *moment = &aoi_radau_moment[0][0][0], *rate = &aoi_radau_rate_moment[0][0][0];
         double *of = response->influence + pair * SQUARE;
         double *of_rate = response->influence_rate + pair * SQUARE;
         for (size_t k = 0; k < SQUARE; k++) {
-            of[k] = h * h * weight * moment[k];
-        }
-        for (size_t k = 0; response->has_rates && k < SQUARE; k++) {
-            of_rate[k] = h * weight * rate[k];
+            const size_t i = k % AOI_STAGES, q = k / AOI_STAGES;
+            of[k] = h * h * weight * aoi_radau_moment[0][i][q];
+            of_rate[k] = response->has_rates ? h * weight * aoi_radau_rate_moment[0][i][q] : 0.0;
         }
     }
 }
@@ -122,11 +127,13 @@ static void influence_at_node(aoi_response *response, const aoi_modes *body, siz
     for (size_t pair = 0; pair < pairs; pair++) {
         const double *sums = response->scratch + pair * OF_PAIR;
         const double *by_legendre = sums + AOI_RADAU_MOMENTS;
-        influence_row(sums, used, by_legendre, h * h, aoi_radau_moment, i, has_fast,
-                      response->influence + pair * SQUARE + i * AOI_STAGES);
+        double row[AOI_STAGES];
+        influence_row(sums, used, by_legendre, h * h, aoi_radau_moment, i, has_fast, row);
+        put_row(row, i, response->influence + pair * SQUARE);
         if (response->has_rates) {
             influence_row(sums, used, by_legendre + AOI_STAGES, h, aoi_radau_rate_moment, i, has_fast,
-                          response->influence_rate + pair * SQUARE + i * AOI_STAGES);
+                          row);
+            put_row(row, i, response->influence_rate + pair * SQUARE);
         }
     }
 }
@@ -153,15 +160,12 @@ static void mode_tables(aoi_response *response, const aoi_modes *body, size_t j)
         return;
     }
     aoi_oscillator_integrals(omega, decay, h, AOI_STAGES, impulse, rate);
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        double to_x = 0.0, to_v = 0.0;
-        for (size_t q = 0; q < AOI_STAGES; q++) {
-            to_x += impulse[q] * aoi_radau_to_legendre[q][k];
-            to_v += rate[q] * aoi_radau_to_legendre[q][k];
-        }
-        response->to_x[j * AOI_STAGES + k] = h * to_x;
-        response->to_v[j * AOI_STAGES + k] = h * to_v;
+    for (size_t q = 0; q < AOI_STAGES; q++) {
+        impulse[q] *= h;
+        rate[q] *= h;
     }
+    aoi_stages_multiply(&aoi_radau_to_legendre[0][0], impulse, response->to_x + j * AOI_STAGES);
+    aoi_stages_multiply(&aoi_radau_to_legendre[0][0], rate, response->to_v + j * AOI_STAGES);
 }
 
 void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, int with_rates,
@@ -231,16 +235,15 @@ void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *bod
         }
         const double pull = share * (load - omega * omega * x[j]), speed = share * v[j];
         slope *= share;
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            const size_t at = j * AOI_STAGES + i;
-            displacement[i] += pull * response->step[at] + speed * response->impulse[at];
-            if (slope != 0.0) {
-                displacement[i] += slope * response->ramp[at];
-            }
-            if (rate) {
-                rate[i] += pull * response->impulse[at] + speed * response->rate[at] +
-                           slope * response->step[at];
-            }
+        const size_t at = j * AOI_STAGES;
+        aoi_stages_add(pull, response->step + at, displacement);
+        aoi_stages_add(speed, response->impulse + at, displacement);
+        if (slope != 0.0) {
+            aoi_stages_add(slope, response->ramp + at, displacement);
+        }
+        for (size_t i = 0; i < AOI_STAGES && rate; i++) {
+            rate[i] += pull * response->impulse[at + i] + speed * response->rate[at + i] +
+                       slope * response->step[at + i];
         }
     }
     residual_share(body, port, sign, time, response->h, displacement, rate);
@@ -255,13 +258,9 @@ void aoi_response_propagate(const aoi_response *response, const aoi_modes *body,
         const double omega = body->omega[j], v0 = v[j];
         double push = 0.0, kick = 0.0, load = 0.0, slope = 0.0;
         for (size_t p = 0; p < body->ports; p++) {
-            double moved = 0.0, driven_by = 0.0;
-            for (size_t k = 0; k < AOI_STAGES; k++) {
-                moved += response->to_x[j * AOI_STAGES + k] * force[p * AOI_STAGES + k];
-                driven_by += response->to_v[j * AOI_STAGES + k] * force[p * AOI_STAGES + k];
-            }
-            push += body->push[p * n + j] * moved;
-            kick += body->push[p * n + j] * driven_by;
+            const double *by = force + p * AOI_STAGES, of = body->push[p * n + j];
+            push += of * aoi_stages_dot(response->to_x + j * AOI_STAGES, by);
+            kick += of * aoi_stages_dot(response->to_v + j * AOI_STAGES, by);
         }
         if (driven) {
             aoi_modes_drive(body, j, time, &load, &slope);

@@ -8,6 +8,7 @@
  * where the force starts like d^(3/2). */
 #include "adaptive.h"
 #include "radau.h"
+#include "stages.h"
 
 #include <float.h>
 #include <math.h>
@@ -252,7 +253,8 @@ static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_
     const double bent = aoi_step_bent_at_start(run, stage->joint);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         stage->homogeneous[i] = stage->start + bent;
-        stage->homogeneous_rate[i] = -bent / h * aoi_radau_slope_at_node[i][0];
+        stage->homogeneous_rate[i] =
+            with_rates ? -bent / h * aoi_radau_slope_at_node[0][i] : 0.0;
     }
     for (int side = 0; side < 2; side++) {
         const size_t b = joint->body[side], at = run->system->first[b];
@@ -262,28 +264,42 @@ static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_
     }
 }
 
+/* The last step's polynomial at the nodes of a step of length h behind it, and its slope there. */
+static void draw_on(const aoi_contact_state *contact, double h, double *indentation, double *rate)
+{
+    const double stretch = h / contact->last_length;
+    if (stretch == 1.0 && !rate) {
+        const double *beyond = &aoi_radau_legendre_beyond[0][0];
+        aoi_stages_multiply_from(contact->last[0], beyond, contact->last + 1, indentation);
+        return;
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        double slope;
+        indentation[i] = aoi_legendre_evaluate(AOI_STAGES + 1, contact->last,
+                                               1.0 + aoi_radau_node[i] * stretch, &slope);
+        if (rate) {
+            rate[i] = slope / contact->last_length;
+        }
+    }
+}
+
 /* A guess: the last step's polynomial drawn on, where it reaches, or the motion without force; never
  * deeper than that. */
-static void guess(const aoi_contact_state *contact, double h, double usual, aoi_stage *stage)
+static void guess(const aoi_contact_state *contact, double h, double usual, int with_rates,
+                  aoi_stage *stage)
 {
     const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
-    double largest = 0.0;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        stage->indentation[i] = stage->homogeneous[i];
-        stage->rate[i] = stage->homogeneous_rate[i];
-        if (known) {
-            double slope;
-            const double drawn_on = aoi_legendre_evaluate(
-                AOI_STAGES + 1, contact->last, 1.0 + aoi_radau_node[i] * h / contact->last_length,
-                &slope);
-            if (drawn_on < stage->homogeneous[i]) {
-                stage->indentation[i] = drawn_on;
-                stage->rate[i] = slope / contact->last_length;
-            }
-        }
-        largest = fmax(largest, fabs(stage->indentation[i]));
+    double drawn_on[AOI_STAGES], rate[AOI_STAGES], largest = 0.0;
+    if (known) {
+        draw_on(contact, h, drawn_on, with_rates ? rate : NULL);
     }
-    stage->scale = fmax(largest, NEWTON_SHARE * usual);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        const int shallower = known && drawn_on[i] < stage->homogeneous[i];
+        stage->indentation[i] = shallower ? drawn_on[i] : stage->homogeneous[i];
+        stage->rate[i] = shallower && with_rates ? rate[i] : stage->homogeneous_rate[i];
+        largest = fabs(stage->indentation[i]) > largest ? fabs(stage->indentation[i]) : largest;
+    }
+    stage->scale = largest > NEWTON_SHARE * usual ? largest : NEWTON_SHARE * usual;
 }
 
 /* Whether a residual compliance lies between the bodies of a contact: its velocity changes at once where
@@ -332,17 +348,13 @@ static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
     }
     homogeneous(run, stage, h, with_rates);
     if (s < run->closed_count) {
-        guess(contact, h, run->indentation_scale, stage);
+        guess(contact, h, run->indentation_scale, with_rates, stage);
     }
 }
 
 static double largest_of(const aoi_stage *stage)
 {
-    double largest = stage->start;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        largest = fmax(largest, stage->indentation[i]);
-    }
-    return largest;
+    return aoi_stages_largest(stage->start, stage->indentation);
 }
 
 /* What counts as large for a contact: what it has seen, or a small share of what the others have. */
@@ -370,7 +382,7 @@ static double force_tail(const aoi_stage *stage)
 {
     double c[4];
     for (size_t k = 0; k < 4; k++) {
-        c[k] = fabs(aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[AOI_STAGES - 1 - k], stage->force));
+        c[k] = fabs(aoi_stages_dot(aoi_radau_to_legendre[AOI_STAGES - 1 - k], stage->force));
     }
     const double last = c[0] + 0.2 * c[1], before = c[2] + 0.2 * c[3];
     return last < before ? last * sqrt(last / before) : last;
@@ -379,11 +391,7 @@ static double force_tail(const aoi_stage *stage)
 /* The largest force at the nodes. */
 static double largest_force(const aoi_stage *stage)
 {
-    double largest = 0.0;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        largest = fmax(largest, stage->force[i]);
-    }
-    return largest;
+    return aoi_stages_largest(0.0, stage->force);
 }
 
 /* What counts as large for its force: what it has seen, or what its impulse takes at the pace at which
@@ -642,7 +650,7 @@ static void gather_forces(aoi_adaptive *run)
         const aoi_joint *joint = &system->joint[run->stage[s].joint];
         for (int side = 0; side < 2; side++) {
             const size_t port = run->system->first_port[joint->body[side]] + joint->port[side];
-            aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, run->stage[s].force,
+            aoi_stages_add(side == 0 ? -1.0 : 1.0, run->stage[s].force,
                            run->port_force + port * AOI_STAGES);
         }
     }
@@ -655,11 +663,11 @@ static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double si
     for (size_t q = 0; q < body->ports; q++) {
         const double *force = run->port_force + (run->system->first_port[b] + q) * AOI_STAGES;
         const size_t pair = port * body->ports + q;
-        const double residual = body->residual ? body->residual[pair] : 0.0;
-        const double *influence = run->response[b].influence + pair * AOI_STAGES * AOI_STAGES;
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            indentation[i] += sign * (aoi_vector_dot(AOI_STAGES, influence + i * AOI_STAGES, force) +
-                                      residual * force[i]);
+        double answer[AOI_STAGES];
+        aoi_stages_multiply(run->response[b].influence + pair * AOI_STAGES * AOI_STAGES, force, answer);
+        aoi_stages_add(sign, answer, indentation);
+        if (body->residual) {
+            aoi_stages_add(sign * body->residual[pair], force, indentation);
         }
     }
 }
@@ -678,16 +686,17 @@ static double touch_tolerance(aoi_adaptive *run, const aoi_stage *stage)
 static void doze(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
 {
     aoi_contact_state *contact = &run->contact[stage->joint];
-    const double rest = aoi_law_rest(law_of(run, stage), stage->memory);
-    const double tolerance = touch_tolerance(run, stage);
-    double deepest = stage->start - rest, force = fabs(stage->start_force);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        deepest = fmax(deepest, stage->indentation[i] - rest);
-        force = fmax(force, fabs(stage->force[i]));
-    }
     const double left = run->end - aoi_run_now(run);
+    double force = fabs(stage->start_force);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        force = fabs(stage->force[i]) > force ? fabs(stage->force[i]) : force;
+    }
     if (contact->event != AOI_EVENT_NONE || contact->begins || stage->piece == AOI_SLACK ||
-        !(deepest <= DOZING * tolerance) || !(force * left <= DBL_EPSILON * contact->impulse)) {
+        !(force * left <= DBL_EPSILON * contact->impulse)) {
+        return;
+    }
+    const double tolerance = touch_tolerance(run, stage);
+    if (!(largest_of(stage) - aoi_law_rest(law_of(run, stage), stage->memory) <= DOZING * tolerance)) {
         return;
     }
     contact->event = AOI_EVENT_OPEN;
@@ -776,7 +785,7 @@ static double top_of(const aoi_law *law, const aoi_stage *stage)
         return aoi_legendre_top(AOI_STAGES + 1, stage->legendre, &place, &value) ? place : 1.0;
     }
     for (size_t k = 0; k < AOI_STAGES; k++) {
-        by_force[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], stage->force);
+        by_force[k] = aoi_stages_dot(aoi_radau_to_legendre[k], stage->force);
     }
     return aoi_legendre_top(AOI_STAGES, by_force, &place, &value) ? place : 1.0;
 }
@@ -792,28 +801,28 @@ static void take_peak(const aoi_adaptive *run, double force, double after, aoi_c
 static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h, aoi_contact_state *contact)
 {
     const aoi_law *law = law_of(run, stage);
-    double force = 0.0, rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1];
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        force = fmax(force, stage->force[i]);
-        rates[i + 1] = stage->rate[i];
-    }
-    if (force < CAUTION * contact->peak_force) {
+    double rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1], slope, rate = 0.0;
+    aoi_law_value value;
+    if (largest_force(stage) < CAUTION * contact->peak_force) {
         return;
     }
+    const double place = top_of(law, stage);
     if (law->depends_on_rate) {
         take_peak(run, stage->start_force, 0.0, contact);
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            rates[i + 1] = stage->rate[i];
+        }
+        aoi_legendre_fit(rates, by_rate); /* a slope over a very short step would be noise */
+        rate = aoi_legendre_evaluate(AOI_STAGES + 1, by_rate, place, &slope);
     }
-    aoi_legendre_fit(rates, by_rate); /* a slope over a very short step would be noise */
-    const double places[2] = {top_of(law, stage), 1.0};
-    for (int i = 0; i < 2; i++) {
-        double slope;
-        aoi_law_value value;
+    if (place < 1.0) {
         const double indentation =
-            aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, places[i], &slope);
-        aoi_law_force(law, stage->memory, stage->piece, indentation,
-                      aoi_legendre_evaluate(AOI_STAGES + 1, by_rate, places[i], &slope), &value);
-        take_peak(run, value.force, places[i] * h, contact);
+            aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, place, &slope);
+        aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
+        take_peak(run, value.force, place * h, contact);
     }
+    law_at_end(law, stage, &value);
+    take_peak(run, value.force, h, contact);
 }
 
 static size_t write_body(const aoi_adaptive *run, size_t b, double *row)
@@ -930,6 +939,16 @@ static double force_at_end(const aoi_law *law, const aoi_stage *stage)
     return value.force;
 }
 
+/* Where the slope of P_k is k (k + 1). */
+static double end_slope(const double *legendre)
+{
+    double sum = 0.0;
+    for (size_t k = 1; k <= AOI_STAGES; k++) {
+        sum += (double)(k * (k + 1)) * legendre[k];
+    }
+    return sum;
+}
+
 /* What a contact has gone through in the step, and its state at the end. */
 static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int with_rates)
 {
@@ -958,9 +977,7 @@ static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int
     contact->start = stage->indentation[end];
     contact->start_rate = stage->rate[end];
     if (!with_rates) {
-        double slope;
-        (void)aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, 1.0, &slope);
-        contact->start_rate = slope / h;
+        contact->start_rate = end_slope(stage->legendre) / h;
     }
     contact->force = force_at_end(law, stage);
     contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));

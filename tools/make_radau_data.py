@@ -25,6 +25,10 @@ def at(polynomial: list[mp.mpf], x: mp.mpf) -> mp.mpf:
     return sum((a * x**k for k, a in enumerate(polynomial)), mp.mpf(0))
 
 
+def slope_of(polynomial: list[mp.mpf], x: mp.mpf) -> mp.mpf:
+    return sum((k * a * x ** (k - 1) for k, a in enumerate(polynomial) if k > 0), mp.mpf(0))
+
+
 def radau_nodes() -> list[mp.mpf]:
     """Roots of P_s - P_(s-1) on (0, 1], the last one being 1."""
     low = [*shifted_legendre(STAGES - 1), mp.mpf(0)]
@@ -153,6 +157,11 @@ def projection(nodes: list[mp.mpf], points: list[mp.mpf]) -> list[list[mp.mpf]]:
     return [[w * one(c, x) for x, w in zip(points, weights, strict=True)] for c in nodes]
 
 
+def by_columns(matrix: list[list[mp.mpf]]) -> list[list[mp.mpf]]:
+    """Rows and columns exchanged: a product then runs along what lies side by side in memory."""
+    return [list(column) for column in zip(*matrix, strict=True)]
+
+
 def written(value: object) -> str:
     if isinstance(value, list):
         return "{" + ", ".join(written(v) for v in value) + "}"
@@ -186,9 +195,19 @@ def main() -> None:
         transform,
     )
     declare(
-        "From values at 0 and the nodes to Legendre coefficients.",
+        "From values at 0 and the nodes to Legendre coefficients, by columns.",
         "to_legendre_0[AOI_STAGES + 1][AOI_STAGES + 1]",
-        to_legendre(ends),
+        by_columns(to_legendre(ends)),
+    )
+    declare(
+        "P_k at the nodes of the next step of the same length, by columns.",
+        "legendre_beyond[AOI_STAGES + 1][AOI_STAGES]",
+        [[at(shifted_legendre(k), 1 + c) for c in nodes] for k in range(STAGES + 1)],
+    )
+    declare(
+        "Slopes of P_k at the nodes, by columns.",
+        "legendre_slope[AOI_STAGES + 1][AOI_STAGES]",
+        [[slope_of(shifted_legendre(k), c) for c in nodes] for k in range(STAGES + 1)],
     )
     declare(
         "int_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx, by m, node c and j.",
@@ -212,32 +231,32 @@ def main() -> None:
         extra_weights(nodes, extra),
     )
     declare(
-        "l_j at the extra points.",
+        "l_j at the extra points, by columns.",
         "force_at_extra[AOI_STAGES][AOI_STAGES]",
-        [lagrange(nodes, x) for x in extra],
+        by_columns([lagrange(nodes, x) for x in extra]),
     )
     declare(
         "The same for the cardinal polynomials of 0 and the nodes.",
-        "indentation_at_extra[AOI_STAGES][AOI_STAGES + 1]",
-        [lagrange(ends, x) for x in extra],
+        "indentation_at_extra[AOI_STAGES + 1][AOI_STAGES]",
+        by_columns([lagrange(ends, x) for x in extra]),
     )
     declare(
-        "Slopes at the nodes of the cardinal polynomials of 0 and the nodes.",
-        "slope_at_node[AOI_STAGES][AOI_STAGES + 1]",
-        slopes(ends, nodes),
+        "Slopes at the nodes of the cardinal polynomials of 0 and the nodes, by columns.",
+        "slope_at_node[AOI_STAGES + 1][AOI_STAGES]",
+        by_columns(slopes(ends, nodes)),
     )
 
     edges, checks = edge_points(STAGES), edge_points(CHECKS)
     declare("Points at an edge.", "edge_point[2][AOI_STAGES]", edges)
     declare(
-        "Cardinal polynomials of 0 and the nodes at the points of an edge.",
-        "indentation_at_edge[2][AOI_STAGES][AOI_STAGES + 1]",
-        [[lagrange(ends, x) for x in points] for points in edges],
+        "Cardinal polynomials of 0 and the nodes at the points of an edge, by columns.",
+        "indentation_at_edge[2][AOI_STAGES + 1][AOI_STAGES]",
+        [by_columns([lagrange(ends, x) for x in points]) for points in edges],
     )
     declare(
-        "From values at the points of an edge to the nodes, by the nearest polynomial.",
+        "From values at the points of an edge to the nodes, by the nearest polynomial, by columns.",
         "edge_projection[2][AOI_STAGES][AOI_STAGES]",
-        [projection(nodes, points) for points in edges],
+        [by_columns(projection(nodes, points)) for points in edges],
     )
     declare(
         "Weights of the finer rule at an edge.",

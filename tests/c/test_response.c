@@ -136,11 +136,12 @@ static void ports_move_at_the_nodes_as_the_modes_do(void)
                     memcpy(x, p.x, sizeof x);
                     memcpy(v, p.v, sizeof v);
                     by_duhamel(&p, h, force, aoi_radau_node[i], x, v);
-                    const double *f = force + pushed * AOI_STAGES;
-                    const double u = -moved[i] + aoi_vector_dot(AOI_STAGES,
-                                                                response.influence + pair + i * AOI_STAGES, f);
-                    const double du = -rate[i] + aoi_vector_dot(
-                                                     AOI_STAGES, response.influence_rate + pair + i * AOI_STAGES, f);
+                    double u = -moved[i], du = -rate[i];
+                    for (size_t k = 0; k < AOI_STAGES; k++) {
+                        const double f = force[pushed * AOI_STAGES + k];
+                        u += response.influence[pair + k * AOI_STAGES + i] * f;
+                        du += response.influence_rate[pair + k * AOI_STAGES + i] * f;
+                    }
                     CHECK(fabs(u - (port_of(&p, port, x) - port_of(&p, port, p.x))) < 1e-14,
                           "kind %d, force at %zu, port %zu, node %zu", kind, pushed, port, i);
                     CHECK(fabs(du - port_of(&p, port, v)) < 1e-13,
