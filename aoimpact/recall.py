@@ -22,16 +22,21 @@ __all__ = ["recall_stepped", "recall_tracked"]
 FloatArray = npt.NDArray[np.float64]
 Span = tuple[float, float]
 
+# The share of a blow after which the body is left to itself: its force fades.
+_FADING = 0.75
+
 
 def recall_tracked(plan: Plan, body: int, track: Track) -> Response | None:
     """Return the response of a body of an adaptive run; None without finite elements."""
     ours = [of for of, joint in zip(track.events, plan.joints, strict=True) if joint.touches(body)]
     peak = max(ours, key=lambda of: of.peak_force, default=None)
-    peak_time, blow = 0.0, (0.0, track.duration)
-    if peak is not None and peak.contacts:
-        peak_time = peak.peak_time
-        blow = next(span for span in peak.contacts if peak_time <= span[1])
-    return _response(plan, body, Tracked(track, plan, body), blow, peak_time)
+    motion = Tracked(track, plan, body)
+    if peak is None or not peak.contacts:
+        whole = (0.0, track.duration)
+        return _response(plan, body, motion, (whole, whole), 0.0)
+    first = min(of.contacts[0] for of in ours if of.contacts)
+    blow = next(span for span in peak.contacts if peak.peak_time <= span[1])
+    return _response(plan, body, motion, (first, blow), peak.peak_time)
 
 
 def recall_stepped(plan: Plan, body: int, rule: Newmark, record: Record) -> Response | None:
@@ -43,25 +48,36 @@ def recall_stepped(plan: Plan, body: int, rule: Newmark, record: Record) -> Resp
     core = player.for_core(rule, record.dt, gravity=plan.weight_of(body), state=plan.start_of(body))
     forces = plan.port_forces(body, record.t, record.rows)
     motion = Driven(equations_of(core), rule, record.dt, forces, player.coordinates)
-    blow, peak_time = _largest(plan, body, record)
+    blows, peak_time = _blows(plan, body, record)
     if isinstance(player, FullPlayer):
         return Response(player.tip.body, motion, None, None, peak_time)
-    return _response(plan, body, motion, blow, peak_time)
+    return _response(plan, body, motion, blows, peak_time)
 
 
-def _largest(plan: Plan, body: int, record: Record) -> tuple[Span, float]:
-    """The contact with the largest force on a body, from when to when, and when it is largest."""
+def _blows(plan: Plan, body: int, record: Record) -> tuple[tuple[Span, Span], float]:
+    """From when to when a body is touched first, and with the largest force; and when it is that.
+
+    Of what is touched by nobody, the whole record.
+    """
     ours = [i for i, joint in enumerate(plan.joints) if joint.touches(body)]
     forces = record.rows[[CONTACT_ROWS * i for i in ours]]
     if not forces.any():
-        return (0.0, float(record.t[-1])), 0.0
+        whole = (0.0, float(record.t[-1]))
+        return (whole, whole), 0.0
     force = forces[int(forces.max(axis=1).argmax())]
-    top = int(force.argmax())
+    begin = int(forces.any(axis=0).argmax())
+    early = forces[int(forces[:, begin].argmax())]
+    first, largest = _span(record.t, early, begin), _span(record.t, force, int(force.argmax()))
+    return (first, largest), find_peak(record.t, force)[1]
+
+
+def _span(t: FloatArray, force: FloatArray, at: int) -> Span:
+    """From when to when a force acts that does so at a step."""
     free = np.flatnonzero(force == 0.0)
-    before, after = free[free < top], free[free > top]
+    before, after = free[free < at], free[free > at]
     first = int(before[-1]) if len(before) else 0
     last = int(after[0]) if len(after) else len(force) - 1
-    return (float(record.t[first]), float(record.t[last])), find_peak(record.t, force)[1]
+    return float(t[first]), float(t[last])
 
 
 def _reduced(plan: Plan, body: int) -> Reduced | None:
@@ -72,13 +88,18 @@ def _reduced(plan: Plan, body: int) -> Reduced | None:
 
 
 def _response(
-    plan: Plan, body: int, motion: Motion, blow: Span, peak_time: float
+    plan: Plan, body: int, motion: Motion, blows: tuple[Span, Span], peak_time: float
 ) -> Response | None:
     reduced = _reduced(plan, body)
     if reduced is None:
         return None
-    recovery = Recovery(reduced, PACE / (blow[1] - blow[0]))
-    return Response(reduced.body, motion, recovery, _flight(plan, body), peak_time, blow[1])
+    first, largest = blows
+    recovery = Recovery(reduced, PACE / (largest[1] - largest[0]))
+    loaded = plan.gravity != 0.0 or plan.load_on(body) is not None
+    stirred = 0.0 if loaded else first[0] + _FADING * (first[1] - first[0])
+    return Response(
+        reduced.body, motion, recovery, _flight(plan, body), peak_time, tuple(blows), stirred
+    )
 
 
 def _flight(plan: Plan, body: int) -> Flight | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Protocol
@@ -14,7 +13,7 @@ import scipy.sparse as sp
 from .checks import finite_array, unit_vector
 from .contact import Body
 from .errors import InputError
-from .fielderror import FieldError
+from .fielderror import FieldError, History
 from .fields import Field, Probe, solid, warn_if_wrong
 from .locate import node_at, weights_at
 from .recovery import Recovery
@@ -25,6 +24,9 @@ __all__ = ["Flight", "Motion", "Response"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+
+# Times of a blow at which is looked what a model misses of it.
+_BLOW = 24
 
 
 class Motion(Protocol):
@@ -73,8 +75,10 @@ class Response:
         What a free body does beside what its model contains.
     peak_time : float
         When the largest force acts, s.
-    blow_end : float
-        When the contact is over that it acts in, s.
+    blows : tuple of (start, end)
+        When the body is touched first, and with the largest force, s.
+    stirred : float
+        From when on it swings by itself, s.
     """
 
     body: Body
@@ -82,7 +86,8 @@ class Response:
     recovery: Recovery | None
     flight: Flight | None
     peak_time: float
-    blow_end: float = math.inf
+    blows: tuple[tuple[float, float], ...] = ()
+    stirred: float = 0.0
 
     def probe(self, point: Any, direction: Any, nodes: Any, times: Any) -> Probe:
         """See `BodyResult.probe`."""
@@ -132,11 +137,12 @@ class Response:
         """How wrong the field may be at `times`, relative; None where nothing is left out."""
         if self._judge is None:
             return None
-        coordinates = self.motion.observed(None, times)[0]
-        top = np.array([self.peak_time])
-        peak = self.motion.observed(None, top)[0], self.motion.force(top)
-        since = np.maximum(times - self.blow_end, 0.0)
-        return self._judge.estimate(coordinates, self.motion.force(times), since, peak)
+        looks = [np.linspace(start, end, _BLOW) for start, end in self.blows]
+        blow = self._history(np.unique([self.peak_time, *np.concatenate(looks)]))
+        return self._judge.estimate(blow, self._history(times), times - self.stirred)
+
+    def _history(self, times: FloatArray) -> History:
+        return History(times, *self.motion.observed(None, times), self.motion.force(times))
 
     @cached_property
     def _free(self) -> IntArray:

@@ -13,24 +13,24 @@ import aoimpact as ao
 from aoimpact.errors import held_warnings
 
 FloatArray = npt.NDArray[np.float64]
+ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
 TIMES = np.array([3e-5, 5e-5, 1e-4, 3e-4, 1e-3, 2e-3])
 
 
 @functools.cache
 def cantilever() -> ao.ContactPoint:
-    alu = ao.Material(E=70e9, nu=0.3, rho=2700)
     mesh = ao.box_mesh((0.5, 0.02, 0.02), (16, 1, 1), kind="hexahedron20")
-    body = ao.FEModel.from_mesh(mesh, alu, fixed=[("xmin", "xyz")])
+    body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz")])
     return body.contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1))
 
 
-def struck(target: Any) -> ao.Result:
+def struck(target: Any, duration: float = 2e-3) -> ao.Result:
     return ao.simulate(
         projectile=ao.rigid(mass=0.0327),
         target=target,
         law=ao.Hertz(k=1e10),
         velocity=1.0,
-        duration=2e-3,
+        duration=duration,
         solver=ao.Adaptive(rtol=1e-6),
     )
 
@@ -63,7 +63,7 @@ def test_a_right_force_and_a_wrong_stress_afterwards_is_said(n: int) -> None:
     assert true[-1] > 0.4
     assert said.max() > 0.4
     # Never much less than what it is, and during the blow not much more either.
-    assert (said > true / 8.0).all()
+    assert (said > true / 2.0).all()
     assert (said[:2] < 5.0 * true[:2] + 1e-3).all()
     with pytest.warns(ao.AOImpactWarning, match="the stress may be wrong by"):
         hit.target.field(TIMES).stress()
@@ -75,21 +75,59 @@ def test_a_right_force_and_a_wrong_stress_afterwards_is_said(n: int) -> None:
 def test_models_of_what_comes_afterwards_are_told_from_others() -> None:
     short, long = (wrong(struck(model)) for model in (fitted(20), fitted(20, duration=2e-3)))
     assert long[0].max() < 0.1 < 0.4 < short[0].max()
-    assert long[1].max() < 0.1 < 0.4 < short[1].max()
+    assert long[1].max() < 0.2 < 0.4 < short[1].max()
 
 
 def test_a_good_model_is_not_called_a_bad_one() -> None:
     """The oscillators of largest mass swing as the body does, but for a few percent."""
     true, said = wrong(struck(ao.antioscillators(cantilever(), 20)))
     assert true.max() < 0.03
-    assert said.max() < 0.03
-    assert (said < 5.0 * true).all()
-    assert (said > true / 5.0).all()
+    assert said.max() < 0.05
+    assert (said < 8.0 * true).all()
+    assert (said > true / 2.0).all()
+
+
+def held_beam() -> tuple[ao.ContactPoint, float]:
+    mesh = ao.box_mesh((1.0, 0.02, 0.02), (30, 1, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    return body.contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1)), 2e-3
+
+
+def plate() -> tuple[ao.ContactPoint, float]:
+    mesh = ao.box_mesh((0.2, 0.2, 0.004), (7, 7, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    return body.contact(point=(0.0857, 0.0857, 0.004), direction=(0, 0, -1)), 1e-3
+
+
+@pytest.mark.parametrize("make", [held_beam, plate])
+def test_the_error_said_is_no_less_than_half_the_true_one_at_any_time(make: Any) -> None:
+    """Of models that give the force to some percent, over the blow and long after it."""
+    tip, duration = make()
+    times = np.union1d(np.linspace(0.0, 2e-4, 11)[1:], np.linspace(0.0, duration, 13)[1:])
+    whole = struck(ao.antioscillators(tip), duration)
+    right = whole.target.field(times).stress().components
+    time = whole.contact_duration
+    krylov = functools.partial(ao.antioscillators, tip, method="krylov", contact_time=time)
+    models = [krylov(5), krylov(12), krylov(12, duration=duration), ao.antioscillators(tip, 20)]
+    for model in models:
+        field = struck(model, duration).target.field(times)
+        with held_warnings():
+            off = np.abs(field.stress().components - right).max(axis=(1, 2)) / np.abs(right).max()
+        assert field.error is not None
+        assert (field.error > 0.5 * off).all(), (model, field.error / off)
+        assert np.median(field.error / off) < 6.0
+
+
+def test_a_model_that_cannot_bend_has_no_part_of_a_right_field() -> None:
+    mesh = ao.box_mesh((0.4, 0.02, 0.02), (14, 1, 1), kind="hexahedron20")
+    tip = ao.FEModel.from_mesh(mesh, ALU).contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1))
+    error = struck(ao.modal(tip, 5), 1e-3).target.field(np.linspace(1e-4, 1e-3, 5)).error
+    assert error == pytest.approx(1.0, abs=0.5)
 
 
 def test_natural_modes_miss_what_was_left_out_at_the_blow() -> None:
     true, said = wrong(struck(ao.modal(cantilever(), 30)))
-    assert (said > true / 8.0).all()
+    assert (said > true / 2.0).all()
 
 
 def test_the_whole_body_has_no_error() -> None:
