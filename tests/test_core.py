@@ -835,7 +835,7 @@ def test_python_runs_on_while_the_core_does() -> None:
             pause, last = max(pause, now - last), now
 
     thread = threading.Thread(target=watch)
-    arguments = scene_arguments(star(5000), star(5000, velocity=-1.0), steps=10_000)
+    arguments = scene_arguments(star(5000), star(5000, velocity=-1.0), steps=5000)
     thread.start()
     start = time.perf_counter()
     _core.newmark_scene(*arguments)

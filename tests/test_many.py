@@ -202,7 +202,7 @@ def test_bodies_of_past_cases_are_forgotten(keep: Any) -> None:
 
     tracemalloc.start()
     before = held(20)
-    assert held(300) - before < 100_000
+    assert held(150) - before < 100_000
     tracemalloc.stop()
 
 

@@ -9,7 +9,7 @@ import inspect
 import re
 import subprocess
 import sys
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import metadata
 from pathlib import Path
 
@@ -144,6 +144,7 @@ def test_every_public_name_says_what_it_is() -> None:
 # ------------------------------------------------------------------------------------- imports
 
 
+@cache
 def sources() -> dict[str, ast.Module]:
     return {path.stem: ast.parse(path.read_text("utf-8")) for path in PACKAGE.glob("*.py")}
 

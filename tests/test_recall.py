@@ -48,7 +48,7 @@ def at_the_ends(x: FloatArray) -> npt.NDArray[np.bool_]:
 
 @cache
 def full_cantilever() -> ao.Result:
-    return impact(cantilever(), ao.Newmark(dt=2.5e-7, estimate=False))
+    return impact(cantilever(), ao.Newmark(dt=5e-7, estimate=False))
 
 
 def uncorrected(hit: ao.Result, times: FloatArray) -> FloatArray:
@@ -64,7 +64,7 @@ def uncorrected(hit: ao.Result, times: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize(
-    "solver", [ao.Adaptive(rtol=1e-8), ao.Newmark(dt=2.5e-7, estimate=False)], ids=["a", "n"]
+    "solver", [ao.Adaptive(rtol=1e-8), ao.Newmark(dt=5e-7, estimate=False)], ids=["a", "n"]
 )
 def test_stress_at_the_clamp_of_a_cantilever_struck_at_its_tip(solver: Any) -> None:
     times = np.linspace(0.0, 9.5e-4, 96)
@@ -91,7 +91,7 @@ def test_a_modal_basis_needs_the_correction_where_it_is_struck() -> None:
 
 @cache
 def full_beam() -> ao.Result:
-    return paper_impact(beam_tip(), ao.Newmark(dt=1.25e-7, estimate=False))
+    return paper_impact(beam_tip(), ao.Newmark(dt=2.5e-7, estimate=False))
 
 
 @cache
@@ -154,7 +154,7 @@ def test_a_free_body_struck_off_its_centre_flies_turns_and_bends_as_the_full_one
             projectile=bar, target=wall, law=law, velocity=2.0, duration=6e-4, solver=solver
         )
         for bar, solver in (
-            (tip, ao.Newmark(dt=2.5e-7, estimate=False)),
+            (tip, ao.Newmark(dt=5e-7, estimate=False)),
             (ao.antioscillators(tip, 12), ao.Adaptive(rtol=1e-8)),
         )
     ]
