@@ -177,7 +177,7 @@ def _row(case: Any) -> tuple[float, float, float, float] | None:
     if any(type(value) not in _NUMBERS for value in values) or "law" not in case:
         return None
     velocity, gap, duration = map(float, values)
-    if not (SLOWEST <= abs(velocity) <= FASTEST and 0.0 <= gap < math.inf > duration > 0.0):
+    if not (SLOWEST <= velocity <= FASTEST and 0.0 <= gap < math.inf > duration > 0.0):
         return None
     return velocity, gap, duration, solver.rtol
 

@@ -54,7 +54,8 @@ def simulate(
     law : ContactLaw
         Force of the indentation δ = x_projectile - x_target - gap.
     velocity : float
-        Of the projectile along the direction of travel, m/s, not zero.
+        Of the projectile along the direction of travel, m/s, not zero; negative only of a held one,
+        which swings back.
     duration : float
         Length of the record, s.
     solver : Adaptive or Newmark, optional
@@ -163,6 +164,12 @@ def plan_impact(
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"
             )
+    if speed < 0.0 and not bodies[0].held:
+        raise InputError(
+            f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing turns "
+            "it round; give the speed at which it comes, or build a Scene with what brings it back "
+            "(gravity, a load, a body behind it)"
+        )
     if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
         raise InputError("projectile and target are both of infinite mass: nothing can give way")
     ends = projectile, target

@@ -335,12 +335,11 @@ def test_a_record_of_the_first_moments_is_as_exact_relative_to_itself(duration, 
     assert cut.contacts == [(0.0, duration)]
 
 
-@pytest.mark.parametrize("changes", [{"velocity": -1.0}, {"gap": 1.0}])
-def test_a_record_of_no_contact(changes):
-    miss = hit(**changes)
+def test_a_record_of_no_contact():
+    miss = hit(gap=1.0)
     assert miss.contacts == []
     assert (miss.peak_force, miss.impulse, miss.contact_duration) == (0.0, 0.0, 0.0)
-    assert miss.projectile.displacement[-1] == pytest.approx(200e-6 * changes.get("velocity", 1.0))
+    assert miss.projectile.displacement[-1] == pytest.approx(200e-6)
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-5])

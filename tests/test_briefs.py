@@ -38,7 +38,7 @@ def numbers_of(result: ao.Result) -> dict[str, float]:
 
 PLAIN = [
     case(),
-    case(velocity=-2.0, solver=ao.Adaptive(rtol=1e-6)),
+    case(velocity=2.0, solver=ao.Adaptive(rtol=1e-6)),
     case(target=ao.rigid(mass=math.inf), duration=2e-4),
     case(projectile=SPHERE, target=BALL, gap=1e-5),
     case(projectile=ao.rigid(mass=math.inf), target=BALL),
@@ -90,6 +90,7 @@ def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:
         {"duration": 1e-5},  # ends in contact
         {"law": ao.UserLaw(lambda depth, rate: 1e8 * depth)},
         {"velocity": 0.0},
+        {"velocity": -2.0},
         {"velocity": math.nan},
         {"velocity": "1"},
         {"velocity": True},

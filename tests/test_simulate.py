@@ -34,14 +34,41 @@ def test_a_gap_only_delays_the_impact():
     assert later.contact_duration == pytest.approx(now.contact_duration, rel=1e-4)
 
 
-@pytest.mark.parametrize("changes", [{"gap": 1.0}, {"velocity": -1.0}])
-def test_bodies_that_do_not_meet(changes):
-    miss = hit(**changes)
+def test_bodies_that_do_not_meet():
+    miss = hit(gap=1.0)
     assert miss.contacts == []
     assert (miss.peak_force, miss.contact_duration, miss.impulse) == (0.0, 0.0, 0.0)
-    assert miss.rebound_velocity == changes.get("velocity", 1.0)
+    assert miss.rebound_velocity == 1.0
     assert miss.error.time == 0.0
     assert np.isfinite(miss.restitution)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-4])
+def test_a_projectile_that_flies_away_is_refused(gap):
+    with pytest.raises(ao.InputError, match=r"velocity=-1 m/s: the projectile flies away.*Scene"):
+        hit(velocity=-1.0, gap=gap)
+    pair = {"projectile": ao.rigid(mass=1.0), "target": ao.rigid(mass=2.0)}
+    case = pair | {"law": ao.Hertz(k=1e9), "velocity": -1.0, "duration": 1e-3}
+    for keep in (None, "peak_force"):
+        assert isinstance(ao.simulate_many([case], keep=keep)[0], ao.InputError)
+
+
+@pytest.mark.parametrize("solver", [ao.Adaptive(), ao.Newmark(dt=2e-8)])
+def test_a_projectile_on_a_spring_swings_back(solver):
+    """Half a period of the spring later it is where it was, as fast as it was."""
+    mass, spring, speed = 0.2, 1e6, 1.0
+    swing = ao.simulate(
+        projectile=ao.AOModel(m0=mass, k0=spring),
+        target=ao.rigid(mass=math.inf),
+        law=ao.Hertz(k=1e10),
+        velocity=-speed,
+        duration=1.8e-3,
+        solver=solver,
+    )
+    assert swing.contacts[0][0] == pytest.approx(math.pi * math.sqrt(mass / spring), rel=1e-5)
+    assert swing.peak_force == pytest.approx(
+        (1.25 * mass * speed**2) ** 0.6 * 1e10**0.4, rel=1e-2
+    )  # of the mass alone: the blow is short for the spring
 
 
 def test_a_record_that_ends_in_contact_says_so():
