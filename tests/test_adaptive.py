@@ -2,6 +2,8 @@
 
 import math
 import pickle
+import re
+import time
 import warnings
 
 import numpy as np
@@ -10,6 +12,7 @@ import scipy.integrate
 from scipy.special import gamma
 
 import aoimpact as ao
+from aoimpact.errors import held_warnings
 
 from slender import beam
 
@@ -605,3 +608,28 @@ def test_results_pickle_with_their_dense_output():
 def test_impossible_tolerances_are_refused(rtol):
     with pytest.raises(ao.AOImpactError, match="rtol"):
         ao.Adaptive(rtol=rtol)
+
+
+@pytest.mark.parametrize("k", [1e15, 1e25, 1e30, 1e35, 1e40, 1e45, 1e60, 1e100])
+@pytest.mark.parametrize("unit", [1.0, 1e-15])
+def test_absurdly_stiff_laws_are_solved_or_named_at_once(k, unit):
+    """m0 meets m0 like two rigid bodies: with √(k m0/2) V; in units of another mass, too."""
+    star = ao.AOModel(m0=1e-3 * unit, k0=0.0, m=[unit], k=[1e8 * unit])
+    begin, result, failure = time.perf_counter(), None, ""
+    try:
+        with held_warnings() as said:
+            result = ao.simulate(
+                projectile=star, target=star, law=ao.Linear(k=k * unit), velocity=1.0, duration=1e-4
+            )
+    except ao.ConvergenceError as error:
+        failure = str(error)
+    assert time.perf_counter() - begin < 20.0
+    if result is None:
+        assert k >= 1e33
+        assert re.search("softer law|small m0", failure)
+        return
+    assert k < 1e40
+    assert abs(result.rebound_velocity) <= 1.0
+    first = result.contacts[0][1]
+    assert first == pytest.approx(math.pi * math.sqrt(0.5e-3 / k), rel=1e-6)
+    assert bool(said) == (result.error.time != 1e-8)  # what is not kept is said
