@@ -34,8 +34,7 @@ static const double DOZING = 0.1;
 /* A step is not tried at more than 1/0.9 of the length that its error allows. */
 static const double CAUTION = 0.9;
 
-/* Where a law that may not pull has let go of bodies that still overlap, its return is looked for at the
- * nodes: in steps that grow, but not by leaps. */
+/* Where a law that may not pull has let go of bodies that still overlap, steps grow, but not by leaps. */
 static const double SLACK_GROWTH = 2.0;
 
 /* A step ends where a contact lets go if it does so to this share of its length. */
@@ -409,24 +408,30 @@ static void law_at_end(const aoi_law *law, const aoi_stage *stage, aoi_law_value
     aoi_law_force(law, stage->memory, stage->piece, stage->indentation[end], stage->rate[end], value);
 }
 
+/* What the last coefficients of the rate's series hold. From the nodes alone: where a force comes or goes, the
+ * rate of what has no mass jumps. */
+static double rate_tail(const aoi_stage *stage)
+{
+    return fabs(aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[AOI_STAGES - 1], stage->rate)) +
+           fabs(aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[AOI_STAGES - 2], stage->rate));
+}
+
 /* The error of a force that depends on the rate where it is largest inside a step with an edge, of which its
  * own series says nothing. The rate's coefficients fall slowly there, like a power: those to come hold more
  * than the last ones do. */
 static double edge_force_error(const aoi_law *law, const aoi_stage *stage, double tail)
 {
-    double largest = 0.0, rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1];
+    double largest = 0.0;
     aoi_law_value value;
     law_at_end(law, stage, &value);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        largest = i + 1 < AOI_STAGES ? fmax(largest, stage->force[i]) : largest;
-        rates[i + 1] = stage->rate[i];
+    for (size_t i = 0; i + 1 < AOI_STAGES; i++) {
+        largest = fmax(largest, stage->force[i]);
     }
     if (largest <= fmax(stage->start_force, NEAR_TOP * value.force)) {
         return 0.0;
     }
-    aoi_legendre_fit(rates, by_rate);
-    const double last = fabs(by_rate[AOI_STAGES]) + fabs(by_rate[AOI_STAGES - 1]);
-    return fabs(value.stiffness) * tail + fabs(value.damping) * last * AOI_STAGES / 3.0;
+    return fabs(value.stiffness) * tail +
+           fabs(value.damping) * rate_tail(stage) * AOI_STAGES / 3.0;
 }
 
 /* The errors of a step as shares of what they may be. No step can do better than rounding. */
@@ -456,6 +461,16 @@ static void judge(aoi_adaptive *run, aoi_stage *stage, double h, double *within,
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
 
+/* The same where a law has let go: the motion is exact, but is to be seen well enough to tell whether the
+ * force comes back, which the rate decides. */
+static double slack_growth(const aoi_adaptive *run, const aoi_stage *stage, double within)
+{
+    const double slow = TAIL_SHARE * run->rtol * run->contact[stage->joint].rate_scale;
+    const double unseen = fmax(within, rate_tail(stage) / fmax(slow, DBL_MIN));
+    const double growth = CAUTION * pow(unseen, -1.0 / AOI_STAGES);
+    return unseen > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), SLACK_GROWTH);
+}
+
 /* By how much the step could be longer, as far as this contact goes. At an edge errors grow like the
  * powers of time that a polynomial misses: d^(3/2) makes t^(7/2) of the motion, t^(5/2) of the impulse. */
 static double growth_of(aoi_adaptive *run, aoi_stage *stage, double h)
@@ -464,7 +479,7 @@ static double growth_of(aoi_adaptive *run, aoi_stage *stage, double h)
     double within, handed_on;
     judge(run, stage, h, &within, &handed_on);
     if (stage->piece == AOI_SLACK) {
-        return SLACK_GROWTH;
+        return slack_growth(run, stage, within);
     }
     if (isnan(within + handed_on)) {
         return 0.0;
@@ -537,7 +552,7 @@ static int may_dip(const double *values, double depth)
     return 0;
 }
 
-/* The same for the indentation's distance from an end, that may have been passed and come back to between
+/* The same for a distance from an end, or a force, that may have been passed and come back to between
  * two nodes. Only a step that is good enough says so. */
 static void leaves(const double *values, double tolerance, int kind, aoi_contact_state *contact,
                    aoi_attempt *attempt)
@@ -589,10 +604,10 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
     if (stage->piece == AOI_SLACK) {
         aoi_law_force(law, stage->memory, piece, stage->start, stage->start_rate, &value);
         line_up(fmin(value.force, 0.0), force, -1.0, 0.0, values);
-        falls(values, tolerance, AOI_EVENT_TIGHTEN, contact, attempt);
+        leaves(values, tolerance, AOI_EVENT_TIGHTEN, contact, attempt);
     } else {
         line_up(fmax(stage->start_force, 0.0), force, 1.0, 0.0, values);
-        falls(values, tolerance, AOI_EVENT_SLACKEN, contact, attempt);
+        leaves(values, tolerance, AOI_EVENT_SLACKEN, contact, attempt);
     }
 }
 

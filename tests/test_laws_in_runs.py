@@ -177,6 +177,45 @@ def test_a_damped_force_that_is_largest_right_after_the_touch_is_found(kind, dam
     assert result.peak_force == pytest.approx(peak, rel=rtol)
 
 
+def test_a_force_that_comes_back_for_a_moment_while_the_bodies_part_is_not_missed():
+    """A light tip that rings behind a law that has let go, against DOP853 in short steps.
+
+    1 + damping * rate changes its sign with the ringing, while the indentation is still there.
+    """
+    tip, mass, stiffness, damping, velocity = 1.15e-4, 0.535, 2.72e7, 208.0, 0.0071
+    law = ao.HuntCrossley(1.47e10, damping)
+
+    def rates(_, state):
+        near, far, near_rate, far_rate = state
+        push = float(law.force(near, near_rate)) if near > 0.0 else 0.0
+        spring = stiffness * (far - near)
+        return [near_rate, far_rate, (spring - push) / tip, -spring / mass]
+
+    end, start = 1e-3, [0.0, 0.0, velocity, velocity]
+    options = {"rtol": 1e-10, "atol": 1e-16, "max_step": 5e-7, "dense_output": True}
+    way = solve_ivp(rates, (0.0, end), start, "DOP853", **options)
+
+    def presses(time):
+        near, _, rate, _ = way.sol(time)
+        return np.where(near > 0.0, 1.0 + damping * rate, -1.0)
+
+    times = np.arange(1e-8, end, 2e-8)
+    changes = np.flatnonzero(np.diff(presses(times) > 0.0))
+    moments = [0.0, *(brentq(presses, times[i], times[i + 1], xtol=1e-15) for i in changes)]
+    assert len(moments) > 8
+    for rtol in (1e-4, 1e-6, 1e-8):
+        result = ao.simulate(
+            projectile=ao.AOModel(m0=tip, k0=0.0, m=[mass], k=[stiffness]),
+            target=WALL,
+            law=law,
+            velocity=velocity,
+            duration=end,
+            solver=ao.Adaptive(rtol=rtol),
+        )
+        found = np.ravel(result.contacts)
+        assert found == pytest.approx(moments, rel=max(10.0 * rtol, 1e-7), abs=rtol * end)
+
+
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-10])
 def test_a_spring_without_mass_that_a_pull_lets_go_of_loses_what_it_held(rtol):
     """A ball on a spring in series with a spring and a damper that pulls until its depth is zero.

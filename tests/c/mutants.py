@@ -258,6 +258,13 @@ MUTANTS = [
         "stage->start += 0.0 * aoi_step_bent_at_start",
     ),
     ("step.c", "stage->edge = edge_of(run, stage->joint, h)", "stage->edge = AOI_EDGE_NONE"),
+    ("step.c", "return slack_growth(run, stage, within);", "return SLACK_GROWTH;"),
+    ("step.c", "rate_tail(stage) / fmax(slow, DBL_MIN)", "0.0"),
+    (
+        "step.c",
+        "leaves(values, tolerance, AOI_EVENT_TIGHTEN",
+        "falls(values, tolerance, AOI_EVENT_TIGHTEN",
+    ),
     ("step.c", "NEAR_TOP = 0.99", "NEAR_TOP = 1.1"),
     ("step.c", "fabs(value.damping) * last", "0.0 * last"),
     ("step.c", "contact->force = force_at_end(law, stage);", "contact->force = stage->force[end];"),

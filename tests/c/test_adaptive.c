@@ -155,6 +155,70 @@ static void a_damped_force_is_right_at_its_start(void)
     }
 }
 
+/* How often a tip on a spring and a mass begins to press a wall, by Runge and Kutta's method. */
+static int presses(const aoi_law *law, double tip, double mass, double k, double v, double end)
+{
+    enum { STEPS = 40000 };
+    const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    const double h = end / STEPS;
+    double state[4] = {0.0, 0.0, v, v}, slope[4] = {0.0};
+    int count = 0, pressing = 0;
+    for (int i = 0; i < STEPS; i++) {
+        double sum[4] = {0.0}, force = 0.0;
+        for (int s = 0; s < 4; s++) {
+            double at[4];
+            aoi_law_value value;
+            for (int j = 0; j < 4; j++) {
+                at[j] = state[j] + share[s] * h * slope[j];
+            }
+            aoi_law_push(law, NULL, at[0], at[2], &value);
+            force = s == 0 ? value.force : force;
+            slope[0] = at[2];
+            slope[1] = at[3];
+            slope[2] = (k * (at[1] - at[0]) - value.force) / tip;
+            slope[3] = k * (at[0] - at[1]) / mass;
+            for (int j = 0; j < 4; j++) {
+                sum[j] += weight[s] * slope[j];
+            }
+        }
+        count += force > 0.0 && !pressing;
+        pressing = force > 0.0;
+        for (int j = 0; j < 4; j++) {
+            state[j] += h * sum[j];
+        }
+    }
+    return count;
+}
+
+/* While bodies part, a tip that rings makes a law that may not pull come back for moments. */
+static void a_force_that_comes_back_is_seen(void)
+{
+    const double tip = 1.15e-4, mass = 0.535, k = 2.72e7, v = 0.0071, end = 1e-3, sum = tip + mass;
+    const aoi_law law = law_named("hunt_crossley", 3, 1.47e10, 208.0, 1.5);
+    const int wanted = presses(&law, tip, mass, k, v, end);
+    CHECK(wanted > 3, "it presses %d times", wanted);
+    for (double rtol = 1e-4; rtol > 1e-12; rtol *= 0.3) {
+        plant p = {.bodies = 0};
+        part *ball = add_rigid(&p, sum, v);
+        ball->n = 2;
+        ball->omega[1] = sqrt(k * sum / (tip * mass));
+        ball->shape[1] = mass / sum; /* of the spring's stretch */
+        ball->push[1] = 1.0 / tip;
+        ball->inertia[1] = tip * mass / sum;
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        must_go(&p, rtol, end);
+        int count = 0;
+        for (size_t r = 0; r < p.rows; r++) {
+            const double *row = p.track + p.index[r];
+            const double *of = row + (size_t)row[AOI_TRACK_SIZE] - AOI_TRACK_CONTACT_SIZE;
+            count += row[AOI_TRACK_CONTACTS] > 0.0 && of[AOI_TRACK_BEGINS] > 0.0;
+        }
+        CHECK(count == wanted, "rtol %g: it presses %d times, not %d", rtol, count, wanted);
+        release(&p);
+    }
+}
+
 /* A residual compliance c in series with the law: k / (1 + k c). */
 static void a_massless_contact_is_a_spring_in_series(void)
 {
@@ -648,6 +712,7 @@ int main(void)
     the_first_moments_are_exact_relative_to_themselves();
     a_linear_contact_is_half_a_sine();
     a_damped_force_is_right_at_its_start();
+    a_force_that_comes_back_is_seen();
     a_massless_contact_is_a_spring_in_series();
     what_a_force_bends_touches_elsewhere();
     a_cradle_of_three();
