@@ -10,12 +10,12 @@ import numpy.typing as npt
 import scipy.sparse as sp
 from scipy.sparse.csgraph import breadth_first_order
 
-__all__ = ["factor_entries", "mean_width"]
+__all__ = ["entries_by_width", "factor_entries", "mean_width"]
 
 # Entries of the factors over n √w, with w the width of the graph. Measured on balls, boxes, plates
-# and bars of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs: 8 … 21 for nested dissection
-# (PARDISO), 13 … 33 for minimum degree (SuperLU, L and U together), growing slowly.
-_PER_ROOT_WIDTH = {"pardiso": 24.0, "superlu": 40.0}
+# and bars of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs: 9 … 21 with PARDISO (nested
+# dissection if wide), 13 … 39 with SuperLU (minimum degree, L and U together), growing slowly.
+_PER_ROOT_WIDTH = {"pardiso": 22.0, "superlu": 40.0}
 
 
 def factor_entries(matrix: Any, solver: str) -> float:
@@ -34,7 +34,12 @@ def factor_entries(matrix: Any, solver: str) -> float:
         width = matrix.blocksize[0] * mean_width(sp.csr_array(graph))
     else:
         width = mean_width(matrix)
-    return _PER_ROOT_WIDTH[solver] * int(matrix.shape[0]) * math.sqrt(width)
+    return entries_by_width(int(matrix.shape[0]), width, solver)
+
+
+def entries_by_width(n: int, width: float, solver: str) -> float:
+    """Estimate what `factor_entries` does where the `mean_width` is known."""
+    return _PER_ROOT_WIDTH[solver] * n * math.sqrt(width)
 
 
 def mean_width(matrix: Any) -> float:

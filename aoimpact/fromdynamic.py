@@ -15,11 +15,9 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from . import pardiso
 from .coarsening import QUADRATIC, corner_interpolation
 from .contact import Body
 from .errors import SingularError
-from .fill import mean_width
 from .solvers import LinearSolver, solutions_worth
 from .superlu import factorize
 
@@ -39,12 +37,10 @@ _FIRST, _PROMISING, _LAST = 2, 0.1, 6
 # step costs about two solutions; a factorisation is worth trying for as much as it costs itself.
 _FEW, _SHARE, _SHARE_WITH_CORNERS = 8, 0.3, 0.5
 
-# Dofs in a cut above which PARDISO factorises sooner than SuperLU; below, it is its package's look
-# at each row that counts.
-_WIDE = 200.0
 
-
-def static_by_dynamic(body: Body, b: FloatArray, dynamic: LinearSolver) -> FloatArray | None:
+def static_by_dynamic(
+    body: Body, b: FloatArray, dynamic: LinearSolver, *, start: FloatArray | None = None
+) -> FloatArray | None:
     """Return K⁻¹ b (M-orthogonal to rigid motions), or None where to factorise K is no dearer.
 
     Parameters
@@ -54,11 +50,16 @@ def static_by_dynamic(body: Body, b: FloatArray, dynamic: LinearSolver) -> Float
         At right angles to the rigid motions.
     dynamic : LinearSolver
         A direct one, of K + s²M.
+    start : ndarray, shape (n_dofs,), optional
+        The best of what some solutions with it span.
     """
-    search = _Search(body.K, b, dynamic.answer)
-    search.run(_FIRST)
+    search = _Search(body.K, b, dynamic.answer, start)
+    if start is None:
+        search.run(_FIRST)
     worth = solutions_worth(dynamic)
     most = _FEW + int(_SHARE * worth)
+    if start is not None and search.left > _PROMISING:
+        most = _LAST  # slow motions are left of the start, too many for single steps
     if search.left > _PROMISING and (slow := _on_corners(body, dynamic)) is not None:
         most = int(_SHARE_WITH_CORNERS * worth)
         start = search.x + slow(b - body.K @ search.x)
@@ -163,8 +164,6 @@ def _on_corners(body: Body, dynamic: LinearSolver) -> _Corners | None:
     restriction = prolongation.T.tocsr()
     K, what = (restriction @ body.K @ prolongation).tocsr(), "K on the corners"
     try:
-        if dynamic.name == "pardiso" and mean_width(K) > _WIDE:
-            return _Corners(prolongation, restriction, pardiso.inverse(K, what))
         return _Corners(prolongation, restriction, factorize(K, what=what, checked=False).solve)
     except SingularError:
         return None  # what is wrong with K shows, and is named, where it is factorised

@@ -9,7 +9,7 @@ it is held, on its static mode, without which a short blow's vectors make it far
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -50,6 +50,14 @@ _MOST_IDLE = 2
 
 # As many times as many solutions are foreseen once there were more than foreseen.
 _UNFORESEEN = 10
+
+# A vector of which less than this share is new is a combination of those before it.
+_NOTHING_NEW = 1e-11
+
+# Vectors that a compact body's static mode is looked for in, for each place; the share of |b| that
+# is left then; how many more will find it at most; and what is left in the end. The error of bᵀx
+# goes with the square of that, but its direction across the other vectors does not.
+_FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
 # What is left of b beside the rigid motions, over |b|, that is rounding.
 _RIGID_ONLY = 1e-13
@@ -98,9 +106,15 @@ class Subspace:
         elastic[silent] = 0.0
         self._b = elastic
         self._held = [i for i, tip in enumerate(tips) if not moves_rigidly(tip)]
-        self._basis = np.ascontiguousarray(rigid.T)
-        self._stiffness = np.zeros((self.rigid_count, self.rigid_count))
-        self._given = self._count = self.rigid_count
+        # Rigid motions; a place for each static mode that is not among what the solves give, zero
+        # until it is needed; and what they give.
+        self._given = self._count = self.rigid_count + len(self._held)
+        self._basis = np.zeros((self._given, body.n_dofs))
+        self._basis[: self.rigid_count] = rigid.T
+        self._stiffness = np.zeros((self._given, self._given))
+        # Coordinates on the basis of what is handed out, in its order, and the next to be added.
+        self._ordered: list[FloatArray] = []
+        self._next = self._given
         self._statics, self._solves, self._wanted = 0, 0, 0
         self._K, self._M = _for_core(body.K), _for_core(body.M)
 
@@ -112,32 +126,25 @@ class Subspace:
     @property
     def exhausted(self) -> bool:
         """Whether the functionals excite no more than what is there."""
-        found: bool = self._count < self._wanted
-        return found
+        return len(self._ordered) < self._wanted
 
     def grow(self, count: int) -> int:
         """Grow to `count` vectors, rigid motions included; return how many there are.
 
         There are fewer where the functionals excite no more. Those that were there stay.
         """
-        self._reserve(count)
         self._wanted = max(self._wanted, count)
-        while self._count < count and self._statics < len(self._held):
-            self._add_static_mode(self._held[self._statics])
-            self._statics += 1
-        while self._count < count:
-            # One solve at a time, so that signals are heard in between.
-            # All functionals have their turn with a shift before the next shift has its own.
-            shift = self.shifts[self._solves // len(self._b) % len(self.shifts)]
-            before = self._solves
-            solve = self._inverse(shift).solve
-            self._count, self._solves = self._extend(
-                self._b, shift**2, solve, self._given, self._solves
-            )
-            if self._solves == before:
+        if not self._ordered:
+            self._ordered = list(np.eye(self.rigid_count, self._count))
+        if len(self._ordered) == self.rigid_count < count and self._next == self._given:
+            for coordinates in self._static_modes(count - self.rigid_count):
+                self._append(coordinates)
+        while len(self._ordered) < count:
+            if self._next == self._count and not self._solve():
                 break
-        size: int = min(count, self._count)
-        return size
+            self._append(np.eye(1, self._count, self._next)[0])
+            self._next += 1
+        return min(count, len(self._ordered))
 
     def ritz(self, count: int) -> tuple[FloatArray, FloatArray]:
         """Return ω² (ascending) and M-orthonormal modes, shape (n_dofs, m), of `count` vectors.
@@ -148,60 +155,142 @@ class Subspace:
             If a mode that is no rigid motion has no stiffness.
         """
         size, rigid = self.grow(count), self.rigid_count
-        omega2, y = la.eigh(self._stiffness[rigid:size, rigid:size])
+        elastic = self._coordinates()[rigid:size]
+        there = self._stiffness[: self._count, : self._count]
+        omega2, y = la.eigh(elastic @ there @ elastic.T)
         if (omega2 <= _NO_STIFFNESS * np.abs(omega2).max(initial=0.0)).any():
             raise SingularError(
                 "a motion that is no rigid-body motion has no stiffness: part of the body is a "
                 "mechanism (supports missing, a piece joined along one edge or at one point); see "
                 "body.frequencies(10)"
             )
-        modes = np.column_stack([self._basis[:rigid].T, self._basis[rigid:size].T @ y])
-        return np.concatenate([np.zeros(rigid), omega2]), modes
+        basis = self._basis[: self._count].T
+        modes = np.column_stack([basis[:, : min(rigid, size)], basis @ (elastic.T @ y)])
+        return np.concatenate([np.zeros(min(rigid, size)), omega2]), modes
+
+    def _coordinates(self) -> FloatArray:
+        padded = np.zeros((len(self._ordered), self._count))
+        for row, coordinates in zip(padded, self._ordered, strict=True):
+            row[: len(coordinates)] = coordinates
+        return padded
+
+    def _append(self, coordinates: FloatArray) -> None:
+        """Put a combination of the basis next in order, unless those before it span it."""
+        before, rest = self._coordinates(), coordinates.copy()
+        for _ in range(2):
+            rest -= (before @ rest) @ before
+        length = float(np.linalg.norm(rest))
+        if length > _NOTHING_NEW * float(np.linalg.norm(coordinates)):
+            self._ordered.append(rest / length)
+
+    def _static_modes(self, wanted: int) -> list[FloatArray]:
+        """Return the coordinates of the static modes, `wanted` being vectors beside rigid motions.
+
+        Conjugate gradients for K x = b, preconditioned by (K + s²M)⁻¹, look for x in the space of
+        the vectors that are wanted anyway. In compact bodies it is there, but for few more solves.
+        """
+        if not self._held:
+            return []
+        loads = self._b[self._held]
+        wanted -= int(np.linalg.matrix_rank(loads))
+        places = int(np.linalg.matrix_rank(self._b))
+        if self._inverse(min(self.shifts)).precondition is None:
+            wanted = max(wanted, _FIRST * places)
+        self._solve_to(wanted)
+        within, left = self._galerkin(loads)
+        for _ in range(_LAST):
+            if not _REACHED < left <= _PROMISING:
+                break
+            self._solve_to(self._count - self._given + places)
+            within, left = self._galerkin(loads)
+        if left <= _REACHED:
+            return list(within)
+        starts = within @ self._basis[: self._count]
+        return [self._outside(*each) for each in enumerate(zip(loads, starts, strict=True))]
+
+    def _galerkin(self, loads: FloatArray) -> tuple[FloatArray, float]:
+        """K⁻¹ of each load as far as the vectors so far can tell, and the largest |b - K x|/|b|."""
+        new = slice(self._given, self._count)
+        vectors = self._basis[new]
+        stiffness = self._stiffness[new, new]
+        scale = 1.0 / np.sqrt(stiffness.diagonal())
+        found = np.zeros((len(loads), self._count))
+        try:
+            factors = la.cho_factor(scale[:, None] * stiffness * scale)
+        except la.LinAlgError:
+            return found, np.inf
+        found[:, new] = scale * la.cho_solve(factors, (loads @ vectors.T * scale).T).T
+        rest = loads - (self.body.K @ (found[:, new] @ vectors).T).T
+        sizes = np.linalg.norm(loads, axis=1)
+        return found, float((np.linalg.norm(rest, axis=1) / np.where(sizes > 0, sizes, 1.0)).max())
+
+    def _outside(self, place: int, sought: tuple[FloatArray, FloatArray]) -> FloatArray:
+        """Find a static mode by other means, put what is new of it in its place in the basis."""
+        load, start = sought
+        self._statics += 1
+        x = self._static_mode(load, start)
+        K, M, slot = self.body.K, self.body.M, self.rigid_count + place
+        coordinates = np.zeros(self._count)
+        vectors = self._basis[: self._count]
+        size = math.sqrt(x @ (M @ x))
+        for _ in range(2):
+            parts = vectors @ (M @ x)
+            x = x - parts @ vectors
+            coordinates += parts
+        length = math.sqrt(x @ (M @ x))
+        if length > _NOTHING_NEW * size:
+            coordinates[slot] = length
+            vectors[slot] = x / length
+            row = vectors @ (K @ vectors[slot])
+            row[: self.rigid_count] = 0.0
+            self._stiffness[slot, : self._count] = self._stiffness[: self._count, slot] = row
+        return coordinates
+
+    def _solve_to(self, vectors: int) -> None:
+        """Solve until there are so many vectors beside rigid motions and static modes."""
+        while self._count - self._given < vectors and self._solve():
+            pass
+
+    def _solve(self) -> bool:
+        """Add one vector; whether there was one. One solve at a time, so that signals are heard."""
+        before = self._count
+        while self._count == before:
+            self._reserve(before + 1)
+            # All functionals have their turn with a shift before the next shift has its own.
+            shift = self.shifts[self._solves // len(self._b) % len(self.shifts)]
+            solves = self._solves
+            self._extend(shift)
+            if self._solves == solves:
+                return False
+        return True
 
     def _reserve(self, count: int) -> None:
         had = len(self._basis)
         if count <= had:
             return
-        more = count - had
+        more = max(count - had, had // 2)
         self._basis = np.concatenate([self._basis, np.empty((more, self._basis.shape[1]))])
         self._stiffness = np.pad(self._stiffness, (0, more))
 
-    def _add_static_mode(self, tip: int) -> None:
-        before = self._count
-        load = self._b[tip, None].copy()
-        self._count, _ = self._extend(load, 0.0, self._static_mode, before, 0)
-        self._given = self._count
-        if self._count > before and self.shifts[0] ** 2 < self._stiffness[before, before]:
-            # In a slow blow (K + s²M)⁻¹ b is φ_st but for rounding; what M φ_st gives spans the
-            # same with φ_st, and would be φ_st but for rounding in a fast one.
-            self._b[tip] = self.body.M @ self._basis[before]
-
-    def _extend(
-        self,
-        loads: FloatArray,
-        s2: float,
-        solve: Callable[[FloatArray], FloatArray],
-        given: int,
-        solves: int,
-    ) -> tuple[int, int]:
-        """Grow by one vector beside those `given`; return the counts of vectors and of solves."""
+    def _extend(self, shift: float) -> None:
+        solve = self._inverse(shift).solve
 
         def in_place(buffer: memoryview) -> None:
             x = np.frombuffer(buffer)
             x[:] = solve(x.copy())
 
-        return _core.krylov_extend(
+        self._count, self._solves = _core.krylov_extend(
             self._K,
             self._M,
-            s2,
+            shift**2,
             in_place,
-            loads,
+            self._b,
             self._basis,
             self._stiffness,
             self.rigid_count,
-            given,
+            self._given,
             self._count,
-            solves,
+            self._solves,
             self._count + 1,
         )
 
@@ -226,20 +315,21 @@ class Subspace:
         self.solver_name = self._solvers[shift].name
         return self._solvers[shift]
 
-    def _static_mode(self, load: FloatArray) -> FloatArray:
-        invert = partial(self.body.inverse, solver=self._solver, solutions=1)
-        return displacement(self.body, load, invert, dynamic=self._inverse(min(self.shifts)))
+    def _static_mode(self, load: FloatArray, start: FloatArray) -> FloatArray:
+        dynamic = self._inverse(min(self.shifts))
+        invert = dynamic.at or partial(self.body.inverse, solver=self._solver, solutions=1)
+        return displacement(self.body, load, invert, dynamic=dynamic, start=start)
 
 
 class KrylovSpace:
     """The space from which scene-fitted anti-oscillators of a body are made; it grows.
 
     `antioscillators(tip, n, method="krylov")` makes one and asks it once. Kept by hand it gives
-    models of any order, the next one for a single solve more. A held body's static mode costs, by
-    direct solvers, some six solves with the same factors if the body is compact; if it is slender
-    or thin and of elements of second order, some ten to thirty and the factors of the linear
-    elements on its corners. If that does not do (slender and of linear elements or without a mesh;
-    in part free), it takes a factorisation of K, as large again as that of K + s²M.
+    models of any order, the next one for a single solve more. A held body's static mode is, in
+    compact bodies, a combination of some six to ten vectors that larger models take anyway. In
+    slender and thin ones PARDISO factorises K besides, without another analysis. Other direct
+    solvers iterate with the factors of the linear elements on the corners, if there are any (second
+    order, held), and else factorise K, which costs as much again as K + s²M.
 
     Parameters
     ----------

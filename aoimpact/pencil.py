@@ -8,10 +8,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
 __all__ = ["Pencil"]
 
 FloatArray = npt.NDArray[np.float64]
+
+# Beside any stiffness nothing, and yet stored.
+_ALMOST_ZERO = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +50,17 @@ class Pencil:
         return "K + s²M" if self.s2 else "the stiffness matrix"
 
     def matrix(self) -> Any:
-        """Return K + s²M as one matrix; K itself where s is zero."""
-        return self.K + self.s2 * self.M if self.s2 else self.K
+        """Return K + s²M as one matrix; K itself where s is zero.
+
+        It has the pattern of K if M couples no more: what is found out of one serves the other.
+        """
+        if not self.s2:
+            return self.K
+        K = self.K
+        if not K.data.all():  # SciPy leaves sums out that are zero
+            data = np.where(K.data == 0.0, _ALMOST_ZERO, K.data)
+            K = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
+        return K + self.s2 * self.M
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x without that matrix."""

@@ -5,8 +5,10 @@ Whichever solves, it is the residual that vouches for the answer.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ import numpy.typing as npt
 from . import pardiso
 from .checks import choice
 from .errors import ConvergenceError, InputTypeError
-from .fill import factor_entries
+from .fill import entries_by_width, factor_entries, mean_width
 from .memory import available, require
 from .multigrid import BYTES_PER_ENTRY, Multigrid
 from .pencil import Pencil
@@ -49,16 +51,19 @@ _REFINEMENTS = 5
 # ‖f - A x‖ / (max A_ii ‖x‖) that no solver can be asked to beat: some hundred roundings.
 _ROUNDING = 2e-14
 
-# Entries of the factors up to which SuperLU, always at hand, takes less than a second.
-_SUPERLU_QUICK = 2e7
+# Entries of the factors (by the estimate) up to which SuperLU, always at hand, takes a second or
+# two, and up to which PARDISO is no quicker.
+_SUPERLU_QUICK, _SUPERLU_QUICKEST = 2e7, 2e6
 
 # Bytes per entry: SuperLU holds L and U with an index each, PARDISO values by supernodes. The rest
-# is what the factorisation works in, measured as part of the whole.
+# is what the factorisation works in, measured as part of the whole; and PARDISO's copies of K, per
+# entry of that.
 _BYTES = {"superlu": 16.0, "pardiso": 10.0}
+_PARDISO_COPIES = 30.0
 
 # Seconds, to compare and nothing more: of a factorisation per entries²/dofs, of a solution per
 # entry; of a solution by multigrid per dof, and without nodes.
-_FACTOR, _SWEEP = 6e-11, 2e-9
+_FACTOR, _SWEEP = 6e-11, 1e-9
 _MULTIGRID, _WITHOUT_NODES = 5e-6, 1e-4
 
 # Solutions that a factorisation is worth: its ordering and checks, and its work per entries/dofs
@@ -83,6 +88,9 @@ class LinearSolver:
         ‖f - (K + s²M) x‖ / ‖f‖ of every solution, unless rounding alone makes more.
     precondition : callable or None
         About (K + s²M)⁻¹, symmetric and much cheaper, where the solver has such a thing.
+    at : callable or None
+        s² ↦ the solver at another shift for less than a factorisation, where there is such a thing.
+        There are factors for one shift at a time: do not go to and fro.
     """
 
     name: str
@@ -90,6 +98,7 @@ class LinearSolver:
     _inverse: Inverse
     tolerance: float = _TOLERANCE
     precondition: Inverse | None = None
+    at: Callable[[float], LinearSolver] | None = None
 
     @property
     def s2(self) -> float:
@@ -207,16 +216,18 @@ def linear_solver(
     if callable(solver):
         return _users_own(pencil, solver)
     name = str(checked_solver(solver))
-    needs = _needs(pencil)
+    width = mean_width(pencil.K)
+    entries = {each: entries_by_width(pencil.n, width, each) for each in _BYTES}
+    needs = _needs(pencil, entries)
     if name == "auto":
-        name = _quickest(pencil, needs, solutions)
+        name = _quickest(pencil, entries, needs, solutions)
     require(needs[name], f"solver {name!r} of {pencil.what} ({pencil.n} dofs)", _cure(name, needs))
     if name == "multigrid":
         # Half of it, since the residual in its own right comes out slightly larger.
         multigrid = Multigrid(pencil, 0.5 * _TOLERANCE)
         return LinearSolver(name, pencil, multigrid.solve, precondition=multigrid.precondition)
     if name == "pardiso":
-        return LinearSolver(name, pencil, pardiso.inverse(pencil.matrix(), pencil.what))
+        return _InTurn(pencil, width).at(pencil.s2)
     return LinearSolver(name, pencil, factorize(pencil.matrix(), what=pencil.what).solve)
 
 
@@ -226,17 +237,42 @@ def solutions_worth(solver: LinearSolver) -> float:
     return _ORDERING + _OVER_RATES * factor_entries(solver.pencil.K, name) / solver.pencil.n
 
 
-def _needs(pencil: Pencil) -> dict[str, float]:
+class _InTurn:
+    """PARDISO's factors of one K + s²M at a time, with one analysis for all."""
+
+    def __init__(self, pencil: Pencil, width: float) -> None:
+        self._pencil, self._s2 = pencil, pencil.s2
+        self._factors = pardiso.Factors(pencil.matrix(), pencil.what, width=width)
+
+    def at(self, s2: float) -> LinearSolver:
+        """Return the solver of one of them, which has its factors made anew when it needs them."""
+        pencil = replace(self._pencil, s2=s2)
+        return LinearSolver("pardiso", pencil, partial(self._solve, pencil), at=self.at)
+
+    def _solve(self, pencil: Pencil, rhs: FloatArray) -> FloatArray:
+        if pencil.s2 != self._s2:
+            self._s2 = math.nan  # until the new ones are there
+            self._factors.replace(pencil.matrix(), pencil.what)
+            self._s2 = pencil.s2
+        return self._factors.solve(rhs)
+
+
+def _needs(pencil: Pencil, entries: dict[str, float]) -> dict[str, float]:
     """Bytes that each solver would need beside K and M."""
-    needs = {name: _BYTES[name] * factor_entries(pencil.K, name) for name in _BYTES}
-    return needs | {"multigrid": BYTES_PER_ENTRY * float(pencil.K.nnz)}
+    stored = float(pencil.K.nnz)
+    needs = {name: _BYTES[name] * entries[name] for name in _BYTES}
+    needs["pardiso"] += _PARDISO_COPIES * stored
+    return needs | {"multigrid": BYTES_PER_ENTRY * stored}
 
 
-def _quickest(pencil: Pencil, needs: dict[str, float], solutions: int) -> str:
+def _quickest(
+    pencil: Pencil, entries: dict[str, float], needs: dict[str, float], solutions: int
+) -> str:
     """The solver that will be quickest of those that there are and that fit into memory."""
-    entries = {name: needs[name] / _BYTES[name] for name in _BYTES}
-    if entries["superlu"] <= _SUPERLU_QUICK:
+    if entries["superlu"] <= (_SUPERLU_QUICKEST if pardiso.is_installed() else _SUPERLU_QUICK):
         return "superlu"
+    if entries["superlu"] <= _SUPERLU_QUICK:
+        return "pardiso"
     seconds = {
         name: _FACTOR * count**2 / pencil.n + solutions * _SWEEP * count
         for name, count in entries.items()

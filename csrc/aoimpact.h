@@ -180,6 +180,7 @@ int aoi_oscillators_project(size_t n, size_t count, const double *phi, const dou
  *   given      given_count columns, rigid_count or more, are there before the first solve. Those
  *              beyond R are any motions that the model is to have, M-orthonormal and with their
  *              stiffness, such as static modes: grown so themselves, with s2 = 0 and each b by itself.
+ *              Such a column may be zero, with zero stiffness: a place kept for a motion to come.
  *   count      columns so far: given_count at the start. next: solves so far, 0 at the start.
  *   work       aoi_krylov_work_size doubles.
  */

@@ -118,15 +118,21 @@ def test_small_bodies_are_solved_by_what_is_always_there(block):
 
 
 def test_large_bodies_take_pardiso_where_it_is_installed(block, monkeypatch):
-    monkeypatch.setattr(solvers, "_SUPERLU_QUICK", 1e5)
-    monkeypatch.setattr(solvers, "_MULTIGRID", 1.0)
-    monkeypatch.setattr(pardiso, "is_installed", lambda: False)
-    assert block.inverse(1e10).name == "superlu"
     taken = []
-    monkeypatch.setattr(pardiso, "is_installed", lambda: True)
-    monkeypatch.setattr(pardiso, "inverse", lambda A, what: taken.append(A.shape))
-    assert block.inverse(1e10).name == "pardiso"
-    assert taken == [block.K.shape]
+
+    def factors(A, what, *, width):
+        taken.append(A.shape)
+
+    monkeypatch.setattr(pardiso, "Factors", factors)
+    monkeypatch.setattr(solvers, "_MULTIGRID", 1.0)
+    for quickest, quick in ((1e4, 1e9), (1e4, 1e5)):
+        monkeypatch.setattr(solvers, "_SUPERLU_QUICKEST", quickest)
+        monkeypatch.setattr(solvers, "_SUPERLU_QUICK", quick)
+        monkeypatch.setattr(pardiso, "is_installed", lambda: False)
+        assert block.inverse(1e10).name == "superlu"
+        monkeypatch.setattr(pardiso, "is_installed", lambda: True)
+        assert block.inverse(1e10).name == "pardiso"
+    assert taken == 2 * [block.K.shape]
 
 
 def test_width_of_a_graph():
@@ -170,6 +176,7 @@ def test_what_does_not_fit_into_memory_is_refused_before_it_is_begun(block, monk
 
 def test_multigrid_takes_over_where_factors_are_slow_or_too_large(block, monkeypatch):
     monkeypatch.setattr(solvers, "_SUPERLU_QUICK", 0.0)
+    monkeypatch.setattr(solvers, "_SUPERLU_QUICKEST", 0.0)
     for limit, value in (("_MULTIGRID", 1e-9), ("_BYTES", {"superlu": 1e9, "pardiso": 1e9})):
         with monkeypatch.context() as patch:
             patch.setattr(solvers, limit, value)
@@ -224,6 +231,41 @@ def test_a_users_solver_that_fails_is_told_so(bar, answer, error, match):
 
     with pytest.raises(error, match=match):
         bar.inverse(1e10, solver=wrong).solve(np.ones(bar.n_dofs))
+
+
+@needs_pardiso
+def test_pardiso_goes_to_another_shift_and_back(bar):
+    """One set of factors after the other: whichever solver is asked, its own matrix is solved."""
+    dynamic = bar.inverse(1e10, solver="pardiso")
+    other = dynamic.at(1e6)
+    f = np.random.default_rng(4).standard_normal(bar.n_dofs)
+    first = dynamic.solve(f)
+    for solver in (other, dynamic, other, other):
+        residual = f - (bar.K + solver.s2 * bar.M) @ solver.solve(f)
+        assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(f)
+    np.testing.assert_allclose(dynamic.solve(f), first, rtol=1e-9)
+
+
+@needs_pardiso
+def test_pardiso_names_a_singular_matrix_in_place_of_a_regular_one(block):
+    """The block is free; after the refusal what was regular still is."""
+    dynamic = block.inverse(1e10, solver="pardiso")
+    f = np.ones(block.n_dofs)
+    with pytest.raises(ao.SingularError, match="the stiffness matrix"):
+        dynamic.at(0.0).solve(f)
+    assert np.isfinite(dynamic.solve(f)).all()
+
+
+def test_k_plus_s2m_has_the_pattern_of_k():
+    """Entries of K that are zero stay where they are: what is known of one pattern serves both."""
+    mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, STEEL)
+    assert (body.K.data == 0.0).any()
+    both = Pencil(body.K, body.M, 1e10).matrix()
+    np.testing.assert_array_equal(both.indices, body.K.indices)
+    np.testing.assert_array_equal(both.indptr, body.K.indptr)
+    x = np.random.default_rng(5).standard_normal(body.n_dofs)
+    np.testing.assert_allclose(both @ x, body.K @ x + 1e10 * (body.M @ x), rtol=1e-9)
 
 
 def test_what_is_no_solver_is_refused(bar):

@@ -229,6 +229,22 @@ static void static_mode_is_given(void)
     CHECK(order > 3.5, "two solves match four derivatives, not %g", order);
 }
 
+/* A given column of zeros is kept, and nothing else takes note of it. */
+static void a_place_is_kept(void)
+{
+    rod r, without;
+    rod_make(&r, 24, 1, 0.2, 1);
+    rod_make(&without, 24, 1, 0.2, 1);
+    r.b[23] = without.b[23] = 1.0;
+    r.space.given_count = r.space.count = 1;
+    CHECK(aoi_krylov_extend(&r.space, 5) == AOI_OK && r.space.next == 4, "four solves");
+    aoi_krylov_extend(&without.space, 4);
+    CHECK(memcmp(r.basis + 24, without.basis, 4 * 24 * sizeof(double)) == 0, "the same vectors");
+    for (size_t j = 0; j < 5; j++) {
+        CHECK(r.stiffness[j] == 0.0 && r.stiffness[j * 24] == 0.0, "the place is empty");
+    }
+}
+
 static void several_ports(void)
 {
     rod r;
@@ -321,6 +337,7 @@ int main(void)
     symmetry_breaks_down();
     rigid_motion_stays();
     static_mode_is_given();
+    a_place_is_kept();
     several_ports();
     every_port_is_matched_alike();
     two_shifts_are_both_matched();
