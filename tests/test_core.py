@@ -802,7 +802,7 @@ except KeyboardInterrupt:
 @pytest.mark.parametrize(
     "program",
     [
-        HEAR + LONG_RUN.format(target=LONG_STAR),
+        pytest.param(HEAR + LONG_RUN.format(target=LONG_STAR), marks=pytest.mark.slow),
         HEAR + LONG_RUN.format(target=LONG_FULL),
         HEAR + LONG_ADAPTIVE,
     ],

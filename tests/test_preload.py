@@ -154,7 +154,7 @@ def test_a_table_that_ends_level_below_the_load_is_named():
         scene.simulate(duration=1e-3, preload=True)
 
 
-@pytest.mark.parametrize("height", [1, 3000])
+@pytest.mark.parametrize("height", [1, 300, pytest.param(3000, marks=pytest.mark.slow)])
 def test_a_long_column_bears_what_is_above_each_contact(height):
     """Pressed from above, too: as much as all of it weighs."""
     scene, pressed = ao.Scene(gravity=EARTH), EARTH * height
