@@ -1,4 +1,4 @@
-/* The adaptive run: contact by collocation in steps of base 2^(-level/4), flight in closed form, and what
+/* The adaptive run: contact by collocation in steps of base 2^(-level/8), flight in closed form, and what
  * makes the one follow the other. */
 #include "adaptive.h"
 
@@ -6,7 +6,7 @@
 #include <math.h>
 
 enum {
-    LEVELS = 4,     /* an octave */
+    LEVELS = 8,     /* an octave */
     LEAST_RISE = 2, /* of levels at once */
     DEEPEST_LEVEL = 90 * LEVELS,
     HIGHEST_LEVEL = -40 * LEVELS,
@@ -30,6 +30,10 @@ static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
 
 /* After a success they are longer by this at most. */
 static const double MOST_GROWTH = 8.0;
+
+/* And by 2^(LEAST_RISE/LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
+ * largest body. */
+static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
 
 /* A step worse than this is so far off that its events are not to be trusted. */
 static const double TRUSTED = 0.1;
@@ -59,10 +63,23 @@ static size_t span_of(const aoi_system *system)
 
 static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
 
-/* The first level from this one on that is taken: few of them where each needs tables of many modes. */
+/* The first level from this one on that is taken. Where forces may run away from a smooth indentation, and
+ * a body rings, errors are known only roughly: whole octaves leave a margin. */
 static int level_from(const aoi_adaptive *run, double level)
 {
     return run->grain * (int)ceil(level / run->grain);
+}
+
+/* Whether a force depends on the rate, or a contact has no mass. */
+static int is_quick(const aoi_system *system)
+{
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (system->joint[c].law->depends_on_rate ||
+            aoi_system_residual(system, c) > 0.0) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, size_t *row)
@@ -89,9 +106,9 @@ static const double HERTZ_SHARE = 0.4;
  * reaches, or where there is none, with a residual compliance; and at most. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
-/* Where the search for the deepest indentation begins and how it goes on up, logarithms: a caller's law
- * may end not far beyond what it is for, so that nobody may ask there. */
-static const double SHALLOW = -28.0, STRIDE = 0.35;
+/* Where the search for the deepest indentation begins, how it goes on up, and where it ends, logarithms: a
+ * scale need not be sharp. A caller's law may end not far beyond what it is for, so that nobody may ask there. */
+static const double SHALLOW = -28.0, STRIDE = 0.35, SHARPNESS = 1e-3;
 
 /* Whether the law takes an energy, and what a steady force adds to it on the way, up to about this
  * indentation: by the force, since what a plastic law gives back is only a part of it. */
@@ -111,7 +128,7 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
         low = high;
         high += STRIDE;
     }
-    for (int i = 0; i < 50 && high - low > 1e-9; i++) {
+    while (high - low > SHARPNESS) {
         const double middle = 0.5 * (low + high);
         if (takes(law, memory, exp(middle), energy, force)) {
             high = middle;
@@ -416,12 +433,14 @@ int aoi_adaptive_start(aoi_adaptive *run)
     if (status != AOI_OK) {
         return status;
     }
+    const size_t modes = aoi_system_most_modes(run->system);
     size_t work, lists;
     aoi_adaptive_size(run->system, &work, &lists, &run->row_size);
     run->span = span_of(run->system);
     run->level = 0;
-    run->grain = aoi_system_most_modes(run->system) > 1 ? LEVELS : 1;
-    run->base = run->indentation_scale = run->impulse_scale = 0.0;
+    run->grain = modes > 1 && is_quick(run->system) ? LEVELS : 1;
+    run->table_cost = modes > 1 ? TABLE_COST * (double)modes : 0.0;
+    run->base = run->indentation_scale = run->impulse_scale = run->saved = 0.0;
     run->origin = run->time;
     run->elapsed = 0.0;
     run->steps = run->rejected = run->uses = run->culprit = 0;
@@ -575,15 +594,25 @@ static void refine(aoi_adaptive *run, double h)
 {
     const int level = level_from(run, LEVELS * log2(run->base / h));
     run->level = level > run->level ? level : level_from(run, run->level + 1);
+    run->saved = 0.0;
 }
 
-/* Takes a coarser level where that is worth new tables, and not likely to fail. */
+/* Takes a coarser level where that is not likely to fail: at once where steps are to be twice as long, else
+ * when it would have saved what its tables cost, since a contact may well go on for as long as it has. */
 static void coarsen(aoi_adaptive *run, double growth)
 {
+    if (growth < WORTH_IT) {
+        return;
+    }
     const double longer = LEVELS * log2(fmin(growth, MOST_GROWTH));
-    const int level = level_from(run, run->level - longer);
-    if (level <= run->level - LEAST_RISE && level >= HIGHEST_LEVEL) {
+    const int level = level_from(run, run->level - longer), rise = run->level - level;
+    if (rise < LEAST_RISE || level < HIGHEST_LEVEL) {
+        return;
+    }
+    run->saved += 1.0 - exp2(-(double)rise / LEVELS);
+    if (rise >= LEVELS || run->saved >= run->table_cost) {
         run->level = level;
+        run->saved = 0.0;
     }
 }
 

@@ -939,8 +939,9 @@ typedef struct aoi_adaptive {
     aoi_list engaged, changed; /* bodies: in this step; since their last row              */
     size_t span, row_size;
     size_t closed_count, stage_count; /* the stages: closed contacts first, then those beside them */
-    int level;                        /* steps are base 2^(-level/4) long */
-    int grain;                        /* of which only these multiples are taken */
+    int level;                        /* steps are base 2^(-level/8) long */
+    int grain;                        /* of which only these multiples are taken  */
+    double table_cost, saved;         /* what tables cost, in steps, and what longer ones had saved */
     double base;
     double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
     double origin, elapsed; /* time is their sum: short steps of a late contact */

@@ -205,6 +205,13 @@ void aoi_step_prepare(aoi_adaptive *run)
 
 /* ------------------------------------------------------------------------------- one attempt */
 
+/* Whether two bodies answer alike: often they are one model. */
+static int are_alike(const aoi_modes *one, const aoi_modes *other)
+{
+    return one->n == other->n && one->ports == other->ports && one->omega == other->omega &&
+           one->decay == other->decay && one->shape == other->shape && one->push == other->push;
+}
+
 /* The tables of a body for this step: the one not used for longest makes room. */
 static void make_response(aoi_adaptive *run, size_t b, double h, int level, int with_rates)
 {
@@ -484,9 +491,11 @@ static double growth_of(aoi_adaptive *run, aoi_stage *stage, double h)
     if (isnan(within + handed_on)) {
         return 0.0;
     }
-    const double growth =
-        CAUTION * fmin(pow(within, at_edge ? -1.0 / 3.5 : -1.0 / (AOI_STAGES + 1)),
-                       pow(handed_on, at_edge ? -1.0 / 2.5 : -1.0 / (2 * AOI_STAGES)));
+    const double by_tail = at_edge ? 3.5 : AOI_STAGES + 1, by_impulse = at_edge ? 2.5 : 2 * AOI_STAGES;
+    double growth = CAUTION * pow(within, -1.0 / by_tail);
+    if (within > 1.0 || handed_on > within * within) { /* else the first is the least */
+        growth = fmin(growth, CAUTION * pow(handed_on, -1.0 / by_impulse));
+    }
     if (within > 1.0 || handed_on > 1.0) {
         return fmin(growth, CAUTION);
     }
@@ -762,7 +771,12 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
         aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
     *attempt = (aoi_attempt){h, 0.0, 2.0, 0};
     for (size_t i = 0; i < run->engaged.count; i++) {
-        make_response(run, run->engaged.at[i], h, level, with_rates);
+        const size_t b = run->engaged.at[i], before = i > 0 ? run->engaged.at[i - 1] : b;
+        if (i > 0 && are_alike(&run->system->body[before], &run->system->body[b])) {
+            run->response[b] = run->response[before];
+        } else {
+            make_response(run, b, h, level, with_rates);
+        }
     }
     for (size_t s = 0; s < run->stage_count; s++) {
         run->contact[run->stage[s].joint].event = AOI_EVENT_NONE;

@@ -246,6 +246,7 @@ MUTANTS = [
     ("adaptive.c", "!isfinite(run->x[j])", "0"),
     ("adaptive.c", "    start_ledger(run);\n", ""),
     ("adaptive.c", "run->culprit = c;\n            return 1;", "return 1;"),
+    ("step.c", " && one->push == other->push", ""),
     ("step.c", "        doze(run, &run->stage[s], attempt);\n", ""),
     ("step.c", "DOZING = 0.1", "DOZING = 0.0"),
     ("step.c", "contact->slack = 0.5 * tolerance", "contact->slack = 0.0"),

@@ -634,6 +634,47 @@ static void a_run_in_pieces_is_the_run(void)
 }
 
 /* Stiff oscillators that nobody excites ask for no short steps. */
+/* Two ringing bodies, equal to each other or of different mass; shared: the second has the arrays of the
+ * first as far as they are equal. */
+static void collide_twins(plant *p, const aoi_law *law, double heavier, int shared)
+{
+    uint64_t seed = 3;
+    add_ringing(p, 3, 1, 0.3, 2e5, 1.0, &seed);
+    p->part[p->bodies] = p->part[0];
+    part *twin = &p->part[p->bodies++];
+    for (size_t j = 0; j < twin->n; j++) {
+        twin->v[j] = 0.0;
+        twin->push[j] /= heavier;
+        twin->inertia[j] *= heavier;
+    }
+    join_rigid(p, 0, 1, 0.0, law);
+    CHECK(begin(p, 1e-8, 1e-3) == AOI_OK, "it starts");
+    if (shared) {
+        p->body[1].omega = p->body[0].omega;
+        p->body[1].shape = p->body[0].shape;
+        p->body[1].push = heavier == 1.0 ? p->body[0].push : p->body[1].push;
+    }
+    CHECK(aoi_adaptive_run(&p->run, TRACK_ROOM, ROW_ROOM, p->track, p->index, &p->used, &p->rows) == AOI_OK,
+          "it runs");
+}
+
+static void bodies_of_one_model_move_as_copies_do(void)
+{
+    const aoi_law law = hertz(1e9);
+    for (int i = 0; i < 2; i++) {
+        const double heavier = i == 0 ? 1.0 : 2.0;
+        plant one = {.bodies = 0}, two = {.bodies = 0};
+        collide_twins(&one, &law, heavier, 1);
+        collide_twins(&two, &law, heavier, 0);
+        CHECK(two.contact[0].impulse > 0.0, "they meet");
+        for (size_t k = 0; k < one.first[2]; k++) {
+            CHECK(one.x[k] == two.x[k] && one.v[k] == two.v[k], "mode %zu, %g times", k, heavier);
+        }
+        release(&one);
+        release(&two);
+    }
+}
+
 static void stiffness_alone_costs_nothing(void)
 {
     const aoi_law law = hertz(1e6);
@@ -729,6 +770,7 @@ int main(void)
     a_body_of_any_mass_runs_up_the_law();
     a_patch_has_its_limit();
     a_run_in_pieces_is_the_run();
+    bodies_of_one_model_move_as_copies_do();
     stiffness_alone_costs_nothing();
     senseless_runs_are_refused();
     bodies_without_contacts_fly();
