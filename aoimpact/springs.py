@@ -10,14 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from .laws import ContactLaw
+from .laws import ContactLaw, UserLaw
 
 __all__ = ["Springs"]
 
 FloatArray = npt.NDArray[np.float64]
 
-# Depths, m, at which a law's stiffness under a load is looked for, each twice the one before.
-_SHALLOWEST, _DOUBLINGS = 2.0**-90, 120
+# Depths, m, from which on and up to where a law's stiffness under a load is looked for; by which
+# strides, and by which in a user's law, which is not asked much deeper than it will be.
+_SHALLOWEST, _DEEPEST = 2.0**-90, 2.0**30
+_STRIDES, _OWN_STRIDES = (2.0**16, 2.0**4, 2.0), (2.0,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +28,7 @@ class _Kind:
 
     law: tuple[Any, ...]
     limit: float
+    strides: tuple[float, ...]
     which: npt.NDArray[np.intp]
 
     def force(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -47,10 +50,9 @@ class _Kind:
     def stiffness_under(self, load: float) -> float:
         """Return the stiffness under a load, N; on level stretches the mean so far."""
         depth = np.array([_SHALLOWEST])
-        for _ in range(_DOUBLINGS):
-            if self.force(2.0 * depth)[0][0] > load:
-                break
-            depth *= 2.0
+        for stride in self.strides:
+            while stride * depth[0] <= _DEEPEST and self.force(stride * depth)[0][0] <= load:
+                depth *= stride
         force, slope = self.force(depth)
         return float(max(slope[0], force[0] / depth[0]))
 
@@ -64,7 +66,13 @@ class Springs:
         for number, law in enumerate(laws):
             which.setdefault(law, []).append(number)
         self._kinds = [
-            _Kind(law.for_core(), law._limit(), np.array(numbers)) for law, numbers in which.items()
+            _Kind(
+                law.for_core(),
+                law._limit(),
+                _OWN_STRIDES if isinstance(law, UserLaw) else _STRIDES,
+                np.array(numbers),
+            )
+            for law, numbers in which.items()
         ]
 
     def force(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -167,6 +167,17 @@ def test_a_long_column_bears_what_is_above_each_contact(height):
     assert forces == pytest.approx(pressed + EARTH * np.arange(1, height + 1), rel=1e-9)
 
 
+def test_a_user_s_law_is_not_asked_much_deeper_than_it_is_pressed():
+    rest = (EARTH / 1e9) ** (2.0 / 3.0)
+
+    def force(depth, rate):
+        if depth > 4.0 * rest:
+            raise ValueError("too deep")
+        return 1e9 * depth**1.5
+
+    assert at_rest(on_a_floor(ao.UserLaw(force))) == pytest.approx(EARTH, rel=1e-9)
+
+
 def test_a_row_that_nothing_holds_is_pressed_where_its_centre_of_mass_stays():
     scene, masses, press = ao.Scene(), [1.0, 3.0, 0.5], 100.0
     row = [scene.add(ao.rigid(mass=mass)) for mass in masses]
