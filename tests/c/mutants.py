@@ -266,6 +266,11 @@ MUTANTS = [
         "leaves(values, tolerance, AOI_EVENT_TIGHTEN",
         "falls(values, tolerance, AOI_EVENT_TIGHTEN",
     ),
+    (
+        "adaptive.c",
+        "fmin((rate + acceleration * time) / mobility, push)",
+        "(rate + acceleration * time) / mobility",
+    ),
     ("step.c", "NEAR_TOP = 0.99", "NEAR_TOP = 1.1"),
     ("step.c", "fabs(value.damping) * last", "0.0 * last"),
     ("step.c", "contact->force = force_at_end(law, stage);", "contact->force = stage->force[end];"),

@@ -219,6 +219,31 @@ static void a_force_that_comes_back_is_seen(void)
     }
 }
 
+/* A record that ends long before the force does anything to the mass: d = v t, F = k d^n, and the impulse is
+ * to be right to itself, not to what there is to stop. */
+static void a_short_record_has_its_own_scale(void)
+{
+    const double mass = 2.0, k = 1e6, v = 1.0, end = 1e-9;
+    for (double n = 1.1; n < 3.5; n += 0.3) {
+        for (double rtol = 1e-3; rtol > 1e-10; rtol *= 0.1) {
+            const aoi_law law = law_named("power", 2, k, n, 0.0);
+            plant p = {.bodies = 0};
+            part *ball = add_rigid(&p, mass, v);
+            ball->massless = 1; /* so that no edge helps */
+            ball->residual[0] = 1e-17;
+            add_wall(&p);
+            join_rigid(&p, 0, 1, 0.0, &law);
+            must_go(&p, rtol, end);
+            const double force = k * pow(v * end, n), impulse = force * end / (n + 1.0);
+            CHECK(near(p.contact[0].peak_force, force, rtol), "n %g, rtol %g: force %.12g, not %.12g", n, rtol,
+                  p.contact[0].peak_force, force);
+            CHECK(near(p.contact[0].impulse, impulse, rtol), "n %g, rtol %g: impulse %.12g, not %.12g", n, rtol,
+                  p.contact[0].impulse, impulse);
+            release(&p);
+        }
+    }
+}
+
 /* A residual compliance c in series with the law: k / (1 + k c). */
 static void a_massless_contact_is_a_spring_in_series(void)
 {
@@ -754,6 +779,7 @@ int main(void)
     a_linear_contact_is_half_a_sine();
     a_damped_force_is_right_at_its_start();
     a_force_that_comes_back_is_seen();
+    a_short_record_has_its_own_scale();
     a_massless_contact_is_a_spring_in_series();
     what_a_force_bends_touches_elsewhere();
     a_cradle_of_three();
