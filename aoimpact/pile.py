@@ -195,8 +195,10 @@ class Pile:
 
     # ------------------------------------------------------------------- what forces move
 
-    def bound(self, contacts: FloatArray, springs: float = 1.0) -> Bound:
+    def bound(self, contacts: FloatArray, springs: float = 1.0) -> Bound | None:
         """Return the pile with its contacts as springs of such stiffnesses, N/m, shape (contacts,).
+
+        None if some are so soft beside others that they hold nothing in floating-point numbers.
 
         Parameters
         ----------
@@ -205,7 +207,10 @@ class Pile:
         springs : float, optional
             How many times as stiff the bodies' own springs are taken.
         """
-        return Bound(self, contacts, springs)
+        try:
+            return Bound(self, contacts, springs)
+        except RuntimeError:  # SuperLU's word for a singular matrix
+            return None
 
     @cached_property
     def across(self) -> _Across:

@@ -40,8 +40,8 @@ _ROUNDING = 1e-9
 # What has moved as far falls for ever; farther, energies overflow.
 _FARTHEST = 1e100
 
-# Balance of forces relative to those that are there.
-_BALANCED = 1e-12
+# Balance of forces relative to those that are there; and to the largest, where it comes no nearer.
+_BALANCED, _SETTLED = 1e-12, 1e-14
 
 # What nothing holds although all contacts stick falls for ever, if it is more than such a share of
 # the imbalance, and than rounding makes of all forces.
@@ -112,9 +112,17 @@ class _Statics:
     gaps: FloatArray
 
     @cached_property
+    def first(self) -> _Place:
+        """Where the loads would bring the bodies without contacts; what is loose stays."""
+        sprung = self.pile.stiffness > 0.0
+        return self.place(np.where(sprung, self.load / np.where(sprung, self.pile.stiffness, 1), 0))
+
+    @cached_property
     def slopes(self) -> FloatArray:
-        """Each contact's stiffness under all of the loads at once: the scale of steps."""
-        return self.springs.stiffness_under(float(np.abs(self.load).sum()))
+        """Each contact's stiffness under all of the loads at once, or under the largest force of
+        the first overlap if that is more: the scale of steps."""
+        overlap = float(self.first.force.max(initial=0.0))
+        return self.springs.stiffness_under(max(float(np.abs(self.load).sum()), overlap))
 
     def place(self, x: FloatArray) -> _Place:
         """What holds where the coordinates are x."""
@@ -134,22 +142,30 @@ class _Statics:
         rounding: FloatArray = slopes * _UNITS * _EPSILON * reach
         return rounding
 
-    def balanced(self, at: _Place) -> bool:
-        """Whether the forces left over are those of rounding."""
+    def balanced(self, at: _Place, besides: FloatArray | float = 0.0) -> bool:
+        """Whether the forces left over are those of rounding, and besides, N, not more."""
         rounding = self.pile.reach.T @ at.rounding
-        return bool((np.abs(at.balance) <= _BALANCED * at.present + rounding).all())
+        return bool((np.abs(at.balance) <= _BALANCED * at.present + rounding + besides).all())
+
+    def settled(self, at: _Place) -> bool:
+        """Whether what holds the bodies is in balance as far as the largest force lets it be seen:
+        what touches and is not pressed has no force of its own to measure the rest by."""
+        holds = at.present - np.abs(self.load)
+        return self.balanced(at, np.minimum(holds, _SETTLED * self.size(at)))
 
     def size(self, at: _Place) -> float:
         """The forces that are there, N."""
         return float(max(np.abs(self.load).max(initial=0.0), at.force.max(initial=0.0)))
 
     @cached_property
-    def _stuck(self) -> Bound:
+    def _stuck(self) -> Bound | None:
         """The pile if no contact could open."""
         return self.pile.bound(self.slopes)
 
     def unheld(self, at: _Place) -> int | None:
         """The coordinate of a force left over that nothing would hold if all contacts stuck."""
+        if self._stuck is None:
+            return None
         unheld = np.abs(self._stuck.moved(at.balance)[1])
         least = max(_UNHELD * np.abs(at.balance).max(), _UNHELD_OF_ALL * self.size(at))
         return int(unheld.argmax()) if unheld.max() > least else None
@@ -200,10 +216,10 @@ class _Statics:
         rows = self.pile.directions[closed][:, self.pile.loose].toarray()
         return int(np.linalg.matrix_rank(rows)) < len(closed)
 
-    def step(self, at: _Place, damping: float) -> FloatArray:
-        """Newton's step, shorter the more it is damped."""
-        stiffness = at.slope + damping * self.slopes
-        return self.pile.centred(self.pile.bound(stiffness, 1.0 + damping).moved(at.balance)[0])
+    def step(self, at: _Place, damping: float) -> FloatArray | None:
+        """Newton's step, shorter the more it is damped; None if so little damping gives none."""
+        bound = self.pile.bound(at.slope + damping * self.slopes, 1.0 + damping)
+        return None if bound is None else self.pile.centred(bound.moved(at.balance)[0])
 
 
 def equilibrium(
@@ -244,11 +260,9 @@ def equilibrium(
     statics = _Statics(
         pile, pile.load(gravity, forces), springs, np.array([of.gap for of in contacts])
     )
-    sprung = pile.stiffness > 0.0
-    stiffness = np.where(sprung, pile.stiffness, 1.0)
-    first = statics.place(np.where(sprung, statics.load / stiffness, 0.0))
+    first = statics.first
     at, unheld = _descend(statics, first)
-    if statics.balanced(at):
+    if statics.settled(at):
         size = max(statics.size(at), _NEGLIGIBLE * statics.size(first))
         statics.check_rounding(at, at.slope, size)
         statics.check_depth(at)
@@ -274,11 +288,11 @@ def _descend(statics: _Statics, at: _Place) -> tuple[_Place, int | None]:
         if number % _PATIENCE == _PATIENCE - 1 and at.no_nearer_than(before):
             break
         before = at if number % _PATIENCE == 0 else before
-        x = at.x + statics.step(at, damping)
-        if not np.abs(x).max(initial=0.0) < _FARTHEST:
+        step = statics.step(at, damping)
+        if step is not None and not np.abs(at.x + step).max(initial=0.0) < _FARTHEST:
             break
-        trial = statics.place(x)
-        if trial.better_than(at):
+        trial = None if step is None else statics.place(at.x + step)
+        if trial is not None and trial.better_than(at):
             at, damping = trial, damping * _TIGHTER
         elif damping > _MOST_DAMPING:
             break

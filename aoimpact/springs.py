@@ -37,6 +37,7 @@ class _Kind:
         force, stiffness, damping = (np.empty(len(depth)) for _ in range(3))
         _core.law_force(self.law, within, np.zeros(len(depth)), force, stiffness, damping)
         closed = depth > 0.0
+        stiffness = np.maximum(stiffness, 0.0)  # that of a level stretch may be rounded below
         beyond = force + stiffness * (depth - within)
         return np.where(closed, beyond, 0.0), np.where(closed, stiffness, 0.0)
 

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 import aoimpact as ao
 
@@ -230,3 +231,53 @@ def test_a_falling_body_among_many_is_named():
         scene.connect(above, below, ao.Hertz(k=1e10))
     with pytest.raises(ao.ConvergenceError, match=r"falls for ever .* on body 49\)"):
         scene.simulate(duration=1e-6, preload=True)
+
+
+def test_a_row_squeezed_between_walls_has_one_force_whatever_its_laws():
+    """Nothing loads it but its overlaps: all indentations at the force sum up to these."""
+    rng, count = np.random.default_rng(20002), 20
+    powers = rng.uniform(1.0, 3.0, count)
+    stiffnesses = 10.0 ** rng.uniform(6.0, 10.0, count)
+    gaps = rng.uniform(-1e-4, 5e-5, count)
+    scene = ao.Scene()
+    row = [scene.add(WALL), *(scene.add(BODY) for _ in range(count - 1)), scene.add(WALL)]
+    for ends, k, n, gap in zip(itertools.pairwise(row), stiffnesses, powers, gaps, strict=True):
+        scene.connect(*ends, ao.PowerLaw(k=k, n=n), gap=gap)
+
+    def too_short(force):
+        return ((force / stiffnesses) ** (1.0 / powers)).sum() + gaps.sum()
+
+    force = scipy.optimize.brentq(too_short, 1e-9, 1e9, rtol=1e-14)
+    assert at_rest(scene) == pytest.approx(np.full(count, force), rel=1e-6)
+
+
+@pytest.mark.parametrize("law", [ao.Hertz(k=1e9), ao.PowerLaw(k=1e10, n=2.9)])
+def test_what_touches_and_is_not_pressed_makes_room(law):
+    """A free ball, pushed aside by a spring under load, is where no force is left."""
+    scene, load, stiffness = ao.Scene(), 1e3, 1e8
+    spring, ball = scene.add(ao.AOModel(m0=1.0, k0=stiffness)), scene.add(BODY)
+    scene.connect(spring, ball, law)
+    scene.apply(spring, force=load)
+    run = scene.simulate(duration=1e-9, solver=ao.Newmark(dt=1e-10, estimate=False), preload=True)
+    assert run.contacts[0].force[0] < 1e-12 * load
+    assert run[spring].displacement[0] == pytest.approx(load / stiffness, rel=1e-12)
+
+
+def test_two_bodies_too_heavy_for_their_tables_are_told():
+    table = ao.Tabulated([0.0, 1e-5, 1e-4, 1.0], [0.0, 1.0, 5.0, 5e3])
+    scene = ao.Scene(gravity=6e3)
+    floor = scene.add(WALL)
+    for _ in range(2):
+        scene.connect(scene.add(BODY), floor, table)
+    with pytest.raises(ao.InputError, match=r"where it has 5e\+03 N and rises no more"):
+        at_rest(scene)
+
+
+def test_a_light_body_that_falls_beside_a_heavy_one_at_rest_is_named():
+    scene = ao.Scene(gravity=EARTH)
+    heavy, light = scene.add(ao.rigid(mass=1e3)), scene.add(ao.rigid(mass=1e-16))
+    ceiling = scene.add(WALL)
+    scene.connect(heavy, ceiling, ao.Hertz(k=1e9))
+    scene.connect(ceiling, light, ao.Hertz(k=1e9))
+    with pytest.raises(ao.ConvergenceError, match="on body 1"):
+        at_rest(scene)
