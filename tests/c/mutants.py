@@ -272,7 +272,7 @@ MUTANTS = [
         "(rate + acceleration * time) / mobility",
     ),
     ("step.c", "NEAR_TOP = 0.99", "NEAR_TOP = 1.1"),
-    ("step.c", "fabs(value.damping) * last", "0.0 * last"),
+    ("step.c", "fabs(value.damping) * rate_tail(stage)", "0.0 * rate_tail(stage)"),
     ("step.c", "contact->force = force_at_end(law, stage);", "contact->force = stage->force[end];"),
     ("step.c", "EDGE_DEPTH = 1e-3", "EDGE_DEPTH = -1.0"),
     ("release.c", "MOST_OF_REST = 2.0 / 3.0", "MOST_OF_REST = 1e-3"),
