@@ -176,7 +176,10 @@ def _row(case: Any) -> tuple[float, float, float, float] | None:
     values = case.get("velocity"), case.get("gap", 0.0), case.get("duration")
     if any(type(value) not in _NUMBERS for value in values) or "law" not in case:
         return None
-    velocity, gap, duration = map(float, values)
+    try:
+        velocity, gap, duration = map(float, values)
+    except OverflowError:
+        return None
     if not (SLOWEST <= velocity <= FASTEST and 0.0 <= gap < math.inf > duration > 0.0):
         return None
     return velocity, gap, duration, solver.rtol

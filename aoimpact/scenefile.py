@@ -20,7 +20,7 @@ from .result import Result
 from .run import Run
 from .scenefile_build import Builder, Kept, member_name
 from .scenefile_schema import SCENE_FILE
-from .scenefile_sweep import at_place, grid_of, sweep_problems
+from .scenefile_sweep import at_place, check_apart, grid_of, sweep_problems
 from .simulate import simulate
 from .toml_lines import Place, Spot, spot_of, toml_spots
 
@@ -162,9 +162,11 @@ class SceneFile:
             If there is no such place, or the value is of the wrong type.
         """
         data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
-        for name, value in values.items():
+        places = [name.split(".") for name in values]
+        for number, (name, value) in enumerate(values.items()):
             try:
-                table, last = at_place(data, self.kind, name.split("."))
+                check_apart(self.data, self.kind, places[: number + 1])
+                table, last = at_place(data, self.kind, places[number])
             except InputError as error:
                 raise SceneFileError(f"{self.path}: {name}: {error}") from None
             table[last] = np.asarray(value).tolist() if hasattr(value, "dtype") else value

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from .checks import nearest
+from .checks import nearest, real
 from .errors import InputError
 from .scenefile_schema import SCENE_FILE
 from .schema import Problem
 from .toml_lines import Place
 
-__all__ = ["at_place", "grid_of", "sweep_problems"]
+__all__ = ["at_place", "check_apart", "grid_of", "sweep_problems"]
 
 # Tables of a file, beside its impact or scene.
 _TABLES = ("title", "materials", "bodies")
@@ -39,8 +39,11 @@ def sweep_problems(data: Mapping[str, Any], kind: str) -> Iterator[Problem]:
     if not over:
         yield ("sweep", "over"), "names nothing to sweep over, such as velocity = [0.5, 1.0]"
     base = {name: of for name, of in data.items() if name != "sweep"}
+    names: list[tuple[str, ...]] = []
     for name, entry in _leaves(over):
         try:
+            names.append(name)
+            check_apart(base, kind, names)
             values = _values(entry)
             tried = values if isinstance(entry, list) else [values[0], values[-1]]
             problems = [problem for value in tried for problem in _tried(base, kind, name, value)]
@@ -58,7 +61,7 @@ def at_place(data: Any, kind: str, name: Sequence[str]) -> tuple[Any, Any]:
     InputError
         If there is no such table.
     """
-    parts = list(name) if name[0] in (kind, *_TABLES) else [kind, *name]
+    parts = _from_the_top(kind, name)
     for part in parts[:-1]:
         inside = data[_key(data, part)] if _known(data, part) else None
         if not isinstance(inside, (dict, list)):
@@ -69,6 +72,35 @@ def at_place(data: Any, kind: str, name: Sequence[str]) -> tuple[Any, Any]:
     if isinstance(data, list) and not _known(data, parts[-1]):
         raise InputError(f"the list has no entry {parts[-1]!r}: it has {len(data)}, from 0")
     return data, _key(data, parts[-1])
+
+
+def check_apart(data: Any, kind: str, names: Sequence[Sequence[str]]) -> None:
+    """Refuse a last place that is one of those before, or within one, or around it.
+
+    Raises
+    ------
+    InputError
+        As one would write over the other's values.
+    """
+    *before, last = ([*_resolved(data, kind, name)] for name in names)
+    for other, name in zip(before, names, strict=False):
+        if all(one == another for one, another in zip(last, other, strict=False)):
+            raise InputError(
+                f"is in the same place as {'.'.join(name)!r}, and would write over its values: "
+                "keep one of them"
+            )
+
+
+def _from_the_top(kind: str, name: Sequence[str]) -> list[str]:
+    return list(name) if name[0] in (kind, *_TABLES) else [kind, *name]
+
+
+def _resolved(data: Any, kind: str, name: Sequence[str]) -> Iterator[Any]:
+    """Keys and numbers that lead to a place, however it is written."""
+    for part in _from_the_top(kind, name):
+        known = isinstance(data, (dict, list)) and _known(data, part)
+        yield _key(data, part) if known else part
+        data = data[_key(data, part)] if known else None
 
 
 def _leaves(over: Mapping[str, Any], above: tuple[str, ...] = ()) -> Iterator[tuple[Any, Any]]:
@@ -87,8 +119,8 @@ def _values(entry: Any) -> list[Any]:
     first, last, count = entry["from"], entry["to"], entry["count"]
     if not 1 <= count <= _MOST_VALUES:
         raise InputError(f"count: must be from 1 to {_MOST_VALUES}, got {count}")
-    if not np.isfinite([first, last]).all():
-        raise InputError(f"from and to must be finite, got {first:g} and {last:g}")
+    for end in ("from", "to"):
+        real(end, entry[end])
     if entry.get("spacing", "linear") == "log":
         if not (first > 0.0 and last > 0.0):
             raise InputError(f"spacing: 'log' needs from and to above 0, got {first:g}, {last:g}")

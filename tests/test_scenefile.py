@@ -518,6 +518,14 @@ scene.contacts.0.gap = { from = 0, to = 2, count = 3 }
     assert changed.data["scene"]["contacts"][0]["gap"] == 2
 
 
+def test_a_place_is_swept_once_whatever_it_is_called(tmp_path: Path) -> None:
+    """The second would write over the first, and rows would bear the values of neither."""
+    file = ao.read_scene(written(tmp_path, ROW))
+    grid = {"scene.bodies.first.velocity": [0.0], "scene.bodies.0.velocity": [1.0]}
+    with pytest.raises(ao.SceneFileError, match=r"same place as 'scene\.bodies\.first"):
+        ao.sweep(file, grid)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "at", "text"),
     [
@@ -532,6 +540,9 @@ scene.contacts.0.gap = { from = 0, to = 2, count = 3 }
         ('"log"', '"lag"', "law.k", "did you mean 'log'"),
         ('["peak_force"]', '["peak_forc"]', "keep", "did you mean 'peak_force'"),
         (SWEPT, "\n[sweep]\nover = {}\n", "over = {}", "nothing to sweep over"),
+        ("1e8, to", f"{10**400}, to", "law.k", "from must be finite"),
+        ("law.k", "impact.velocity", "impact.velocity", "is in the same place as 'velocity'"),
+        ("bodies.beam.m0", "impact.law", "impact.law", "is in the same place as 'law.k'"),
     ],
 )
 def test_what_is_wrong_with_a_sweep(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
