@@ -152,11 +152,13 @@ def _of_star(star: AOModel) -> ModalBody:
             np.ones(n), modes,
         )  # fmt: skip
     centre, centre_residual = modes.centre
-    # Its own weight acts on a star's coordinates by their share in the centre of mass. What holds a
-    # star given by numbers is not known, so neither is what its weight does to it.
-    weighs = star.origin is not None or not star.held
-    weight = star.mass * push * centre if weighs else np.zeros(n)
     moving = push * star.k0 / omega**2 if star.k0 > 0.0 else np.where(omega == 0.0, 1.0, 0.0)
+    # Its own weight acts on a star's coordinates by their share in the centre of mass; on a free
+    # one's as a whole: exactly, or what falls side by side would press by rounding. What holds a
+    # star given by numbers is not known, so neither is what its weight does to it.
+    weight = np.zeros(n) if star.held else moving
+    if star.held and star.origin is not None:
+        weight = star.mass * push * centre
     massless = modes.residual > 0.0
     return ModalBody(
         omega=omega,

@@ -67,6 +67,7 @@ static const double HARDLY_TURNS = 0.1;
 typedef struct bound {
     double level, rate, bend; /* as a slow one */
     double rest, drift;       /* as a fast one */
+    double now, later;        /* of one that does not turn: its acceleration is always between these */
 } bound;
 
 static int only_slow(double omega, double within) { return omega * within < HARDLY_TURNS; }
@@ -80,12 +81,11 @@ static bound bound_of(const aoi_flight *pair, int side, size_t j, double within)
     const double x = pair->x[side][j], v = pair->v[side][j];
     double load, slope;
     aoi_modes_drive(body, j, pair->time, &load, &slope);
-    bound made = {shape * x, shape * v, 0.0, 0.0, 0.0};
+    bound made = {.level = shape * x, .rate = shape * v};
     if (omega == 0.0) {
-        const double now = shape * (load - 2.0 * decay * v);
-        const double later = decay == 0.0 ? now + shape * slope * (isfinite(within) ? within : 0.0)
-                                          : shape * slope / (2.0 * decay);
-        made.bend = 0.5 * (slope == 0.0 && decay == 0.0 ? now : fmax(now, later));
+        const double rise = slope != 0.0 && isfinite(within) ? slope * within : 0.0;
+        made.now = shape * (load - 2.0 * decay * v);
+        made.later = decay == 0.0 ? made.now + shape * rise : shape * slope / (2.0 * decay);
         return made;
     }
     const double drift = slope / (omega * omega);
@@ -108,6 +108,28 @@ static int next_side(const aoi_flight *pair, const size_t *at)
     return pair->body[1]->omega[at[1]] < pair->body[0]->omega[at[0]];
 }
 
+/* Modes of both bodies that do not turn, taken together: what moves both alike does not part them. Their
+ * accelerations go over from now to later by the same law of time if the decays are equal. */
+typedef struct drifting {
+    double now, later, apart; /* sums, and that of the larger of each mode's two */
+    double decay;
+    int count, alike;
+} drifting;
+
+static void add_drifting(const bound *of, double decay, drifting *sum)
+{
+    sum->alike = sum->count++ == 0 || (sum->alike && decay == sum->decay);
+    sum->decay = decay;
+    sum->now += of->now;
+    sum->later += of->later;
+    sum->apart += fmax(of->now, of->later);
+}
+
+static double bend_of(const drifting *sum)
+{
+    return 0.5 * (sum->alike ? fmax(sum->now, sum->later) : sum->apart);
+}
+
 /* A time within which the bodies cannot touch: the best over all ways of cutting the modes into slow
  * ones and fast ones. level, rate: of the bound with all of them fast. */
 static double safe_stride(const aoi_flight *pair, double level, double rate, double within)
@@ -115,17 +137,23 @@ static double safe_stride(const aoi_flight *pair, double level, double rate, dou
     const size_t count = pair->body[0]->n + pair->body[1]->n;
     size_t at[2] = {0, 0};
     double bend = 0.0, best = 0.0;
+    drifting together = {.alike = 1};
     for (size_t k = 0; k <= count; k++) {
         const int side = k < count ? next_side(pair, at) : 0;
-        if (k == count || !only_slow(pair->body[side]->omega[at[side]], within)) {
-            const double stride = first_root(level, rate, bend);
+        const aoi_modes *body = pair->body[side];
+        if (k == count || !only_slow(body->omega[at[side]], within)) {
+            const double stride = first_root(level, rate, bend + bend_of(&together));
             best = stride > best ? stride : best;
         }
         if (k < count) {
-            const bound of = bound_of(pair, side, at[side]++, within);
+            const size_t j = at[side]++;
+            const bound of = bound_of(pair, side, j, within);
             level += of.level - of.rest;
             rate += of.rate - of.drift;
             bend += of.bend;
+            if (body->omega[j] == 0.0) {
+                add_drifting(&of, body->decay ? body->decay[j] : 0.0, &together);
+            }
         }
     }
     return best;

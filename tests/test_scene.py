@@ -532,6 +532,22 @@ def test_senseless_bodies_are_named(options, message):
         ao.Scene().add(BALL, **options)
 
 
+@pytest.mark.parametrize("damping", [None, ao.Rayleigh(alpha=70.0)], ids=["undamped", "damped"])
+def test_bodies_that_fall_side_by_side_do_not_press_each_other(damping):
+    scene = ao.Scene(gravity=EARTH)
+    first, second = (
+        scene.add(ao.AOModel(m0=m0, m=[2.6e-4], k=[217.0], damping=damping), velocity=0.1)
+        for m0 in (5.8e-4, 9.3e-8)
+    )
+    scene.connect(first, second, HERTZ)
+    run = scene.simulate(duration=0.1)
+    assert run.contacts[0].intervals == []
+    assert run.contacts[0].peak_force == 0.0
+    rate = 0.0 if damping is None else 70.0  # α m on each element: v' = g - α v
+    fallen = 0.1 + EARTH * 0.1 if not rate else EARTH / rate + (0.1 - EARTH / rate) * np.exp(-7.0)
+    assert [run[body].velocity[-1] for body in (first, second)] == pytest.approx([fallen] * 2)
+
+
 def test_gravity_on_a_held_star_of_numbers_says_that_it_does_nothing():
     scene = ao.Scene(gravity=EARTH)
     beam = scene.add(BEAM)

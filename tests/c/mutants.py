@@ -187,6 +187,8 @@ MUTANTS = [
     ("flight.c", "hypot(x - rest, (v - drift) / omega)", "fabs(x - rest)"),
     ("flight.c", "made.drift = shape * drift", "made.drift = 0.0"),
     ("flight.c", "pair->body[1]->omega[at[1]] <", "pair->body[1]->omega[at[1]] >"),
+    ("flight.c", "(sum->alike && decay == sum->decay)", "1"),
+    ("flight.c", "sum->alike ? fmax(sum->now, sum->later)", "0 ? 0.0"),
     ("system.c", "joint->body[0] != joint->body[1]", "1"),
     ("system.c", "isfinite(joint->gap)", "1"),
     ("system.c", "!(body->decay[j] >= 0.0)", "0"),

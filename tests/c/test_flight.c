@@ -265,6 +265,43 @@ static void drag_stops_a_mass_before_the_wall(void)
     }
 }
 
+/* Two masses that fall from rest, slowed by drag: v = g/(2 sigma) (1 - e^(-2 sigma t)) of each. */
+static plant falling(double decay, double other_decay)
+{
+    const double decays[] = {decay, other_decay};
+    plant p = {.bodies = 0};
+    for (int i = 0; i < 2; i++) {
+        part *ball = add_rigid(&p, 0.1, 0.0);
+        ball->pulled = ball->damped = 1;
+        ball->gravity[0] = 9.81;
+        ball->decay[0] = decays[i];
+    }
+    return p;
+}
+
+static void bodies_that_fall_side_by_side_do_not_press(void)
+{
+    int touches = -1;
+    plant p = falling(35.0, 35.0);
+    aoi_flight pair = pair_of(&p, 0.0);
+    CHECK(aoi_flight_next_touch(&pair, 1.0, 100, &touches) == AOI_OK, "in a few strides");
+    CHECK(touches == 0 && pair.time == 1.0, "the whole record flown");
+}
+
+static double fallen(double decay, double time)
+{
+    return 9.81 / (2.0 * decay) * (time + expm1(-2.0 * decay * time) / (2.0 * decay));
+}
+
+static void the_one_with_less_drag_catches_up(void)
+{
+    plant p = falling(1.0, 35.0);
+    aoi_flight pair = pair_of(&p, 0.01);
+    CHECK(next_touch(&pair, 1.0) == 1, "it does");
+    CHECK(near(fallen(1.0, pair.time) - fallen(35.0, pair.time), 0.01, 1e-12), "when: %.17g",
+          pair.time);
+}
+
 int main(void)
 {
     a_thrown_ball_lands_where_it_must();
@@ -281,5 +318,7 @@ int main(void)
     energy_of_flight_is_constant();
     bodies_that_part_for_good_cost_nothing();
     drag_stops_a_mass_before_the_wall();
+    bodies_that_fall_side_by_side_do_not_press();
+    the_one_with_less_drag_catches_up();
     return check_report();
 }
