@@ -115,8 +115,8 @@ def test_a_ball_on_a_swinging_table_is_chaos_and_called_so():
             runs.append(scene.simulate(duration=8.0, solver=ao.Adaptive(rtol=rtol), energies=False))
         assert any(f"rtol={rtol:g} is not kept over" in str(w.message) for w in said)
         assert runs[-1].error.time > 0.01  # by chance two such runs may end near each other
-    ends = [run[ball].velocity[-1] for run in runs]
-    assert abs(ends[0] - ends[1]) > 0.01
+    one, other = (run.at(np.linspace(6.0, 8.0, 200))[ball].velocity for run in runs)
+    assert np.abs(one - other).max() > 0.1  # at a single time they may be near by chance
 
 
 def test_one_contact_costs_one_run(monkeypatch):
