@@ -140,7 +140,7 @@ def equations_of(body: CoreBody) -> Equations:
         K, M = _arrowhead(k0, k), sp.diags_array(np.concatenate([[m0], m])).tocsr()
         B, C = np.eye(1, len(m) + 1), alpha * M + beta * K
     elif kind == "modal":
-        omega, decay, B, _, gravity = parts[:5]
+        omega, decay, B, _, _, gravity = parts[:6]
         K, M = sp.diags_array(omega**2).tocsr(), sp.eye_array(len(omega), format="csr")
         C = sp.diags_array(2.0 * decay).tocsr()
     else:

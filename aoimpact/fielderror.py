@@ -90,7 +90,8 @@ class FieldError:
             apart[apart == 0.0] = np.inf  # itself
             gap = apart.min(axis=1) / inverse[slow]
             off = np.minimum(residual, residual**2 / gap) / inverse[slow]
-            drift[slow] = off / (2.0 * np.maximum(np.sqrt(square[slow]), np.sqrt(off)))
+            swift = np.maximum(np.sqrt(square[slow]), np.sqrt(off))
+            drift[slow] = off / (2.0 * np.where(swift > 0.0, swift, 1.0))  # rigid: none
         return square, (shifted @ y).T, drift
 
     def energies(self, coordinates: FloatArray, rates: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -98,8 +98,31 @@ def _response(
     loaded = plan.gravity != 0.0 or plan.load_on(body) is not None
     stirred = 0.0 if loaded else first[0] + _FADING * (first[1] - first[0])
     return Response(
-        reduced.body, motion, recovery, _flight(plan, body), peak_time, tuple(blows), stirred
+        reduced.body,
+        motion,
+        recovery,
+        _flight(plan, body),
+        peak_time,
+        tuple(blows),
+        stirred,
+        _sag(motion, recovery) if plan.preload else None,
     )
+
+
+def _sag(motion: Motion, recovery: Recovery) -> FloatArray | None:
+    """What the correction for the blow misses of the rest before it; None of a free body.
+
+    There all modes follow the forces, the slow ones too: X = K⁻¹ B f.
+    """
+    reduced = recovery.reduced
+    if reduced.body.rigid_modes.shape[1] > 0:
+        return None
+    start = np.zeros(1)
+    forces = motion.force(start)
+    rest = reduced.body.inverse().solve(np.ascontiguousarray(reduced.loads @ forces))
+    found = recovery.displacement(motion.observed(None, start)[0], forces)
+    sag: FloatArray = (rest - found)[:, 0]
+    return sag
 
 
 def _flight(plan: Plan, body: int) -> Flight | None:

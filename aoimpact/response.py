@@ -79,6 +79,8 @@ class Response:
         When the body is touched first, and with the largest force, s.
     stirred : float
         From when on it swings by itself, s.
+    sag : ndarray, shape (n_dofs,), or None
+        What `recovery` misses of where the body is at rest under load, m.
     """
 
     body: Body
@@ -88,6 +90,7 @@ class Response:
     peak_time: float
     blows: tuple[tuple[float, float], ...] = ()
     stirred: float = 0.0
+    sag: FloatArray | None = None
 
     def probe(self, point: Any, direction: Any, nodes: Any, times: Any) -> Probe:
         """See `BodyResult.probe`."""
@@ -107,6 +110,8 @@ class Response:
         if self.recovery is not None:
             coordinates = self.recovery.displacement(coordinates, self.motion.force(wanted))
             rates = self.recovery.displacement(rates, self.motion.force_rate(wanted))
+        if self.sag is not None:
+            coordinates = coordinates + self.sag[:, None]
         if self.flight is not None:
             way, speed = self.flight.at(wanted)
             coordinates = coordinates + np.outer(self.flight.shape, way)
@@ -185,6 +190,8 @@ class Response:
             u, v = self.motion.observed(of_coordinates, times)
             u = u + of_forces @ self.motion.force(times)
             v = v + of_forces @ self.motion.force_rate(times)
+        if self.sag is not None:
+            u = u + (rows @ self.sag)[:, None]
         if self.flight is not None:
             way, speed = self.flight.at(times)
             seen = rows @ self.flight.shape
