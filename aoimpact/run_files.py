@@ -108,11 +108,11 @@ def write_sweep(table: SweepTable, out: str | os.PathLike[str]) -> tuple[Path, .
 
 
 def rows(table: SweepTable) -> dict[str, Any]:
-    """Return what JSON can hold of a sweep; null where a number is not known."""
+    """Return what JSON can hold of a sweep; null where a number is not known, "inf" of a wall."""
     found = []
     for number, values in enumerate(table.data):
-        row = dict(zip(table.columns, values.item(), strict=True))
-        row |= _finite({name: row[name] for name in table.quantities})
+        row = dict(zip(table.columns, map(_told, values.item()), strict=True))
+        row |= _finite({name: float(values[name]) for name in table.quantities})
         if number in table.errors:
             row["error"] = str(table.errors[number])
         found.append(row)
@@ -133,6 +133,15 @@ def _contacts(result: Result | Run) -> list[Any]:
 def as_json(report: dict[str, Any]) -> str:
     """Return the text of a report; numbers with all their digits."""
     return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def _told(value: Any) -> Any:
+    """A parameter's value, with text for the numbers that JSON has not."""
+    if isinstance(value, dict):
+        return {name: _told(of) for name, of in value.items()}
+    if isinstance(value, list):
+        return [_told(of) for of in value]
+    return value if not isinstance(value, float) or math.isfinite(value) else str(value)
 
 
 def _finite(values: dict[str, Any]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import scenefile_schema
+from aoimpact.run_files import as_json, rows
 from aoimpact.schema import Chosen, Either, Kind, Listed, Named, Table, Tree, Variants
 from aoimpact.sweep import sweep_file
 
@@ -516,6 +518,16 @@ scene.contacts.0.gap = { from = 0, to = 2, count = 3 }
     changed = file.replaced({"scene.bodies.first.velocity": 1.0, "scene.contacts.0.gap": 2})
     assert changed.data["scene"]["bodies"][0]["velocity"] == 1.0
     assert changed.data["scene"]["contacts"][0]["gap"] == 2
+
+
+def test_a_sweep_as_far_as_a_wall_is_written_as_json(tmp_path: Path) -> None:
+    swept = "\n[sweep.over]\nbodies.beam.m0 = [0.1, inf]\nvelocity = [2.0, nan]\n"
+    table = sweep_file(ao.read_scene(written(tmp_path, STARS + swept)))
+    found = json.loads(as_json(rows(table)))["rows"]
+    assert [row["bodies.beam.m0"] for row in found] == [0.1, 0.1, "inf", "inf"]
+    assert [row["velocity"] for row in found] == [2.0, "nan"] * 2
+    assert found[1]["peak_force"] is None
+    assert found[0]["peak_force"] == table["peak_force"].ravel()[0]
 
 
 def test_a_place_is_swept_once_whatever_it_is_called(tmp_path: Path) -> None:
