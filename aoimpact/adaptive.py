@@ -240,6 +240,8 @@ def adaptive_run(
     )
     if order is not None:
         contacts = tuple(contacts[i] for i in np.argsort(order))
+    if len(joints) > 1:
+        contacts = tuple(map(_felt, contacts))
     return Track(
         *scene,
         order,
@@ -253,6 +255,13 @@ def adaptive_run(
         x_end,
         v_end,
     )
+
+
+def _felt(contact: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A contact without touches that no force came of: bodies beside a blow that part from zero."""
+    peak, at, impulse, spans, touches = contact
+    felt = [i for i, (passed, _) in enumerate(touches) if passed != 0.0]
+    return peak, at, impulse, [spans[i] for i in felt], [touches[i] for i in felt]
 
 
 def _order(bodies: Sequence[CoreBody], joints: Sequence[CoreJoint]) -> IntArray | None:

@@ -548,6 +548,17 @@ def test_bodies_that_fall_side_by_side_do_not_press_each_other(damping):
     assert [run[body].velocity[-1] for body in (first, second)] == pytest.approx([fallen] * 2)
 
 
+def test_bodies_that_part_from_zero_beside_a_blow_have_not_touched():
+    scene = ao.Scene()
+    striker = scene.add(BALL, velocity=3.0)
+    struck, leaving = scene.add(BALL), scene.add(BALL, velocity=1e-3)
+    scene.connect(striker, struck, HERTZ)
+    scene.connect(struck, leaving, HERTZ)
+    run = scene.simulate(duration=5e-4)
+    ((start, _),) = run.contacts[1].intervals
+    assert start > 0.0
+
+
 def test_gravity_on_a_held_star_of_numbers_says_that_it_does_nothing():
     scene = ao.Scene(gravity=EARTH)
     beam = scene.add(BEAM)
