@@ -13,7 +13,8 @@ enum {
     MOST_STRIDES = 10000000,
     MOST_TRIMS = 12,
     MOST_IDLE = 1000,
-    SHARING_SWEEPS = 10000
+    SHARING_SWEEPS = 10000,
+    RISES = 4
 };
 
 /* An event closer to the start than this share of the step happens at the start. */
@@ -157,6 +158,24 @@ static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
     }
 }
 
+/* What a load that rises from nothing comes to while the contact takes it, as an acceleration: it and the
+ * time that the contact takes hang on each other, loosely. */
+static double rising(const aoi_adaptive *run, const aoi_contact_state *contact, const aoi_law *law,
+                     const aoi_flight *pair)
+{
+    const double jerk = aoi_flight_jerk(pair);
+    double time = run->end - pair->time;
+    for (int side = 0; side < 2; side++) {
+        time = fmin(time, aoi_modes_next_bend(pair->body[side], pair->time) - pair->time);
+    }
+    for (int i = 0; i < RISES && jerk > 0.0; i++) {
+        const double acceleration = jerk * time;
+        const double reach = deepest(law, contact->memory, 0.0, acceleration / contact->mobility);
+        time = fmin(time, sqrt(reach / acceleration));
+    }
+    return fmax(jerk * time, 0.0);
+}
+
 /* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
  * that the first steps are rather too careful. */
 static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *pair, double rate,
@@ -169,7 +188,8 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
     mobility_of(pair, &mobility, &swing);
     contact->mobility = mobility;
     rate = fmax(rate, 0.0);
-    acceleration = fmax(acceleration, 0.0);
+    acceleration = acceleration == 0.0 && mobility > 0.0 ? rising(run, contact, law, pair)
+                                                         : fmax(acceleration, 0.0);
     if (!(mobility > 0.0) || !(rate + acceleration > 0.0)) {
         return; /* what it will be the contacts beside it decide */
     }

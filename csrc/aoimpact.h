@@ -731,6 +731,10 @@ typedef struct aoi_flight {
 void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double *rate,
                             double *acceleration);
 
+/* The third derivative of the indentation without contact force: what presses bodies together first that
+ * touch at rest while a load rises from nothing. */
+double aoi_flight_jerk(const aoi_flight *pair);
+
 /* Flies both (in place) until they touch, but not beyond limit; says whether they touch then
  * (indentation 0, about to rise). Never steps over a touch: each stride is the root of a quadratic
  * that bounds the indentation from above, high frequencies by their amplitude, low ones by their

@@ -33,6 +33,24 @@ void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double 
     }
 }
 
+double aoi_flight_jerk(const aoi_flight *pair)
+{
+    double jerk = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair->body[side];
+        for (size_t j = 0; j < body->n; j++) {
+            double load, slope;
+            aoi_modes_drive(body, j, pair->time, &load, &slope);
+            const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
+            const double x = pair->x[side][j], v = pair->v[side][j];
+            const double a = load - omega * omega * x - 2.0 * decay * v;
+            jerk += (side == 0 ? 1.0 : -1.0) * body->shape[pair->port[side] * body->n + j] *
+                    (slope - omega * omega * v - 2.0 * decay * a);
+        }
+    }
+    return jerk;
+}
+
 /* The first positive root of c + b t + a t^2, or infinity. With c < 0 that is where it becomes
  * positive; with c = 0 (just let go) where it does so again. */
 static double first_root(double c, double b, double a)
@@ -196,6 +214,15 @@ static void part(aoi_flight *pair)
     }
 }
 
+/* Whether bodies at touch are about to be pressed together. */
+static int closes(const aoi_flight *pair, double rate, double acceleration)
+{
+    if (rate != 0.0 || acceleration != 0.0) {
+        return rate > 0.0 || (rate == 0.0 && acceleration > 0.0);
+    }
+    return aoi_flight_jerk(pair) > 0.0;
+}
+
 int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touches)
 {
     *touches = 0;
@@ -208,8 +235,7 @@ int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touc
         aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
         double level = indentation, drift = rate;
         all_fast(pair, within, &level, &drift, &scale);
-        if (indentation >= -4.0 * DBL_EPSILON * scale &&
-            (rate > 0.0 || (rate == 0.0 && acceleration > 0.0))) {
+        if (indentation >= -4.0 * DBL_EPSILON * scale && closes(pair, rate, acceleration)) {
             *touches = 1;
             return AOI_OK;
         }

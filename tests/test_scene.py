@@ -7,6 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
+import scipy.integrate
 import scipy.linalg
 import scipy.optimize
 import scipy.sparse.linalg
@@ -308,6 +309,43 @@ def test_a_load_that_lifts_a_ball_off_its_floor():
     assert end == pytest.approx(off, rel=1e-9)
     assert run.contacts[0].force[0] == pytest.approx(weight, rel=1e-11)
     assert run.error.energy < 1e-9
+
+
+def pressed(body, law, times, forces, rtol=1e-8):
+    """The largest force of a body that touches a wall at rest under a load that rises."""
+    scene = ao.Scene()
+    ball, wall = scene.add(body), scene.add(WALL)
+    contact = scene.connect(ball, wall, law)
+    scene.apply(ball, force=(times, forces))
+    run = scene.simulate(duration=4e-3, solver=ao.Adaptive(rtol=rtol))
+    assert abs(run.error.energy) < 10.0 * rtol
+    return run.contacts[contact].peak_force
+
+
+@pytest.mark.parametrize("start", [0.0, 3e-5])
+@pytest.mark.parametrize("seat", [math.inf, 1e8, 1e6])
+def test_a_load_that_rises_from_nothing_presses_a_body_at_touch(start, seat):
+    """A mass, alone or behind a spring whose end touches without mass, and a linear law."""
+    mass, k, top, rise = 1.0, 1e7, 1000.0, 1e-4
+    body = ao.rigid(mass) if math.isinf(seat) else ao.AOModel(m0=0.0, k0=0.0, m=[mass], k=[seat])
+    share = 1.0 if math.isinf(seat) else seat / (seat + k)
+    omega = math.sqrt(share * k / mass)
+    swing = top / rise / omega * 2.0 * math.sin(omega * rise / 2.0)
+    peak = pressed(body, ao.Linear(k), [start, start + rise, 1.0], [0.0, top, top])
+    assert peak == pytest.approx(top + share * swing, rel=1e-8)
+
+
+def test_a_load_that_rises_from_nothing_presses_hertzs_law():
+    def motion(t, y):
+        return y[1], 1e7 * min(t, 1e-4) - K * max(y[0], 0.0) ** 1.5
+
+    peak = pressed(ao.rigid(1.0), HERTZ, [0.0, 1e-4, 1.0], [0.0, 1000.0, 1000.0])
+    options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-18}
+    first = scipy.integrate.solve_ivp(motion, (0.0, 1e-4), (0.0, 0.0), **options)
+    then = scipy.integrate.solve_ivp(
+        motion, (1e-4, 2e-3), first.y[:, -1], events=lambda t, y: y[1], **options
+    )
+    assert peak == pytest.approx(K * then.y_events[0][0][0] ** 1.5, rel=2e-8)
 
 
 def test_a_free_mass_under_a_force_of_straight_pieces():

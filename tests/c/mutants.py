@@ -183,6 +183,8 @@ MUTANTS = [
     ("modes.c", "slope * motion.ramp", "0.0 * motion.ramp"),
     ("flight.c", "velocity += compliance * rise", "velocity -= compliance * rise"),
     ("flight.c", "2.0 * decay * pair->v[side][j]", "0.0"),
+    ("flight.c", "slope - omega * omega * v - 2.0 * decay * a", "slope"),
+    ("flight.c", "aoi_flight_jerk(pair) > 0.0", "0"),
     ("flight.c", "discriminant < 0.0", "discriminant < 1e-6"),
     ("flight.c", "hypot(x - rest, (v - drift) / omega)", "fabs(x - rest)"),
     ("flight.c", "made.drift = shape * drift", "made.drift = 0.0"),

@@ -118,6 +118,44 @@ static void a_load_that_rises_pushes_a_ball_against_the_wall(void)
     CHECK(near(p.v[0], 0.75, 1e-13), "3 t^2: %.17g", p.v[0]);
 }
 
+/* At touch and at rest, with a load that is nothing yet, the third derivative decides: a force that rises, less
+ * what drag takes of the acceleration, and springs of the velocity. */
+static void a_load_that_begins_at_touch_presses(void)
+{
+    for (int pulls = 0; pulls < 2; pulls++) {
+        plant p = {.bodies = 0};
+        part *ball = add_rigid(&p, 2.0, 0.0);
+        ball->load_count = 2;
+        ball->load_time[1] = 1.0;
+        ball->load_force[1] = pulls ? -6.0 : 6.0;
+        add_wall(&p);
+        aoi_flight pair = pair_of(&p, 0.0);
+        CHECK(aoi_flight_jerk(&pair) == (pulls ? -3.0 : 3.0), "f' / m");
+        CHECK(next_touch(&pair, 9.0) == !pulls, "pressed on, or drawn off");
+        CHECK(pulls || pair.time == 0.0, "at once");
+    }
+}
+
+static void the_third_derivative_is_the_slope_of_the_second(void)
+{
+    const double omega = 50.0, decay = 7.0, x = 3e-3, v = 0.2, f = 4.0, slope = 90.0;
+    plant p = {.bodies = 0};
+    part *bob = add_rigid(&p, 2.0, v);
+    bob->omega[0] = omega;
+    bob->damped = 1;
+    bob->decay[0] = decay;
+    bob->load_count = 2;
+    bob->load_time[1] = 1.0;
+    bob->load_force[0] = f;
+    bob->load_force[1] = f + slope;
+    bob->x[0] = x;
+    add_wall(&p);
+    aoi_flight pair = pair_of(&p, 0.0);
+    const double a = f / 2.0 - 2.0 * decay * v - omega * omega * x;
+    CHECK(near(aoi_flight_jerk(&pair), slope / 2.0 - 2.0 * decay * a - omega * omega * v, 1e-14), "%.17g",
+          aoi_flight_jerk(&pair));
+}
+
 /* Far faster than the load rises, a sprung mass follows it: x = f' t / (m omega^2), but for its ripple. */
 static void a_stiff_mass_creeps_up_with_its_load(void)
 {
@@ -310,6 +348,8 @@ int main(void)
     a_crest_just_below_the_gap_is_passed_and_just_above_is_hit();
     a_damped_crest_is_lower();
     a_load_that_rises_pushes_a_ball_against_the_wall();
+    a_load_that_begins_at_touch_presses();
+    the_third_derivative_is_the_slope_of_the_second();
     a_stiff_mass_creeps_up_with_its_load();
     residual_compliance_creeps_up_with_its_load();
     a_sprung_mass_swings_about_what_its_load_makes_of_its_rest();
