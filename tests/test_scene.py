@@ -282,7 +282,7 @@ def test_a_ball_bounces_until_it_rests():
 )
 def test_bounces_under_gravity_lose_no_energy(count):
     scene, _, time = bouncing()
-    run = scene.simulate(duration=count * time, solver=ao.Adaptive(rtol=1e-11))
+    run = scene.simulate(duration=count * time, solver=ao.Adaptive(rtol=1e-10))
     assert len(run.contacts[0].intervals) == pytest.approx(count, rel=0.02)
     assert run.error.energy <= 1e-10
 
