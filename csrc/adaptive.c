@@ -462,7 +462,7 @@ int aoi_adaptive_start(aoi_adaptive *run)
     run->table_cost = modes > 1 ? TABLE_COST * (double)modes : 0.0;
     run->base = run->indentation_scale = run->impulse_scale = run->saved = 0.0;
     run->origin = run->time;
-    run->elapsed = 0.0;
+    run->elapsed = run->left_off = 0.0;
     run->steps = run->rejected = run->uses = run->culprit = 0;
     run->closed_count = run->stage_count = 0;
     lay_out_work(run);
@@ -546,7 +546,7 @@ static int flight(aoi_adaptive *run)
         }
     }
     run->origin = run->time = best;
-    run->elapsed = 0.0;
+    run->elapsed = run->left_off = 0.0;
     (void)aoi_watch_first(run, 1, run->end, &joint);
     if (joint < run->system->joint_count) {
         if (joint == landed) {

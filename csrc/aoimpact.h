@@ -949,6 +949,7 @@ typedef struct aoi_adaptive {
     double base;
     double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
     double origin, elapsed; /* time is their sum: short steps of a late contact */
+    double left_off;        /* of elapsed by rounding */
     double horizon;         /* no contact between bodies in flight before */
     double *flight[2], *scratch, *port_force, *collocation;
     size_t steps, rejected, uses;

@@ -1103,9 +1103,17 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
     return some;
 }
 
+/* Many equal steps are rounded alike, which would add up to a phase: what is left off is added later. */
+static void pass_time(aoi_adaptive *run, double h)
+{
+    const double step = h + run->left_off, elapsed = run->elapsed + step;
+    run->left_off = step - (elapsed - run->elapsed);
+    run->elapsed = elapsed;
+}
+
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
 {
-    const double h = attempt->h, later = run->origin + (run->elapsed + h);
+    const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
     const int with_rates =
         aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
     *size = aoi_step_write(run, h, run->closed_count, row);
@@ -1116,7 +1124,7 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
             return status;
         }
     }
-    run->elapsed += h;
+    pass_time(run, h);
     run->steps++;
     run->indentation_scale = run->impulse_scale = 0.0;
     for (size_t s = 0; s < run->stage_count; s++) {

@@ -335,6 +335,30 @@ def test_a_load_that_rises_from_nothing_presses_a_body_at_touch(start, seat):
     assert peak == pytest.approx(top + share * swing, rel=1e-8)
 
 
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9, 1e-11])
+def test_a_weight_that_shakes_on_its_spring_for_a_thousand_periods_keeps_in_time(rtol):
+    """In one contact that never opens: closed form of a weight, and a load that rises beside it."""
+    mass, k, top = 0.1, 1e6, 50.0
+    omega = math.sqrt(k / mass)
+    period = 2.0 * math.pi / omega
+    scene = ao.Scene(gravity=EARTH)
+    weight, floor = scene.add(ao.rigid(mass)), scene.add(WALL)
+    contact = scene.connect(weight, floor, ao.Linear(k))
+    scene.apply(weight, force=([0.0, period / 4.0, 1e9], [0.0, top, top]))
+    run = scene.simulate(duration=1000 * period, solver=ao.Adaptive(rtol=rtol))
+
+    def ramp(since):
+        return np.maximum(since, 0.0) - np.where(since > 0.0, np.sin(omega * since) / omega, 0.0)
+
+    times = np.linspace(990.0, 1000.0, 400) * period
+    rise = top / (period / 4.0) / k
+    exact = mass * EARTH / k * (1.0 - np.cos(omega * times))
+    exact += rise * (ramp(times) - ramp(times - period / 4.0))
+    error = np.abs(run.at(times)[weight].displacement - exact).max() / exact.max()
+    assert len(run.contacts[contact].intervals) == 1
+    assert error <= rtol
+
+
 def test_a_load_that_rises_from_nothing_presses_hertzs_law():
     def motion(t, y):
         return y[1], 1e7 * min(t, 1e-4) - K * max(y[0], 0.0) ** 1.5

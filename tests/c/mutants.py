@@ -181,6 +181,7 @@ MUTANTS = [
     ("modes.c", "at->here[port] + *slope * at->into", "at->here[port]"),
     ("modes.c", "bend < to ? bend : to", "to"),
     ("modes.c", "slope * motion.ramp", "0.0 * motion.ramp"),
+    ("step.c", "h + run->left_off, elapsed", "h, elapsed"),
     ("flight.c", "velocity += compliance * rise", "velocity -= compliance * rise"),
     ("flight.c", "2.0 * decay * pair->v[side][j]", "0.0"),
     ("flight.c", "slope - omega * omega * v - 2.0 * decay * a", "slope"),

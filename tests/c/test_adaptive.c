@@ -481,6 +481,25 @@ static void what_rests_goes_on_resting(void)
     release(&p);
 }
 
+/* A weight that shakes on a spring for 1000 and a quarter periods, in steps that are rounded alike: it ends in
+ * the middle, at its full speed. */
+static void what_shakes_keeps_in_time(void)
+{
+    const double g = 9.81, mass = 0.1, k = 1e6, omega = sqrt(k / mass), rest = mass * g / k;
+    const aoi_law law = linear(k);
+    plant p = {.bodies = 0};
+    part *weight = add_rigid(&p, mass, 0.0);
+    weight->pulled = 1;
+    weight->gravity[0] = g;
+    weight->x[0] = 1.5 * rest;
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 0.0, &law);
+    must_go(&p, 1e-11, 1000.25 * 2.0 * PI / omega);
+    CHECK(fabs(p.x[0] - rest) < 1e-11 * rest, "in the middle, to %g of its rest", p.x[0] / rest - 1.0);
+    CHECK(near(p.v[0], -0.5 * rest * omega, 1e-11), "up, at full speed: %.15g", p.v[0] / (rest * omega));
+    release(&p);
+}
+
 /* Pressed together and let go: the stored energy becomes kinetic. */
 static void preloaded_bodies_fly_apart(void)
 {
@@ -789,6 +808,7 @@ int main(void)
     a_bouncing_ball_keeps_its_height();
     contacts_end_where_a_step_does();
     what_rests_goes_on_resting();
+    what_shakes_keeps_in_time();
     preloaded_bodies_fly_apart();
     what_presses_on_a_massless_place_is_shared_from_the_start();
     hunt_and_crossley_lose_what_they_must();
