@@ -35,7 +35,11 @@ def grid_of(over: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 def sweep_problems(data: Mapping[str, Any], kind: str) -> Iterator[Problem]:
     """Yield what is wrong with the sweep of a file that is right without it."""
-    over = data["sweep"]["over"]
+    over, workers = data["sweep"]["over"], data["sweep"].get("workers", 1)
+    if workers < 1:
+        yield ("sweep", "workers"), f"must be at least 1, got {workers}"
+    if data["sweep"].get("keep") == []:
+        yield ("sweep", "keep"), "names nothing: leave it out to keep what the file reports"
     if not over:
         yield ("sweep", "over"), "names nothing to sweep over, such as velocity = [0.5, 1.0]"
     base = {name: of for name, of in data.items() if name != "sweep"}

@@ -13,11 +13,15 @@ from typing import Any
 from .checks import nearest
 from .errors import InputError, InputTypeError
 from .many import KEYWORDS, REQUIRED, Failed, SceneCase, iterate_many
-from .quantities import QUANTITIES
+from .memory import require
+from .quantities import QUANTITIES, Named, keeper
 from .scenefile import SceneFile, read_scene
 from .sweep_table import SweepTable, sweep_table
 
 __all__ = ["sweep", "sweep_file"]
+
+# A column of its own, and once more in the structured array of all.
+_BYTES_PER_NUMBER = 16.0
 
 
 def sweep(
@@ -55,6 +59,8 @@ def sweep(
     ------
     InputError, InputTypeError
         If a parameter has no values, or the base does not know its name.
+    MemoryLimitError
+        If the table of so many cases would not fit into memory; nothing is simulated then.
 
     Examples
     --------
@@ -71,6 +77,7 @@ def sweep(
             "keep=None: a table holds numbers; name some, or take simulate_many for whole results"
         )
     plan = _Plan(_maker(base, checked), checked)
+    _check_fits(checked, keep)
     values = iterate_many(plan, workers, keep=keep, checkpoint=checkpoint, progress=progress)
     return sweep_table(checked, values, keep)
 
@@ -125,6 +132,18 @@ def _checked_grid(grid: Any) -> dict[str, list[Any]]:
         if not checked[name]:
             raise InputError(f"grid[{name!r}] has no values: the sweep is empty")
     return checked
+
+
+def _check_fits(grid: Mapping[str, Sequence[Any]], keep: Any) -> None:
+    cases = math.prod(len(values) for values in grid.values())
+    kept = keeper(keep)
+    columns = len(grid) + (len(kept.names) if isinstance(kept, Named) else 1)
+    sizes = " x ".join(str(len(values)) for values in grid.values())
+    require(
+        _BYTES_PER_NUMBER * columns * float(cases),
+        f"sweep: a table of {sizes} = {cases:.4g} cases and {columns} columns",
+        "give fewer values, or sweep over parts of the grid, each with its own to_csv",
+    )
 
 
 @dataclass(frozen=True)

@@ -551,6 +551,8 @@ def test_a_place_is_swept_once_whatever_it_is_called(tmp_path: Path) -> None:
         ("from = 1e8", "from = 0", "law.k", "'log' needs from and to above 0"),
         ('"log"', '"lag"', "law.k", "did you mean 'log'"),
         ('["peak_force"]', '["peak_forc"]', "keep", "did you mean 'peak_force'"),
+        ('["peak_force"]', "[]", "keep", "sweep.keep: names nothing"),
+        ("[sweep]", "[sweep]\nworkers = 0", "workers", "sweep.workers: must be at least 1, got 0"),
         (SWEPT, "\n[sweep]\nover = {}\n", "over = {}", "nothing to sweep over"),
         ("1e8, to", f"{10**400}, to", "law.k", "from must be finite"),
         ("law.k", "impact.velocity", "impact.velocity", "is in the same place as 'velocity'"),

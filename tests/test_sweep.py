@@ -209,6 +209,12 @@ def test_bad_columns_are_refused(keep: Any, text: str) -> None:
         ao.sweep(BASE, {"velocity": [1.0, 2.0]}, keep=keep)
 
 
+def test_a_table_that_memory_cannot_hold_is_refused_at_once() -> None:
+    many = [1.0] * 1_000_000
+    with pytest.raises(ao.MemoryLimitError, match=r"1000000 x 1000000 = 1e\+12 cases"):
+        ao.sweep(BASE, {"velocity": many, "duration": many})
+
+
 def test_bad_plots_are_refused() -> None:
     table = ao.sweep(BASE, {"law": [ao.Hertz(k=1e10)]})
     with pytest.raises(ao.InputError, match="no parameter of this sweep is a number"):
