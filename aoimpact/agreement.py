@@ -12,7 +12,7 @@ from .adaptive import FloatArray, Track
 
 __all__ = ["difference", "most_touches"]
 
-# A contact need not be more exact than this share of the largest: the core's own rule (step.c).
+# A contact need not be more exact than this share of the largest: the core's own rule (step.h).
 _LESSER_SHARE = 0.01
 
 # Bodies at rest side by side that a wave reaches begin to press each other at no certain time:

@@ -1,4 +1,5 @@
-/* Private to the core: what adaptive.c (which step comes next) and step.c (one step) share. */
+/* Private to the core: what adaptive.c (which step comes next) and the files of one step share; step.h has
+ * what those share among themselves. */
 #ifndef AOI_ADAPTIVE_H
 #define AOI_ADAPTIVE_H
 

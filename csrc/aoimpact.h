@@ -857,7 +857,7 @@ void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const doubl
 double aoi_collocation_impulse(const aoi_stage *stage, double h);
 double aoi_collocation_work(const aoi_stage *stage);
 
-/* -------------------------------------------------- a tolerance instead of a step: adaptive.c, step.c */
+/* ------------------------------------------------- a tolerance instead of a step: adaptive.c, step*.c */
 
 /* A row of a track, the dense record of an adaptive run: a step of contact, or a moment from which bodies
  * fly freely. First these five; then for each of its bodies its number the work done on it and lost in it
