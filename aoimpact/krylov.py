@@ -22,7 +22,7 @@ from .checks import integer, positive
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, SingularError, warn
 from .modes import star_of_modes
-from .solvers import FEW_SOLUTIONS, LinearSolver, Solver, checked_solver
+from .solvers import FEW_SOLUTIONS, LinearSolver, Solver, checked_solver, stays_quickest
 from .star import AOModel
 from .statics import displacement, moves_rigidly
 
@@ -48,8 +48,9 @@ _NO_STIFFNESS = 1e-12
 # Vectors, as a multiple of the oscillators wanted, after which no more are tried for those missing.
 _MOST_IDLE = 2
 
-# As many times as many solutions are foreseen once there were more than foreseen.
-_UNFORESEEN = 10
+# As many times those that there were are foreseen once there are more solutions than foreseen: what
+# iterates gives way when it has cost as much as factors would have, and no more is lost than that.
+_UNFORESEEN = 2
 
 # A vector of which less than this share is new is a combination of those before it.
 _NOTHING_NEW = 1e-11
@@ -134,6 +135,7 @@ class Subspace:
         There are fewer where the functionals excite no more. Those that were there stay.
         """
         self._wanted = max(self._wanted, count)
+        self._foresee(self._wanted - self.rigid_count)
         if not self._ordered:
             self._ordered = list(np.eye(self.rigid_count, self._count))
         if len(self._ordered) == self.rigid_count < count and self._next == self._given:
@@ -194,11 +196,13 @@ class Subspace:
         loads = self._b[self._held]
         wanted -= int(np.linalg.matrix_rank(loads))
         places = int(np.linalg.matrix_rank(self._b))
-        if self._inverse(min(self.shifts)).precondition is None:
+        # What iterates finds x for K by itself at the cost of few solves.
+        direct = self._inverse(min(self.shifts)).precondition is None
+        if direct:
             wanted = max(wanted, _FIRST * places)
         self._solve_to(wanted)
         within, left = self._galerkin(loads)
-        for _ in range(_LAST):
+        for _ in range(_LAST if direct else 0):
             if not _REACHED < left <= _PROMISING:
                 break
             self._solve_to(self._count - self._given + places)
@@ -295,16 +299,12 @@ class Subspace:
         )
 
     def _inverse(self, shift: float) -> LinearSolver:
-        while self._solves >= self._foreseen:
-            # More than were foreseen: what iterates is chosen anew, for many times as many.
-            self._foreseen *= _UNFORESEEN
-            if self._solver == "auto":
-                direct = {s: one for s, one in self._solvers.items() if one.precondition is None}
-                self._solvers = direct
+        if self._solves >= self._foreseen:
+            self._foresee(_UNFORESEEN * self._solves)
         if shift not in self._solvers:
             try:
                 self._solvers[shift] = self.body.inverse(
-                    shift**2, solver=self._solver, solutions=self._foreseen
+                    shift**2, solver=self._solver, solutions=self._foreseen - self._solves
                 )
             except SingularError as error:
                 raise SingularError(
@@ -314,6 +314,18 @@ class Subspace:
                 ) from None
         self.solver_name = self._solvers[shift].name
         return self._solvers[shift]
+
+    def _foresee(self, solutions: int) -> None:
+        """Let go what iterates, if for so many solutions in all factors are quicker."""
+        if solutions <= self._foreseen:
+            return
+        self._foreseen, left = solutions, solutions - self._solves
+        if self._solver == "auto":
+            self._solvers = {
+                shift: one
+                for shift, one in self._solvers.items()
+                if one.precondition is None or stays_quickest(one, left)
+            }
 
     def _static_mode(self, load: FloatArray, start: FloatArray) -> FloatArray:
         dynamic = self._inverse(min(self.shifts))

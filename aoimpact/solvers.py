@@ -33,6 +33,7 @@ __all__ = [
     "checked_solver",
     "linear_solver",
     "solutions_worth",
+    "stays_quickest",
 ]
 
 FloatArray = npt.NDArray[np.float64]
@@ -217,7 +218,7 @@ def linear_solver(
         return _users_own(pencil, solver)
     name = str(checked_solver(solver))
     width = mean_width(pencil.K)
-    entries = {each: entries_by_width(pencil.n, width, each) for each in _BYTES}
+    entries = _entries(pencil, width)
     needs = _needs(pencil, entries)
     if name == "auto":
         name = _quickest(pencil, entries, needs, solutions)
@@ -229,6 +230,13 @@ def linear_solver(
     if name == "pardiso":
         return _InTurn(pencil, width).at(pencil.s2)
     return LinearSolver(name, pencil, factorize(pencil.matrix(), what=pencil.what).solve)
+
+
+def stays_quickest(solver: LinearSolver, solutions: int) -> bool:
+    """Whether "auto" would take the same one for so many solutions."""
+    entries = _entries(solver.pencil, mean_width(solver.pencil.K))
+    needs = _needs(solver.pencil, entries)
+    return _quickest(solver.pencil, entries, needs, solutions) == solver.name
 
 
 def solutions_worth(solver: LinearSolver) -> float:
@@ -255,6 +263,10 @@ class _InTurn:
             self._factors.replace(pencil.matrix(), pencil.what)
             self._s2 = pencil.s2
         return self._factors.solve(rhs)
+
+
+def _entries(pencil: Pencil, width: float) -> dict[str, float]:
+    return {each: entries_by_width(pencil.n, width, each) for each in _BYTES}
 
 
 def _needs(pencil: Pencil, entries: dict[str, float]) -> dict[str, float]:

@@ -25,7 +25,7 @@ from aoimpact.pencil import Pencil
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
-# What few oscillators are best shifted by, for a blow of some 70 µs; and what the issue asks for.
+# What few oscillators are best shifted by, for a blow of some 70 µs; and the residual of solutions.
 SHIFT = 1.5e5**2
 TOLERANCE = 1e-8
 
