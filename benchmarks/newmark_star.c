@@ -3,6 +3,27 @@
 #include <math.h>
 #include <stddef.h>
 
+/* Newton's method from the last indentation for d = free_end - compliance hertz d^(3/2), the force at it. */
+static double force_at(double free_end, double compliance, double hertz, double *indentation)
+{
+    if (free_end <= 0.0) {
+        *indentation = free_end;
+        return 0.0;
+    }
+    double d = *indentation > 0.0 && *indentation < free_end ? *indentation : free_end;
+    for (int i = 0; i < 50; i++) {
+        const double root = sqrt(d);
+        const double change = (d - free_end + compliance * hertz * root * d) /
+                              (1.0 + 1.5 * compliance * hertz * root);
+        d = d - change > 0.0 ? d - change : 0.5 * d;
+        if (fabs(change) < 1e-15 * d) {
+            break;
+        }
+    }
+    *indentation = d;
+    return hertz * sqrt(d) * d;
+}
+
 void newmark_star(size_t n, double m0, double k0, const double *m, const double *k, double mass,
                   double velocity, double hertz, double h, size_t steps, double *work, double *record)
 {
@@ -28,21 +49,7 @@ void newmark_star(size_t n, double m0, double k0, const double *m, const double 
         x += h * s + reach * b;
         s += 0.5 * h * b;
         const double free_end = x - (u0 - reach * pull / inertia);
-        double force = 0.0, d = free_end;
-        if (free_end > 0.0) {
-            d = indentation > 0.0 && indentation < free_end ? indentation : free_end;
-            for (int i = 0; i < 50; i++) {
-                const double root = sqrt(d);
-                const double change = (d - free_end + compliance * hertz * root * d) /
-                                      (1.0 + 1.5 * compliance * hertz * root);
-                d = d - change > 0.0 ? d - change : 0.5 * d;
-                if (fabs(change) < 1e-15 * d) {
-                    break;
-                }
-            }
-            force = hertz * sqrt(d) * d;
-        }
-        indentation = d;
+        const double force = force_at(free_end, compliance, hertz, &indentation);
         a0 = (force - pull) / inertia;
         u0 += reach * a0;
         v0 += 0.5 * h * a0;
@@ -55,7 +62,7 @@ void newmark_star(size_t n, double m0, double k0, const double *m, const double 
         x += reach * b;
         s += 0.5 * h * b;
         record[step] = force;
-        record[steps + 1 + step] = d;
+        record[steps + 1 + step] = indentation;
         record[2 * (steps + 1) + step] = x;
         record[3 * (steps + 1) + step] = u0;
     }

@@ -180,24 +180,18 @@ def declare(comment: str, declaration: str, value: object) -> None:
     print(line)
 
 
-def main() -> None:
-    nodes = radau_nodes()
-    transform = to_legendre(nodes)
-    extra = extra_points(nodes)
-    ends = [mp.mpf(0), *nodes]
-    print("/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal")
-    print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
-    print('#include "radau.h"')
+def declare_series(nodes: list[mp.mpf]) -> None:
+    """Nodes, and the way to Legendre series and back."""
     declare("Radau IIA nodes.", "node[AOI_STAGES]", nodes)
     declare(
         "From values at the nodes to Legendre coefficients.",
         "to_legendre[AOI_STAGES][AOI_STAGES]",
-        transform,
+        to_legendre(nodes),
     )
     declare(
         "From values at 0 and the nodes to Legendre coefficients, by columns.",
         "to_legendre_0[AOI_STAGES + 1][AOI_STAGES + 1]",
-        by_columns(to_legendre(ends)),
+        by_columns(to_legendre([mp.mpf(0), *nodes])),
     )
     declare(
         "P_k at the nodes of the next step of the same length, by columns.",
@@ -209,15 +203,20 @@ def main() -> None:
         "legendre_slope[AOI_STAGES + 1][AOI_STAGES]",
         [[slope_of(shifted_legendre(k), c) for c in nodes] for k in range(STAGES + 1)],
     )
+
+
+def declare_moments(nodes: list[mp.mpf]) -> None:
+    """What oscillators make of a polynomial force up to the nodes."""
+    cardinal = cardinal_monomials(to_legendre(nodes))
     declare(
         "int_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx, by m, node c and j.",
         "moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES]",
-        moments(nodes, cardinal_monomials(transform), 1),
+        moments(nodes, cardinal, 1),
     )
     declare(
         "int_0^c (c-x)^(2m)/(2m)! l_j(x) dx, by m, node c and j.",
         "rate_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES]",
-        moments(nodes, cardinal_monomials(transform), 0),
+        moments(nodes, cardinal, 0),
     )
     declare(
         "P_k(c x) = sum_l shrink[c][k][l] P_l(x).",
@@ -225,6 +224,10 @@ def main() -> None:
         [shrink(c) for c in nodes],
     )
 
+
+def declare_extra(nodes: list[mp.mpf]) -> None:
+    """The points beside the nodes at which the error is estimated."""
+    extra, ends = extra_points(nodes), [mp.mpf(0), *nodes]
     declare(
         "Weights of the extra points, 1 - node, in the quadrature on these and the nodes.",
         "extra_weight[AOI_STAGES]",
@@ -246,7 +249,11 @@ def main() -> None:
         by_columns(slopes(ends, nodes)),
     )
 
+
+def declare_edges(nodes: list[mp.mpf]) -> None:
+    """The points of a step that a contact begins or ends in, and those of its finer rule."""
     edges, checks = edge_points(STAGES), edge_points(CHECKS)
+    ends = [mp.mpf(0), *nodes]
     declare("Points at an edge.", "edge_point[2][AOI_STAGES]", edges)
     declare(
         "Cardinal polynomials of 0 and the nodes at the points of an edge, by columns.",
@@ -278,6 +285,15 @@ def main() -> None:
         "answer_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES]",
         [[lagrange(ends, 1 - x)[1:] for x in points] for points in checks],
     )
+
+
+def main() -> None:
+    nodes = radau_nodes()
+    print("/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal")
+    print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
+    print('#include "radau.h"')
+    for declare_part in (declare_series, declare_moments, declare_extra, declare_edges):
+        declare_part(nodes)
 
 
 if __name__ == "__main__":

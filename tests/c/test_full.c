@@ -223,57 +223,79 @@ static void mode_keeps_its_shape(int32_t n, int mode)
 
 enum { ROW = 6, TWO = 2, TWO_ROWS = AOI_BODY_ROWS + AOI_PORT_ROWS * TWO };
 
-/* A row of masses on springs between walls, touched at two places, damped and under gravity: the
- * same as its modes, which are sines. */
-static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_newmark rule, aoi_rayleigh damping)
+typedef struct row_motion {
+    double g[ROW], v[ROW], centre[ROW]; /* gravity, velocities at the start, the centre of mass */
+} row_motion;
+
+/* A row of masses on springs between walls, touched at two places. work: of doubles for a panel. */
+static void row_make(chain_body *c, aoi_newmark rule, aoi_rayleigh damping, double *work)
 {
-    static chain_body c;
-    static double ports_b[TWO * ROW], work[10 * ROW + 2 * TWO * TWO], modal_work[5 * ROW + 12];
-    static double omega[ROW], decay[ROW], r[TWO * ROW], modal_g[ROW], modal_v[ROW], modal_h[ROW];
-    const double zero[ROW] = {0.0};
-    double k[ROW], m[ROW], g[ROW], v[ROW];
+    static double ports_b[TWO * ROW];
+    double k[ROW], m[ROW];
     for (int i = 0; i < ROW; i++) {
         k[i] = m[i] = 1.0;
-        g[i] = 0.01 * (i - 2);
-        v[i] = 0.1 * i;
     }
-    chain_body_fill(&c, ROW, 1.0, k, m);
-    c.k_values[c.start[ROW] - 1] += 1.0; /* a spring behind the last, too */
+    chain_body_fill(c, ROW, 1.0, k, m);
+    c->k_values[c->start[ROW] - 1] += 1.0; /* a spring behind the last, too */
     const double of_mass = 1.0 + damping.alpha * rule.gamma * rule.dt;
     const double reach = rule.dt * rule.gamma * damping.beta + rule.beta * rule.dt * rule.dt;
     for (int i = 0; i < ROW; i++) { /* L D L^T of the tridiagonal matrix */
-        c.pivots[i] = of_mass + 2.0 * reach;
+        c->pivots[i] = of_mass + 2.0 * reach;
         if (i > 0) {
-            c.l_values[i - 1] = -reach / c.pivots[i - 1];
-            c.pivots[i] += reach * c.l_values[i - 1];
-            c.l_rows[i - 1] = i;
+            c->l_values[i - 1] = -reach / c->pivots[i - 1];
+            c->pivots[i] += reach * c->l_values[i - 1];
+            c->l_rows[i - 1] = i;
         }
-        c.l_start[i + 1] = i < ROW - 1 ? i + 1 : i;
+        c->l_start[i + 1] = i < ROW - 1 ? i + 1 : i;
     }
-    const size_t panels = aoi_factors_find_panels(ROW, c.l_start, c.l_rows, c.panel);
-    c.factors = (aoi_factors){ROW,     c.l_start, c.l_rows, c.l_values,        c.pivots,
-                              c.place, c.panel,   panels,   work + 8 * ROW + 8};
+    const size_t panels = aoi_factors_find_panels(ROW, c->l_start, c->l_rows, c->panel);
+    c->factors = (aoi_factors){ROW,      c->l_start, c->l_rows, c->l_values, c->pivots,
+                               c->place, c->panel,   panels,    work};
     ports_b[1] = ports_b[ROW + 4] = 1.0;
     ports_b[ROW + 5] = -0.5;
-    c.full.b = ports_b;
-    c.full.ports = TWO;
-    c.full.damping = damping;
+    c->full.b = ports_b;
+    c->full.ports = TWO;
+    c->full.damping = damping;
+}
+
+/* The same row in its modes, which are sines. */
+static aoi_modal row_modes(const chain_body *c, const row_motion *nodes, row_motion *modes)
+{
+    static double omega[ROW], decay[ROW], r[TWO * ROW];
+    const aoi_rayleigh damping = c->full.damping;
     for (int j = 0; j < ROW; j++) {
         const double angle = PI * (j + 1) / (ROW + 1), norm = sqrt(2.0 / (ROW + 1));
         omega[j] = 2.0 * sin(0.5 * angle);
         decay[j] = 0.5 * (damping.alpha + damping.beta * omega[j] * omega[j]);
-        modal_g[j] = modal_v[j] = modal_h[j] = r[j] = r[ROW + j] = 0.0;
+        modes->g[j] = modes->v[j] = modes->centre[j] = r[j] = r[ROW + j] = 0.0;
         for (int i = 0; i < ROW; i++) {
             const double shape = norm * sin(angle * (i + 1));
-            modal_g[j] += shape * g[i];
-            modal_v[j] += shape * v[i];
-            modal_h[j] += shape * c.centre[i];
-            r[j] += shape * ports_b[i];
-            r[ROW + j] += shape * ports_b[ROW + i];
+            modes->g[j] += shape * nodes->g[i];
+            modes->v[j] += shape * nodes->v[i];
+            modes->centre[j] += shape * nodes->centre[i];
+            r[j] += shape * c->full.b[i];
+            r[ROW + j] += shape * c->full.b[ROW + i];
         }
     }
-    const aoi_modal modal = {ROW, TWO, omega, decay, r, NULL};
-    const aoi_start begin = {zero, v, c.centre, g, NULL}, modal_begin = {zero, modal_v, modal_h, modal_g, NULL};
+    return (aoi_modal){ROW, TWO, omega, decay, r, NULL};
+}
+
+/* Damped, and under gravity. */
+static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_newmark rule, aoi_rayleigh damping)
+{
+    static chain_body c;
+    static double work[10 * ROW + 2 * TWO * TWO], modal_work[5 * ROW + 12];
+    const double zero[ROW] = {0.0};
+    row_motion nodes, modes;
+    row_make(&c, rule, damping, work + 8 * ROW + 8);
+    for (int i = 0; i < ROW; i++) {
+        nodes.g[i] = 0.01 * (i - 2);
+        nodes.v[i] = 0.1 * i;
+        nodes.centre[i] = c.centre[i];
+    }
+    const aoi_modal modal = row_modes(&c, &nodes, &modes);
+    const aoi_start begin = {zero, nodes.v, nodes.centre, nodes.g, NULL};
+    const aoi_start modal_begin = {zero, modes.v, modes.centre, modes.g, NULL};
     aoi_body in_modes;
     CHECK(aoi_body_start_full(&c.body, &c.full, &rule, &begin, work) == AOI_OK, "finite elements");
     CHECK(aoi_body_start_modal(&in_modes, &modal, &rule, &modal_begin, modal_work) == AOI_OK,

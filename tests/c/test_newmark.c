@@ -275,6 +275,28 @@ static void star_steps_as_its_matrices(size_t n, double k0, aoi_newmark rule)
 
 /* Dashpots and gravity: the same from an accelerated start, and what the dashpots take is what is
  * missing of the energy, to rounding, with the average acceleration. */
+/* Damping, a random constant force on each coordinate, and the accelerations at the start, where the star
+ * moves at 1 m/s, undeformed. */
+static void dense_load(dense *d, aoi_rayleigh damping, double k0, uint64_t *seed, double *gravity)
+{
+    d->alpha = damping.alpha;
+    d->beta = damping.beta;
+    for (size_t i = 0; i < d->size; i++) {
+        gravity[i] = d->g[i] = 1e3 * (uniform(seed) - 0.3);
+        d->a[i] = d->g[i] / d->m[i] - damping.alpha;
+    }
+    d->a[0] -= damping.beta * k0 / d->m[0];
+}
+
+static double weighted(size_t n, const double *weight, const double *x)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += weight[i] * x[i];
+    }
+    return sum;
+}
+
 static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_newmark rule,
                                               aoi_rayleigh damping)
 {
@@ -286,15 +308,7 @@ static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_newmark r
     random_star_make(&r, n, &seed, 0.05, k0);
     dense_make(&d, &r.star, 1.0);
     start(&s, &r.star, rule, 1.0);
-    d.alpha = damping.alpha;
-    d.beta = damping.beta;
-    for (size_t i = 0; i <= n; i++) {
-        gravity[i] = d.g[i] = 1e3 * (uniform(&seed) - 0.3);
-        d.a[i] = d.g[i] / d.m[i] - damping.alpha;
-        if (i == 0) {
-            d.a[i] -= damping.beta * k0 / d.m[0]; /* it moves at 1 m/s, undeformed */
-        }
-    }
+    dense_load(&d, damping, k0, &seed, gravity);
     const aoi_start begin = {s.u0, s.v0, s.centre, gravity, NULL};
     CHECK(aoi_body_start_star(&s.body, &r.star, &damping, &rule, &begin, s.work) == AOI_OK &&
               begin_freely(&s.body) == AOI_OK,
@@ -305,10 +319,7 @@ static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_newmark r
         const double force = 1e5 * sin(0.05 * (j + 1));
         const observation seen = step(&s.body, force);
         dense_step(&d, rule, force);
-        double centre = 0.0;
-        for (size_t i = 0; i <= n; i++) {
-            centre += s.centre[i] * d.u[i];
-        }
+        const double centre = weighted(n + 1, s.centre, d.u);
         size = fmax(size, fabs(d.u[0]));
         worst = fmax(worst, fmax(fabs(seen.displacement - d.u[0]),
                                  fabs(seen.centre_displacement - centre)));
