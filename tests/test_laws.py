@@ -55,7 +55,7 @@ def test_the_pulling_law_pulls():
 
 @over_laws
 @given(parameters=parameters, depth=depths, rate=rates)
-@settings(max_examples=50)
+@settings(max_examples=25)
 def test_derivatives_are_those_of_the_force(name, parameters, depth, rate):
     law = law_of(name, *parameters)
     _, stiffness, damping = law._evaluate(np.array(depth), np.array(rate))

@@ -14,7 +14,7 @@ from aoimpact.locate import weights_at
 @pytest.mark.parametrize("kind", KINDS)
 def test_coordinates_interpolated_at_a_point_are_the_point(kind: str) -> None:
     mesh = distorted_box(kind)
-    for point in np.random.default_rng(0).uniform(0.0, 1.0, (40, 3)) * [2.0, 1.5, 1.0]:
+    for point in np.random.default_rng(0).uniform(0.0, 1.0, (15, 3)) * [2.0, 1.5, 1.0]:
         nodes, weights = weights_at(mesh, point)
         np.testing.assert_allclose(weights @ mesh.nodes[nodes], point, atol=1e-12)
         assert weights.sum() == pytest.approx(1.0, abs=1e-12)
