@@ -15,6 +15,7 @@ import numpy.typing as npt
 from .checks import choice, finite_array, integer, nonnegative, plain, positive, unit_vector
 from .damping import Damping
 from .errors import InputError, InputTypeError, warn
+from .frozen import Frozen
 from .material import Material
 from .mesh import Mesh
 from .patch import Patch
@@ -67,7 +68,7 @@ class Body(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class ContactPoint:
+class ContactPoint(Frozen):
     """A place on a body, and the direction in which it is touched there.
 
     Made by `FEModel.contact`. It stands for the full finite-element model wherever `simulate` takes
@@ -208,7 +209,6 @@ def _without_faces(
 def _at_dof(body: Body, dof: int) -> ContactPoint:
     b = np.zeros(body.n_dofs)
     b[dof] = 1.0
-    b.flags.writeable = False
     if body.nodes is None or body.free is None:
         return ContactPoint(body, b, None, None, None)
     node, component = divmod(int(body.free[dof]), 3)
@@ -227,7 +227,6 @@ def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
             "held by the supports in that direction, so no impact there can move it; choose "
             "another node or direction, or release the node in fixed"
         )
-    b.flags.writeable = False
     return ContactPoint(body, b, along, body.nodes[node], node)
 
 
@@ -245,7 +244,6 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
             f"rests on nodes held by the supports in that direction, the first is {nodes[0]}; "
             "choose another point or direction, a smaller radius, or release the nodes in fixed"
         )
-    b.flags.writeable = False
     node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - _AT_NODE else None
     return ContactPoint(body, b, touch.direction, touch.point, node, touch.patch)
 

@@ -16,6 +16,7 @@ from .checks import finite_array, integer, nonnegative, unit_vector
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
 from .errors import InputError, InputTypeError, warn
+from .frozen import Frozen
 from .halfspace import warn_of_room
 from .material import Material
 from .matrices import check_mass, check_stiffness, symmetric_csr
@@ -36,7 +37,7 @@ _HEAVY, _LONG = 1e5, 100.0
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class FEModel:
+class FEModel(Frozen):
     """A linear elastic body: M ẍ + C ẋ + K x = f over its free degrees of freedom.
 
     Parameters

@@ -10,7 +10,11 @@ __all__ = ["Frozen"]
 
 
 class Frozen:
-    """Makes the arrays of a dataclass, and those in its tuples, read-only, also when unpickled."""
+    """Makes the arrays of a dataclass, and those in its tuples and mappings, read-only.
+
+    Also when it is unpickled or copied: NumPy forgets it then. A class with a `__post_init__` of
+    its own calls this one at its end.
+    """
 
     def __post_init__(self) -> None:
         for value in vars(self).values():
@@ -24,6 +28,6 @@ class Frozen:
 def _freeze(value: Any) -> None:
     if isinstance(value, np.ndarray):
         value.flags.writeable = False
-    elif isinstance(value, tuple):
-        for item in value:
+    elif isinstance(value, tuple | dict):
+        for item in value.values() if isinstance(value, dict) else value:
             _freeze(item)

@@ -18,6 +18,7 @@ from .checks import finite_array, integer
 from .contact import Body, ContactPoint
 from .damping import Damping
 from .errors import InputError, InputTypeError, warn
+from .frozen import Frozen
 from .krylov import SHIFT_TIMES_DURATION, Subspace, fitted_shifts
 from .modes import modal
 from .solvers import Solver
@@ -35,7 +36,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class InterfaceModel:
+class InterfaceModel(Frozen):
     """A body seen from p places of contact: q̈_j + ω_j² q_j = Σ_p r_pj f_p, u_p = Σ_j r_pj q_j.
 
     Made by `interface`.
@@ -65,10 +66,6 @@ class InterfaceModel:
     residual: FloatArray
     solver: str = ""
     contact_time: float | None = None
-
-    def __post_init__(self) -> None:
-        for array in (self.omega, self.participation, self.modes, self.residual):
-            array.flags.writeable = False
 
     def __repr__(self) -> str:
         return f"InterfaceModel(n={self.n}, tips={list(self.tips)!r})"

@@ -18,6 +18,7 @@ from scipy.spatial import KDTree
 from .checks import choice, finite_array, node_ids, positive
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
 from .errors import InputTypeError, MeshError, warn
+from .frozen import Frozen
 from .meshfile import load, named_nodes
 
 __all__ = ["Mesh", "read_mesh"]
@@ -36,7 +37,7 @@ _COINCIDENT = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mesh:
+class Mesh(Frozen):
     """A mesh of solid elements of one kind.
 
     Parameters
@@ -83,11 +84,10 @@ class Mesh:
             str(name): node_ids(f"node_sets[{name!r}]", members, len(nodes))
             for name, members in self.node_sets.items()
         }
-        for array in (nodes, cells, *sets.values()):
-            array.flags.writeable = False
         object.__setattr__(self, "nodes", nodes)
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "node_sets", sets)
+        super().__post_init__()
 
     @property
     def n_nodes(self) -> int:

@@ -14,6 +14,7 @@ from . import _core
 from .checks import finite_array, integer, nonnegative, positive
 from .damping import Damping, damping_or_none
 from .errors import InputError, SingularError
+from .frozen import Frozen
 from .patch import Patch
 
 __all__ = ["AOModel", "Origin", "rigid"]
@@ -58,7 +59,7 @@ class Origin:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AOModel:
+class AOModel(Frozen):
     """Contact mass m0 on a ground spring k0, and oscillators (m, k) hung on the contact mass.
 
     Parameters
@@ -98,7 +99,6 @@ class AOModel:
             if (values <= 0.0).any():
                 worst = int(np.argmin(values))
                 raise InputError(f"{name} must be positive: {name}[{worst}] is {values[worst]:g}")
-            values.flags.writeable = False
             set_field(self, name, values)
         if len(self.m) != len(self.k):
             raise InputError(
@@ -109,6 +109,7 @@ class AOModel:
             raise InputError("m0 must be positive where there are no oscillators, got 0 kg")
         if math.isinf(self.m0) and (len(self.m) or self.k0):
             raise InputError("m0 is infinite: a fixed wall has neither oscillators nor k0")
+        super().__post_init__()
 
     @property
     def n(self) -> int:

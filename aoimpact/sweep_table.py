@@ -16,6 +16,7 @@ from .axes import given_axes
 from .cells import aligned, html_table
 from .checks import choice
 from .errors import AOImpactError, InputError, InputTypeError, MissingPackageError
+from .frozen import Frozen
 from .quantities import Named, keeper, quantity_unit
 from .units import scale_for
 
@@ -29,7 +30,7 @@ _SHOWN, _MOST_LINES = 10, 12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SweepTable:
+class SweepTable(Frozen):
     """What a sweep gave.
 
     Attributes
@@ -232,7 +233,6 @@ def _structured(
         before *= len(axis)
     for name, column in columns.items():
         data[name] = column
-    data.flags.writeable = False
     return data
 
 
