@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -405,7 +406,7 @@ class KrylovSpace:
             star = self.of_vectors(vectors)
         if star.n < wanted:
             warn(f"n={n}: only {star.n} anti-oscillators carry mass at this contact")
-        return star
+        return star if star.n <= wanted else _of_largest_mass(star, wanted)
 
     def of_vectors(self, n: int) -> AOModel:
         """Return the model of `n` vectors beside the static one: of `n` oscillators, or fewer."""
@@ -429,6 +430,15 @@ class KrylovSpace:
         slow = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s")
         if slow < self.shift:
             self._space.shifts = (self.shift, slow)
+
+
+def _of_largest_mass(star: AOModel, n: int) -> AOModel:
+    """The `n` oscillators of the largest mass, in the star's order; the others' joins m0."""
+    by_mass = np.argsort(-star.m, kind="stable")
+    order = np.concatenate([np.sort(by_mass[:n]), by_mass[n:]])
+    assert star.origin is not None  # it was made from modes
+    origin = replace(star.origin, shapes=star.origin.shapes[:, order])
+    return replace(star, m=star.m[order], k=star.k[order], origin=origin).truncated(n)
 
 
 def fitted_shifts(

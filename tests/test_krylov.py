@@ -254,6 +254,24 @@ def test_only_what_the_contact_excites():
     np.testing.assert_allclose(star.m, every.m, rtol=1e-5)
 
 
+def test_no_more_oscillators_than_asked_for():
+    """Rounding's modes come several at a time; those of the least mass join the contact mass."""
+    mesh = ao.sphere_mesh(0.01, 0.005)
+    ball = ao.FEModel.from_mesh(mesh, ao.Material(E=210e9, nu=0.3, rho=7800))
+    space = ao.KrylovSpace(ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0)), contact_time=3e-5)
+    few = space.antioscillators(10)
+    omega = 2.0 * np.pi * np.linspace(1e3, 5e4, 7)
+    for n in (16, 23, 24, 30):
+        star = space.antioscillators(n)
+        assert star.n == n
+        assert (np.diff(star.frequencies) > 0).all()
+        np.testing.assert_allclose(star.static_mass, ball.mass, rtol=1e-10)
+        np.testing.assert_allclose(star.receptance(omega), few.receptance(omega), rtol=1e-6)
+        coordinates = np.random.default_rng(0).standard_normal(n + 1)
+        x = star.expand(coordinates)
+        np.testing.assert_allclose(x @ space.tip.b, coordinates[0], rtol=1e-9)
+
+
 def test_multiple_eigenvalues_of_symmetric_bodies():
     """Three equal rods on one struck mass: every constraint mode is threefold, and one is seen."""
     one_K, one_M = rod(30)
