@@ -1,13 +1,30 @@
-"""A rigid mass on a force that the test writes out, by SciPy in plain time."""
+"""A rigid mass on a wall: by a run, and on a force that the test writes out, by SciPy."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import scipy.integrate
 
+import aoimpact as ao
+
 Force = Callable[[float, float], float]
+
+
+def on_a_wall(
+    law: ao.ContactLaw, mass: float, velocity: float, solver: Any, duration: float = 1e-4
+) -> ao.Result:
+    return ao.simulate(
+        projectile=ao.rigid(mass=mass),
+        target=ao.rigid(mass=math.inf),
+        law=law,
+        velocity=velocity,
+        duration=duration,
+        solver=solver,
+    )
 
 
 def rebound(force: Force, mass: float, velocity: float, *, pulls: bool = False) -> float:

@@ -8,6 +8,7 @@ import pytest
 from every_law import LAWS, law_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rigid_pair import on_a_wall
 
 import aoimpact as ao
 from aoimpact.law import PatchLaw
@@ -125,27 +126,13 @@ def test_beyond_the_limit_is_an_error_that_names_the_cure():
 def test_an_impact_beyond_the_limit_stops_there():
     law = ao.Hertz(K).within_patch(3e-8)
     with pytest.raises(ao.InputError, match=r"at t = .* take a larger radius"):
-        ao.simulate(
-            projectile=ao.rigid(mass=0.03),
-            target=ao.rigid(mass=math.inf),
-            law=law,
-            velocity=3.0,
-            duration=1e-4,
-            solver=ao.Newmark(dt=1e-7),
-        )
+        on_a_wall(law, 0.03, 3.0, ao.Newmark(dt=1e-7))
 
 
 @pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-8), ao.Adaptive(rtol=1e-9)])
 def test_an_elastic_impact_on_a_patch_keeps_its_energy(solver):
     mass, speed, law = 0.016, 1.0, ao.Hertz(K).within_patch(C)
-    hit = ao.simulate(
-        projectile=ao.rigid(mass=mass),
-        target=ao.rigid(mass=math.inf),
-        law=law,
-        velocity=speed,
-        duration=1e-4,
-        solver=solver,
-    )
+    hit = on_a_wall(law, mass, speed, solver)
     assert hit.restitution == pytest.approx(1.0, abs=1e-6)
     deepest = hit.indentation.max()
     assert law.potential(deepest) == pytest.approx(mass * speed**2 / 2, rel=1e-3)
@@ -156,14 +143,7 @@ def test_a_thornton_contact_on_a_patch_loses_what_its_law_does():
     """Restitution by the energies of the law, and by a run."""
     law = ao.Thornton(K, 200.0).within_patch(C)
     mass, speed = 0.016, 0.7
-    hit = ao.simulate(
-        projectile=ao.rigid(mass=mass),
-        target=ao.rigid(mass=math.inf),
-        law=law,
-        velocity=speed,
-        duration=1e-4,
-        solver=ao.Newmark(dt=1e-8),
-    )
+    hit = on_a_wall(law, mass, speed, ao.Newmark(dt=1e-8))
     assert hit.restitution == pytest.approx(ao.restitution(law, mass, speed), rel=1e-5)
     assert 0.5 < hit.restitution < 0.95
 

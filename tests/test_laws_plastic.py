@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rigid_pair import on_a_wall
 
 import aoimpact as ao
 
@@ -59,14 +60,7 @@ def test_yield_of_spheres_is_johnsons():
 @pytest.mark.parametrize("times", [1.5, 5.0, 50.0])
 def test_a_run_rebounds_with_that_restitution(times):
     speed = times * LAW.yield_velocity(MASS)
-    hit = ao.simulate(
-        projectile=ao.rigid(mass=MASS),
-        target=ao.rigid(mass=math.inf),
-        law=LAW,
-        velocity=speed,
-        duration=1e-4,
-        solver=ao.Newmark(dt=5e-9),
-    )
+    hit = on_a_wall(LAW, MASS, speed, ao.Newmark(dt=5e-9))
     assert hit.restitution == pytest.approx(thornton(1 / times), rel=1e-5)
     # It lets go where the flattened radius does, with a residual indentation d_p = d* - F*/(k √d*).
     deepest = hit.indentation.max()

@@ -10,6 +10,7 @@ import scipy.interpolate
 import scipy.optimize
 from hypothesis import given
 from hypothesis import strategies as st
+from rigid_pair import on_a_wall
 
 import aoimpact as ao
 
@@ -110,14 +111,7 @@ def test_what_lies_beyond_the_table_is_not_made_up():
     with pytest.raises(ao.InputError, match="with a table, give deeper values"):
         LAW.force(1.001e-4)
     with pytest.raises(ao.InputError, match="give deeper values"):
-        ao.simulate(
-            projectile=ao.rigid(mass=1.0),
-            target=ao.rigid(mass=math.inf),
-            law=LAW,
-            velocity=3.0,
-            duration=1e-3,
-            solver=ao.Newmark(dt=1e-6),
-        )
+        on_a_wall(LAW, 1.0, 3.0, ao.Newmark(dt=1e-6), duration=1e-3)
 
 
 def test_it_is_a_value_that_owns_its_points():

@@ -357,6 +357,18 @@ def test_windows_ends_of_lines_and_mark_at_the_start(mark: str, tmp_path: Path) 
 # ---------------------------------------------------------------------------------- what is wrong
 
 
+def check_blame(folder: Path, wrong: str, at: str, text: str, *, when_read: bool = False) -> None:
+    """Check that a file is refused, if not before it is run, with that text and that line."""
+    path = written(folder, wrong)
+    with pytest.raises(ao.SceneFileError) as error:  # noqa: PT012
+        scene = ao.read_scene(path)
+        if not when_read:
+            scene.simulate()
+    assert re.search(text, str(error.value)), str(error.value)
+    place = rf"{re.escape(str(path))}:{line(wrong, at)}:\d+: "
+    assert re.search(place, str(error.value)), str(error.value)
+
+
 # What is put for what in a right file, the start of the line that is blamed, what is said of it.
 WRONG = {
     STARS: [
@@ -436,12 +448,7 @@ def test_the_line_of_what_is_wrong(
     right: str, old: str, new: str, at: str, text: str, tmp_path: Path
 ) -> None:
     assert old in right
-    wrong = right.replace(old, new, 1)
-    path = written(tmp_path, wrong)
-    with pytest.raises(ao.SceneFileError) as error:
-        ao.read_scene(path).simulate()
-    assert re.search(text, str(error.value)), str(error.value)
-    assert re.search(rf"{re.escape(str(path))}:{line(wrong, at)}:\d+: ", str(error.value))
+    check_blame(tmp_path, right.replace(old, new, 1), at, text)
 
 
 def test_all_problems_at_once(tmp_path: Path) -> None:
@@ -561,11 +568,7 @@ def test_a_place_is_swept_once_whatever_it_is_called(tmp_path: Path) -> None:
 )
 def test_what_is_wrong_with_a_sweep(old: str, new: str, at: str, text: str, tmp_path: Path) -> None:
     assert old in SWEPT
-    wrong = STARS + SWEPT.replace(old, new, 1)
-    with pytest.raises(ao.SceneFileError) as error:
-        ao.read_scene(written(tmp_path, wrong))
-    assert re.search(text, str(error.value)), str(error.value)
-    assert re.search(rf":{line(wrong, at)}:\d+: ", str(error.value)), str(error.value)
+    check_blame(tmp_path, STARS + SWEPT.replace(old, new, 1), at, text, when_read=True)
 
 
 # ---------------------------------------------------------------------------------------- documents
