@@ -42,17 +42,17 @@ def krylov_extend(
     K: _Sparse,
     M: _Sparse,
     s2: float,
-    solve: Callable[[memoryview], object],
+    solve: Callable[[memoryview, memoryview, memoryview], object],
     b: _F,
     basis: _F,
     stiffness: _F,
+    load: _F,
     rigid_count: int,
     given_count: int,
-    count: int,
-    next: int,
+    progress: _I,
     wanted: int,
     /,
-) -> tuple[int, int]: ...
+) -> None: ...
 def star_receptance(m0: float, k0: float, m: _F, k: _F, omega: _F, receptance: _F, /) -> None: ...
 def modal_receptance(
     omega: _F, decay: _F, weight: _F, residual: float, frequency: _F, real: _F, imaginary: _F, /

@@ -110,15 +110,25 @@ class Subspace:
         self._held = [i for i, tip in enumerate(tips) if not moves_rigidly(tip)]
         # Rigid motions; a place for each static mode that is not among what the solves give, zero
         # until it is needed; and what they give.
-        self._given = self._count = self.rigid_count + len(self._held)
+        self._given = self.rigid_count + len(self._held)
+        self._progress = np.array([self._given, 0], dtype=np.int32)  # columns, solves
         self._basis = np.zeros((self._given, body.n_dofs))
         self._basis[: self.rigid_count] = rigid.T
         self._stiffness = np.zeros((self._given, self._given))
         # Coordinates on the basis of what is handed out, in its order, and the next to be added.
         self._ordered: list[FloatArray] = []
         self._next = self._given
-        self._statics, self._solves, self._wanted = 0, 0, 0
+        self._statics, self._wanted = 0, 0
         self._K, self._M = _for_core(body.K), _for_core(body.M)
+        self._load = np.empty(body.n_dofs)
+
+    @property
+    def _count(self) -> int:
+        return int(self._progress[0])
+
+    @property
+    def _solves(self) -> int:
+        return int(self._progress[1])
 
     @property
     def solves(self) -> int:
@@ -143,7 +153,7 @@ class Subspace:
             for coordinates in self._static_modes(count - self.rigid_count):
                 self._append(coordinates)
         while len(self._ordered) < count:
-            if self._next == self._count and not self._solve():
+            if self._next == self._count and not self._solve(count - len(self._ordered)):
                 break
             self._append(np.eye(1, self._count, self._next)[0])
             self._next += 1
@@ -253,21 +263,19 @@ class Subspace:
 
     def _solve_to(self, vectors: int) -> None:
         """Solve until there are so many vectors beside rigid motions and static modes."""
-        while self._count - self._given < vectors and self._solve():
+        while (missing := self._given + vectors - self._count) > 0 and self._solve(missing):
             pass
 
-    def _solve(self) -> bool:
-        """Add one vector; whether there was one. One solve at a time, so that signals are heard."""
+    def _solve(self, most: int) -> bool:
+        """Add some vectors, at most so many; whether there was one."""
+        # All functionals have their turn with a shift before the next shift has its own.
+        shift = self.shifts[self._solves // len(self._b) % len(self.shifts)]
+        inverse = self._inverse(shift)
+        if len(self.shifts) > 1:
+            most = 1
         before = self._count
-        while self._count == before:
-            self._reserve(before + 1)
-            # All functionals have their turn with a shift before the next shift has its own.
-            shift = self.shifts[self._solves // len(self._b) % len(self.shifts)]
-            solves = self._solves
-            self._extend(shift)
-            if self._solves == solves:
-                return False
-        return True
+        self._extend(inverse, before + min(most, self._foreseen - self._solves))
+        return self._count > before
 
     def _reserve(self, count: int) -> None:
         had = len(self._basis)
@@ -277,26 +285,26 @@ class Subspace:
         self._basis = np.concatenate([self._basis, np.empty((more, self._basis.shape[1]))])
         self._stiffness = np.pad(self._stiffness, (0, more))
 
-    def _extend(self, shift: float) -> None:
-        solve = self._inverse(shift).solve
+    def _extend(self, inverse: LinearSolver, wanted: int) -> None:
+        self._reserve(wanted)
 
-        def in_place(buffer: memoryview) -> None:
-            x = np.frombuffer(buffer)
-            x[:] = solve(x.copy())
+        def in_place(*buffers: memoryview) -> None:
+            x, kx, mx = map(np.frombuffer, buffers)
+            x[:], kx[:], mx[:] = inverse.solve_with_products(x.copy())
 
-        self._count, self._solves = _core.krylov_extend(
+        _core.krylov_extend(
             self._K,
             self._M,
-            shift**2,
+            inverse.s2,
             in_place,
             self._b,
             self._basis,
             self._stiffness,
+            self._load,
             self.rigid_count,
             self._given,
-            self._count,
-            self._solves,
-            self._count + 1,
+            self._progress,
+            wanted,
         )
 
     def _inverse(self, shift: float) -> LinearSolver:

@@ -114,12 +114,17 @@ class LinearSolver:
         ConvergenceError
             If the residual stays above the tolerance after refinement, or x is not finite.
         """
+        return self.solve_with_products(rhs)[0]
+
+    def solve_with_products(self, rhs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return x as `solve` does, and what its residual was told by: K x and M x."""
         x, before = self.answer(rhs), np.inf
         for _ in range(_REFINEMENTS + 1):
-            residual = rhs - self.pencil.product(x)
+            kx, mx = self.pencil.K @ x, self.pencil.M @ x
+            residual = rhs - (kx + self.s2 * mx)
             excess = self._excess(residual, rhs, x)
             if excess <= 1.0:
-                return x
+                return x, kx, mx
             if not excess < 0.5 * before:
                 break
             before = excess

@@ -62,6 +62,10 @@ int aoi_sparse_check(const aoi_sparse *matrix, size_t stored_count);
 /* y = A x; x and y of n doubles, not overlapping. */
 void aoi_sparse_multiply(const aoi_sparse *matrix, const double *x, double *y);
 
+/* y = A x for each of count vectors, which stand one after the other: four at a time share one pass
+ * through A. Each comes out as by itself, bit for bit. */
+void aoi_sparse_multiply_each(const aoi_sparse *matrix, size_t count, const double *x, double *y);
+
 /* x^T A x without work space. */
 double aoi_sparse_quadratic(const aoi_sparse *matrix, const double *x);
 
@@ -71,6 +75,13 @@ typedef struct aoi_solver {
     int (*solve)(void *data, double *x);
     void *data;
 } aoi_solver;
+
+/* A linear solver of K + s^2 M that has looked at its residual f - K x - s^2 M x: as aoi_solver, and
+ * it leaves K x in kx and M x in mx, n doubles each. */
+typedef struct aoi_residual_solver {
+    int (*solve)(void *data, double *x, double *kx, double *mx);
+    void *data;
+} aoi_residual_solver;
 
 /* Factors of a symmetric positive definite matrix, P A P^T = L D L^T: L unit lower triangular by
  * compressed columns WITHOUT its diagonal, rows of a column ascending; D the n pivots, all
@@ -182,15 +193,17 @@ int aoi_oscillators_project(size_t n, size_t count, const double *phi, const dou
  *              stiffness, such as static modes: grown so themselves, with s2 = 0 and each b by itself.
  *              Such a column may be zero, with zero stiffness: a place kept for a motion to come.
  *   count      columns so far: given_count at the start. next: solves so far, 0 at the start.
+ *   solver     of A; it leaves the products that its residual is made of: they are not made twice.
+ *   load       n doubles, kept from call to call: with one port M times the last column, once solved.
  *   work       aoi_krylov_work_size doubles.
  */
 typedef struct aoi_krylov {
     aoi_sparse K, M;
     double s2;
-    aoi_solver solver;
+    aoi_residual_solver solver;
     size_t port_count, rigid_count, given_count, capacity;
     const double *b;
-    double *basis, *stiffness, *work;
+    double *basis, *stiffness, *load, *work;
     size_t count, next;
 } aoi_krylov;
 

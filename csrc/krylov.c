@@ -13,38 +13,47 @@ static const double MOST_RESIDUAL = 1e-5;
 /* Where across the others more than this is left of a vector, one more pass changes no digit. */
 static const double NO_CANCELLATION = 0.5;
 
+/* A pass that takes off less than this share changes no digit of M x. */
+static const double NOTHING = 1e-13;
+
+/* Columns that a product with K is made of at once. */
+enum { TOGETHER = 4 };
+
+static void copy(size_t n, const double *from, double *to)
+{
+    for (size_t i = 0; i < n; i++) {
+        to[i] = from[i];
+    }
+}
+
 size_t aoi_krylov_work_size(size_t n, size_t capacity)
 {
-    return 3 * n + capacity;
+    return TOGETHER * n + capacity;
 }
 
-/* Right-hand side of the next solve: a contact functional, then M times each vector in turn. */
-static void next_load(const aoi_krylov *space, double *f)
+/* Right-hand side of the next solve: a contact functional, then M times each vector in turn. With one
+ * port that is left there by the last one. */
+static void next_load(const aoi_krylov *space)
 {
-    const size_t n = space->K.n;
-    if (space->next < space->port_count) {
-        for (size_t i = 0; i < n; i++) {
-            f[i] = space->b[space->next * n + i];
-        }
-        return;
+    const size_t n = space->K.n, turn = space->next;
+    if (turn < space->port_count) {
+        copy(n, space->b + turn * n, space->load);
+    } else if (space->port_count > 1) {
+        const size_t source = space->given_count + turn - space->port_count;
+        aoi_sparse_multiply(&space->M, space->basis + source * n, space->load);
     }
-    const size_t source = space->given_count + space->next - space->port_count;
-    aoi_sparse_multiply(&space->M, space->basis + source * n, f);
 }
 
-/* x = A^-1 f, with its residual looked at; mx = M x. kx: n doubles of work. */
-static int solve_checked(const aoi_krylov *space, const double *f, double *x, double *kx, double *mx)
+/* x = A^-1 load, with its residual looked at; kx = K x, mx = M x. */
+static int solve_checked(const aoi_krylov *space, double *x, double *kx, double *mx)
 {
     const size_t n = space->K.n;
+    const double *f = space->load;
     double residual = 0.0, load = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        x[i] = f[i];
-    }
-    if (space->solver.solve(space->solver.data, x) != 0) {
+    copy(n, f, x);
+    if (space->solver.solve(space->solver.data, x, kx, mx) != 0) {
         return AOI_ERROR_SOLVER;
     }
-    aoi_sparse_multiply(&space->K, x, kx);
-    aoi_sparse_multiply(&space->M, x, mx);
     for (size_t i = 0; i < n; i++) {
         const double left = f[i] - kx[i] - space->s2 * mx[i];
         residual += left * left;
@@ -56,9 +65,22 @@ static int solve_checked(const aoi_krylov *space, const double *f, double *x, do
     return residual <= MOST_RESIDUAL * MOST_RESIDUAL * load ? AOI_OK : AOI_ERROR_SOLVER;
 }
 
-/* Makes x M-orthogonal to the count vectors before it, and of M-norm 1; mx = M x in and out. All
- * coefficients of a pass come from one M x (classical Gram-Schmidt); passes go on until one takes
- * nothing off. Returns 0 where nothing but rounding is left. */
+/* Takes off x what the columns have of it, by mx = M x (classical Gram-Schmidt). Returns the
+ * M-norm of that. */
+static double take_off(const aoi_krylov *space, const double *mx, double *x, double *coefficient)
+{
+    const size_t n = space->K.n;
+    for (size_t j = 0; j < space->count; j++) {
+        coefficient[j] = aoi_vector_dot(n, space->basis + j * n, mx);
+    }
+    for (size_t j = 0; j < space->count; j++) {
+        aoi_vector_add(n, -coefficient[j], space->basis + j * n, x);
+    }
+    return sqrt(aoi_vector_dot(space->count, coefficient, coefficient));
+}
+
+/* Makes x M-orthogonal to the count vectors before it, and of M-norm 1; mx = M x in and out. Passes
+ * go on until one takes nothing off. Returns 0 where nothing but rounding is left. */
 static int orthonormalise(const aoi_krylov *space, double *x, double *mx, double *coefficient)
 {
     const size_t n = space->K.n;
@@ -69,58 +91,71 @@ static int orthonormalise(const aoi_krylov *space, double *x, double *mx, double
             return 0;
         }
         before = length;
-        for (size_t j = 0; j < space->count; j++) {
-            coefficient[j] = aoi_vector_dot(n, space->basis + j * n, mx);
+        if (take_off(space, mx, x, coefficient) > NOTHING * length) {
+            aoi_sparse_multiply(&space->M, x, mx);
+            length = sqrt(aoi_vector_dot(n, x, mx));
         }
-        for (size_t j = 0; j < space->count; j++) {
-            aoi_vector_add(n, -coefficient[j], space->basis + j * n, x);
-        }
-        aoi_sparse_multiply(&space->M, x, mx);
-        length = sqrt(aoi_vector_dot(n, x, mx));
     }
     if (!(length > least)) {
         return 0;
     }
     for (size_t i = 0; i < n; i++) {
         x[i] /= length;
+        mx[i] /= length;
     }
     return 1;
 }
 
-/* The new vector's row and column of V^T K V; rigid motions have no elastic force. */
-static void project_stiffness(const aoi_krylov *space, const double *x, double *kx)
+/* The rows and columns of V^T K V from column first on; rigid motions have no elastic force. */
+static void project_stiffness(const aoi_krylov *space, size_t first)
 {
-    const size_t n = space->K.n, last = space->count;
-    aoi_sparse_multiply(&space->K, x, kx);
-    for (size_t j = 0; j <= last; j++) {
-        const double *v = space->basis + j * n;
-        const double entry = j < space->rigid_count ? 0.0 : aoi_vector_dot(n, v, kx);
-        space->stiffness[last * space->capacity + j] = entry;
-        space->stiffness[j * space->capacity + last] = entry;
+    const size_t n = space->K.n;
+    double *kv = space->work;
+    for (; first < space->count; first += TOGETHER) {
+        const size_t left = space->count - first, width = left < TOGETHER ? left : TOGETHER;
+        aoi_sparse_multiply_each(&space->K, width, space->basis + first * n, kv);
+        for (size_t i = first; i < first + width; i++) {
+            for (size_t j = 0; j <= i; j++) {
+                const double *v = space->basis + j * n, *force = kv + (i - first) * n;
+                const double entry = j < space->rigid_count ? 0.0 : aoi_vector_dot(n, v, force);
+                space->stiffness[i * space->capacity + j] = entry;
+                space->stiffness[j * space->capacity + i] = entry;
+            }
+        }
     }
+}
+
+/* One solve more, and what is new of it as one more column. */
+static int add_column(aoi_krylov *space)
+{
+    const size_t n = space->K.n;
+    double *kx = space->work, *mx = kx + n, *coefficient = kx + TOGETHER * n;
+    double *x = space->basis + space->count * n;
+    next_load(space);
+    const int status = solve_checked(space, x, kx, mx);
+    if (status != AOI_OK) {
+        return status;
+    }
+    space->next++;
+    if (orthonormalise(space, x, mx, coefficient)) {
+        copy(n, mx, space->load);
+        space->count++;
+    }
+    return AOI_OK;
 }
 
 int aoi_krylov_extend(aoi_krylov *space, size_t wanted)
 {
-    const size_t n = space->K.n;
-    double *f = space->work, *kx = f + n, *mx = kx + n, *coefficient = mx + n;
-    if (space->M.n != n || wanted > space->capacity || space->count < space->given_count ||
+    const size_t first = space->count;
+    int status = AOI_OK;
+    if (space->M.n != space->K.n || wanted > space->capacity || first < space->given_count ||
         space->given_count < space->rigid_count) {
         return AOI_ERROR_ARGUMENT;
     }
-    while (space->count < wanted &&
+    while (status == AOI_OK && space->count < wanted &&
            space->given_count + space->next < space->port_count + space->count) {
-        double *x = space->basis + space->count * n;
-        next_load(space, f);
-        const int status = solve_checked(space, f, x, kx, mx);
-        if (status != AOI_OK) {
-            return status;
-        }
-        space->next++;
-        if (orthonormalise(space, x, mx, coefficient)) {
-            project_stiffness(space, x, kx);
-            space->count++;
-        }
+        status = add_column(space);
     }
-    return AOI_OK;
+    project_stiffness(space, first);
+    return status;
 }

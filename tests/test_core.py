@@ -147,11 +147,13 @@ def krylov_arguments() -> list[Any]:
     K, M = chain(6)
     inverse = factorize(K + 1e6 * M)
 
-    def solve(buffer: memoryview) -> None:
-        x = np.frombuffer(buffer)
+    def solve(*buffers: memoryview) -> None:
+        x, kx, mx = map(np.frombuffer, buffers)
         x[:] = inverse.solve(x.copy())
+        kx[:], mx[:] = K @ x, M @ x
 
-    return [rows(K), rows(M), 1e6, solve, np.eye(6)[[0, 5]], *zeros(18, 9), 0, 0, 0, 0, 2]
+    b, progress = np.eye(6)[[0, 5]], np.zeros(2, dtype=np.int32)
+    return [rows(K), rows(M), 1e6, solve, b, *zeros(18, 9, 6), 0, 0, progress, 2]
 
 
 # A good call of every function, and which of its arrays are written.
@@ -170,7 +172,7 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
         lambda: [np.eye(2, 4), np.ones(2), np.ones(2), np.ones(4), *zeros(2, 2, 2)],
         {4, 5, 6},
     ),
-    "krylov_extend": (krylov_arguments, {5, 6}),
+    "krylov_extend": (krylov_arguments, {5, 6, 7, 10}),
     "star_receptance": (
         lambda: [1.0, 0.0, np.ones(3), np.arange(1.0, 4.0), np.ones(5) / 3, np.zeros(5)],
         {5},
@@ -574,10 +576,11 @@ def test_statuses_arrive_as_their_exceptions() -> None:
 
 def test_an_exception_of_the_linear_solver_comes_through() -> None:
     arguments = krylov_arguments()
-    arguments[3] = lambda buffer: 1 / 0
+    arguments[3] = lambda *buffers: 1 / 0
     with pytest.raises(ZeroDivisionError):
         _core.krylov_extend(*arguments)
-    arguments[3] = lambda buffer: None  # the right-hand side is no solution
+    assert list(arguments[10]) == [0, 0]
+    arguments[3] = lambda *buffers: None  # the right-hand side is no solution
     with pytest.raises(ao.ConvergenceError, match="linear solver failed"):
         _core.krylov_extend(*arguments)
 

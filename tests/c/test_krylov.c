@@ -5,14 +5,15 @@
 
 #include <string.h>
 
-enum { MOST = 40, PORTS = 3, WORK = 3 * MOST + MOST };
+enum { MOST = 40, PORTS = 3, WORK = 4 * MOST + MOST };
 
 /* Free at both ends, or held at the first by one more spring. */
 typedef struct rod {
     int n;
     int32_t start[MOST + 1], indices[3 * MOST];
     double k[3 * MOST], m[3 * MOST];
-    double b[PORTS * MOST], basis[MOST * MOST], stiffness[MOST * MOST], work[WORK];
+    double b[PORTS * MOST], basis[MOST * MOST], stiffness[MOST * MOST], load[MOST];
+    double work[WORK];
     aoi_krylov space;
     double scale; /* of what the solver gives: 1 is right */
     int calls, fails_at;
@@ -37,13 +38,15 @@ static void rod_solve(const rod *r, double x, double *f)
     }
 }
 
-static int rod_solver(void *data, double *x)
+static int rod_solver(void *data, double *x, double *kx, double *mx)
 {
     rod *r = data;
     rod_solve(r, r->space.s2, x);
     for (int i = 0; i < r->n; i++) {
         x[i] *= r->scale;
     }
+    aoi_sparse_multiply(&r->space.K, x, kx);
+    aoi_sparse_multiply(&r->space.M, x, mx);
     return ++r->calls == r->fails_at;
 }
 
@@ -67,7 +70,7 @@ static void rod_make(rod *r, int n, int held, double s2, int ports)
     const size_t size = (size_t)n;
     r->space = (aoi_krylov){{size, r->start, r->indices, r->k}, {size, r->start, r->indices, r->m},
                             s2, {rod_solver, r}, (size_t)ports, 0, 0, size, r->b, r->basis,
-                            r->stiffness, r->work, 0, 0};
+                            r->stiffness, r->load, r->work, 0, 0};
 }
 
 /* b_p^T (K + x M)^-1 b_q. */
@@ -168,6 +171,7 @@ static void growing_in_two_calls_is_growing_in_one(void)
     aoi_krylov_extend(&twice.space, 9);
     CHECK(twice.calls == 9, "five more cost five, not %d in all", twice.calls);
     CHECK(memcmp(at_once.basis, twice.basis, 9 * 20 * sizeof(double)) == 0, "the same vectors");
+    CHECK(memcmp(at_once.stiffness, twice.stiffness, sizeof twice.stiffness) == 0, "as stiff");
 }
 
 /* Struck at its middle, a free rod of 2h+1 nodes moves symmetrically, in h+1 modes. (In longer rods
@@ -302,6 +306,7 @@ static void bad_solvers_are_noticed(void)
     r.fails_at = 3;
     CHECK(aoi_krylov_extend(&r.space, 6) == AOI_ERROR_SOLVER, "it says that it failed");
     CHECK(r.space.count == 2 && r.space.next == 2, "two vectors are sound");
+    CHECK(r.stiffness[1] != 0.0 && r.stiffness[1] == r.stiffness[12], "with their stiffness");
     CHECK(aoi_krylov_extend(&r.space, 6) == AOI_OK && r.space.count == 6, "and can be gone on from");
     rod_make(&r, 12, 1, 0.1, 1);
     r.b[5] = 1.0;
@@ -326,7 +331,7 @@ static void bad_arguments_are_refused(void)
     rod_make(&r, 12, 1, 0.1, 1);
     r.space.M.n = 11;
     CHECK(aoi_krylov_extend(&r.space, 3) == AOI_ERROR_ARGUMENT, "M of another size");
-    CHECK(aoi_krylov_work_size(12, 12) == 48, "work space");
+    CHECK(aoi_krylov_work_size(12, 12) == 60, "work space");
 }
 
 int main(void)

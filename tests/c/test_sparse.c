@@ -58,6 +58,25 @@ static void chain_has_its_eigenvectors(void)
     }
 }
 
+/* As many vectors as there may be over from four at a time. */
+static void several_products_are_those_of_each(void)
+{
+    enum { N = 9, COUNT = 7 };
+    chain c;
+    double x[COUNT * N], y[COUNT * N], alone[N];
+    chain_make(&c, N);
+    for (int i = 0; i < COUNT * N; i++) {
+        x[i] = sin(1.7 * i);
+    }
+    for (size_t count = 0; count <= COUNT; count++) {
+        aoi_sparse_multiply_each(&c.matrix, count, x, y);
+        for (size_t k = 0; k < count; k++) {
+            aoi_sparse_multiply(&c.matrix, x + k * N, alone);
+            CHECK(memcmp(alone, y + k * N, sizeof alone) == 0, "vector %zu of %zu", k, count);
+        }
+    }
+}
+
 /* Rows of 0, 1, 2, ... 6 entries: every remainder of the unrolled loop, an empty row included. */
 static void rows_of_any_length(void)
 {
@@ -372,6 +391,7 @@ static void unusable_factors_are_refused(void)
 int main(void)
 {
     chain_has_its_eigenvectors();
+    several_products_are_those_of_each();
     rows_of_any_length();
     unreadable_matrices_are_refused();
     chain_under_its_own_weight_is_a_parabola();
