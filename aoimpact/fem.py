@@ -250,8 +250,11 @@ class FEModel(Frozen):
             How many it is to serve, roughly; see `linear_solver` for both.
         """
         shift = nonnegative("s2", s2, unit="(rad/s)²")
-        pencil = Pencil(self.K, self.M, shift, self.nodes, self.free, self.mesh)
-        return linear_solver(pencil, solver, solutions=solutions)
+        return linear_solver(self._pencil.at(shift), solver, solutions=solutions)
+
+    @cached_property
+    def _pencil(self) -> Pencil:
+        return Pencil(self.K, self.M, 0.0, self.nodes, self.free, self.mesh)
 
     def frequencies(self, n: int) -> FloatArray:
         """Return the `n` lowest natural frequencies, Hz, rigid-body modes included as 0.

@@ -41,7 +41,8 @@ class Factors:
     what : str
         Its name in messages.
     width : float, optional
-        Its `mean_width`, if that is known.
+    diagonal : ndarray, shape (n,), optional
+        Its `mean_width` and its diagonal, if they are known.
 
     Raises
     ------
@@ -51,29 +52,36 @@ class Factors:
         If the matrix is singular to rounding or not positive definite.
     """
 
-    def __init__(self, matrix: Any, what: str, *, width: float | None = None) -> None:
+    def __init__(
+        self,
+        matrix: Any,
+        what: str,
+        *,
+        width: float | None = None,
+        diagonal: FloatArray | None = None,
+    ) -> None:
         self._solver = _pardiso(what)
         wide = (mean_width(matrix) if width is None else width) > _WIDE
         for place, value in (_WIDE_OPTIONS if wide else _NARROW_OPTIONS).items():
             self._solver.set_iparm(place, value)
-        self._analyse(matrix, what)
+        self._analyse(matrix, what, diagonal)
 
-    def replace(self, matrix: Any, what: str) -> None:
+    def replace(self, matrix: Any, what: str, *, diagonal: FloatArray | None = None) -> None:
         """Factorise another matrix in place of the last one, for half the work or less.
 
         What was found out of the pattern is used again, if it is the same.
         """
         if not _same_pattern(matrix, self._pattern):
-            self._analyse(matrix, what)
+            self._analyse(matrix, what, diagonal)
             return
-        self._factorise(self._solver.refactor_values, matrix, what)
+        self._factorise(self._solver.refactor_values, matrix, what, diagonal)
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
         solution: FloatArray = self._solver.solve(rhs)
         return solution
 
-    def _analyse(self, matrix: Any, what: str) -> None:
+    def _analyse(self, matrix: Any, what: str, diagonal: FloatArray | None) -> None:
         matrix.sort_indices()
         self._pattern = (matrix.indptr, matrix.indices)
         n = matrix.shape[0]
@@ -82,16 +90,22 @@ class Factors:
         starts = np.zeros(n + 1, dtype=np.int64)
         np.cumsum(np.bincount(row[self._upper], minlength=n), out=starts[1:])
         self._solver.set_pattern(ia=starts, ja=matrix.indices[self._upper].astype(np.int64), n=n)
-        self._factorise(self._solver.factor, matrix, what)
+        self._factorise(self._solver.factor, matrix, what, diagonal)
 
-    def _factorise(self, by: Callable[[FloatArray], None], matrix: Any, what: str) -> None:
+    def _factorise(
+        self,
+        by: Callable[[FloatArray], None],
+        matrix: Any,
+        what: str,
+        diagonal: FloatArray | None,
+    ) -> None:
         try:
             by(matrix.data[self._upper])
         except RuntimeError as error:  # PARDISO: "zero pivot / numerical factorization failure"
             if "memory" in str(error):
                 raise MemoryLimitError(f"solver 'pardiso' of {what}: {error}") from None
             raise SingularError(f"{what} is singular or not positive definite ({error})") from None
-        check_condition(matrix, self.solve, what)
+        check_condition(matrix, self.solve, what, diagonal=diagonal)
 
 
 def inverse(matrix: Any, what: str) -> Callable[[FloatArray], FloatArray]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -31,6 +31,8 @@ class Pencil:
     free : ndarray of int, shape (n,), optional
         For each row its dof 3·node + component.
     mesh : Mesh, optional
+    diagonals : tuple of ndarray, shape (n,)
+        Of K and M; found if not given.
     """
 
     K: Any
@@ -39,6 +41,22 @@ class Pencil:
     nodes: FloatArray | None = None
     free: npt.NDArray[np.int64] | None = None
     mesh: Any = None
+    diagonals: tuple[FloatArray, FloatArray] | None = None
+
+    def __post_init__(self) -> None:
+        if self.diagonals is None:
+            object.__setattr__(self, "diagonals", (self.K.diagonal(), self.M.diagonal()))
+
+    def at(self, s2: float) -> Pencil:
+        """Return that of another shift, with what is known of this one's parts."""
+        return replace(self, s2=s2)
+
+    @property
+    def diagonal(self) -> FloatArray:
+        """Of K + s²M, shape (n,)."""
+        assert self.diagonals is not None
+        stiff, heavy = self.diagonals
+        return stiff + self.s2 * heavy
 
     @property
     def n(self) -> int:
@@ -70,4 +88,4 @@ class Pencil:
     @cached_property
     def scale(self) -> float:
         """The largest entry of the diagonal: the norm of the matrix is at least that."""
-        return float((self.K.diagonal() + self.s2 * self.M.diagonal()).max())
+        return float(self.diagonal.max())

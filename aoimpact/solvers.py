@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -255,17 +255,19 @@ class _InTurn:
 
     def __init__(self, pencil: Pencil, width: float) -> None:
         self._pencil, self._s2 = pencil, pencil.s2
-        self._factors = pardiso.Factors(pencil.matrix(), pencil.what, width=width)
+        self._factors = pardiso.Factors(
+            pencil.matrix(), pencil.what, width=width, diagonal=pencil.diagonal
+        )
 
     def at(self, s2: float) -> LinearSolver:
         """Return the solver of one of them, which has its factors made anew when it needs them."""
-        pencil = replace(self._pencil, s2=s2)
+        pencil = self._pencil.at(s2)
         return LinearSolver("pardiso", pencil, partial(self._solve, pencil), at=self.at)
 
     def _solve(self, pencil: Pencil, rhs: FloatArray) -> FloatArray:
         if pencil.s2 != self._s2:
             self._s2 = math.nan  # until the new ones are there
-            self._factors.replace(pencil.matrix(), pencil.what)
+            self._factors.replace(pencil.matrix(), pencil.what, diagonal=pencil.diagonal)
             self._s2 = pencil.s2
         return self._factors.solve(rhs)
 

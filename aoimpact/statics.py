@@ -127,11 +127,11 @@ def displacement(
         s² ↦ the solver of K + s²M.
     dynamic : LinearSolver, optional
         A solver of K + s²M that is there already: tried first, if it is a direct one, for less than
-        the cost of a factorisation, unless `invert` gives that; bᵀx is then right to some 1e-9.
+        the cost of a factorisation; the energy of x is then right to some 1e-9.
     start : ndarray, shape (n_dofs,), optional
         What is known of K⁻¹ b from solutions with `dynamic`.
     """
-    if dynamic is not None and dynamic.precondition is None and dynamic.at is None:
+    if dynamic is not None and dynamic.precondition is None:
         found = static_by_dynamic(body, b, dynamic, start=start)
         if found is not None:
             return found

@@ -106,9 +106,24 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
 
 
 def check_condition(
-    matrix: Any, solve: Callable[[FloatArray], FloatArray], what: str = "the matrix"
+    matrix: Any,
+    solve: Callable[[FloatArray], FloatArray],
+    what: str = "the matrix",
+    *,
+    diagonal: FloatArray | None = None,
 ) -> None:
     """Refuse a matrix whose factors are those of a singular one but for rounding.
+
+    Parameters
+    ----------
+    matrix : scipy.sparse.csr_array or csc_array, shape (n, n)
+        Symmetric, with no entry beyond the diagonal's: A_ij² ≤ A_ii A_jj.
+    solve : callable
+        f ↦ A⁻¹ f by the factors.
+    what : str, optional
+        Its name in messages.
+    diagonal : ndarray, shape (n,), optional
+        Its diagonal, if that is known.
 
     Raises
     ------
@@ -116,15 +131,13 @@ def check_condition(
         If λ_min / λ_max, by inverse iterations (three, or one where that leaves no doubt) and the
         largest row sum, is below 2e-15.
     """
-    scale = np.sqrt(np.abs(matrix.diagonal()))
+    scale = np.sqrt(np.abs(matrix.diagonal() if diagonal is None else diagonal))
     if not (scale > 0.0).all() or not _is_regular(matrix, solve, scale):
         raise SingularError(f"{what} is singular to rounding")
 
 
 def _is_regular(matrix: Any, solve: Callable[[FloatArray], FloatArray], scale: FloatArray) -> bool:
     # Scaled by its diagonal, so that elements of very different size do not count as singular.
-    sizes = type(matrix)((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)
-    largest = float((sizes @ (1.0 / scale) / scale).max())
     x = np.random.default_rng(0).standard_normal(len(scale))
     inverse = 0.0
     for iteration in range(3):
@@ -133,6 +146,16 @@ def _is_regular(matrix: Any, solve: Callable[[FloatArray], FloatArray], scale: F
         inverse = float(np.linalg.norm(x))
         if not np.isfinite(inverse):
             return False
-        if iteration == 0 and _UNLUCKY * np.sqrt(len(x)) * inverse * largest < 1.0 / _SINGULAR:
-            return True
+        if iteration == 0:
+            most = 1.0 / (_SINGULAR * _UNLUCKY * np.sqrt(len(x)) * inverse)
+            if float(np.diff(matrix.indptr).max()) < most:  # a row sum of entries up to 1
+                return True
+            largest = _largest_sum(matrix, scale)
+            if largest < most:
+                return True
     return inverse * largest < 1.0 / _SINGULAR
+
+
+def _largest_sum(matrix: Any, scale: FloatArray) -> float:
+    sizes = type(matrix)((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)
+    return float((sizes @ (1.0 / scale) / scale).max())

@@ -120,7 +120,7 @@ def test_small_bodies_are_solved_by_what_is_always_there(block):
 def test_large_bodies_take_pardiso_where_it_is_installed(block, monkeypatch):
     taken = []
 
-    def factors(A, what, *, width):
+    def factors(A, what, *, width, diagonal):
         taken.append(A.shape)
 
     monkeypatch.setattr(pardiso, "Factors", factors)
