@@ -348,9 +348,10 @@ class KrylovSpace:
     `antioscillators(tip, n, method="krylov")` makes one and asks it once. Kept by hand it gives
     models of any order, the next one for a single solve more. A held body's static mode is, in
     compact bodies, a combination of some six to ten vectors that larger models take anyway. In
-    slender and thin ones PARDISO factorises K besides, without another analysis. Other direct
-    solvers iterate with the factors of the linear elements on the corners, if there are any (second
-    order, held), and else factorise K, which costs as much again as K + s²M.
+    slender and thin ones direct solvers iterate with the factors of the linear elements on the
+    corners, if there are any (second order, held), and else factorise K: PARDISO without another
+    analysis, others at the cost of K + s²M. PARDISO does so too where elements are much longer than
+    the body is thick.
 
     Parameters
     ----------

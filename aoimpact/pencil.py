@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from .fill import mean_width
+
 __all__ = ["Pencil"]
 
 FloatArray = npt.NDArray[np.float64]
@@ -33,6 +35,8 @@ class Pencil:
     mesh : Mesh, optional
     diagonals : tuple of ndarray, shape (n,)
         Of K and M; found if not given.
+    width : float
+        The `mean_width` of K; found if not given.
     """
 
     K: Any
@@ -42,8 +46,11 @@ class Pencil:
     free: npt.NDArray[np.int64] | None = None
     mesh: Any = None
     diagonals: tuple[FloatArray, FloatArray] | None = None
+    width: float = 0.0
 
     def __post_init__(self) -> None:
+        if not self.width:
+            object.__setattr__(self, "width", mean_width(self.K))
         if self.diagonals is None:
             object.__setattr__(self, "diagonals", (self.K.diagonal(), self.M.diagonal()))
 

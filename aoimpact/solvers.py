@@ -17,7 +17,7 @@ import numpy.typing as npt
 from . import pardiso
 from .checks import choice
 from .errors import ConvergenceError, InputTypeError
-from .fill import entries_by_width, factor_entries, mean_width
+from .fill import entries_by_width
 from .memory import available, require
 from .multigrid import BYTES_PER_ENTRY, Multigrid
 from .pencil import Pencil
@@ -222,8 +222,7 @@ def linear_solver(
     if callable(solver):
         return _users_own(pencil, solver)
     name = str(checked_solver(solver))
-    width = mean_width(pencil.K)
-    entries = _entries(pencil, width)
+    entries = _entries(pencil)
     needs = _needs(pencil, entries)
     if name == "auto":
         name = _quickest(pencil, entries, needs, solutions)
@@ -233,13 +232,13 @@ def linear_solver(
         multigrid = Multigrid(pencil, 0.5 * _TOLERANCE)
         return LinearSolver(name, pencil, multigrid.solve, precondition=multigrid.precondition)
     if name == "pardiso":
-        return _InTurn(pencil, width).at(pencil.s2)
+        return _InTurn(pencil).at(pencil.s2)
     return LinearSolver(name, pencil, factorize(pencil.matrix(), what=pencil.what).solve)
 
 
 def stays_quickest(solver: LinearSolver, solutions: int) -> bool:
     """Whether "auto" would take the same one for so many solutions."""
-    entries = _entries(solver.pencil, mean_width(solver.pencil.K))
+    entries = _entries(solver.pencil)
     needs = _needs(solver.pencil, entries)
     return _quickest(solver.pencil, entries, needs, solutions) == solver.name
 
@@ -247,16 +246,17 @@ def stays_quickest(solver: LinearSolver, solutions: int) -> bool:
 def solutions_worth(solver: LinearSolver) -> float:
     """How many solutions with a direct solver take as long as its factorisation, roughly."""
     name = solver.name if solver.name in _BYTES else "superlu"
-    return _ORDERING + _OVER_RATES * factor_entries(solver.pencil.K, name) / solver.pencil.n
+    pencil = solver.pencil
+    return _ORDERING + _OVER_RATES * entries_by_width(pencil.n, pencil.width, name) / pencil.n
 
 
 class _InTurn:
     """PARDISO's factors of one K + s²M at a time, with one analysis for all."""
 
-    def __init__(self, pencil: Pencil, width: float) -> None:
+    def __init__(self, pencil: Pencil) -> None:
         self._pencil, self._s2 = pencil, pencil.s2
         self._factors = pardiso.Factors(
-            pencil.matrix(), pencil.what, width=width, diagonal=pencil.diagonal
+            pencil.matrix(), pencil.what, width=pencil.width, diagonal=pencil.diagonal
         )
 
     def at(self, s2: float) -> LinearSolver:
@@ -272,8 +272,8 @@ class _InTurn:
         return self._factors.solve(rhs)
 
 
-def _entries(pencil: Pencil, width: float) -> dict[str, float]:
-    return {each: entries_by_width(pencil.n, width, each) for each in _BYTES}
+def _entries(pencil: Pencil) -> dict[str, float]:
+    return {each: entries_by_width(pencil.n, pencil.width, each) for each in _BYTES}
 
 
 def _needs(pencil: Pencil, entries: dict[str, float]) -> dict[str, float]:
