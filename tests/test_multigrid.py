@@ -66,12 +66,12 @@ BODIES = {
     "bar": lambda: held_bar((60, 3, 3)),
     "bar, coarse": lambda: held_bar((30, 2, 2)),
     "long bar": lambda: held_bar((150, 2, 2), lengths=(1.0, 0.01, 0.01)),
-    "hexahedron20": lambda: held_bar((40, 3, 3), "hexahedron20"),
-    "hexahedron27": lambda: held_bar((30, 3, 3), "hexahedron27"),
-    "hexahedron": lambda: held_bar((80, 5, 5), "hexahedron"),
+    "hexahedron20": lambda: held_bar((30, 2, 2), "hexahedron20"),
+    "hexahedron27": lambda: held_bar((20, 2, 2), "hexahedron27"),
+    "hexahedron": lambda: held_bar((60, 4, 4), "hexahedron"),
     "hexahedron, coarse": lambda: held_bar((40, 3, 3), "hexahedron"),
-    "wedge": lambda: held_bar((60, 4, 4), "wedge"),
-    "tetra": lambda: held_bar((60, 4, 4), "tetra"),
+    "wedge": lambda: held_bar((45, 3, 3), "wedge"),
+    "tetra": lambda: held_bar((45, 3, 3), "tetra"),
 }
 
 
@@ -85,7 +85,7 @@ def test_at_most_20_iterations_on_every_kind_of_element(name):
 
 def test_iterations_do_not_grow_with_the_mesh():
     counts = [
-        solved(pencil_of(body, SHIFT), load_on(body)) for body in map(ball, (5e-3, 3e-3, 2e-3))
+        solved(pencil_of(body, SHIFT), load_on(body)) for body in map(ball, (5e-3, 3e-3, 2.2e-3))
     ]
     assert max(counts) <= min(counts) + 4
     assert max(counts) <= 20

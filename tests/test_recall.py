@@ -96,8 +96,12 @@ def full_beam() -> ao.Result:
 
 
 @cache
+def every_oscillator() -> ao.AOModel:
+    return ao.antioscillators(beam_tip())
+
+
 def beam_star(many: int) -> ao.AOModel:
-    return ao.antioscillators(beam_tip(), many)
+    return every_oscillator().truncated(many)
 
 
 def paper_impact(target: Any, solver: Any = None) -> ao.Result:

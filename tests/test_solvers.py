@@ -26,13 +26,13 @@ EVERY = [
 
 @pytest.fixture(scope="module")
 def block():
-    mesh = box_mesh((0.04, 0.02, 0.02), (6, 3, 3), kind="tetra10")
+    mesh = box_mesh((0.04, 0.02, 0.02), (5, 3, 3), kind="tetra10")
     return ao.FEModel.from_mesh(mesh, STEEL)
 
 
 @pytest.fixture(scope="module")
 def bar():
-    mesh = box_mesh((0.3, 0.02, 0.02), (40, 1, 1), kind="tetra10")
+    mesh = box_mesh((0.3, 0.02, 0.02), (30, 1, 1), kind="tetra10")
     return ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
 
 
