@@ -21,7 +21,7 @@ from .contact import Body
 from .errors import SingularError
 from .mesh import Mesh
 from .solvers import LinearSolver, solutions_worth
-from .superlu import factorize
+from .superlu import check_condition, factorize
 
 __all__ = ["static_by_dynamic"]
 
@@ -192,7 +192,9 @@ def _on_corners(body: Body, dynamic: LinearSolver) -> _Corners | None:
     try:
         if dynamic.name == "pardiso":
             return _Corners(prolongation, restriction, pardiso.inverse(K, what))
-        return _Corners(prolongation, restriction, factorize(K, what=what, checked=False).solve)
+        inverse = factorize(K, what=what, checked=False).solve
+        check_condition(K, inverse, what)
+        return _Corners(prolongation, restriction, inverse)
     except SingularError:
         return None  # what is wrong with K shows, and is named, where it is factorised
 

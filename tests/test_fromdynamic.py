@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import meshio
 import numpy as np
 import pytest
 import scipy.sparse.linalg
@@ -15,6 +16,8 @@ from aoimpact.solvers import solutions_worth
 from slender import rod
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+needs_pardiso = pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
+
 ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
 
 
@@ -64,7 +67,7 @@ def test_fitted_oscillators_take_one_factorisation_of_full_size(name, own_solver
     assert star.k0 == pytest.approx(ao.antioscillators(tip, 0).k0, rel=1e-8)
 
 
-@pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
+@needs_pardiso
 @pytest.mark.parametrize(("name", "again"), [("bar", False), ("thin plate", True)])
 def test_pardiso_factorises_k_only_where_elements_are_long_for_the_thickness(
     name, again, monkeypatch
@@ -82,6 +85,28 @@ def test_pardiso_factorises_k_only_where_elements_are_long_for_the_thickness(
     star = ao.antioscillators(tip, 4, **settings)
     assert bool(others) == again
     assert star.k0 == pytest.approx(ao.antioscillators(tip, 0).k0, rel=1e-8)
+
+
+def joined_along_an_edge(bar, piece, at):
+    """Two meshes as one, the second moved to `at`: it may swing about the edge that they share."""
+    nodes = np.vstack([bar.nodes, piece.nodes + at])
+    _, first, number = np.unique(nodes.round(9), axis=0, return_index=True, return_inverse=True)
+    cells = np.vstack([bar.cells, piece.cells + len(bar.nodes)])
+    return meshio.Mesh(nodes[first], [("hexahedron20", number.ravel()[cells])])
+
+
+@pytest.mark.parametrize("solver", ["superlu", pytest.param("pardiso", marks=needs_pardiso)])
+def test_a_mechanism_that_the_force_does_not_move_is_named(solver):
+    """The static mode could be had; what the factors of K would say is said of the corners'."""
+    bar = box_mesh((0.5, 0.02, 0.02), (40, 2, 2), kind="hexahedron20")
+    piece = box_mesh((0.025, 0.02, 0.02), (2, 2, 2), kind="hexahedron20")
+    mesh = joined_along_an_edge(bar, piece, (0.25, 0.02, 0.02))
+    held = [(lambda x: x[:, 0] < 1e-6, "xyz"), (lambda x: x[:, 0] > 0.5 - 1e-6, "xyz")]
+    tip = ao.FEModel.from_mesh(mesh, STEEL, fixed=held).contact(
+        point=(0.125, 0.01, 0.02), direction=(0, 0, -1)
+    )
+    with pytest.raises(ao.SingularError, match="mechanism"):
+        ao.antioscillators(tip, 6, method="krylov", contact_time=9e-5, solver=solver)
 
 
 def test_a_long_rod_without_a_mesh_is_left_to_a_factorisation_of_k():
