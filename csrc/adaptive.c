@@ -6,15 +6,11 @@
 #include <math.h>
 
 enum {
-    LEVELS = 8,     /* an octave */
     LEAST_RISE = 2, /* of levels at once */
-    DEEPEST_LEVEL = 90 * LEVELS,
-    HIGHEST_LEVEL = -40 * LEVELS,
     MOST_STRIDES = 10000000,
     MOST_TRIMS = 12,
     MOST_IDLE = 1000,
-    SHARING_SWEEPS = 10000,
-    RISES = 4
+    SHARING_SWEEPS = 10000
 };
 
 /* An event closer to the start than this share of the step happens at the start. */
@@ -32,7 +28,7 @@ static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
 /* After a success they are longer by this at most. */
 static const double MOST_GROWTH = 8.0;
 
-/* And by 2^(LEAST_RISE/LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
+/* And by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
  * largest body. */
 static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
 
@@ -42,7 +38,7 @@ static const double TRUSTED = 0.1;
 /* The length of a step of the run's level. */
 static double step_of_level(const aoi_adaptive *run)
 {
-    return run->base * exp2(-(double)run->level / LEVELS);
+    return run->base * exp2(-(double)run->level / AOI_LEVELS);
 }
 
 /* ------------------------------------------------------------------------------ work space */
@@ -63,13 +59,6 @@ static size_t span_of(const aoi_system *system)
 }
 
 static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
-
-/* The first level from this one on that is taken. Where forces may run away from a smooth indentation, and
- * a body rings, errors are known only roughly: whole octaves leave a margin. */
-static int level_from(const aoi_adaptive *run, double level)
-{
-    return run->grain * (int)ceil(level / run->grain);
-}
 
 /* Whether a force depends on the rate, or a contact has no mass. */
 static int is_quick(const aoi_system *system)
@@ -96,178 +85,6 @@ void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, si
         ports += body->ports;
     }
     *work += ports * AOI_STAGES + aoi_collocation_size(system->joint_count, span_of(system));
-}
-
-/* ------------------------------------------------------------------------- a contact begins */
-
-/* Work on a contact from the touch on, as a share of force times indentation: 1/(n+1) for a power n. */
-static const double HERTZ_SHARE = 0.4;
-
-/* The first step as a share of the time in and of a power of rtol, as far as the solution at an edge
- * reaches, or where there is none, with a residual compliance; and at most. */
-static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
-
-/* Where the search for the deepest indentation begins, how it goes on up, and where it ends, logarithms: a
- * scale need not be sharp. A caller's law may end not far beyond what it is for, so that nobody may ask there. */
-static const double SHALLOW = -28.0, STRIDE = 0.35, SHARPNESS = 1e-3;
-
-/* Whether the law takes an energy, and what a steady force adds to it on the way, up to about this
- * indentation: by the force, since what a plastic law gives back is only a part of it. */
-static int takes(const aoi_law *law, const double *memory, double indentation, double energy,
-                 double force)
-{
-    aoi_law_value value;
-    aoi_law_push(law, memory, indentation, 0.0, &value);
-    return !(HERTZ_SHARE * value.force * indentation < energy + force * indentation);
-}
-
-/* About the indentation at which it does. */
-static double deepest(const aoi_law *law, const double *memory, double energy, double force)
-{
-    double low = -700.0, high = SHALLOW; /* logarithms */
-    while (high < 100.0 && !takes(law, memory, exp(high), energy, force)) {
-        low = high;
-        high += STRIDE;
-    }
-    while (high - low > SHARPNESS) {
-        const double middle = 0.5 * (low + high);
-        if (takes(law, memory, exp(middle), energy, force)) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    return exp(high);
-}
-
-/* The compliance of both ports to a sudden force, 1/kg, and how far held bodies can swing by
- * themselves; infinite where they move freely. */
-static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
-{
-    *mobility = *swing = 0.0;
-    for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = pair->body[side];
-        for (size_t j = 0; j < body->n; j++) {
-            const size_t at = pair->port[side] * body->n + j;
-            const double omega = body->omega[j], v = pair->v[side][j];
-            *mobility += body->shape[at] * body->push[at];
-            *swing += omega > 0.0
-                          ? fabs(body->shape[at]) * hypot(pair->x[side][j], v / omega)
-                          : (v != 0.0 ? HUGE_VAL : 0.0);
-        }
-    }
-}
-
-/* What a load that rises from nothing comes to while the contact takes it, as an acceleration: it and the
- * time that the contact takes hang on each other, loosely. */
-static double rising(const aoi_adaptive *run, const aoi_contact_state *contact, const aoi_law *law,
-                     const aoi_flight *pair)
-{
-    const double jerk = aoi_flight_jerk(pair);
-    double time = run->end - pair->time;
-    for (int side = 0; side < 2; side++) {
-        time = fmin(time, aoi_modes_next_bend(pair->body[side], pair->time) - pair->time);
-    }
-    for (int i = 0; i < RISES && jerk > 0.0; i++) {
-        const double acceleration = jerk * time;
-        const double reach = deepest(law, contact->memory, 0.0, acceleration / contact->mobility);
-        time = fmin(time, sqrt(reach / acceleration));
-    }
-    return fmax(jerk * time, 0.0);
-}
-
-/* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
- * that the first steps are rather too careful. */
-static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *pair, double rate,
-                            double acceleration)
-{
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_law *law = run->system->joint[joint].law;
-    double mobility, swing;
-    aoi_law_value value;
-    mobility_of(pair, &mobility, &swing);
-    contact->mobility = mobility;
-    rate = fmax(rate, 0.0);
-    acceleration = acceleration == 0.0 && mobility > 0.0 ? rising(run, contact, law, pair)
-                                                         : fmax(acceleration, 0.0);
-    if (!(mobility > 0.0) || !(rate + acceleration > 0.0)) {
-        return; /* what it will be the contacts beside it decide */
-    }
-    double reach = deepest(law, contact->memory, 0.5 * rate * rate / mobility,
-                           acceleration / mobility);
-    if (acceleration == 0.0) { /* under a soft law held bodies turn back by themselves */
-        reach = fmin(reach, swing);
-    }
-    double time = reach / (rate + sqrt(acceleration * reach));
-    const double left = run->end - aoi_run_now(run);
-    if (left < time) { /* what is seen of it before the record ends is all there is */
-        time = left;
-        reach = fmin(reach, left * (rate + 0.5 * acceleration * left));
-    }
-    aoi_law_push(law, contact->memory, reach, rate, &value);
-    if (!(reach > 0.0) || !isfinite(3.0 * time) || !(time > 0.0) || !isfinite(value.force)) {
-        return;
-    }
-    contact->indentation_scale = fmax(contact->indentation_scale, reach);
-    /* A force below all numbers (a high power, a short record) is no scale: then what there is to stop. */
-    const double push = value.force > 0.0 ? value.force * time : HUGE_VAL;
-    contact->impulse_scale =
-        fmax(contact->impulse_scale, fmin((rate + acceleration * time) / mobility, push));
-    contact->rate_scale = fmax(contact->rate_scale, rate + acceleration * time);
-    if (run->base == 0.0) {
-        run->base = 3.0 * time;
-        run->level = HIGHEST_LEVEL;
-    }
-    /* The motion starts like t + t^(7/2): the first step resolves that to rtol. */
-    const double first = time * (aoi_system_residual(run->system, joint) > 0.0
-                                     ? BENT_START * pow(run->rtol, 1.0 / 3.5)
-                                     : fmin(EDGE_START * pow(run->rtol, 1.0 / 3.5), MOST_START));
-    const double levels = LEVELS * log2(run->base / first);
-    if (fabs(levels) < DEEPEST_LEVEL && level_from(run, levels) > run->level) {
-        run->level = level_from(run, levels);
-    }
-}
-
-/* Lists it among the closed ones, which stay in order. */
-static void list_closed(aoi_adaptive *run, size_t joint)
-{
-    size_t at = run->closed.count++;
-    for (; at > 0 && run->closed.at[at - 1] > joint; at--) {
-        run->closed.at[at] = run->closed.at[at - 1];
-    }
-    run->closed.at[at] = joint;
-    run->contact[joint].closed = 1;
-}
-
-void aoi_contact_close(aoi_adaptive *run, size_t joint)
-{
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_joint *of = &run->system->joint[joint];
-    const double rest = aoi_law_rest(of->law, contact->memory);
-    double here, rate, acceleration;
-    aoi_flight pair;
-    aoi_law_value value;
-    aoi_watch_remove(run, joint);
-    list_closed(run, joint);
-    aoi_body_engage(run, of->body[0], 1);
-    aoi_body_engage(run, of->body[1], 1);
-    aoi_pair_now(run, joint, &pair);
-    aoi_flight_indentation(&pair, &here, &rate, &acceleration);
-    contact->begins = 1;
-    contact->slack = 0.0;
-    contact->start = fmax(here, rest); /* exactly: what is left off here would add up */
-    contact->start_rate = rate;
-    contact->last_length = contact->since_touch = contact->edge = 0.0;
-    contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
-                                   &contact->low, &contact->high);
-    aoi_law_force(of->law, contact->memory, contact->piece, contact->start, rate, &value);
-    contact->force = value.force;
-    if (value.damping > 0.0 && aoi_system_residual(run->system, joint) > 0.0) {
-        contact->start_rate = contact->force = 0.0; /* a damper stops what has no mass */
-    }
-    estimate_scales(run, joint, &pair, rate, acceleration);
-    run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
-    run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
 }
 
 /* -------------------------------------------------------------------------------- the start */
@@ -327,17 +144,13 @@ static void start_closed(aoi_adaptive *run, size_t joint)
     aoi_contact_state *contact = &run->contact[joint];
     const aoi_joint *of = &run->system->joint[joint];
     const double delta = contact->start;
-    double mobility, swing;
-    aoi_flight pair;
     aoi_law_value value;
     aoi_law_remember(of->law, delta, 0.0, contact->memory);
     aoi_contact_close(run, joint);
     contact->start = delta;
     aoi_law_force(of->law, contact->memory, contact->piece, delta, contact->start_rate, &value);
     contact->force = value.force;
-    aoi_pair_now(run, joint, &pair);
-    mobility_of(&pair, &mobility, &swing);
-    const double time = 1.0 / sqrt(value.stiffness * mobility);
+    const double time = 1.0 / sqrt(value.stiffness * contact->mobility);
     contact->indentation_scale = fmax(contact->indentation_scale, delta);
     contact->impulse_scale = fmax(contact->impulse_scale, value.force * time);
     if (isfinite(time) && time > 0.0 && run->base == 0.0) {
@@ -458,7 +271,7 @@ int aoi_adaptive_start(aoi_adaptive *run)
     aoi_adaptive_size(run->system, &work, &lists, &run->row_size);
     run->span = span_of(run->system);
     run->level = 0;
-    run->grain = modes > 1 && is_quick(run->system) ? LEVELS : 1;
+    run->grain = modes > 1 && is_quick(run->system) ? AOI_LEVELS : 1;
     run->table_cost = modes > 1 ? TABLE_COST * (double)modes : 0.0;
     run->base = run->indentation_scale = run->impulse_scale = run->saved = 0.0;
     run->origin = run->time;
@@ -553,7 +366,7 @@ static int flight(aoi_adaptive *run)
             land(run, joint, run->flight[1]);
         }
         if (run->base > 0.0) {
-            run->level = HIGHEST_LEVEL; /* the contact itself says how fine */
+            run->level = AOI_HIGHEST_LEVEL; /* the contact itself says how fine */
         }
         run->indentation_scale = run->impulse_scale = 0.0;
         aoi_contact_close(run, joint);
@@ -612,8 +425,8 @@ static int prepare(aoi_adaptive *run, double *limit)
 /* Takes the level of a step at most so long; in any case a finer one. */
 static void refine(aoi_adaptive *run, double h)
 {
-    const int level = level_from(run, LEVELS * log2(run->base / h));
-    run->level = level > run->level ? level : level_from(run, run->level + 1);
+    const int level = aoi_level_from(run, AOI_LEVELS * log2(run->base / h));
+    run->level = level > run->level ? level : aoi_level_from(run, run->level + 1);
     run->saved = 0.0;
 }
 
@@ -624,13 +437,13 @@ static void coarsen(aoi_adaptive *run, double growth)
     if (growth < WORTH_IT) {
         return;
     }
-    const double longer = LEVELS * log2(fmin(growth, MOST_GROWTH));
-    const int level = level_from(run, run->level - longer), rise = run->level - level;
-    if (rise < LEAST_RISE || level < HIGHEST_LEVEL) {
+    const double longer = AOI_LEVELS * log2(fmin(growth, MOST_GROWTH));
+    const int level = aoi_level_from(run, run->level - longer), rise = run->level - level;
+    if (rise < LEAST_RISE || level < AOI_HIGHEST_LEVEL) {
         return;
     }
-    run->saved += 1.0 - exp2(-(double)rise / LEVELS);
-    if (rise >= LEVELS || run->saved >= run->table_cost) {
+    run->saved += 1.0 - exp2(-(double)rise / AOI_LEVELS);
+    if (rise >= AOI_LEVELS || run->saved >= run->table_cost) {
         run->level = level;
         run->saved = 0.0;
     }
@@ -692,10 +505,10 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
     int trims = 0, idle = 0;
     if (run->base == 0.0) {
         run->base = run->end - aoi_run_now(run);
-        run->level = 10 * LEVELS;
+        run->level = 10 * AOI_LEVELS;
     }
     int status = prepare(run, &limit);
-    while (status == AOI_OK && run->level < DEEPEST_LEVEL && idle++ < MOST_IDLE) {
+    while (status == AOI_OK && run->level < AOI_DEEPEST_LEVEL && idle++ < MOST_IDLE) {
         if (run->closed_count == 0) {
             *size = 0;
             return AOI_OK;

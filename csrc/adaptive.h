@@ -1,11 +1,19 @@
-/* Private to the core: what adaptive.c (which step comes next) and the files of one step share; step.h has
- * what those share among themselves. */
+/* Private to the core: what adaptive.c (which step comes next), closing.c, release.c, watch.c and the files
+ * of one step share; step.h has what those share among themselves. */
 #ifndef AOI_ADAPTIVE_H
 #define AOI_ADAPTIVE_H
 
 #include "aoimpact.h"
 
-enum { AOI_NO_LEVEL = 1000 };
+#include <math.h>
+
+/* Steps are base 2^(-level/8) long. */
+enum {
+    AOI_LEVELS = 8, /* an octave */
+    AOI_DEEPEST_LEVEL = 90 * AOI_LEVELS,
+    AOI_HIGHEST_LEVEL = -40 * AOI_LEVELS,
+    AOI_NO_LEVEL = 1000
+};
 
 /* What may happen to a contact within a step. */
 enum aoi_event {
@@ -31,6 +39,13 @@ double aoi_run_now(const aoi_adaptive *run);
 
 /* How far below its level a quantity of that scale may be where its event happens. */
 double aoi_event_tolerance(const aoi_adaptive *run, double scale);
+
+/* The first level from this one on that is taken. Where forces may run away from a smooth indentation, and
+ * a body rings, errors are known only roughly: whole octaves leave a margin. */
+static inline int aoi_level_from(const aoi_adaptive *run, double level)
+{
+    return run->grain * (int)ceil(level / run->grain);
+}
 
 /* Lists the contacts of the step that begins now and brings their bodies here. */
 void aoi_step_prepare(aoi_adaptive *run);

@@ -14,8 +14,6 @@ static const double EDGE_DEPTH = 1e-3;
 /* Newton's convergence is judged on no smaller indentation than this share of the largest. */
 static const double NEWTON_SHARE = 1e-6;
 
-double aoi_run_now(const aoi_adaptive *run) { return run->origin + run->elapsed; }
-
 /* Whether two bodies answer alike: often they are one model. */
 static int are_alike(const aoi_modes *one, const aoi_modes *other)
 {

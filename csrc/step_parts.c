@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+double aoi_run_now(const aoi_adaptive *run) { return run->origin + run->elapsed; }
+
 int aoi_body_yields(const aoi_modes *body)
 {
     for (size_t k = 0; k < body->ports * body->n; k++) {

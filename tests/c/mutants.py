@@ -241,7 +241,7 @@ MUTANTS = [
     ("collocation.c", "h * aoi_radau_check_weight[k] *", "h *"),
     ("collocation.c", "CONVERGED = 1e-15, ROUNDING = 1e-12", "CONVERGED = 1e-5, ROUNDING = 1e-4"),
     ("adaptive.c", "body->residual || aoi_body_yields(body)", "body->push[0] != 0.0"),
-    ("adaptive.c", "if (left < time) {", "if (0) {"),
+    ("closing.c", "if (left < time) {", "if (0) {"),
     (
         "adaptive.c",
         "contact->memory, fmax(overlap - others, 0.0)",
@@ -283,7 +283,7 @@ MUTANTS = [
         "falls(values, tolerance, AOI_EVENT_TIGHTEN",
     ),
     (
-        "adaptive.c",
+        "closing.c",
         "fmin((rate + acceleration * time) / mobility, push)",
         "(rate + acceleration * time) / mobility",
     ),
