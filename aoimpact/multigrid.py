@@ -25,7 +25,7 @@ from .rigidity import rigid_motions
 from .smoother import Smoother
 from .superlu import factorize
 
-__all__ = ["BYTES_PER_ENTRY", "Multigrid"]
+__all__ = ["Multigrid", "bytes_needed"]
 
 FloatArray = npt.NDArray[np.float64]
 Single = npt.NDArray[np.float32]
@@ -34,9 +34,11 @@ Single = npt.NDArray[np.float32]
 # three times as long as wide; and on the levels of aggregates.
 _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
-# The coarsest level is the first whose factors have no more entries than that, or than that share
-# of K's. Long bodies come to it early, and well so: aggregates do not bend as beams do.
+# The coarsest level is the first whose factors have no more entries than the first of these, or
+# than that share of K's, which is larger as long as that leaves them few. Long bodies and thin ones
+# come to it early, and well so: aggregates do not bend as beams and plates do.
 _FEWEST_ENTRIES, _COARSEST_SHARE = 1e6, 0.1
+_FEW_ENTRIES, _SHARE_OF_FEW = 1e7, 2.0
 _DENSE = 300
 
 # A level that has not less than this share of the dofs above it is no progress: K does not couple.
@@ -44,8 +46,20 @@ _SHRINKS = 0.7
 
 _MOST_ITERATIONS = 500
 
-# Bytes that the set-up takes at most, per entry of K, beside K and M: measured.
-BYTES_PER_ENTRY = 30.0
+# Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors:
+# measured; and per entry of those.
+_BYTES_PER_ENTRY, _BYTES_PER_FACTOR = 30.0, 16.0
+
+
+def bytes_needed(stored: float) -> float:
+    """Return the memory that the set-up takes at most beside K and M, K having `stored` entries."""
+    return _BYTES_PER_ENTRY * stored + _BYTES_PER_FACTOR * _most_in_coarsest(stored)
+
+
+def _most_in_coarsest(stored: float) -> float:
+    """Entries that the factors of the coarsest level may have."""
+    few = min(_FEW_ENTRIES, _SHARE_OF_FEW * stored)
+    return max(_FEWEST_ENTRIES, _COARSEST_SHARE * stored, few)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +113,7 @@ class Multigrid:
             if pencil.mesh is not None and pencil.mesh.kind in QUADRATIC:
                 A, candidates = self._to_corners(A)
                 progress.update()
-            affordable = max(_FEWEST_ENTRIES, _COARSEST_SHARE * pencil.K.nnz)
+            affordable = _most_in_coarsest(pencil.K.nnz)
             while A.shape[0] > _DENSE and factor_entries(A, "superlu") > affordable:
                 A, candidates = self._to_aggregates(A, candidates)
                 progress.update()

@@ -19,7 +19,7 @@ from .checks import choice
 from .errors import ConvergenceError, InputTypeError
 from .fill import entries_by_width
 from .memory import available, require
-from .multigrid import BYTES_PER_ENTRY, Multigrid
+from .multigrid import Multigrid, bytes_needed
 from .pencil import Pencil
 from .superlu import factorize
 
@@ -281,7 +281,7 @@ def _needs(pencil: Pencil, entries: dict[str, float]) -> dict[str, float]:
     stored = float(pencil.K.nnz)
     needs = {name: _BYTES[name] * entries[name] for name in _BYTES}
     needs["pardiso"] += _PARDISO_COPIES * stored
-    return needs | {"multigrid": BYTES_PER_ENTRY * stored}
+    return needs | {"multigrid": bytes_needed(stored)}
 
 
 def _quickest(
