@@ -100,6 +100,15 @@ def track_sample(
     energies: bool,
     /,
 ) -> None: ...
+def track_forces(
+    bodies: tuple[_Modes, ...],
+    joints: tuple[_Joint, ...],
+    track: _F,
+    index: bytes,
+    times: _F,
+    forces: _F,
+    /,
+) -> None: ...
 def track_states(
     bodies: tuple[_Modes, ...],
     joints: tuple[_Joint, ...],

@@ -183,6 +183,24 @@ class Track(NamedTuple):
             contacts[self.order] = contacts.copy()
         return record
 
+    def forces(self, times: FloatArray) -> FloatArray:
+        """Return the contact forces, N, shape (contacts, len(times)), at ascending times, s.
+
+        They are the rows of `sample` for little of what those cost: no body's motion is computed.
+        """
+        forces = np.zeros((len(self.joints), len(times)))
+        _core.track_forces(
+            self.bodies,
+            self.joints,
+            np.frombuffer(self.table),
+            self.places,
+            np.ascontiguousarray(times),
+            forces,
+        )
+        if self.order is not None:
+            forces[self.order] = forces.copy()
+        return forces
+
     def states(self, times: FloatArray, body: int) -> tuple[FloatArray, FloatArray]:
         """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
         wanted = np.ascontiguousarray(times, dtype=np.float64)

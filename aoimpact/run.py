@@ -102,6 +102,10 @@ class Recorder(Protocol):
         """
         ...
 
+    def forces(self, times: FloatArray) -> FloatArray:
+        """Return the contact forces at times, shape (contacts, n), N: of the record, these rows."""
+        ...
+
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         """Return a body's own coordinates and their rates at the end of the record."""
         ...
@@ -212,6 +216,15 @@ class Run:
                 drift.add(rows[self._first[body] :], t)
         rows.flags.writeable = False
         return rows
+
+    @cached_property
+    def forces(self) -> FloatArray:
+        """Of all contacts, N, shape (contacts, n); made without the motions, which cost more."""
+        if "_rows" in self.__dict__:
+            return self._rows[: _CONTACT_ROWS * self.joints : _CONTACT_ROWS]
+        forces = self.recorder.forces(self.t)
+        forces.flags.writeable = False
+        return forces
 
     @cached_property
     def _first(self) -> tuple[int, ...]:

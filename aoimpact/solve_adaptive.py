@@ -98,6 +98,9 @@ class Sampled:
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
         return self.track.sample(times, energies=energies)
 
+    def forces(self, times: FloatArray) -> FloatArray:
+        return self.track.forces(times)
+
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         modal, ours = self.plan.modal[body], slice(*self.plan.first_modes[body : body + 2])
         x, v = (np.frombuffer(of)[ours] for of in (self.track.x, self.track.v))

@@ -77,6 +77,9 @@ class Recorded:
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
         return self.record.rows.copy()
 
+    def forces(self, times: FloatArray) -> FloatArray:
+        return self.record.rows[: 4 * len(self.plan.joints) : 4].copy()
+
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         player, (u, v) = self.plan.players[body], self.record.final[body]
         return player.coordinates(u), player.coordinates(v)

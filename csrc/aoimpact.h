@@ -1041,6 +1041,10 @@ size_t aoi_sampler_rows(const aoi_system *system);
 void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
                         size_t stride);
 
+/* The contact forces at one time, N: that of joint c goes to force[c * stride]. They need no body's motion,
+ * which is what a column costs. */
+void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t stride);
+
 /* x, then v, of one body (2n doubles) at that time. */
 void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
 

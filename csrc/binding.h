@@ -112,6 +112,7 @@ PyObject *newmark_scene(PyObject *self, PyObject *args);
 /* python_adaptive.c */
 PyObject *adaptive(PyObject *self, PyObject *args);
 PyObject *track_sample(PyObject *self, PyObject *args);
+PyObject *track_forces(PyObject *self, PyObject *args);
 PyObject *track_states(PyObject *self, PyObject *args);
 
 /* python_many.c */

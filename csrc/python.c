@@ -23,6 +23,7 @@ static PyMethodDef methods[] = {
     {"graph_aggregate", graph_aggregate, METH_VARARGS, NULL},
     {"adaptive", adaptive, METH_VARARGS, NULL},
     {"track_sample", track_sample, METH_VARARGS, NULL},
+    {"track_forces", track_forces, METH_VARARGS, NULL},
     {"track_states", track_states, METH_VARARGS, NULL},
     {"briefs", briefs, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},

@@ -489,6 +489,31 @@ PyObject *track_sample(PyObject *self, PyObject *args)
     return close_track(&all, status);
 }
 
+PyObject *track_forces(PyObject *self, PyObject *args)
+{
+    PyObject *bodies, *joints, *track_in, *times_in, *forces_out;
+    const char *index;
+    Py_ssize_t index_size;
+    opened all;
+    memset(&all, 0, sizeof all);
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!O!Oy#OO", &PyTuple_Type, &bodies, &PyTuple_Type, &joints,
+                          &track_in, &index, &index_size, &times_in, &forces_out)) {
+        return NULL;
+    }
+    const int status = open_track(&all, bodies, joints, track_in, index, index_size, times_in);
+    size_t wanted = all.buffers.failed ? 0 : all.made.system.joint_count * all.count;
+    double *forces = doubles_out(&all.buffers, forces_out, "forces", &wanted);
+    if (!all.buffers.failed && status == AOI_OK) {
+        Py_BEGIN_ALLOW_THREADS
+        for (size_t i = 0; i < all.count; i++) {
+            aoi_sampler_forces(&all.sampler, all.times[i], forces + i, all.count);
+        }
+        Py_END_ALLOW_THREADS
+    }
+    return close_track(&all, status);
+}
+
 PyObject *track_states(PyObject *self, PyObject *args)
 {
     PyObject *bodies, *joints, *track_in, *times_in, *states_out;

@@ -442,3 +442,14 @@ void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double 
         }
     }
 }
+
+void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t stride)
+{
+    advance(sampler, time);
+    const double place = place_of(sampler, time);
+    for (size_t c = 0; c < sampler->system->joint_count; c++) {
+        double record[2], rate;
+        const int closed = sampler->contact_row[c] == sampler->row;
+        force[c * stride] = closed ? closed_contact(sampler, c, place, 0, record, 1, &rate) : 0.0;
+    }
+}

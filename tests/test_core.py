@@ -128,6 +128,11 @@ def sample_arguments() -> list[Any]:
     return [bodies(), joints(), np.frombuffer(table).copy(), index, times, record, True]
 
 
+def forces_arguments() -> list[Any]:
+    *track, times, _, _ = sample_arguments()
+    return [*track, times, np.zeros((2, 7))]
+
+
 def states_arguments() -> list[Any]:
     *track, times, _, _ = sample_arguments()
     return [*track, times, 1, np.zeros((7, 2, 3))]
@@ -192,6 +197,7 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "factors_find_panels": (lambda: [*factors()[:2], np.zeros(7, np.int32)], {2}),
     "adaptive": (adaptive_arguments, set()),
     "track_sample": (sample_arguments, {5}),
+    "track_forces": (forces_arguments, {5}),
     "track_states": (states_arguments, {6}),
     "briefs": (briefs_arguments, {5}),
     "modal_receptance": (

@@ -316,6 +316,7 @@ MUTANTS = [
     ("track.c", "record[5 * stride] += aoi_modes_bent_work(body, time, force);", ""),
     ("track.c", "return sampler->rows > 0 && end == sampler->size;", "return sampler->rows > 0;"),
     ("track.c", "(double)*number == value", "1"),
+    ("track.c", "closed ? closed_contact", "1 ? closed_contact"),
     ("track.c", "!(row[AOI_TRACK_LENGTH] > 0.0)", "row[AOI_TRACK_LENGTH] < 0.0"),
     ("track.c", "        sampler->settled[c] = NAN;\n", ""),
     ("track.c", "place < 1.0 && of[AOI_TRACK_EDGE] != AOI_EDGE_NONE", "0"),

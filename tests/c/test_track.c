@@ -252,6 +252,14 @@ static void samples_do_not_depend_on_each_other(void)
             CHECK(record[k] == all[k * 50 + i], "column %zu, row %zu", i, k);
         }
     }
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    for (size_t i = 0; i < 50; i++) {
+        double force[MOST_JOINTS];
+        aoi_sampler_forces(&p.sampler, 0.012 * (double)i / 49.0, force, 1);
+        for (size_t c = 0; c < p.system.joint_count; c++) {
+            CHECK(force[c] == all[AOI_CONTACT_ROWS * c * 50 + i], "force %zu, column %zu", c, i);
+        }
+    }
     double record[MOST_ROWS];
     for (size_t k = 0; k < rows; k++) {
         record[k] = -77.0;
