@@ -167,6 +167,16 @@ class Subspace:
         SingularError
             If a mode that is no rigid motion has no stiffness.
         """
+        omega2, coordinates = self.ritz_on_basis(count)
+        return omega2, self.vectors @ coordinates
+
+    @property
+    def vectors(self) -> FloatArray:
+        """The M-orthonormal basis, shape (n_dofs, there): the same memory, grown in place."""
+        return self._basis[: self._count].T
+
+    def ritz_on_basis(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """Return ω² and the modes' coordinates on `vectors`, shape (there, m); as `ritz`."""
         size, rigid = self.grow(count), self.rigid_count
         elastic = self._coordinates()[rigid:size]
         there = self._stiffness[: self._count, : self._count]
@@ -177,9 +187,9 @@ class Subspace:
                 "mechanism (supports missing, a piece joined along one edge or at one point); see "
                 "body.frequencies(10)"
             )
-        basis = self._basis[: self._count].T
-        modes = np.column_stack([basis[:, : min(rigid, size)], basis @ (elastic.T @ y)])
-        return np.concatenate([np.zeros(min(rigid, size)), omega2]), modes
+        whole = np.eye(self._count, min(rigid, size))
+        coordinates = np.column_stack([whole, elastic.T @ y])
+        return np.concatenate([np.zeros(min(rigid, size)), omega2]), coordinates
 
     def _coordinates(self) -> FloatArray:
         padded = np.zeros((len(self._ordered), self._count))
@@ -419,12 +429,20 @@ class KrylovSpace:
 
     def of_vectors(self, n: int) -> AOModel:
         """Return the model of `n` vectors beside the static one: of `n` oscillators, or fewer."""
-        omega2, modes = self._space.ritz(self._first + n)
+        return self.seen(n).multiplied_out()
+
+    def seen(self, n: int) -> AOModel:
+        """Return the model of `of_vectors` with shapes that are multiplied out when asked for.
+
+        It is made for much less, and holds the whole space as long as it lives.
+        """
+        omega2, coordinates = self._space.ritz_on_basis(self._first + n)
         return star_of_modes(
             self.tip,
             omega2,
-            modes,
+            self._space.vectors,
             "AO",
+            coordinates=coordinates,
             solver=self._space.solver_name,
             contact_time=self.contact_time,
         )
@@ -446,7 +464,7 @@ def _of_largest_mass(star: AOModel, n: int) -> AOModel:
     by_mass = np.argsort(-star.m, kind="stable")
     order = np.concatenate([np.sort(by_mass[:n]), by_mass[n:]])
     assert star.origin is not None  # it was made from modes
-    origin = replace(star.origin, shapes=star.origin.shapes[:, order])
+    origin = replace(star.origin, oscillators=star.origin.oscillators[:, order])
     return replace(star, m=star.m[order], k=star.k[order], origin=origin).truncated(n)
 
 

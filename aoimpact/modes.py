@@ -17,7 +17,7 @@ from .patch import Patch
 from .solvers import Solver, checked_solver
 from .spectra import EQUAL, lowest
 from .star import AOModel
-from .statics import StaticMode, origin_of
+from .statics import origin_of
 
 __all__ = ["ModalModel", "modal"]
 
@@ -95,6 +95,7 @@ def star_of_modes(
     modes: FloatArray,
     label: str,
     *,
+    coordinates: FloatArray | None = None,
     solver: str = "",
     contact_time: float | None = None,
 ) -> AOModel:
@@ -105,29 +106,42 @@ def star_of_modes(
     tip : ContactPoint
     omega2 : ndarray, shape (n,)
         ω², (rad/s)², ascending; zero for rigid modes.
-    modes : ndarray, shape (n_dofs, n)
+    modes : ndarray, shape (n_dofs, n), or with coordinates (n_dofs, r)
+        The modes, or M-orthonormal vectors of which they are combinations.
     label : str
         What made the modes: "modal" or "AO".
+    coordinates : ndarray, shape (r, n), optional
+        Of the modes on such vectors. The star's shapes are then left to be multiplied out.
     solver : str, optional
         The linear solver they were made with.
     contact_time : float, optional
         That they were fitted to, s.
     """
-    participation = modes.T @ tip.b
+    participation = tip.b @ modes
+    size2 = np.einsum("ij,ij->j", modes, modes)
+    if coordinates is not None:  # sizes as if the vectors were at right angles: of what is rounding
+        participation, size2 = participation @ coordinates, size2 @ coordinates**2
     weight = participation**2
-    rounding = 1e-12 * np.linalg.norm(tip.b) * np.linalg.norm(modes, axis=0)
+    rounding = 1e-12 * np.linalg.norm(tip.b) * np.sqrt(size2)
     excited = (weight > _SILENT * weight.sum()) & (weight > rounding**2)
     if not excited.any():
         raise InputError(f"none of the {len(omega2)} modes moves the contact: take more modes")
     omega2, weight = omega2[excited], weight[excited]
-    shapes = modes[:, excited] * participation[excited]
+    shapes = (modes if coordinates is None else coordinates)[:, excited] * participation[excited]
     starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
     weight = np.add.reduceat(weight, starts)
     shapes = np.add.reduceat(shapes, starts, axis=1)
     m0, k0, m, k, static, shapes = _of_distinct(omega2[starts], weight, shapes)
-    mass = m0 + math.fsum(m)
-    phi = StaticMode(static, k0, tip.body.M @ static, mass, np.empty((len(static), 0)))
-    origin = origin_of(tip, phi, shapes, label, solver=solver, contact_time=contact_time)
+    origin = origin_of(
+        tip,
+        m0 + math.fsum(m),
+        static,
+        shapes,
+        label,
+        vectors=None if coordinates is None else modes,
+        solver=solver,
+        contact_time=contact_time,
+    )
     return AOModel(m0=m0, k0=k0, m=m, k=k, origin=origin, damping=tip.body.damping)
 
 

@@ -31,10 +31,10 @@ class Origin:
     label : str
         The kind of model: "AO" or "modal".
     tip : ContactPoint
-    static_mode : ndarray, shape (n_dofs,)
-        φ_st, eqs. (2), (3).
-    shapes : ndarray, shape (n_dofs, n)
-        Ψ_i = c_i φ_i, eq. (8).
+    static : ndarray, shape (n_dofs,) or (r,)
+        φ_st, eqs. (2), (3), or its coordinates on the vectors.
+    oscillators : ndarray, shape (n_dofs, n) or (r, n)
+        Ψ_i = c_i φ_i, eq. (8), or their coordinates on the vectors.
     centre : ndarray, shape (n_dofs,)
         h with hᵀX the displacement of the centre of mass along the direction of travel.
     mass : float
@@ -45,17 +45,45 @@ class Origin:
         The linear solver that the model was made with; empty where dense matrices served.
     contact_time : float or None
         The duration of the blow that the model was fitted to, s; None where it fits any.
+    vectors : ndarray, shape (n_dofs, r), optional
+        Of which the shapes are combinations that have not been multiplied out.
     """
 
     label: str
     tip: Any
-    static_mode: FloatArray
-    shapes: FloatArray
+    static: FloatArray
+    oscillators: FloatArray
     centre: FloatArray
     mass: float
     translates: bool
     solver: str = ""
     contact_time: float | None = None
+    vectors: FloatArray | None = None
+
+    @property
+    def static_mode(self) -> FloatArray:
+        """φ_st, eqs. (2), (3), shape (n_dofs,)."""
+        return self._multiplied_out[0]
+
+    @property
+    def shapes(self) -> FloatArray:
+        """Ψ_i = c_i φ_i, eq. (8), shape (n_dofs, n)."""
+        return self._multiplied_out[1]
+
+    @cached_property
+    def _multiplied_out(self) -> tuple[FloatArray, FloatArray]:
+        if self.vectors is None:
+            return self.static, self.oscillators
+        return self.vectors @ self.static, self.vectors @ self.oscillators
+
+    def multiplied_out(self) -> Origin:
+        """The same without the vectors."""
+        return replace(self, static=self.static_mode, oscillators=self.shapes, vectors=None)
+
+    def seen_by(self, functional: FloatArray) -> tuple[float, FloatArray]:
+        """functionalᵀφ_st and functionalᵀΨ_i, for a functional of shape (n_dofs,)."""
+        on = functional if self.vectors is None else functional @ self.vectors
+        return float(on @ self.static), on @ self.oscillators
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -214,9 +242,8 @@ class AOModel(Frozen):
         """
         if self.origin is None:
             raise InputError("weights: this model was given by numbers and has no body")
-        of_oscillators = functional @ self.origin.shapes
-        of_contact = functional @ self.origin.static_mode - of_oscillators.sum()
-        return np.concatenate([[of_contact], of_oscillators])
+        of_static, of_oscillators = self.origin.seen_by(functional)
+        return np.concatenate([[of_static - of_oscillators.sum()], of_oscillators])
 
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return displacement over force at the contact coordinate.
@@ -252,13 +279,18 @@ class AOModel(Frozen):
         result = real + 1j * imaginary
         return result if result.ndim else complex(result)
 
+    def multiplied_out(self) -> AOModel:
+        """The same model, with shapes of its own: see `Origin.vectors`."""
+        if self.origin is None or self.origin.vectors is None:
+            return self
+        return replace(self, origin=self.origin.multiplied_out())
+
     def truncated(self, n: int) -> AOModel:
         """Return the model of the first `n` oscillators; the others' mass joins m0, eq. (10)."""
         kept = integer("n", n, low=0, high=self.n)
         origin = self.origin
         if origin is not None:
-            shapes = origin.shapes[:, :kept]
-            origin = replace(origin, label="AO", shapes=shapes)
+            origin = replace(origin, label="AO", oscillators=origin.oscillators[:, :kept])
         return AOModel(
             m0=self.m0 + math.fsum(self.m[kept:]),
             k0=self.k0,

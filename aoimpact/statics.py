@@ -164,20 +164,32 @@ def displacement(
 
 def origin_of(
     tip: ContactPoint,
-    static: StaticMode,
+    mass: float,
+    static: FloatArray,
     shapes: FloatArray,
     label: str,
     *,
+    vectors: FloatArray | None = None,
     solver: str = "",
     contact_time: float | None = None,
 ) -> Origin:
-    """Return what a star made from a body keeps of it."""
-    centre, mass = static.m_phi / static.mass, static.mass
+    """Return what a star made from a body keeps of it; `mass`: of the static mode."""
     if tip.direction is not None and tip.body.mass is not None:
-        # Without nodes the mean over the static mode has to stand for the centre of mass.
         centre, mass = tip.body.com_functional(tip.direction), tip.body.mass
+    else:
+        # Without nodes the mean over the static mode has to stand for the centre of mass.
+        centre = tip.body.M @ (static if vectors is None else vectors @ static) / mass
     return Origin(
-        label, tip, static.phi, shapes, centre, mass, translates(tip), solver, contact_time
+        label,
+        tip,
+        static,
+        shapes,
+        centre,
+        mass,
+        translates(tip),
+        solver,
+        contact_time,
+        vectors,
     )
 
 

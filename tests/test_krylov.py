@@ -154,6 +154,21 @@ def test_order_n_plus_one_costs_one_solve(block):
     np.testing.assert_array_equal(space.antioscillators(2).m, again.m)
 
 
+def test_what_is_seen_of_a_model_is_the_model(block):
+    """Before its shapes are multiplied out: the star, places seen by it, and shapes asked for."""
+    space = ao.KrylovSpace(block, contact_time=20e-6)
+    star, seen = space.of_vectors(5), space.seen(5)
+    space.of_vectors(40)  # grown since
+    for name in ("m0", "k0", "m", "k"):
+        np.testing.assert_array_equal(getattr(seen, name), getattr(star, name))
+    place = np.random.default_rng(0).standard_normal(block.body.n_dofs)
+    np.testing.assert_allclose(seen.weights(place), star.weights(place), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(seen.expand(np.arange(6.0)), star.expand(np.arange(6.0)))
+    few = seen.truncated(2)
+    np.testing.assert_allclose(few.weights(place), star.truncated(2).weights(place), rtol=1e-9)
+    assert star.origin.vectors is None is seen.multiplied_out().origin.vectors
+
+
 def test_expand_gives_back_the_full_displacement(block):
     """bᵀX is the contact coordinate; kinetic and elastic energy are those of the star."""
     star = ao.antioscillators(block, 5, method="krylov", contact_time=20e-6)
