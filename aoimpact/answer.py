@@ -56,19 +56,31 @@ class Answer:
     quantity: str | ContactPoint
     on_target: bool = False
 
+    @property
+    def is_history(self) -> bool:
+        """Whether it is a history rather than a number."""
+        return isinstance(self.quantity, ContactPoint) or self.quantity not in _NUMBERS
+
     def difference(self, result: Result, exact: Result) -> float:
         """Return how far a result is from a more exact one, relative.
 
         Of histories the largest difference over the record, relative to the largest value.
+        """
+        return float(np.abs(self.deviation(result, exact)).max())
+
+    def deviation(self, result: Result, exact: Result) -> FloatArray:
+        """Return by how much a result is larger than a more exact one, relative.
+
+        Shape (1,); of histories (times,), relative to the largest value.
         """
         if isinstance(self.quantity, str) and self.quantity in _NUMBERS:
             one, other = (_NUMBERS[self.quantity](run) for run in (result, exact))
             scale = abs(other)
             if self.quantity == "rebound":
                 scale = max(scale, _LEAST_REBOUND * abs(exact.velocity))
-            return _relative(abs(one - other), scale)
+            return _relative(np.array([one - other]), scale)
         times = exact.t
-        return _apart(self.history(result, times), self.history(exact, times))
+        return _beyond(self.history(result, times), self.history(exact, times))
 
     def span(self, result: Result) -> float:
         """Return how long, s, the motion must be right for the answer to be so."""
@@ -89,7 +101,8 @@ class Answer:
 
     def _recorded(self, run: Result) -> FloatArray:
         if self.quantity == "force":
-            return run.force
+            force: FloatArray = run.run.forces[0]
+            return force
         body = run.target if self.quantity == "target_displacement" else run.projectile
         return body.displacement
 
@@ -138,31 +151,47 @@ class SceneAnswer:
     quantity: str | Handle | ContactPoint
     body: int = 0
 
+    @property
+    def is_history(self) -> bool:
+        """Whether it is a history, or several, rather than numbers."""
+        return not isinstance(self.quantity, str) or self.quantity == "force"
+
     def difference(self, run: Run, exact: Run) -> float:
         """Return how far a run is from a more exact one, relative.
 
         Of histories the largest difference over the record, relative to the largest value; of
         contacts the worst, none of them relative to less than a tenth of the largest of all.
         """
+        return float(np.abs(self.deviation(run, exact)).max(initial=0.0))
+
+    def deviation(self, run: Run, exact: Run) -> FloatArray:
+        """Return by how much a run gives more than a more exact one, relative as in `difference`.
+
+        Flat: contact by contact; of histories at the times of the more exact run.
+        """
         times = exact.t
         if isinstance(self.quantity, ContactPoint):
             point = self.quantity.b
             seen = (of.bodies[self.body].displacement_of(point, times) for of in (run, exact))
-            return _apart(*seen)
+            return _beyond(*seen)
         if isinstance(self.quantity, Handle):
-            return _apart(_at(run, times, self._displacement), self._displacement(exact))
+            return _beyond(_at(run, times, self._displacement), self._displacement(exact))
         if self.quantity == "force":
             ours, theirs = _at(run, times, _forces), _forces(exact)
-            apart, size = np.abs(ours - theirs).max(axis=1), theirs.max(axis=1)
+            size = theirs.max(axis=1)
         else:
             name = self.quantity
             ours, theirs = (
                 np.array([getattr(of, name) for of in one.events]) for one in (run, exact)
             )
-            apart, size = np.abs(ours - theirs), np.abs(theirs)
+            size = np.abs(theirs)
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
-        return max(
-            (_relative(float(a), float(b)) for a, b in zip(apart, scales, strict=True)), default=0.0
+        return np.concatenate(
+            [
+                _relative(np.atleast_1d(apart), float(scale))
+                for apart, scale in zip(ours - theirs, scales, strict=True)
+            ]
+            or [np.zeros(0)]
         )
 
     def span(self, run: Run) -> float:
@@ -226,15 +255,16 @@ def _at(run: T, times: FloatArray, recorded: Callable[[T], FloatArray]) -> Float
 
 def _forces(run: Run) -> FloatArray:
     """Shape (contacts, times)."""
-    return np.array([contact.force for contact in run.contacts]).reshape(run.joints, len(run.t))
+    return run.forces
 
 
-def _apart(mine: FloatArray, right: FloatArray) -> float:
-    """The largest difference of two histories, relative to the largest value."""
-    return _relative(float(np.abs(mine - right).max()), float(np.abs(right).max()))
+def _beyond(mine: FloatArray, right: FloatArray) -> FloatArray:
+    """By how much a history is above another, relative to the largest value of that."""
+    return _relative(mine - right, float(np.abs(right).max()))
 
 
-def _relative(difference: float, scale: float) -> float:
-    if difference == 0.0:
-        return 0.0
-    return difference / scale if scale > 0.0 else float("inf")
+def _relative(difference: FloatArray, scale: float) -> FloatArray:
+    if scale > 0.0:
+        return difference / scale
+    none = difference == 0.0
+    return np.where(none, 0.0, np.copysign(np.inf, difference))

@@ -11,9 +11,11 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import combinations
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from .contact import ContactPoint
 from .errors import AOImpactError, ConvergenceError, InputError
@@ -27,6 +29,7 @@ from .statics import moves_rigidly
 
 __all__ = ["Ladder", "Orders", "first_guess", "ladder", "least_orders"]
 
+FloatArray = npt.NDArray[np.float64]
 Model = AOModel | InterfaceModel
 Models = tuple[Model, ...]
 R = TypeVar("R")
@@ -36,8 +39,13 @@ R_contra = TypeVar("R_contra", contravariant=True)
 class Asked(Protocol[R_contra]):
     """What is asked of a run: a `Result`, or a scene's `Run`."""
 
-    def difference(self, result: R_contra, exact: R_contra, /) -> float:
-        """The relative difference of a run's answer to that of a more exact one."""
+    @property
+    def is_history(self) -> bool:
+        """Whether it is a history, or several, rather than numbers."""
+        ...
+
+    def deviation(self, result: R_contra, exact: R_contra, /) -> FloatArray:
+        """By how much a run gives more than a more exact one, relative; flat."""
         ...
 
     def span(self, result: R_contra, /) -> float:
@@ -53,7 +61,7 @@ class Asked(Protocol[R_contra]):
 # three hardly.
 _GROWTH = 1.5
 _FIRST_ORDER = 6
-_MOST_ORDER = 400
+_MOST_ORDER = 600
 
 # Up to here each order is tried, beyond it by bisection: errors fall with the order in the large
 # only, and a step back may hide one that does.
@@ -73,11 +81,23 @@ _FASTEST, _SLOWEST = 0.5, 0.85
 _SMALL_BODY = 1500
 _SHARE_OF_DOFS = 0.1
 
+# Exponents of sums of changes: no larger than the first; from the second on they are unrelated, and
+# a model's error and that of the truth add up with it.
+_MOST_EXPONENT, _UNRELATED = 16.0, 2.0
+
 # So many orders less are tried at once before a model counts as the least.
 _BEHIND = 5
 
+# The others' models in runs that try one body's orders: no larger than errs by this share of the
+# tolerance.
+_COMPANION = 0.3
+
+# Two bodies' errors add up, with their signs, but for products of them: pairs that are foreseen to
+# err by no more than this many tolerances are tried, so many of them, of orders up to here.
+_DOUBT, _TRIES, _FORESEEN = 1.3, 24, 48
+
 # A body that may be rigid is worth models of the others that are larger by this share at most.
-_WORTH_OF_RIGID = 0.25
+_WORTH_OF_RIGID = 1.0 / 3.0
 
 # Bases are fitted anew, but not for ever, where this factor lies between the contact time that they
 # were fitted to and the one found.
@@ -95,7 +115,13 @@ class Ladder(Protocol):
         """The order of the model without oscillators: a held body's is a step above a wall."""
         ...
 
-    def model(self, order: int) -> Model: ...
+    def model(self, order: int) -> Model:
+        """The model, to be run; what its body does need not be known yet."""
+        ...
+
+    def finished(self, order: int) -> Model:
+        """The model, to be handed out."""
+        ...
 
     def at_most(self, order: int) -> int:
         """The order itself, or the largest that there is, if that is less."""
@@ -134,6 +160,8 @@ class StarLadder:
             return _rigid(self.star.truncated(0))
         return self.star.truncated(kept - self.first)
 
+    finished = model
+
     def at_most(self, order: int) -> int:
         return 0 if math.isinf(self.star.m0) else min(order, self._most)
 
@@ -156,6 +184,8 @@ class GivenLadder:
 
     def model(self, order: int) -> InterfaceModel:
         return self.given
+
+    finished = model
 
     def at_most(self, order: int) -> int:
         return 0
@@ -205,12 +235,15 @@ class KrylovLadder:
             self._models[order] = self._made(order)
         return self._models[order]
 
+    def finished(self, order: int) -> AOModel:
+        return self.model(order).multiplied_out()
+
     def _made(self, order: int) -> AOModel:
         if order < self.first:
             return rigid(mass=math.inf)
         if self._small and order == self.tip.body.n_dofs:
             return antioscillators(self.tip, order="frequency")
-        star = self._space.of_vectors(order - self.first)
+        star = self._space.seen(order - self.first)
         if self._space.exhausted:
             self._most = order
         return star if order > 0 else _rigid(star)
@@ -279,6 +312,8 @@ class InterfaceLadder:
             if self._space.exhausted:
                 self._most = order
         return self._models[order]
+
+    finished = model
 
     def at_most(self, order: int) -> int:
         return min(order, self._most)
@@ -400,10 +435,14 @@ class _Search(Generic[R]):
     ) -> None:
         self.ladders, self.run, self.asked, self.rtol = ladders, run, asked, rtol
         self.results: dict[tuple[int, ...], R | None] = {}
-        self.errors: dict[tuple[tuple[int, ...], tuple[int, ...]], float] = {}
+        self.deviations: dict[tuple[tuple[int, ...], tuple[int, ...]], FloatArray | None] = {}
         self.failure: AOImpactError | None = None
         self.truth = (0,) * len(ladders)
         self.truth_error = 0.0
+        # Errors add up as the sums of their powers with this exponent.
+        self.exponent = 1.0
+        # What a body's orders are tried with, as exact as need be.
+        self.companion = self.truth
 
     def models(self, orders: tuple[int, ...]) -> Models:
         return tuple(one.model(n) for one, n in zip(self.ladders, orders, strict=True))
@@ -421,33 +460,50 @@ class _Search(Generic[R]):
 
     def error(self, orders: tuple[int, ...]) -> float:
         """Estimated error, the truth's own included."""
-        key = orders, self.truth
-        if key not in self.errors:
-            self.errors[key] = self._apart(self.at(orders), self.at(self.truth))
-        return self.errors[key] + self.truth_error
+        apart = _largest(self._deviation(orders))
+        return _added(apart, self.truth_error, min(self.exponent, _UNRELATED))
 
-    def _apart(self, one: R | None, other: R | None) -> float:
-        return math.inf if one is None or other is None else self.asked.difference(one, other)
+    def _deviation(self, orders: tuple[int, ...]) -> FloatArray | None:
+        """From the truth; None where models that small cannot be run, or give nothing like it."""
+        key = orders, self.truth
+        if key not in self.deviations:
+            self.deviations[key] = self._apart(self.at(orders), self.at(self.truth))
+        return self.deviations[key]
+
+    def _apart(self, one: R | None, other: R | None) -> FloatArray | None:
+        if one is None or other is None:
+            return None
+        deviation = self.asked.deviation(one, other)
+        return deviation if np.isfinite(deviation).all() else None
 
     def reference(self) -> R:
         """Enlarge all models until the answer stands."""
         order, changes, error = _FIRST_ORDER, [math.inf], math.inf
-        before = self.at((order,) * len(self.ladders))
+        tried, exponents = [(order,) * len(self.ladders)], [1.0]
+        results = [self.at(tried[0])]
         while order <= _MOST_ORDER:
             costly = any(one.is_costly(order) for one in self.ladders)
             share = _FAIR_REFERENCE if costly else _GOOD_REFERENCE
+            if costly and self.exponent >= _UNRELATED:
+                share = _POOR_REFERENCE
             if error <= share * self.rtol:
                 break
             order = math.ceil(_GROWTH * order)
             truth = tuple(one.stand_in(order) for one in self.ladders)
             now = self.at(truth)
-            changes.append(self._apart(before, now))
+            changes.append(_largest(self._apart(results[-1], now)))
             whole = all(one.is_whole(n) for one, n in zip(self.ladders, truth, strict=True))
-            error = 0.0 if whole else _still_to_come(changes)
-            self.truth, self.truth_error, before = truth, error, now
+            if self.asked.is_history and len(results) > 1:
+                both = _largest(self._apart(results[-2], now))
+                exponents.append(_exponent(changes[-2], changes[-1], both))
+                self.exponent = min(exponents[-2:])
+            error = 0.0 if whole else _still_to_come(changes, self.exponent)
+            self.truth, self.truth_error = truth, error
+            tried.append(truth)
+            results.append(now)
             if whole:
                 break
-        if before is None:
+        if (best := results[-1]) is None:
             assert self.failure is not None
             raise self.failure
         if error > _POOR_REFERENCE * self.rtol:
@@ -456,7 +512,9 @@ class _Search(Generic[R]):
                 f"{changes[-1]:.2g}; take a larger rtol, a shorter duration, or the full "
                 "finite-element models"
             )
-        return before
+        good = (orders for orders in tried if self.error(orders) <= _COMPANION * self.rtol)
+        self.companion = next(good, self.truth)
+        return best
 
     def least(self) -> Orders:
         """Each body's least order with the others at their largest, for shares of the tolerance."""
@@ -468,9 +526,48 @@ class _Search(Generic[R]):
                 found = orders
                 break
         found = self._pruned(found)
+        for pair in combinations(range(len(found)), 2):
+            found = self._balanced(pair, found)
         for which in range(len(found)):
             found = self._without(which, found)
-        return Orders(found, self.models(found), self.error(found))
+        finished = (one.finished(n) for one, n in zip(self.ladders, found, strict=True))
+        return Orders(found, tuple(finished), self.error(found))
+
+    def _oscillators(self, which: int, order: int) -> int:
+        return max(0, order - self.ladders[which].first)
+
+    def _balanced(self, pair: tuple[int, int], found: tuple[int, ...]) -> tuple[int, ...]:
+        """Find fewer oscillators of two bodies whose errors do, those of the others being as found.
+
+        Errors need not fall with the order, and may cancel; what each body adds alone foretells it.
+        """
+        most = sum(self._oscillators(i, found[i]) for i in pair)
+        common = self._deviation(self.companion)
+        rest = [self._deviation(_with(self.companion, i, n)) for i, n in enumerate(found)]
+        if most == 0 or common is None or any(one is None for one in rest):
+            return found
+        fixed = common + sum(
+            one - common for i, one in enumerate(rest) if i not in pair and one is not None
+        )
+        shares = []
+        for i in pair:
+            ladder = self.ladders[i]
+            last = min(most - 1 + ladder.first, ladder.at_most(_FORESEEN))
+            alone = [self._deviation(_with(self.companion, i, n)) for n in range(last + 1)]
+            shares.append([(n, one - common) for n, one in enumerate(alone) if one is not None])
+        foreseen = []
+        for n, one in shares[0]:
+            for m, other in shares[1]:
+                size = self._oscillators(pair[0], n) + self._oscillators(pair[1], m)
+                if size < most:
+                    error = _largest(fixed + one + other)
+                    if error <= _DOUBT * self.rtol:
+                        foreseen.append((size, error, n, m))
+        for _, _, n, m in sorted(foreseen)[:_TRIES]:
+            fewer = _with(_with(found, pair[0], n), pair[1], m)
+            if self.error(fewer) <= self.rtol:
+                return fewer
+        return found
 
     def _without(self, which: int, orders: tuple[int, ...]) -> tuple[int, ...]:
         """Make one body rigid, if a little more of the largest of the others makes up for it."""
@@ -490,16 +587,17 @@ class _Search(Generic[R]):
         """The least order of one body at which it alone errs no more than allowed."""
 
         def fits(order: int) -> bool:
-            return self.error(_with(self.truth, which, order)) <= allowed
+            return self.error(_with(self.companion, which, order)) <= allowed
 
         low = -1
         for order in range(_EACH + 1):
             if fits(order):
                 return order
             low = order
-        high = min(math.ceil(_GROWTH * low), self.truth[which])
-        while high < self.truth[which] and not fits(high):
-            low, high = high, min(math.ceil(_GROWTH * high), self.truth[which])
+        most = self.companion[which]
+        high = min(math.ceil(_GROWTH * low), most)
+        while high < most and not fits(high):
+            low, high = high, min(math.ceil(_GROWTH * high), most)
         while high - low > 1:
             middle = (low + high) // 2
             if fits(middle):
@@ -536,7 +634,36 @@ def _with(orders: tuple[int, ...], which: int, order: int) -> tuple[int, ...]:
     return (*orders[:which], order, *orders[which + 1 :])
 
 
-def _still_to_come(changes: list[float]) -> float:
+def _largest(deviation: FloatArray | None) -> float:
+    return math.inf if deviation is None else float(np.abs(deviation).max(initial=0.0))
+
+
+def _added(one: float, other: float, exponent: float) -> float:
+    """(a^p + b^p)^(1/p)."""
+    larger, smaller = max(one, other), min(one, other)
+    if smaller == 0.0 or math.isinf(larger):
+        return larger
+    return larger * math.pow(1.0 + math.pow(smaller / larger, exponent), 1.0 / exponent)
+
+
+def _exponent(one: float, other: float, both: float) -> float:
+    """With which two successive changes add up to the change of both: 1, or more.
+
+    It is 1 where answers creep up on the truth from one side, and 2 where each change is of another
+    kind. Of a history what errs in the end are waves of ever higher frequency, whose phases at one
+    order have nothing to do with those at the next: answers lie all round the truth, and no change
+    is much larger than those that it is made of.
+    """
+    if not (math.isfinite(one) and math.isfinite(other)) or both >= one + other:
+        return 1.0
+    low, high = 1.0, _MOST_EXPONENT
+    while high - low > 0.01:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _added(one, other, middle) > both else (low, middle)
+    return low
+
+
+def _still_to_come(changes: list[float], exponent: float) -> float:
     """What a sequence of such successive changes still has before it: their geometric rest.
 
     The last change counts for no less than the one before makes likely: one alone may be small by
@@ -547,4 +674,4 @@ def _still_to_come(changes: list[float]) -> float:
         return math.inf
     ratio = max(last / before, _FASTEST) if before > 0.0 else _SLOWEST
     ratio = min(ratio, _SLOWEST)
-    return last * ratio / (1.0 - ratio)
+    return last * ratio / math.pow(1.0 - math.pow(ratio, exponent), 1.0 / exponent)

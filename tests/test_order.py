@@ -23,7 +23,8 @@ def search(answer, rtol, bodies=(MANY, MANY), contact_time=1e-4):
         return SimpleNamespace(value=answer(*(model.n for model in models)))
 
     asked = SimpleNamespace(
-        difference=lambda one, other: abs(one.value - other.value) / abs(other.value),
+        is_history=False,
+        deviation=lambda one, other: np.array([one.value - other.value]) / abs(other.value),
         span=lambda _: contact_time,
         contact_time=lambda _: contact_time,
     )
@@ -65,6 +66,44 @@ def test_a_body_is_rigid_if_a_little_more_of_the_other_makes_up_for_it(rigid, or
     found, _ = search(lambda n, m: 1.0 + (rigid if n == 0 else 0.0) + 0.8**m, 1e-2)
     assert found.orders == orders
     assert found.error <= 1e-2
+
+
+def test_errors_that_cancel_are_found():
+    """Of -0.9^n and +0.9^m the sum is within 1e-2 from the first pair of equal orders on."""
+    found, _ = search(lambda n, m: 1.0 - 0.5 * 0.9**n + 0.5 * 0.9**m, 1e-2)
+    assert found.orders == (0, 0)
+    found, runs = search(lambda n, m: 1.0 - 0.9 ** (n + 1) + 0.9 ** (m + 3), 1e-2)
+    assert sum(found.orders) == 2
+    assert runs < 250
+
+
+def test_errors_of_waves_that_have_nothing_to_do_with_each_other_do_not_add_up():
+    """A history that errs by 0.03 n^-0.7 with phases of its own at each order.
+
+    The changes from one order to the next fall so slowly that their sum is ten times the last.
+    """
+    times = np.linspace(0.0, 1.0, 2000)
+
+    def wave(n):
+        # What a model gives wrong are waves of frequencies about its order.
+        random = np.random.default_rng(n)
+        phases = random.uniform(0.0, 2.0 * np.pi, 20)
+        waves = np.cos(np.multiply.outer(times, np.linspace(5 * n, 10 * n + 5, 20)) + phases)
+        return 0.03 * max(n, 1) ** -0.7 * waves.sum(axis=1) / np.sqrt(20)
+
+    asked = SimpleNamespace(
+        is_history=True,
+        deviation=lambda one, other: one - other,
+        span=lambda _: 1e-4,
+        contact_time=lambda _: 1e-4,
+    )
+    many = ao.AOModel(m0=1.0, m=np.ones(1000), k=np.arange(1.0, 1001.0))
+    found = least_orders(
+        (many, ao.rigid(mass=1.0)), run=lambda models: wave(models[0].n), asked=asked, rtol=3e-3
+    )
+    least = next(n for n in range(1, 1000) if np.abs(wave(n)).max() <= 3e-3)
+    assert np.abs(wave(found.orders[0])).max() <= 3e-3
+    assert found.orders[0] <= 1.5 * least
 
 
 def test_slow_convergence_is_seen_through():
