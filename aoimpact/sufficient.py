@@ -17,9 +17,9 @@ __all__ = ["checked_linear_solver", "sufficient"]
 # last digits they agree only by being the whole bodies.
 _RTOL, _TIGHTEST = 1e-2, 1e-8
 
-# Shares of the tolerance: what time integration takes of peak forces and times (a history that rings
-# errs by twenty times as much), and what is used of it at all, since the search's estimates are no
-# bounds.
+# Shares of the tolerance: what time integration takes of peak forces and times (a history that
+# rings errs by twenty times as much), and what is used of it at all, since the search's estimates
+# are no bounds.
 _SHARE_OF_TIME, _MARGIN = 0.005, 0.95
 
 R = TypeVar("R")
