@@ -238,8 +238,10 @@ class Subspace:
         new = slice(self._given, self._count)
         vectors = self._basis[new]
         stiffness = self._stiffness[new, new]
-        scale = 1.0 / np.sqrt(stiffness.diagonal())
         found = np.zeros((len(loads), self._count))
+        if not (stiffness.diagonal() > 0.0).all():  # rounding of K, or a mechanism
+            return found, np.inf
+        scale = 1.0 / np.sqrt(stiffness.diagonal())
         try:
             factors = la.cho_factor(scale[:, None] * stiffness * scale)
         except la.LinAlgError:
@@ -495,10 +497,13 @@ def own_contact_time(tip: ContactPoint) -> float:
 
 
 def shortest_contact_time(tip: ContactPoint) -> float:
-    """The shortest blow that the mesh resolves at the contact, s: shorter waves are elements."""
+    """The shortest blow that the mesh resolves at the contact, s: shorter waves are elements.
+
+    0 where K gives b no stiffness, and so no waves.
+    """
     body, b = tip.body, tip.b
-    highest = math.sqrt(float(b @ (body.K @ b)) / float(b @ (body.M @ b)))
-    return SHIFT_TIMES_DURATION / highest
+    highest2 = float(b @ (body.K @ b)) / float(b @ (body.M @ b))
+    return SHIFT_TIMES_DURATION / math.sqrt(highest2) if highest2 > 0.0 else 0.0
 
 
 def _check_resolved(tip: ContactPoint, contact_time: float) -> None:

@@ -287,6 +287,26 @@ def test_no_more_oscillators_than_asked_for():
         np.testing.assert_allclose(x @ space.tip.b, coordinates[0], rtol=1e-9)
 
 
+def test_a_contact_without_stiffness_is_a_mass():
+    """A loose mass beside two on a spring: what is asked of it is not how fast its waves are."""
+    spring = np.array([[1e6, -1e6], [-1e6, 1e6]])
+    body = ao.FEModel(K=la.block_diag(0.0, spring), M=np.diag([2.0, 3.0, 4.0]))
+    star = ao.antioscillators(body.contact(dof=0), 0, method="krylov", contact_time=1e-3)
+    assert (star.n, star.k0) == (0, 0.0)
+    np.testing.assert_allclose(star.m0, 2.0, rtol=1e-12)
+
+
+def test_a_slightly_negative_stiffness_is_named():
+    """K of a rod whose softest motion gives a little energy back, as K that was printed may."""
+    K, M = (matrix.toarray() for matrix in rod(12, fixed=[0]))
+    omega2, modes = la.eigh(K, M)
+    soft = M @ modes[:, 0]
+    K -= (omega2[0] + 1e-10 * omega2[-1]) * np.outer(soft, soft)
+    tip = ao.FEModel(K=0.5 * (K + K.T), M=M).contact(dof=11)
+    with pytest.raises(ao.SingularError):
+        ao.antioscillators(tip, 4, method="krylov", contact_time=1e3)
+
+
 def test_multiple_eigenvalues_of_symmetric_bodies():
     """Three equal rods on one struck mass: every constraint mode is threefold, and one is seen."""
     one_K, one_M = rod(30)
