@@ -159,7 +159,7 @@ class LinearSolver:
                 f"solver {self.name!r} returned nan or infinity for {self.pencil.what} "
                 f"({self.pencil.n} dofs); take another one by solver="
             )
-        return answer
+        return answer.astype(np.float64, copy=False)  # refined, single precision does as well
 
 
 @dataclass(eq=False)

@@ -96,6 +96,20 @@ def test_text_html_figure_and_file(table, tmp_path):
     assert [float(row["force"]) for row in rows] == [row.force for row in table.rows]
 
 
+def test_the_heading_names_the_body_that_a_reduced_model_was_made_of():
+    table = ao.compare(
+        projectile=ao.rigid(mass=0.06),
+        target=ao.antioscillators(beam(ENDS), 5),
+        law=law(STEEL, 0.01, ALUMINIUM),
+        velocity=1.0,
+        duration=2e-4,
+        oscillators=(1,),
+        modes=(),
+        full=False,
+    )
+    assert "of FEModel(" in repr(table).splitlines()[0]
+
+
 def test_the_users_own_linear_solver_is_used_and_named(own_solver):
     table = ao.compare(
         projectile=ao.rigid(mass=0.06),

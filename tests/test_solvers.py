@@ -183,6 +183,17 @@ def test_multigrid_takes_over_where_factors_are_slow_or_too_large(block, monkeyp
             assert block.inverse(1e10).name == "multigrid"
 
 
+def test_a_solver_of_single_precision_is_refined_to_double(block):
+    def single(A):
+        inverse = spla.factorized(A.tocsc())
+        return lambda f: inverse(f).astype(np.float32)
+
+    f = np.random.default_rng(1).standard_normal(block.n_dofs)
+    x = block.inverse(1e12, solver=single).solve(f)
+    residual = f - block.K @ x - 1e12 * (block.M @ x)
+    assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(f)
+
+
 def test_many_solutions_are_worth_a_factorisation(block, monkeypatch):
     """Where factorising takes as long as a hundred solutions by multigrid."""
     factor = solvers._FACTOR * factor_entries(block.K, "superlu") ** 2 / block.n_dofs
