@@ -17,6 +17,7 @@ from .damping import Damping
 from .errors import InputError, InputTypeError, warn
 from .frozen import Frozen
 from .material import Material
+from .mechanism import Mechanism
 from .mesh import Mesh
 from .patch import Patch
 from .solvers import FEW_SOLUTIONS, LinearSolver, Solver
@@ -60,6 +61,8 @@ class Body(Protocol):
     def damping(self) -> Damping | None: ...
     @property
     def rigid_modes(self) -> FloatArray: ...
+    @property
+    def mechanism(self) -> Mechanism | None: ...
     def inverse(
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
     ) -> LinearSolver: ...

@@ -20,6 +20,7 @@ from .frozen import Frozen
 from .halfspace import warn_of_room
 from .material import Material
 from .matrices import check_mass, check_stiffness, symmetric_csr
+from .mechanism import Mechanism, mechanism_of
 from .mesh import Mesh, read_mesh
 from .rigidity import every_motion, rigid_motions, unresisted_motions
 from .solvers import FEW_SOLUTIONS, LinearSolver, Pencil, Solver, linear_solver
@@ -235,6 +236,17 @@ class FEModel(Frozen):
             modes = every_motion(self.M)
         modes.flags.writeable = False
         return modes
+
+    @cached_property
+    def mechanism(self) -> Mechanism | None:
+        """The motions without elastic force that are not rigid-body motions, if there are any.
+
+        Known of bodies with a mesh; without nodes they count among the rigid motions.
+        """
+        if self.surface is None:
+            return None
+        assert self.free is not None  # a body with a mesh has nodes
+        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes)
 
     def inverse(
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS

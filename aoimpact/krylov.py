@@ -22,6 +22,7 @@ from . import _core
 from .checks import integer, positive
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, SingularError, warn
+from .mechanism import refuse_mechanism
 from .modes import star_of_modes
 from .solvers import (
     FEW_SOLUTIONS,
@@ -100,6 +101,7 @@ class Subspace:
         solver: Solver = "auto",
     ) -> None:
         body = tips[0].body
+        refuse_mechanism(tips)
         rigid = body.rigid_modes
         self.body = body
         self.rigid_count = rigid.shape[1]

@@ -16,6 +16,7 @@ from .checks import choice, integer
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, SingularError, warn
 from .krylov import KrylovSpace
+from .mechanism import refuse_mechanism
 from .solvers import Solver, SolverBook, checked_solver
 from .spectra import EQUAL, lowest_sparse, shifted
 from .star import AOModel
@@ -232,6 +233,7 @@ def antioscillators(
             raise InputError("n=None: method='krylov' makes a given number of oscillators; give n")
         space = KrylovSpace(tip, contact_time=contact_time, duration=duration, solver=solver)
         return space.antioscillators(n)
+    refuse_mechanism([tip])
     solvers = SolverBook(partial(tip.body.inverse, solver=checked_solver(solver)))
     static = static_mode(tip, invert=solvers)
     by = choice("order", "mass" if order is None else order, ("mass", "frequency"))

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy.linalg as la
 from scipy.sparse.csgraph import connected_components
 
-__all__ = ["every_motion", "rigid_motions", "unresisted_motions"]
+__all__ = ["every_motion", "motions_at", "rigid_motions", "unresisted_motions"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -30,13 +30,18 @@ def rigid_motions(nodes: FloatArray) -> FloatArray:
     """
     middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
     size = float(np.ptp(nodes, axis=0).max()) or 1.0
-    x, y, z = ((nodes - middle) / size).T
-    motions = np.zeros((len(nodes), 3, 6))
+    return motions_at((nodes - middle) / size).reshape(-1, 6)
+
+
+def motions_at(places: FloatArray) -> FloatArray:
+    """Return x, y, z of unit translations and rotations about the origin, shape (n, 3, 6)."""
+    x, y, z = places.T
+    motions = np.zeros((len(places), 3, 6))
     motions[:, [0, 1, 2], [0, 1, 2]] = 1.0
     motions[:, 1, 3], motions[:, 2, 3] = -z, y
     motions[:, 2, 4], motions[:, 0, 4] = -x, z
     motions[:, 0, 5], motions[:, 1, 5] = -y, x
-    return motions.reshape(-1, 6)
+    return motions
 
 
 def unresisted_motions(K: Any, M: Any, motions: FloatArray) -> FloatArray:

@@ -7,6 +7,8 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from .elements import reference_element
 from .faces import reference_faces
@@ -71,11 +73,22 @@ class Surface:
     mesh : Mesh
     cell, side : ndarrays of int, shape (n_faces,)
         The element that each face belongs to, and which of `reference_faces` it is.
+    joined : ndarray of int, shape (any, 2)
+        Pairs of elements that share a side.
     """
 
     mesh: Mesh
     cell: IntArray
     side: IntArray
+    joined: IntArray
+
+    @cached_property
+    def part(self) -> IntArray:
+        """For each element, which of the parts that hang together by whole sides it is in."""
+        n = self.mesh.n_cells
+        links = sp.coo_array((np.ones(len(self.joined), bool), tuple(self.joined.T)), shape=(n, n))
+        part: IntArray = connected_components(links, directed=False)[1].astype(np.int64)
+        return part
 
     @cached_property
     def nodes(self) -> IntArray:
@@ -259,7 +272,8 @@ def boundary(mesh: Mesh) -> Surface:
     single = np.ones(len(flat), dtype=bool)
     single[order[1:][same]] = single[order[:-1][same]] = False
     side, cell = np.divmod(np.flatnonzero(single), mesh.n_cells)
-    return Surface(mesh, cell, side)
+    joined = np.stack([order[1:][same], order[:-1][same]], axis=1) % mesh.n_cells
+    return Surface(mesh, cell, side, joined)
 
 
 def plane_of(axis: FloatArray) -> FloatArray:

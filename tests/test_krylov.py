@@ -358,23 +358,6 @@ def test_rounding_in_the_symmetry_of_k():
     np.testing.assert_allclose(noisy.m, clean.m, rtol=1e-8)
 
 
-@pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]], ids=["free", "held"])
-def test_a_mechanism_is_named(fixed):
-    """Two blocks that share nothing but one edge: a hinge."""
-    left = box_mesh((0.02, 0.02, 0.02), (2, 2, 2))
-    shift = left.nodes + np.array([0.02, 0.0, 0.02])
-    nodes = np.concatenate([left.nodes, shift])
-    _, first, index = np.unique(np.round(nodes, 9), axis=0, return_index=True, return_inverse=True)
-    cells = np.concatenate([left.cells, left.cells + left.n_nodes])
-    end = {"xmin": np.flatnonzero(nodes[first][:, 0] < 1e-9)}
-    mesh = ao.Mesh(nodes[first], index.ravel()[cells], left.kind, end)
-    tip = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed).contact(
-        point=(0.03, 0.01, 0.04), direction=(0, 0, 1)
-    )
-    with pytest.raises(ao.SingularError, match="mechanism"):
-        ao.antioscillators(tip, 12, method="krylov", contact_time=1e-4)
-
-
 def test_a_contact_time_far_off_is_refused_or_harmless(block):
     with pytest.raises(ao.InputError, match="shorter than what the mesh resolves"):
         ao.antioscillators(block, 3, method="krylov", contact_time=1e-8)

@@ -1,0 +1,144 @@
+"""Pieces that swing about what they share with the rest: found by rank, and named at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.generate import box_mesh
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+KINDS = ("hexahedron", "hexahedron20", "hexahedron27", "tetra", "tetra10", "wedge")
+D = 0.02
+
+# Where equal blocks stand, in their own widths; which joints they make is in the name.
+SHAPES = {
+    "a block": [(0, 0, 0)],
+    "two by a face": [(0, 0, 0), (1, 0, 0)],
+    "two by an edge": [(0, 0, 0), (1, 0, 1)],
+    "two at a point": [(0, 0, 0), (1, 1, 1)],
+    "two apart": [(0, 0, 0), (2, 0, 0)],
+    "three by parallel edges": [(0, 0, 0), (1, 0, 1), (0, 0, 2)],
+    "a ring of four by parallel edges": [(0, 0, 0), (1, 0, 1), (0, 0, 2), (-1, 0, 1)],
+    "three by edges across each other": [(0, 0, 0), (1, 1, 0), (0, 1, 1)],
+}
+
+
+def end(x: Any) -> Any:
+    return x[:, 0] < x[:, 0].min() + 1e-9
+
+
+def blocks(places: Any, kind: str = "hexahedron") -> ao.Mesh:
+    """Blocks of some elements each; nodes at the same place are one."""
+    block = box_mesh((D, D, D), (1, 2, 1), kind=kind)
+    nodes = np.vstack([block.nodes + D * np.array(place) for place in places])
+    cells = np.vstack([block.cells + block.n_nodes * i for i in range(len(places))])
+    _, first, number = np.unique(nodes.round(9), axis=0, return_index=True, return_inverse=True)
+    return ao.Mesh(nodes[first], number.ravel()[cells], kind)
+
+
+def motions_without_force(body: ao.FEModel) -> int:
+    """By the eigenvalues of K."""
+    values = np.linalg.eigvalsh(body.K.toarray())
+    return int((values < 1e-10 * values[-1]).sum())
+
+
+def found(body: ao.FEModel) -> int:
+    mechanism = body.mechanism
+    motions = np.zeros((body.n_dofs, 0)) if mechanism is None else mechanism.motions
+    every = np.column_stack([body.rigid_modes, motions])
+    np.testing.assert_allclose(every.T @ (body.M @ every), np.eye(every.shape[1]), atol=1e-9)
+    strained = np.abs(body.K @ motions).max(initial=0.0)
+    assert strained <= 1e-11 * body.K.diagonal().max() * np.abs(motions).max(initial=0.0)
+    return every.shape[1]
+
+
+@pytest.mark.parametrize("fixed", [None, [(end, "xyz")], [(end, "x")]], ids=["free", "held", "x"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_motions_without_force_are_rigid_ones_and_mechanisms(shape: str, fixed: Any) -> None:
+    for kind in KINDS if fixed is None else ("hexahedron",):
+        body = ao.FEModel.from_mesh(blocks(SHAPES[shape], kind), STEEL, fixed=fixed)
+        assert found(body) == motions_without_force(body), kind
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_elements_joined_at_random(seed: int) -> None:
+    """Some of the cells of a box: loose ones, joints, rings of joints, and parts of several."""
+    whole = box_mesh((3 * D, 3 * D, 3 * D), (3, 3, 3))
+    chosen = np.random.default_rng(seed).random(whole.n_cells) < (0.3, 0.5)[seed % 2]
+    used, cells = np.unique(whole.cells[chosen], return_inverse=True)
+    mesh = ao.Mesh(whole.nodes[used], cells.reshape(-1, 8), whole.kind)
+    for fixed in (None, [(end, "xyz")]):
+        body = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed)
+        assert found(body) == motions_without_force(body)
+
+
+def test_a_curved_edge_holds() -> None:
+    """Three nodes that are not on a line: two blocks by an edge of second order move as one."""
+    block = box_mesh((D, D, D), (1, 1, 1), kind="hexahedron20")
+    nodes = np.vstack([block.nodes, block.nodes + np.array([D, 0, D])])
+    _, first, number = np.unique(nodes.round(9), axis=0, return_index=True, return_inverse=True)
+    cells = number.ravel()[np.vstack([block.cells, block.cells + block.n_nodes])]
+    nodes = nodes[first]
+    middle = np.flatnonzero(np.abs(nodes - [D, D / 2, D]).sum(axis=1) < 1e-9)
+    for bulge, motions in ((0.0, 7), (0.05 * D, 6)):
+        nodes[middle] = [D + bulge, D / 2, D]
+        body = ao.FEModel.from_mesh(ao.Mesh(nodes, cells, "hexahedron20"), STEEL)
+        assert found(body) == motions == motions_without_force(body)
+
+
+@pytest.mark.parametrize("fixed", [None, [(end, "xyz")]], ids=["free", "held"])
+@pytest.mark.parametrize("shape", ["two by an edge", "two at a point"])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"n": 0, "method": "krylov"},
+        {"n": 3, "method": "krylov"},
+        {"n": 12, "method": "krylov", "contact_time": 1e-4},
+        {"n": 3},
+        {"n": 3, "order": "frequency"},
+    ],
+)
+def test_a_mechanism_that_the_contact_moves_is_named(
+    shape: str, fixed: Any, settings: dict[str, Any]
+) -> None:
+    """However few oscillators are asked for, with the joint where it is."""
+    mesh = blocks(SHAPES[shape], "hexahedron20")
+    tip = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed).contact(
+        point=mesh.nodes.max(axis=0), direction=(0, -0.3, -1)
+    )
+    with pytest.raises(ao.SingularError, match=r"mechanism .* 2 of 4 elements, .* near \(0\.02, 0"):
+        ao.antioscillators(tip, **settings)
+
+
+def test_several_ports_are_looked_at_each() -> None:
+    body = ao.FEModel.from_mesh(blocks(SHAPES["two by an edge"]), STEEL)
+    top = body.contact(point=(2 * D, 0, 2 * D), direction=(0, 0, -1))
+    along = body.contact(point=(2 * D, 0, 2 * D), direction=(0, 1, 0))
+    with pytest.raises(ao.SingularError, match="mechanism"):
+        ao.interface([along, top], 12)
+    with pytest.raises(ao.SingularError, match="mechanism"):
+        ao.simulate(
+            projectile=ao.rigid(0.1),
+            target=top,
+            law=ao.Hertz(k=1e10),
+            velocity=1.0,
+            duration=1e-4,
+            rtol=1e-2,
+        )
+
+
+def test_a_mechanism_that_the_contact_does_not_move_does_no_harm() -> None:
+    """Struck along the hinge and in its plane of symmetry, two blocks are what they are welded."""
+    swinging = ao.FEModel.from_mesh(blocks(SHAPES["two by an edge"], "hexahedron20"), STEEL)
+    tip = swinging.contact(point=(D, 0, D), direction=(0, 1, 0))
+    assert swinging.mechanism is not None
+    assert not swinging.mechanism.moved_by(tip.b)
+    few = ao.antioscillators(tip, 8, method="krylov", contact_time=2e-5)
+    every = ao.antioscillators(tip, order="frequency")
+    assert few.k0 == every.k0 == 0.0
+    assert few.static_mass == pytest.approx(every.static_mass, rel=1e-9)
+    np.testing.assert_allclose(few.frequencies[:2], every.frequencies[:2], rtol=1e-3)
