@@ -21,6 +21,7 @@ import scipy.linalg as la
 from . import _core
 from .checks import integer, positive
 from .contact import ContactPoint
+from .contactstiffness import contact_stiffness
 from .errors import InputError, InputTypeError, SingularError, warn
 from .mechanism import refuse_mechanism
 from .modes import star_of_modes
@@ -390,6 +391,7 @@ class KrylovSpace:
     contact_time : float, optional
         How long the blow lasts, s; within a factor of two or three is near enough. Without it, as
         long as half an oscillation of the body's mass on the stiffness of its contact coordinate.
+        That is far too short where matrices without a mesh are of nearly incompressible material.
     duration : float, optional
         How long the body's motion is to be right, s, if that is much longer than the blow: every
         other vector is then fitted to it, which takes a second factorisation. Without it the
@@ -505,9 +507,8 @@ def fitted_shifts(
 
 def own_contact_time(tip: ContactPoint) -> float:
     """Half a period of the body's mass on the stiffness that its elements give the contact, s."""
-    body, b = tip.body, tip.b
-    share = float(b @ b)
-    stiffness = float(b @ (body.K @ b)) / share**2
+    body = tip.body
+    stiffness = contact_stiffness(tip)
     mass = float(body.M.diagonal().sum()) if body.mass is None else body.mass
     if stiffness <= 0.0:
         raise InputError("no contact_time can be estimated where K gives b no stiffness; give it")
