@@ -12,7 +12,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +22,7 @@ from .checks import integer, positive
 from .contact import ContactPoint
 from .contactstiffness import contact_stiffness
 from .errors import InputError, InputTypeError, SingularError, warn
+from .matrices import core_rows
 from .mechanism import refuse_mechanism
 from .modes import star_of_modes
 from .solvers import (
@@ -129,7 +129,7 @@ class Subspace:
         self._ordered: list[FloatArray] = []
         self._next = self._given
         self._statics, self._wanted = 0, 0
-        self._K, self._M = _for_core(body.K), _for_core(body.M)
+        self._K, self._M = core_rows(body.K), core_rows(body.M)
         self._load = np.empty(body.n_dofs)
 
     @property
@@ -533,12 +533,3 @@ def _check_resolved(tip: ContactPoint, contact_time: float) -> None:
             f"contact, {shortest:.2g} s: give the duration of the contact in seconds, or refine "
             "the mesh"
         )
-
-
-def _for_core(matrix: Any) -> tuple[Any, ...]:
-    csr = matrix.tocsr()
-    return (
-        csr.indptr.astype(np.int32, copy=False),
-        csr.indices.astype(np.int32, copy=False),
-        csr.data,
-    )

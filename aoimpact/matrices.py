@@ -12,9 +12,12 @@ import scipy.sparse as sp
 from .errors import InputError, InputTypeError, SingularError
 from .superlu import CHECKED_DOFS, factorize
 
-__all__ = ["check_mass", "check_stiffness", "symmetric_csr"]
+__all__ = ["check_entries", "check_mass", "check_stiffness", "core_rows", "symmetric_csr"]
 
 FloatArray = npt.NDArray[np.float64]
+
+# Entries that the core's int32 offsets can count.
+_MOST_ENTRIES = 2**31 - 1
 
 # Asymmetry up to this fraction of the largest entry is rounding and is averaged away.
 _ASYMMETRY = 1e-9
@@ -52,6 +55,37 @@ def symmetric_csr(name: str, matrix: Any) -> sp.csr_array:
             f"{len(bad)} entries are not finite"
         )
     return _symmetrised(name, csr)
+
+
+def check_entries(matrix: Any) -> None:
+    """Refuse a matrix of so many entries that the core cannot count them.
+
+    Raises
+    ------
+    InputError
+    """
+    if matrix.nnz > _MOST_ENTRIES:
+        raise InputError(
+            f"a matrix of {matrix.shape[0]} dofs with {matrix.nnz} entries: at most {_MOST_ENTRIES}"
+            " can be computed with; take a coarser mesh, or give the matrices sparse"
+        )
+
+
+def core_rows(matrix: Any) -> tuple[Any, ...]:
+    """Return a sparse matrix's rows as the arrays of the core's ``aoi_sparse``.
+
+    Raises
+    ------
+    InputError
+        If it has too many entries.
+    """
+    check_entries(matrix)
+    csr = matrix.tocsr()
+    return (
+        csr.indptr.astype(np.int32, copy=False),
+        csr.indices.astype(np.int32, copy=False),
+        csr.data,
+    )
 
 
 def check_stiffness(K: sp.csr_array) -> None:

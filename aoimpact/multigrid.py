@@ -19,6 +19,7 @@ import scipy.sparse as sp
 from .coarsening import QUADRATIC, aggregated, corner_interpolation
 from .errors import ConvergenceError, SingularError
 from .fill import factor_entries
+from .matrices import check_entries
 from .pencil import Pencil
 from .progress import bar
 from .rigidity import rigid_motions
@@ -219,6 +220,7 @@ def _finest(pencil: Pencil) -> tuple[Any, FloatArray, npt.NDArray[np.int64] | sl
 def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, slice]:
     """Dofs of which nothing is known: three translations if K does not resist these, else one."""
     A = pencil.matrix()
+    check_entries(A)
     moves = np.tile(np.eye(3), (A.shape[0] // 3 + 1, 1))[: A.shape[0]]
     inner = np.abs(pencil.K @ moves) <= 1e-9 * pencil.K.diagonal()[:, None]
     if A.shape[0] % 3 == 0 and inner.mean() > 0.5:  # the others are on nodes beside supports
@@ -228,6 +230,7 @@ def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, slice]:
 
 def _in_blocks(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
     """Return a CSR matrix with row i moved to row place[i] of n, in blocks of 3 x 3."""
+    check_entries(matrix)
     if (np.diff(place) < 0).any():
         order = np.argsort(place)
         matrix, place = matrix[order][:, order], place[order]

@@ -19,6 +19,7 @@ from .contact import ContactPoint
 from .damping import ModalDamping, Rayleigh
 from .errors import InputError, InputTypeError
 from .interface import InterfaceModel, checked_ports, whole_interface
+from .matrices import core_rows
 from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
 from .newmark import CoreBody, Newmark
@@ -314,7 +315,7 @@ class FullPlayer(Player):
 
     @cached_property
     def _matrices(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        return _rows(self.tip.body.K), _rows(self.tip.body.M)
+        return core_rows(self.tip.body.K), core_rows(self.tip.body.M)
 
     @cached_property
     def _modes(self) -> ModalModel | None:
@@ -434,11 +435,6 @@ class InterfacePlayer(Player):
             u,
             v,
         )
-
-
-def _rows(matrix: Any) -> tuple[Any, ...]:
-    csr = matrix.tocsr()
-    return csr.indptr.astype(np.int32), csr.indices.astype(np.int32), csr.data
 
 
 def player(name: str, body: Any, velocity: float) -> Player:
