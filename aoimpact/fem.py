@@ -19,8 +19,8 @@ from .errors import InputError, InputTypeError, warn
 from .frozen import Frozen
 from .halfspace import warn_of_room
 from .material import Material
-from .matrices import check_mass, check_stiffness, symmetric_csr
-from .mechanism import Mechanism, mechanism_of
+from .matrices import check_mass, check_stiffness, motion_without_force, symmetric_csr
+from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .mesh import Mesh, read_mesh
 from .rigidity import every_motion, rigid_motions, unresisted_motions
 from .solvers import FEW_SOLUTIONS, LinearSolver, Pencil, Solver, linear_solver
@@ -78,12 +78,14 @@ class FEModel(Frozen):
     mass: float | None = field(init=False, default=None)
     # (n_dofs, 3): column c is M g_c on the free dofs, with g_c the translation of all nodes.
     _momentum: FloatArray | None = field(init=False, default=None)
+    # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
+    _soft: FloatArray | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         K, M = symmetric_csr("K", self.K), symmetric_csr("M", self.M)
         if K.shape != M.shape:
             raise InputError(f"K and M must be of the same shape, got {K.shape} and {M.shape}")
-        check_stiffness(K)
+        factors = check_stiffness(K)
         check_mass(M)
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
         mass = momentum = None
@@ -92,6 +94,8 @@ class FEModel(Frozen):
             mass = _checked_total(momentum.T @ _translations(free))
         damping = damping_or_none(self.damping)
         self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
+        if nodes is not None:
+            self._set(_soft=motion_without_force(K, factors))
 
     def _set(self, **fields: Any) -> None:
         for name, value in fields.items():
@@ -241,10 +245,13 @@ class FEModel(Frozen):
     def mechanism(self) -> Mechanism | None:
         """The motions without elastic force that are not rigid-body motions, if there are any.
 
-        Known of bodies with a mesh; without nodes they count among the rigid motions.
+        Known of bodies with a mesh and, up to 10 000 dofs, of those with nodes; without nodes they
+        count among the rigid motions.
         """
         if self.surface is None:
-            return None
+            if self._soft is None:
+                return None
+            return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
         assert self.free is not None  # a body with a mesh has nodes
         return mechanism_of(self.surface, self.free, self.M, self.rigid_modes)
 

@@ -10,9 +10,16 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from .errors import InputError, InputTypeError, SingularError
-from .superlu import CHECKED_DOFS, factorize
+from .superlu import CHECKED_DOFS, Factorization, factorize
 
-__all__ = ["check_entries", "check_mass", "check_stiffness", "core_rows", "symmetric_csr"]
+__all__ = [
+    "check_entries",
+    "check_mass",
+    "check_stiffness",
+    "core_rows",
+    "motion_without_force",
+    "symmetric_csr",
+]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,6 +35,9 @@ _SMALL = 500
 # A negative eigenvalue of K, relative to its diagonal, that passes for rounding: without supports
 # the lowest ones are zero, and what prints K with ten digits makes them slightly negative.
 _NEGATIVE = 1e-9
+
+# Each takes what has stiffness down to that share of it, over its own.
+_INVERSE_ITERATIONS = 2
 
 
 def symmetric_csr(name: str, matrix: Any) -> sp.csr_array:
@@ -88,8 +98,13 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
     )
 
 
-def check_stiffness(K: sp.csr_array) -> None:
+def check_stiffness(K: sp.csr_array) -> Factorization | None:
     """Refuse a K that is not positive semidefinite, as far as can be told at little cost.
+
+    Returns
+    -------
+    Factorization or None
+        Of K made regular, with a small share of its diagonal added, if that was needed.
 
     Raises
     ------
@@ -113,16 +128,44 @@ def check_stiffness(K: sp.csr_array) -> None:
                 f"K must be positive semidefinite: its lowest eigenvalue is {lowest:.4g} N/m"
             )
     elif len(diagonal) <= CHECKED_DOFS and not _dominated(K, 1.0 + _NEGATIVE):
-        # Each dof is held by a share of its own stiffness, so that no scale of the dofs matters.
-        held = np.where(diagonal > 0.0, _NEGATIVE * diagonal, 1.0)
         try:
-            factorize(K + sp.diags_array(held), what="K")
+            return factorize(_made_regular(K), what="K")
         except SingularError as error:
             raise InputError(
                 f"K must be positive semidefinite, no motion may give energy back: {error}, with "
                 f"{_NEGATIVE:g} of its diagonal added; look for signs lost or entries missing "
                 "where K was exported, and give it with all its digits"
             ) from None
+    return None
+
+
+def _made_regular(K: sp.csr_array) -> sp.csr_array:
+    """Hold each dof by a small share of its own stiffness, so that no scale of the dofs matters."""
+    diagonal = K.diagonal()
+    return K + sp.diags_array(np.where(diagonal > 0.0, _NEGATIVE * diagonal, 1.0))
+
+
+def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> FloatArray | None:
+    """Return some motion that has a part of every one without elastic force, shape (n,).
+
+    Where there is none it is a soft one, or nothing but rounding.
+
+    Parameters
+    ----------
+    K : scipy.sparse.csr_array, shape (n, n)
+    factors : Factorization or None
+        From `check_stiffness`. Without them, K being of more than 500 dofs, the answer is None.
+    """
+    if factors is None:
+        if K.shape[0] > _SMALL:
+            return None
+        factors = factorize(_made_regular(K), checked=False)
+    weight = factors.matrix.diagonal()
+    motion = np.random.default_rng(3).standard_normal(K.shape[0]) / np.sqrt(weight)
+    for _ in range(_INVERSE_ITERATIONS):
+        motion = factors.solve(weight * motion)
+        motion /= np.sqrt(motion @ (weight * motion))
+    return motion if np.isfinite(motion).all() else None
 
 
 def check_mass(M: sp.csr_array) -> None:

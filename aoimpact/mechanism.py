@@ -19,16 +19,27 @@ import scipy.sparse as sp
 
 from .errors import SingularError
 from .rigidity import motions_at
-from .spectra import null_space
+from .spectra import DENSE_DOFS
+from .superlu import factorize
 from .surface import Surface
 
-__all__ = ["Mechanism", "mechanism_of", "refuse_mechanism"]
+__all__ = ["Mechanism", "mechanism_in", "mechanism_of", "refuse_mechanism"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
 _MOVED = 1e-10
+
+# Square of the share of the parts' motions that joints and supports do not resist: nodes a millionth
+# of the parts' size off a line count as on it.
+_UNRESISTED = 1e-12
+
+# What regularises the motions' matrix; how often it is inverted, and on how many motions at first.
+_HELD, _INVERSE_ITERATIONS, _FIRST_BLOCK = 1e-9, 4, 32
+
+# ‖Kφ‖ / ‖|K||φ|‖ of a motion whose elastic forces are rounding.
+_NO_FORCE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,36 +49,23 @@ class Mechanism:
     Attributes
     ----------
     motions : ndarray, shape (n_dofs, m)
-        M-orthonormal, and M-orthogonal to the rigid motions.
+        M-orthonormal, and M-orthogonal to the rigid motions. Without a mesh one of them, with a
+        part of every one.
     """
 
     motions: FloatArray
-    _turns: FloatArray  # (n_parts, 3, m): how the parts turn in them
-    _parts: _Parts
+    _joints: _Joints | None = None
 
     def moved_by(self, b: FloatArray) -> bool:
         """Whether a force along b, shape (n_dofs,), moves the parts against each other."""
         size = np.linalg.norm(b) * np.linalg.norm(self.motions)
         return float(np.linalg.norm(b @ self.motions)) > _MOVED * float(size)
 
-    def joint(self, b: FloatArray) -> str:
-        """Name the joint that a force along b turns most, and what hangs on it."""
-        parts = self._parts
-        turn = self._turns @ (b @ self.motions)
-        apart = np.linalg.norm(turn[parts.one] - turn[parts.other], axis=1)
-        pair = {int(side[apart.argmax()]) for side in (parts.one, parts.other)}
-        sizes = np.bincount(parts.part)
-        small = min(sorted(pair), key=sizes.__getitem__)
-        first = int(np.flatnonzero(parts.part == small)[0])
-        here = np.isin(parts.one, list(pair)) & np.isin(parts.other, list(pair))
-        nodes = np.unique(parts.joint[here])
-        where = ", ".join(f"{x:.4g}" for x in parts.surface.mesh.nodes[nodes[0]])
-        shared = f"node {nodes[0]}" if len(nodes) == 1 else f"{len(nodes)} nodes on a line"
-        return (
-            f"{sizes[small]} of {len(parts.part)} elements, the first is element {first}, share no "
-            f"side with the others, but {shared} near ({where}) m with "
-            f"{sizes[(pair - {small}).pop()]} of them"
-        )
+    def where(self, b: FloatArray) -> str:
+        """Name the joint that a force along b turns most, and what hangs on it, if it is known."""
+        if self._joints is None:
+            return "see body.mechanism.motions"
+        return self._joints.most_turned(b @ self.motions)
 
 
 class Moved(Protocol):
@@ -95,8 +93,8 @@ def refuse_mechanism(tips: Sequence[Moved]) -> None:
         if mechanism.moved_by(tip.b):
             raise SingularError(
                 "part of the body is a mechanism that the contact moves without any elastic force: "
-                f"{mechanism.joint(tip.b)}; join them by whole sides of elements (merge the nodes "
-                "of both), or hold them by supports"
+                f"{mechanism.where(tip.b)}; join the parts by whole sides of elements (merge the "
+                "nodes of both), or hold them by supports"
             )
 
 
@@ -118,8 +116,7 @@ def mechanism_of(surface: Surface, free: IntArray, M: Any, rigid: FloatArray) ->
     if not len(parts.joint):
         return None
     rows = parts.constraints(free)
-    gram = (rows.T @ rows).tocsr()
-    unresisted = null_space(gram, sp.eye_array(gram.shape[0], format="csr"))
+    unresisted = _null_space((rows.T @ rows).tocsr())
     count = unresisted.shape[1] - rigid.shape[1]
     if count <= 0:
         return None
@@ -128,7 +125,78 @@ def mechanism_of(surface: Surface, free: IntArray, M: Any, rigid: FloatArray) ->
     size, y = np.linalg.eigh(motions.T @ (M @ motions))
     y = y[:, -count:] / np.sqrt(size[-count:])
     turns = unresisted.reshape(-1, 6, unresisted.shape[1])[:, 3:] / parts.size[:, None, None]
-    return Mechanism(motions @ y, turns @ y, parts)
+    return Mechanism(motions @ y, _Joints(turns @ y, parts))
+
+
+def _null_space(gram: sp.csr_array) -> FloatArray:
+    """Return a basis of the null space, however large, of a positive semidefinite matrix.
+
+    By inverse iteration on a block that is larger than it.
+    """
+    n = gram.shape[0]
+    size = np.sqrt(gram.diagonal())
+    scale = sp.diags_array(1.0 / np.where(size > 0.0, size, 1.0))
+    scaled = (scale @ gram @ scale).tocsr()
+    regular = None
+    block = min(n, _FIRST_BLOCK)
+    while True:
+        if n <= DENSE_DOFS or block == n:
+            values, x = np.linalg.eigh(scaled.toarray())
+        else:
+            regular = regular or factorize(scaled + _HELD * sp.eye_array(n), checked=False)
+            x = np.random.default_rng(4).standard_normal((n, block))
+            for _ in range(_INVERSE_ITERATIONS):
+                x = np.linalg.qr(regular.solve(x))[0]
+            values, y = np.linalg.eigh(x.T @ (scaled @ x))
+            x = x @ y
+        null = values <= _UNRESISTED
+        if not null.all() or len(null) == n:
+            found: FloatArray = scale @ x[:, null]
+            return found
+        block = min(n, 4 * block)
+
+
+def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mechanism | None:
+    """Return what a motion from `motion_without_force` has beside the rigid ones, if anything.
+
+    Parameters
+    ----------
+    motion : ndarray, shape (n_dofs,)
+    K, M : scipy.sparse.csr_array, shape (n_dofs, n_dofs)
+    rigid : ndarray, shape (n_dofs, r)
+        M-orthonormal.
+    """
+    for _ in range(2):
+        motion = motion - rigid @ (rigid.T @ (M @ motion))
+    if np.linalg.norm(K @ motion) > _NO_FORCE * np.linalg.norm(abs(K) @ np.abs(motion)):
+        return None
+    return Mechanism((motion / np.sqrt(motion @ (M @ motion)))[:, None])
+
+
+@dataclass(frozen=True, eq=False)
+class _Joints:
+    """How the parts of a mesh turn in the motions of a mechanism: turns, shape (n_parts, 3, m)."""
+
+    turns: FloatArray
+    parts: _Parts
+
+    def most_turned(self, amounts: FloatArray) -> str:
+        """Name the joint that so much of each motion, shape (m,), turns most."""
+        parts = self.parts
+        turn = self.turns @ amounts
+        apart = np.linalg.norm(turn[parts.one] - turn[parts.other], axis=1)
+        pair = [int(side[apart.argmax()]) for side in (parts.one, parts.other)]
+        sizes = np.bincount(parts.part)
+        small, large = sorted(pair, key=sizes.__getitem__)
+        first = int(np.flatnonzero(parts.part == small)[0])
+        here = np.isin(parts.one, pair) & np.isin(parts.other, pair)
+        nodes = np.unique(parts.joint[here])
+        place = ", ".join(f"{x:.4g}" for x in parts.surface.mesh.nodes[nodes[0]])
+        shared = f"node {nodes[0]}" if len(nodes) == 1 else f"{len(nodes)} nodes on a line"
+        return (
+            f"{sizes[small]} of {len(parts.part)} elements, the first is element {first}, share no "
+            f"side with the others, but {shared} near ({place}) m with {sizes[large]} of them"
+        )
 
 
 @dataclass(frozen=True, eq=False)

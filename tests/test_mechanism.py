@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact import mechanism
 from aoimpact.generate import box_mesh
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -31,9 +32,9 @@ def end(x: Any) -> Any:
     return x[:, 0] < x[:, 0].min() + 1e-9
 
 
-def blocks(places: Any, kind: str = "hexahedron") -> ao.Mesh:
+def blocks(places: Any, kind: str = "hexahedron", each: Any = (1, 2, 1)) -> ao.Mesh:
     """Blocks of some elements each; nodes at the same place are one."""
-    block = box_mesh((D, D, D), (1, 2, 1), kind=kind)
+    block = box_mesh((D, D, D), each, kind=kind)
     nodes = np.vstack([block.nodes + D * np.array(place) for place in places])
     cells = np.vstack([block.cells + block.n_nodes * i for i in range(len(places))])
     _, first, number = np.unique(nodes.round(9), axis=0, return_index=True, return_inverse=True)
@@ -47,8 +48,8 @@ def motions_without_force(body: ao.FEModel) -> int:
 
 
 def found(body: ao.FEModel) -> int:
-    mechanism = body.mechanism
-    motions = np.zeros((body.n_dofs, 0)) if mechanism is None else mechanism.motions
+    loose = body.mechanism
+    motions = np.zeros((body.n_dofs, 0)) if loose is None else loose.motions
     every = np.column_stack([body.rigid_modes, motions])
     np.testing.assert_allclose(every.T @ (body.M @ every), np.eye(every.shape[1]), atol=1e-9)
     strained = np.abs(body.K @ motions).max(initial=0.0)
@@ -64,9 +65,13 @@ def test_motions_without_force_are_rigid_ones_and_mechanisms(shape: str, fixed: 
         assert found(body) == motions_without_force(body), kind
 
 
+@pytest.mark.parametrize("many", [False, True], ids=["dense", "sparse"])
 @pytest.mark.parametrize("seed", range(6))
-def test_elements_joined_at_random(seed: int) -> None:
+def test_elements_joined_at_random(seed: int, many: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Some of the cells of a box: loose ones, joints, rings of joints, and parts of several."""
+    if many:  # the way of more parts than dense matrices are taken for
+        monkeypatch.setattr(mechanism, "DENSE_DOFS", 10)
+        monkeypatch.setattr(mechanism, "_FIRST_BLOCK", 4)
     whole = box_mesh((3 * D, 3 * D, 3 * D), (3, 3, 3))
     chosen = np.random.default_rng(seed).random(whole.n_cells) < (0.3, 0.5)[seed % 2]
     used, cells = np.unique(whole.cells[chosen], return_inverse=True)
@@ -142,3 +147,38 @@ def test_a_mechanism_that_the_contact_does_not_move_does_no_harm() -> None:
     assert few.k0 == every.k0 == 0.0
     assert few.static_mass == pytest.approx(every.static_mass, rel=1e-9)
     np.testing.assert_allclose(few.frequencies[:2], every.frequencies[:2], rtol=1e-3)
+
+
+@pytest.mark.parametrize("fixed", [None, [(end, "xyz")], [(end, "x")]], ids=["free", "held", "x"])
+@pytest.mark.parametrize("fine", [False, True], ids=["coarse", "fine"])
+@pytest.mark.parametrize("shape", ["two by a face", "two by an edge", "two at a point"])
+def test_nodes_without_a_mesh(shape: str, fine: bool, fixed: Any) -> None:
+    """The matrices alone say so, too, up to what is factorised to check them."""
+    kind = "hexahedron27" if fine else "hexahedron"
+    mesh = blocks(SHAPES[shape], kind, (2, 3, 2) if fine else (1, 2, 1))
+    whole = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed)
+    body = ao.FEModel(K=whole.K, M=whole.M, nodes=mesh.nodes, free=whole.free)
+    if shape == "two by a face":
+        assert body.mechanism is None
+        return
+    assert body.mechanism is not None
+    assert whole.mechanism is not None
+    # It is one of those that the mesh has.
+    part = whole.mechanism.motions.T @ (body.M @ body.mechanism.motions[:, 0])
+    assert np.linalg.norm(part) == pytest.approx(1.0, rel=1e-6)
+    tip = body.contact(point=mesh.nodes.max(axis=0), direction=(0, -0.3, -1))
+    for method in ("eigen", "krylov"):
+        with pytest.raises(ao.SingularError, match=r"mechanism .* see body.mechanism.motions"):
+            ao.antioscillators(tip, 3, method=method)
+
+
+def test_matrices_alone_count_a_hinge_among_the_rigid_motions() -> None:
+    """Seen from a dof that swings the body weighs less than without the hinge, and is right."""
+    whole = ao.FEModel.from_mesh(blocks(SHAPES["two by an edge"]), STEEL)
+    bare = ao.FEModel(K=whole.K, M=whole.M)
+    assert bare.rigid_modes.shape[1] == 7
+    dof = int(np.abs(whole.mechanism.motions[:, 0]).argmax()) if whole.mechanism else 0
+    r = bare.rigid_modes[dof]
+    star = ao.antioscillators(bare.contact(dof=dof), 4, method="krylov")
+    assert star.static_mass == pytest.approx(1.0 / (r @ r), rel=1e-9)
+    assert star.static_mass < 0.9 / (whole.rigid_modes[dof] @ whole.rigid_modes[dof])
