@@ -31,8 +31,8 @@ IntArray = npt.NDArray[np.int64]
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
 _MOVED = 1e-10
 
-# Square of the share of the parts' motions that joints and supports do not resist: nodes a millionth
-# of the parts' size off a line count as on it.
+# Square of the share of the parts' motions that joints and supports do not resist: nodes that are a
+# millionth of the parts' size off a line count as on it.
 _UNRESISTED = 1e-12
 
 # What regularises the motions' matrix; how often it is inverted, and on how many motions at first.
