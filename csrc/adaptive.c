@@ -273,7 +273,7 @@ int aoi_adaptive_start(aoi_adaptive *run)
     run->level = 0;
     run->grain = modes > 1 && is_quick(run->system) ? AOI_LEVELS : 1;
     run->table_cost = modes > 1 ? TABLE_COST * (double)modes : 0.0;
-    run->base = run->indentation_scale = run->impulse_scale = run->saved = 0.0;
+    run->base = run->indentation_scale = run->impulse_scale = run->force_scale = run->saved = 0.0;
     run->origin = run->time;
     run->elapsed = run->left_off = 0.0;
     run->steps = run->rejected = run->uses = run->culprit = 0;

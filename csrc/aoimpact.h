@@ -961,6 +961,7 @@ typedef struct aoi_adaptive {
     double table_cost, saved;         /* what tables cost, in steps, and what longer ones had saved */
     double base;
     double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
+    double force_scale; /* in the step tried, where more than one is closed; else 0 */
     double origin, elapsed; /* time is their sum: short steps of a late contact */
     double left_off;        /* of elapsed by rounding */
     double horizon;         /* no contact between bodies in flight before */

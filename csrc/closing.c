@@ -171,6 +171,10 @@ void aoi_contact_close(aoi_adaptive *run, size_t joint)
     if (value.damping > 0.0 && aoi_system_residual(run->system, joint) > 0.0) {
         contact->start_rate = contact->force = 0.0; /* a damper stops what has no mass */
     }
+    if (contact->force < 0.0 && !of->law->pulls) { /* within rounding of a touch to come, but still parting */
+        contact->piece = AOI_SLACK;
+        contact->force = 0.0;
+    }
     estimate_scales(run, joint, &pair, rate, acceleration);
     run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
     run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);

@@ -98,18 +98,30 @@ static void draw_on(const aoi_contact_state *contact, double h, double *indentat
     }
 }
 
+/* The same of the motion at its start. */
+static void draw_line(const aoi_contact_state *contact, double h, double *indentation, double *rate)
+{
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        indentation[i] = contact->start + h * aoi_radau_node[i] * contact->start_rate;
+        rate[i] = contact->start_rate;
+    }
+}
+
 /* A guess: the last step's polynomial drawn on, where it reaches, or the motion without force; never
- * deeper than that. */
-static void guess(const aoi_contact_state *contact, double h, double usual, int with_rates,
+ * deeper than that. Where other contacts press on the same massless place this bounds nothing: it would
+ * leap away, at rates without limit. */
+static void guess(const aoi_contact_state *contact, double h, double usual, int with_rates, int shared,
                   aoi_stage *stage)
 {
     const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
     double drawn_on[AOI_STAGES], rate[AOI_STAGES], largest = 0.0;
     if (known) {
         draw_on(contact, h, drawn_on, with_rates ? rate : NULL);
+    } else if (shared) {
+        draw_line(contact, h, drawn_on, rate);
     }
     for (size_t i = 0; i < AOI_STAGES; i++) {
-        const int shallower = known && drawn_on[i] < stage->homogeneous[i];
+        const int shallower = shared || (known && drawn_on[i] < stage->homogeneous[i]);
         stage->indentation[i] = shallower ? drawn_on[i] : stage->homogeneous[i];
         stage->rate[i] = shallower && with_rates ? rate[i] : stage->homogeneous_rate[i];
         largest = fabs(stage->indentation[i]) > largest ? fabs(stage->indentation[i]) : largest;
@@ -155,7 +167,8 @@ static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
     }
     homogeneous(run, stage, h, with_rates);
     if (s < run->closed_count) {
-        guess(contact, h, run->indentation_scale, with_rates, stage);
+        const int shared = run->closed_count > 1 && aoi_joint_bends(run, stage->joint);
+        guess(contact, h, run->indentation_scale, with_rates, shared, stage);
     }
 }
 
@@ -178,6 +191,19 @@ static void gather_forces(aoi_adaptive *run)
                            run->port_force + port * AOI_STAGES);
         }
     }
+}
+
+/* The largest force of contacts beside each other: seen, met in this step, or to be expected. */
+static double force_scale_of(const aoi_adaptive *run)
+{
+    double largest = 0.0;
+    for (size_t s = 0; s < run->closed_count && run->closed_count > 1; s++) {
+        const aoi_contact_state *contact = &run->contact[run->stage[s].joint];
+        const double stop = contact->impulse_scale * contact->rate_scale;
+        largest = fmax(largest, fmax(contact->peak_force, aoi_step_force(&run->stage[s])));
+        largest = stop > 0.0 ? fmax(largest, stop / contact->indentation_scale) : largest;
+    }
+    return largest;
 }
 
 /* Contacts that share a body are at most so many stages apart. */
@@ -214,6 +240,7 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
         return;
     }
     gather_forces(run);
+    run->force_scale = force_scale_of(run);
     attempt->growth = HUGE_VAL;
     for (size_t s = 0; s < run->closed_count; s++) {
         const double growth = aoi_step_growth(run, &run->stage[s], h);

@@ -44,6 +44,14 @@ static inline int aoi_step_may_peak(const aoi_contact_state *contact, const aoi_
     return aoi_step_force(stage) >= NEAR_PEAK * contact->peak_force;
 }
 
+/* What counts as large for its force: what it has seen, or a small share of what the others press with. A
+ * contact that a wave has only just reached starts like a power of time: beside its own force alone it would
+ * look the same in the shortest step. */
+static inline double aoi_step_force_scale(const aoi_adaptive *run, const aoi_stage *stage, double largest)
+{
+    return fmax(fmax(run->contact[stage->joint].peak_force, largest), LESSER_SHARE * run->force_scale);
+}
+
 static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_stage *stage,
                                        aoi_law_value *value)
 {

@@ -56,13 +56,12 @@ static double force_tail(const aoi_stage *stage)
     return last < before ? last * sqrt(last / before) : last;
 }
 
-/* What counts as large for its force: what it has seen, or what its impulse takes at the pace at which
- * the bodies met. */
-static double force_scale(const aoi_contact_state *contact, const aoi_stage *stage, double impulse,
+/* What counts as large for its force, or what its impulse takes at the pace at which the bodies met. */
+static double force_scale(const aoi_adaptive *run, const aoi_stage *stage, double impulse,
                           double indentation)
 {
-    return fmax(fmax(contact->peak_force, aoi_step_force(stage)),
-                impulse * contact->rate_scale / indentation);
+    return fmax(aoi_step_force_scale(run, stage, aoi_step_force(stage)),
+                impulse * run->contact[stage->joint].rate_scale / indentation);
 }
 
 /* What the last coefficients of the rate's series hold. From the nodes alone: where a force comes or goes, the
@@ -109,7 +108,7 @@ static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *w
     *within = steepness_of(run, stage, largest) * error.tail / (tail_share * scale);
     const aoi_law *law = aoi_step_law(run, stage);
     if (law->depends_on_rate && (bent || aoi_step_may_peak(contact, stage))) {
-        const double size = force_scale(contact, stage, impulse_scale, scale);
+        const double size = force_scale(run, stage, impulse_scale, scale);
         const double wrong = stage->edge == AOI_EDGE_NONE
                                  ? force_tail(stage)
                                  : edge_force_error(law, stage, error.tail);
@@ -119,11 +118,21 @@ static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *w
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
 
+/* What counts as fast for a contact: what it has seen, or a small share of what the others have. */
+static double rate_scale(const aoi_adaptive *run, const aoi_stage *stage)
+{
+    double scale = run->contact[stage->joint].rate_scale;
+    for (size_t s = 0; s < run->closed_count; s++) {
+        scale = fmax(scale, LESSER_SHARE * run->contact[run->stage[s].joint].rate_scale);
+    }
+    return scale;
+}
+
 /* The same where a law has let go: the motion is exact, but is to be seen well enough to tell whether the
  * force comes back, which the rate decides. */
 static double slack_growth(const aoi_adaptive *run, const aoi_stage *stage, double within)
 {
-    const double slow = TAIL_SHARE * run->rtol * run->contact[stage->joint].rate_scale;
+    const double slow = TAIL_SHARE * run->rtol * rate_scale(run, stage);
     const double unseen = fmax(within, rate_tail(stage) / fmax(slow, DBL_MIN));
     const double growth = CAUTION * pow(unseen, -1.0 / AOI_STAGES);
     return unseen > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), SLACK_GROWTH);

@@ -116,8 +116,7 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
         force[i] = value.force;
         largest = fmax(largest, fabs(value.force));
     }
-    largest = fmax(largest, contact->peak_force);
-    const double tolerance = aoi_event_tolerance(run, largest);
+    const double tolerance = aoi_event_tolerance(run, aoi_step_force_scale(run, stage, largest));
     if (stage->piece == AOI_SLACK) {
         aoi_law_force(law, stage->memory, piece, stage->start, stage->start_rate, &value);
         line_up(fmin(value.force, 0.0), force, -1.0, 0.0, values);

@@ -339,6 +339,102 @@ static void a_cradle_of_three(void)
     }
 }
 
+/* A wave that reaches a contact whose force hangs on the rate: it begins there like a high power of time, which
+ * looks the same in the shortest step. */
+static void a_wave_reaches_a_damper(void)
+{
+    const aoi_law first = hertz(1e6), second = linear(3e5), last = law_named("kelvin_voigt", 2, 4e5, 60.0, 0.0);
+    plant p = {.bodies = 0};
+    double x[ALL_MODES], v[ALL_MODES];
+    for (int b = 0; b < 4; b++) {
+        add_rigid(&p, 1.0, b == 0 ? 1.0 : 0.0);
+    }
+    join_rigid(&p, 0, 1, 0.0, &first);
+    join_rigid(&p, 1, 2, 0.0, &second);
+    join_rigid(&p, 2, 3, 0.0, &last);
+    runge_kutta(&p, 0.008, 60000, x, v);
+    must_go(&p, 1e-9, 0.008);
+    fly_to_the_end(&p);
+    compare(&p, x, v, 1e-11, 2e-9, "a wave");
+    release(&p);
+}
+
+/* What is pulled away parts from the light body before it, by less than the rounding of places, until a wave
+ * comes. */
+static void a_wave_catches_up_with_what_parts(void)
+{
+    const aoi_law first = hertz(1e9), last = law_named("kelvin_voigt", 2, 5e7, 50.0, 0.0);
+    const double mass[] = {0.2, 1e-3, 0.07}, end = 3e-5;
+    for (double rtol = 1e-7; rtol > 1e-9; rtol *= 0.1) {
+        plant p = {.bodies = 0};
+        double x[ALL_MODES], v[ALL_MODES];
+        for (int b = 0; b < 3; b++) {
+            add_rigid(&p, mass[b], b == 0 ? 2.0 : 0.0);
+        }
+        p.part[2].pulled = 1;
+        p.part[2].gravity[0] = 10.0; /* a force */
+        join_rigid(&p, 0, 1, 0.0, &first);
+        join_rigid(&p, 1, 2, 0.0, &last);
+        runge_kutta(&p, end, 100000, x, v);
+        must_go(&p, rtol, end);
+        fly_to_the_end(&p);
+        compare(&p, x, v, 2.0 * rtol * end, 2.0 * rtol, "a wave that catches up");
+        release(&p);
+    }
+}
+
+/* A law made so that a massless place between it and Hunt and Crossley's moves on evenly. */
+static void even_push(const aoi_law *law, const double *memory, int piece, double d, double rate,
+                      aoi_law_value *value)
+{
+    const double root = d > 0.0 ? sqrt(d) : 0.0;
+    (void)memory;
+    (void)piece;
+    (void)rate;
+    value->force = d > 0.0 ? law->parameter[0] * root * d + law->parameter[1] * d : 0.0;
+    value->stiffness = d > 0.0 ? 1.5 * law->parameter[0] * root + law->parameter[1] : 0.0;
+    value->damping = 0.0;
+}
+
+static double even_potential(const aoi_law *law, const double *memory, double d)
+{
+    (void)memory;
+    return d > 0.0 ? 0.4 * law->parameter[0] * d * d * sqrt(d) + 0.5 * law->parameter[1] * d * d : 0.0;
+}
+
+/* Between a body that nothing stops and a wall: u = a t where what pushes it, k1 d^(3/2) + s d at d = (v - a) t,
+ * is k2 u^(3/2) (1 + chi a) and what bends it, u / c. */
+static void a_massless_place_between_two_contacts_moves_evenly(void)
+{
+    const double v = 1.0, a = 0.4, k = 1e9, chi = 0.5, c = 7e-7, end = 2e-5, u = a * end;
+    const double ratio = a / (v - a);
+    aoi_law push = {.force = even_push, .potential = even_potential, .limit = HUGE_VAL};
+    push.parameter[0] = k * ratio * sqrt(ratio) * (1.0 + chi * a);
+    push.parameter[1] = ratio / c;
+    const aoi_law damper = law_named("hunt_crossley", 3, k, chi, 1.5);
+    for (double rtol = 1e-3; rtol > 1e-10; rtol *= 0.1) {
+        plant p = {.bodies = 0};
+        add_rigid(&p, 1e9, v);
+        part *platform = add_rigid(&p, 1e12, 0.0);
+        platform->ports = 2;
+        platform->shape[1] = 1.0;
+        platform->push[1] = platform->push[0];
+        platform->massless = 1;
+        for (int i = 0; i < 4; i++) {
+            platform->residual[i] = c;
+        }
+        add_wall(&p);
+        join(&p, 0, 0, 1, 0, 0.0, &push);
+        join(&p, 1, 1, 2, 0, 0.0, &damper);
+        must_go(&p, rtol, end);
+        const double force = k * u * sqrt(u) * (1.0 + chi * a);
+        CHECK(near(p.contact[1].peak_force, force, rtol), "rtol %g: %.12g, not %.12g", rtol,
+              p.contact[1].peak_force, force);
+        CHECK(near(p.contact[1].impulse, 0.4 * force * end, rtol), "rtol %g: impulse", rtol);
+        release(&p);
+    }
+}
+
 /* Ringing, damped bodies with two ports, loads and gravity; contacts come and go. */
 static void a_row_of_ringing_bodies(void)
 {
@@ -802,6 +898,9 @@ int main(void)
     a_massless_contact_is_a_spring_in_series();
     what_a_force_bends_touches_elsewhere();
     a_cradle_of_three();
+    a_wave_reaches_a_damper();
+    a_wave_catches_up_with_what_parts();
+    a_massless_place_between_two_contacts_moves_evenly();
     a_row_of_ringing_bodies();
     contacts_meet_by_any_mode();
     three_touch_at_once();
