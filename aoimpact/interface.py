@@ -19,7 +19,7 @@ from .contact import Body, ContactPoint
 from .damping import Damping
 from .errors import InputError, InputTypeError, warn
 from .frozen import Frozen
-from .krylov import SHIFT_TIMES_DURATION, Subspace, fitted_shifts
+from .krylov import SHIFT_TIMES_DURATION, Subspace, fitted_shifts, highest_shift
 from .modes import modal
 from .solvers import Solver
 from .statics import translates
@@ -239,12 +239,14 @@ class InterfaceSpace:
         *,
         contact_time: float | None = None,
         duration: float | None = None,
+        sharpened: bool = False,
         solver: Solver = "auto",
     ) -> None:
         self.tips = checked_ports(tips)
         shifts = fitted_shifts(self.tips, contact_time, duration)
         self.contact_time = SHIFT_TIMES_DURATION / shifts[0]
-        self._space = Subspace(self.tips, shifts, solver=solver)
+        highest = min(map(highest_shift, self.tips)) if sharpened else 0.0
+        self._space = Subspace(self.tips, shifts, highest=highest, solver=solver)
         self.rigid_count = self._space.rigid_count
 
     def of_vectors(self, n: int) -> InterfaceModel:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -96,6 +97,7 @@ def star_of_modes(
     label: str,
     *,
     coordinates: FloatArray | None = None,
+    vectors: Callable[[], FloatArray] | None = None,
     solver: str = "",
     contact_time: float | None = None,
 ) -> AOModel:
@@ -111,7 +113,9 @@ def star_of_modes(
     label : str
         What made the modes: "modal" or "AO".
     coordinates : ndarray, shape (r, n), optional
-        Of the modes on such vectors. The star's shapes are then left to be multiplied out.
+        Of the modes on such vectors.
+    vectors : callable, optional
+        Returns these vectors, with coordinates: the star's shapes are left to be multiplied out.
     solver : str, optional
         The linear solver they were made with.
     contact_time : float, optional
@@ -138,7 +142,7 @@ def star_of_modes(
         static,
         shapes,
         label,
-        vectors=None if coordinates is None else modes,
+        vectors=vectors,
         solver=solver,
         contact_time=contact_time,
     )

@@ -72,6 +72,9 @@ _EACH = 12
 _GOOD_REFERENCE, _FAIR_REFERENCE, _POOR_REFERENCE = 0.1, 0.35, 0.5
 _CHEAP_ORDER = 40
 
+# A tolerance that can be had is named with so much to spare.
+_EASED = 1.1
+
 # Ratios of successive changes that are believed: a change that is smaller by chance proves no more
 # than the first, and above the second nothing converges yet.
 _FASTEST, _SLOWEST = 0.5, 0.85
@@ -217,7 +220,7 @@ class KrylovLadder:
     @cached_property
     def _space(self) -> KrylovSpace:
         resolved = max(self.contact_time, shortest_contact_time(self.tip))
-        space = KrylovSpace(self.tip, contact_time=resolved, solver=self.solver)
+        space = KrylovSpace(self.tip, contact_time=resolved, sharpened=True, solver=self.solver)
         if self.duration is not None:
             # A second factorisation, where the body has anything slower than the blow.
             natural = space.of_vectors(_FIRST_ORDER).natural_frequencies
@@ -297,7 +300,11 @@ class InterfaceLadder:
     def _space(self) -> InterfaceSpace:
         resolved = max(self.contact_time, *map(shortest_contact_time, self.tips))
         return InterfaceSpace(
-            self.tips, contact_time=resolved, duration=self.duration, solver=self.solver
+            self.tips,
+            contact_time=resolved,
+            duration=self.duration,
+            sharpened=True,
+            solver=self.solver,
         )
 
     @cached_property
@@ -415,7 +422,7 @@ def first_guess(
     """Guess the contact time, and how long motion must be right, both in s, by rigid bodies."""
     tips = [tip for body in bodies for tip in (body if isinstance(body, tuple) else (body,))]
     own = [own_contact_time(tip) for tip in tips if isinstance(tip, ContactPoint)]
-    otherwise = min(own, default=1.0)
+    otherwise = min((time for time in own if math.isfinite(time)), default=1.0)
     try:
         result = run(tuple(ladder(body, otherwise, None).model(0) for body in bodies))
     except (InputError, ConvergenceError):  # e.g. where nothing gives way between two walls
@@ -508,13 +515,19 @@ class _Search(Generic[R]):
             raise self.failure
         if error > _POOR_REFERENCE * self.rtol:
             raise ConvergenceError(
-                f"rtol={self.rtol:g}: at {order} anti-oscillators more still change the answer by "
-                f"{changes[-1]:.2g}; take a larger rtol, a shorter duration, or the full "
-                "finite-element models"
+                f"at {order} anti-oscillators more still change the answer by {changes[-1]:.2g}: "
+                f"{self._cure(error)}a shorter duration, a contact over a patch (radius=), whose "
+                "waves are longer, or the full finite-element models"
             )
         good = (orders for orders in tried if self.error(orders) <= _COMPANION * self.rtol)
         self.companion = next(good, self.truth)
         return best
+
+    @staticmethod
+    def _cure(error: float) -> str:
+        """What tolerance can be had where the largest models err by that much."""
+        within = _EASED * error / _POOR_REFERENCE
+        return f"take rtol={within:.2g} or more, " if within < 1.0 else "take "
 
     def least(self) -> Orders:
         """Each body's least order with the others at their largest, for shares of the tolerance."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -45,8 +46,9 @@ class Origin:
         The linear solver that the model was made with; empty where dense matrices served.
     contact_time : float or None
         The duration of the blow that the model was fitted to, s; None where it fits any.
-    vectors : ndarray, shape (n_dofs, r), optional
-        Of which the shapes are combinations that have not been multiplied out.
+    vectors : callable, optional
+        Returns vectors, shape (n_dofs, r), of which the shapes are combinations that have not been
+        multiplied out.
     """
 
     label: str
@@ -58,7 +60,7 @@ class Origin:
     translates: bool
     solver: str = ""
     contact_time: float | None = None
-    vectors: FloatArray | None = None
+    vectors: Callable[[], FloatArray] | None = None
 
     @property
     def static_mode(self) -> FloatArray:
@@ -74,7 +76,8 @@ class Origin:
     def _multiplied_out(self) -> tuple[FloatArray, FloatArray]:
         if self.vectors is None:
             return self.static, self.oscillators
-        return self.vectors @ self.static, self.vectors @ self.oscillators
+        vectors = self.vectors()
+        return vectors @ self.static, vectors @ self.oscillators
 
     def multiplied_out(self) -> Origin:
         """The same without the vectors."""
@@ -82,7 +85,7 @@ class Origin:
 
     def seen_by(self, functional: FloatArray) -> tuple[float, FloatArray]:
         """functionalᵀφ_st and functionalᵀΨ_i, for a functional of shape (n_dofs,)."""
-        on = functional if self.vectors is None else functional @ self.vectors
+        on = functional if self.vectors is None else functional @ self.vectors()
         return float(on @ self.static), on @ self.oscillators
 
 

@@ -169,7 +169,7 @@ def origin_of(
     shapes: FloatArray,
     label: str,
     *,
-    vectors: FloatArray | None = None,
+    vectors: Callable[[], FloatArray] | None = None,
     solver: str = "",
     contact_time: float | None = None,
 ) -> Origin:
@@ -178,7 +178,7 @@ def origin_of(
         centre, mass = tip.body.com_functional(tip.direction), tip.body.mass
     else:
         # Without nodes the mean over the static mode has to stand for the centre of mass.
-        centre = tip.body.M @ (static if vectors is None else vectors @ static) / mass
+        centre = tip.body.M @ (static if vectors is None else vectors() @ static) / mass
     return Origin(
         label,
         tip,

@@ -6,7 +6,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact import pardiso, solvers
+from aoimpact import memory, pardiso, solvers
 from aoimpact.generate import box_mesh
 from aoimpact.krylov import Subspace
 from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
@@ -167,6 +167,42 @@ def test_what_is_seen_of_a_model_is_the_model(block):
     few = seen.truncated(2)
     np.testing.assert_allclose(few.weights(place), star.truncated(2).weights(place), rtol=1e-9)
     assert star.origin.vectors is None is seen.multiplied_out().origin.vectors
+
+
+def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits():
+    """A wave runs up a rod for a tenth of the time that it takes to the other end."""
+    K, M = rod(800, fixed=[0])
+    tip = ao.FEModel(K=K, M=M).contact(dof=799)
+    space = ao.KrylovSpace(tip, contact_time=0.1, sharpened=True)
+    hits = [
+        ao.simulate(
+            projectile=ao.rigid(mass=0.02),
+            target=star,
+            law=ao.Hertz(k=5e3),
+            velocity=1.0,
+            duration=0.12,
+            solver=ao.Adaptive(rtol=1e-10),
+            energies=False,
+        )
+        for star in (space.seen(140), ao.antioscillators(tip))
+    ]
+    few, full = (hit.run.at(hits[1].t).forces[0] for hit in hits)
+    np.testing.assert_allclose(few, full, atol=1e-8 * full.max())
+    # The same space, however it has grown.
+    small = ao.KrylovSpace(tip, contact_time=0.1, sharpened=True)
+    for n in (5, 30, 60, 140):
+        grown = small.seen(n)
+    np.testing.assert_allclose(grown.m, space.seen(140).m, rtol=1e-9)
+
+
+def test_a_basis_that_does_not_fit_is_refused(block, monkeypatch):
+    """With memory for thirty vectors left."""
+    space = ao.KrylovSpace(block, contact_time=20e-6)
+    space.of_vectors(10)
+    monkeypatch.setattr(memory, "available", lambda: 30.0 * 8.0 * block.body.n_dofs)
+    with pytest.raises(ao.MemoryLimitError, match=r"vectors of .* dofs .* fewer oscillators"):
+        space.of_vectors(100)
+    assert space.of_vectors(12).n == 12
 
 
 def test_expand_gives_back_the_full_displacement(block):

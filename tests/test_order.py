@@ -1,5 +1,6 @@
 """The search for the least orders, on bodies whose answers are known functions of the order."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -124,6 +125,18 @@ def test_what_does_not_converge_is_refused():
     endless = ao.AOModel(m0=1.0, m=np.ones(1000), k=np.arange(1.0, 1001.0))
     with pytest.raises(ao.ConvergenceError, match="still change the answer"):
         search(lambda n, m: 1.0 + 0.1 * np.sin(n), 1e-3, bodies=(endless, ao.rigid(mass=1.0)))
+
+
+def test_a_refusal_names_the_tolerance_that_can_be_had():
+    """Errors 0.99^n: the last enlargement still changes 4e-3, the one before changed 2e-2."""
+    endless = ao.AOModel(m0=1.0, m=np.ones(2000), k=np.arange(1.0, 2001.0))
+    bodies = endless, ao.rigid(mass=1.0)
+    with pytest.raises(ao.ConvergenceError, match="take rtol=") as refused:
+        search(lambda n, m: 1.0 + 0.99**n, 1e-4, bodies=bodies)
+    enough = float(re.search(r"rtol=(\S+) or more", str(refused.value)).group(1))
+    assert enough < 0.03
+    found, _ = search(lambda n, m: 1.0 + 0.99**n, enough, bodies=bodies)
+    assert 0.99 ** found.orders[0] <= enough
 
 
 def test_a_whole_star_is_the_truth_itself():
