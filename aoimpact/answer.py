@@ -121,17 +121,26 @@ def answer(quantity: Any, projectile: Any, target: Any) -> Answer:
     Raises
     ------
     InputError, InputTypeError
-        If there is no such quantity, or the point is on neither body.
+        If there is no such quantity, or the point is on neither body, or on both.
     """
     if not isinstance(quantity, ContactPoint):
         return Answer(choice("quantity", quantity, QUANTITIES))
-    for on_target, body in ((False, projectile), (True, target)):
-        if isinstance(body, ContactPoint) and body.body is quantity.body:
-            return Answer(quantity, on_target)
-    raise InputError(
-        f"quantity={quantity!r} is a point on neither projectile nor target: give a point of a "
-        "finite-element body that takes part as one"
-    )
+    on = [
+        isinstance(body, ContactPoint) and body.body is quantity.body
+        for body in (projectile, target)
+    ]
+    if not any(on):
+        raise InputError(
+            f"quantity={quantity!r} is a point on neither projectile nor target: give a point of a "
+            "finite-element body that takes part as one"
+        )
+    if all(on):
+        raise InputError(
+            f"quantity={quantity!r} is a point of both projectile and target, which are one "
+            "FEModel: give one of them a model of its own, copy.copy(model), and take the point "
+            "from that; the contact's own are 'projectile_displacement' and 'target_displacement'"
+        )
+    return Answer(quantity, on_target=on[1])
 
 
 @dataclass(frozen=True)
@@ -222,20 +231,30 @@ def scene_answer(quantity: Any, bodies: Sequence[Any]) -> SceneAnswer:
     Raises
     ------
     InputError, InputTypeError
-        If there is no such quantity, or the point is on none of the bodies.
+        If there is no such quantity, or the point is on none of the bodies, or on several.
     """
     if isinstance(quantity, Handle):
         return SceneAnswer(quantity)
     if not isinstance(quantity, ContactPoint):
         return SceneAnswer(choice("quantity", quantity, SCENE_QUANTITIES))
-    for number, body in enumerate(bodies):
-        tip = body[0] if isinstance(body, tuple) else body
-        if isinstance(tip, ContactPoint) and tip.body is quantity.body:
-            return SceneAnswer(quantity, number)
-    raise InputError(
-        f"quantity={quantity!r} is a point on none of the scene's bodies: give a point of a "
-        "finite-element body that takes part as one"
-    )
+    tips = [body[0] if isinstance(body, tuple) else body for body in bodies]
+    on = [
+        number
+        for number, tip in enumerate(tips)
+        if isinstance(tip, ContactPoint) and tip.body is quantity.body
+    ]
+    if not on:
+        raise InputError(
+            f"quantity={quantity!r} is a point on none of the scene's bodies: give a point of a "
+            "finite-element body that takes part as one"
+        )
+    if len(on) > 1:
+        raise InputError(
+            f"quantity={quantity!r} is a point of {len(on)} of the scene's bodies, which are one "
+            "FEModel: give that one a model of its own, copy.copy(model), and take the point from "
+            "it; a contact's own displacement is asked for by its handle"
+        )
+    return SceneAnswer(quantity, on[0])
 
 
 T = TypeVar("T", Result, Run)

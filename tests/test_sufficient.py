@@ -1,10 +1,12 @@
 """Models no larger than the answer asked for needs: its true error is what was allowed."""
 
+import copy
 import functools
 import math
 
 import numpy as np
 import pytest
+import scipy.linalg as la
 
 import aoimpact as ao
 from aoimpact.answer import QUANTITIES, Answer
@@ -292,3 +294,38 @@ def test_bad_arguments_are_named(paper, options, message):
 def test_a_point_of_another_body_is_refused(paper):
     with pytest.raises(ao.InputError, match="on neither projectile nor target"):
         paper(duration=250e-6, quantity=cube(STEEL, 0.01))
+
+
+def test_a_point_of_a_model_that_is_both_bodies_is_refused_and_a_copy_tells_them_apart():
+    """Of two cubes that collide the struck one's back stays behind the point of the blow."""
+    tip = cube(STEEL, 0.02)
+    point = tip.body.contact(point=(0.01, 0.01, 0.02), direction=(0, 0, -1))
+    run = functools.partial(
+        ao.simulate, law=law(STEEL, 0.01, STEEL), velocity=1.0, duration=1e-4, rtol=1e-2
+    )
+    with pytest.raises(ao.InputError, match=r"both projectile and target.*copy\.copy"):
+        run(projectile=tip, target=tip, quantity=point)
+    own = copy.copy(tip.body)
+    struck = own.contact(point=(0.01, 0.01, 0.0), direction=(0, 0, -1))
+    back = own.contact(point=point.point, direction=(0, 0, -1))
+    hits = [run(projectile=tip, target=struck, quantity=where) for where in (point, back)]
+    moved = [hits[0].projectile.displacement_of(point.b, np.array([2e-5]))]
+    moved.append(hits[1].target.displacement_of(back.b, np.array([2e-5])))
+    assert moved[0] > 10 * moved[1]
+
+    scene = ao.Scene()
+    first = scene.add(tip, velocity=1.0)
+    scene.connect(first, scene.add(tip), law(STEEL, 0.01, STEEL))
+    with pytest.raises(ao.InputError, match=r"2 of the scene's bodies.*copy\.copy"):
+        scene.simulate(duration=1e-4, quantity=point)
+
+
+def test_a_contact_without_stiffness_has_no_time_of_its_own():
+    """A loose mass beside a spring: two masses on Hertz's law, whose peak force is known."""
+    spring = np.array([[2.0, -2.0], [-2.0, 2.0]])
+    tip = ao.FEModel(K=la.block_diag(0.0, spring), M=np.eye(3)).contact(dof=0)
+    hit = ao.simulate(
+        projectile=tip, target=tip, law=ao.Hertz(k=1e4), velocity=1.0, duration=2.0, rtol=1e-4
+    )
+    peak = 1e4 * (1.25 * 0.5 / 1e4) ** 0.6
+    assert hit.peak_force == pytest.approx(peak, rel=1e-4)
