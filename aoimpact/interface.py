@@ -203,7 +203,7 @@ def interface(
     InputError
         If the tips are not on one body, or `n` is out of range.
     SingularError
-        If part of the body is a mechanism.
+        If a port moves part of the body as a mechanism.
 
     Warns
     -----

@@ -412,13 +412,14 @@ class KrylovSpace:
     """The space from which scene-fitted anti-oscillators of a body are made; it grows.
 
     `antioscillators(tip, n, method="krylov")` makes one and asks it once. Kept by hand it gives
-    models of any order, the next one for a single solve more. A held body's static mode is, in
-    compact bodies, a combination of some six to ten vectors that larger models take anyway. In
-    slender and thin ones direct solvers iterate with the factors of the linear elements on the
-    corners, if there are any (second order, held), and else factorise K: PARDISO without another
-    analysis, others at the cost of K + s²M. PARDISO does so too where elements are much longer than
-    the body is thick; beside SuperLU K of a slender body is factorised within its band, five times
-    as fast.
+    models of any order, the next one for a single solve more; up to three on symmetric bodies once
+    the model is right to rounding, which then adds motions that b does not excite. A held body's
+    static mode is, in compact bodies, a combination of some six to ten vectors that larger models
+    take anyway. In slender and thin ones direct solvers iterate with the factors of the linear
+    elements on the corners, if there are any (second order, held), and else factorise K: PARDISO
+    without another analysis, others at the cost of K + s²M. PARDISO does so too where elements are
+    much longer than the body is thick; beside SuperLU K of a slender body is factorised within its
+    band, five times as fast.
 
     Parameters
     ----------
@@ -443,6 +444,8 @@ class KrylovSpace:
     ------
     InputError
         If `contact_time` is shorter than what the mesh resolves.
+    SingularError
+        If the contact moves part of the body as a mechanism.
     """
 
     def __init__(

@@ -31,9 +31,10 @@ IntArray = npt.NDArray[np.int64]
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
 _MOVED = 1e-10
 
-# Square of the share of the parts' motions that joints and supports do not resist: nodes that are a
-# millionth of the parts' size off a line count as on it.
-_UNRESISTED = 1e-12
+# Square of the share of the parts' motions that joints and supports do not resist: nodes off a line
+# by less than 1e-4 of the parts' size count as on it, as mesh files round to six digits or so. What
+# holds by that is a spring of 1e-8 of the body's stiffness.
+_UNRESISTED = 1e-8
 
 # What regularises the motions' matrix; how often it is inverted, and on how many motions at first.
 _HELD, _INVERSE_ITERATIONS, _FIRST_BLOCK = 1e-9, 4, 32

@@ -217,7 +217,8 @@ def antioscillators(
     InputError
         If `n` is not in 0 … n_dofs - 1, or None on a body too large for all of them.
     SingularError
-        If part of the body is a mechanism.
+        If the contact moves part of the body as a mechanism. One that it does not move does no harm
+        to a free body; a held one is refused where K has to be factorised.
 
     Warns
     -----

@@ -95,6 +95,20 @@ def test_a_curved_edge_holds() -> None:
         assert found(body) == motions == motions_without_force(body)
 
 
+@pytest.mark.parametrize("digits", [6, 5])
+def test_a_hinge_of_rounded_coordinates_is_one(digits: int) -> None:
+    """Turned in space, its nodes are on a line only as far as a mesh file has digits."""
+    mesh = blocks(SHAPES["two by an edge"], "hexahedron20")
+    turn = np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    nodes = np.vectorize(lambda x: float(f"{x:.{digits}g}"))(mesh.nodes @ turn.T)
+    body = ao.FEModel.from_mesh(ao.Mesh(nodes, mesh.cells, mesh.kind), STEEL)
+    corner = nodes[mesh.nodes.sum(axis=1).argmax()]
+    tip = body.contact(point=corner, direction=turn @ [0, -0.3, -1])
+    with pytest.raises(ao.SingularError, match="mechanism"):
+        ao.antioscillators(tip, 3, method="krylov")
+
+
 @pytest.mark.parametrize("fixed", [None, [(end, "xyz")]], ids=["free", "held"])
 @pytest.mark.parametrize("shape", ["two by an edge", "two at a point"])
 @pytest.mark.parametrize(
