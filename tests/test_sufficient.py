@@ -17,7 +17,7 @@ from aoimpact.paper_sphere import BALL_MASS, RADIUS
 from aoimpact.paper_sphere import LAW as SPHERES_LAW
 from aoimpact.paper_sphere import STEEL as SPHERE_STEEL
 
-from twelve import ALUMINIUM, ENDS, IMPACTS, STEEL, beam, cube, law
+from twelve import ALUMINIUM, ENDS, IMPACTS, STEEL, beam, box, cube, law
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4)
 
@@ -200,6 +200,31 @@ def test_order_is_at_most_two_above_the_least_in_nine_of_ten():
         for rtol in TOLERANCES
     ]
     assert np.mean(np.array(excess) <= 2) >= 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4])
+def test_a_body_too_large_to_be_known_whole(rtol):
+    """A held bar of 4752 dofs, whose force two spaces of other shifts give alike to ten digits."""
+    target = box(ALUMINIUM, (1.0, 0.02, 0.02), (100, 3, 3), (0.5, 0.5, 1), ENDS)
+    run = functools.partial(
+        ao.simulate,
+        projectile=ao.rigid(mass=0.0327),
+        law=law(STEEL, 0.01, ALUMINIUM),
+        velocity=1.0,
+        duration=2e-4,
+    )
+    hit = run(target=target, quantity="force", rtol=rtol)
+    one, other = (
+        run(
+            target=KrylovSpace(target, contact_time=time, sharpened=True).seen(n),
+            solver=ao.Adaptive(rtol=1e-8),
+        )
+        for time, n in ((hit.contact_duration, 300), (hit.contact_duration / 3, 260))
+    )
+    assert Answer("force").difference(one, other) <= 1e-10
+    assert Answer("force").difference(hit, one) <= rtol
+    assert hit.models[1].n <= 150
 
 
 def test_a_compact_block_may_be_a_rigid_wall():
