@@ -14,6 +14,9 @@ static const double EDGE_DEPTH = 1e-3;
 /* Newton's convergence is judged on no smaller indentation than this share of the largest. */
 static const double NEWTON_SHARE = 1e-6;
 
+/* Beside another contact at a massless place it has the rounding of that one's. */
+static const double SHARED_NEWTON_SHARE = 1e-3;
+
 /* Whether two bodies answer alike: often they are one model. */
 static int are_alike(const aoi_modes *one, const aoi_modes *other)
 {
@@ -126,7 +129,7 @@ static void guess(const aoi_contact_state *contact, double h, double usual, int 
         stage->rate[i] = shallower && with_rates ? rate[i] : stage->homogeneous_rate[i];
         largest = fabs(stage->indentation[i]) > largest ? fabs(stage->indentation[i]) : largest;
     }
-    stage->scale = largest > NEWTON_SHARE * usual ? largest : NEWTON_SHARE * usual;
+    stage->scale = fmax(largest, (shared ? SHARED_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
 /* Which edge of a contact a step of length h has. */

@@ -252,6 +252,23 @@ static void pass_time(aoi_adaptive *run, double h)
     run->elapsed = elapsed;
 }
 
+/* Whether a contact of this step ends with a pull at a massless place on which others press: what they do then,
+ * at once, hangs on their laws, and is not known here. */
+static int snaps_beside_others(const aoi_adaptive *run, size_t joint)
+{
+    const aoi_system *system = run->system;
+    int shared = 0;
+    for (int side = 0; side < 2; side++) {
+        const size_t b = system->joint[joint].body[side];
+        for (size_t i = system->first_joint[b]; i < system->first_joint[b + 1]; i++) {
+            const size_t other = system->joint_of[i];
+            shared |= system->body[b].residual && other != joint && run->contact[other].closed;
+        }
+    }
+    return shared && system->joint[joint].law->pulls && run->contact[joint].force < 0.0 &&
+           run->contact[joint].event == AOI_EVENT_OPEN;
+}
+
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
 {
     const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
@@ -261,8 +278,8 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     move_bodies(run, h, later);
     for (size_t s = 0; s < run->closed_count; s++) {
         const int status = move_contact(run, &run->stage[s], h, with_rates);
-        if (status != AOI_OK) {
-            return status;
+        if (status != AOI_OK || snaps_beside_others(run, run->stage[s].joint)) {
+            return status != AOI_OK ? status : AOI_ERROR_TOLERANCE;
         }
     }
     pass_time(run, h);

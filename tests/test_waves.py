@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import aoimpact as ao
 
@@ -90,7 +91,9 @@ def test_a_wave_reaches_a_damped_contact(name: str, rtol: float) -> None:
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-10])
 @pytest.mark.parametrize("name", sorted(DAMPED))
 @pytest.mark.parametrize("pull", [0.7, 10.0])
-def test_a_wave_catches_up_with_a_body_that_is_pulled_away(pull: float, name: str, rtol: float) -> None:
+def test_a_wave_catches_up_with_a_body_that_is_pulled_away(
+    pull: float, name: str, rtol: float
+) -> None:
     """It parts from the one before it, by less than rounding of its place, until the wave comes."""
     masses = (0.2, 1e-3, 0.07)
     bodies = [ao.rigid(mass=mass) for mass in masses]
@@ -155,3 +158,44 @@ def test_a_massless_body_passes_a_blow_on_to_a_damper(name: str, rtol: float) ->
     scene = scene_of(bodies, [ao.Hertz(HERTZ), law], SPEED)
     run = scene.simulate(duration=times[-1], solver=ao.Adaptive(rtol=rtol))
     np.testing.assert_allclose(forces_of(run, times), exact, rtol=0, atol=rtol * exact.max())
+
+
+@pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-8])
+def test_a_massless_body_lets_go_of_one_side_before_the_other(rtol: float) -> None:
+    ball, mass, spring, target, beyond, end = 0.097, 0.096, 2.0e6, 0.15, 8.3e8, 4.5e-4
+
+    def place(y: np.ndarray) -> float:
+        def lack(u: float) -> float:
+            push = HERTZ * max(y[0] - u, 0.0) ** 1.5 - beyond * max(u - y[2], 0.0) ** 1.5
+            return float(push - spring * (u - y[1]))
+
+        return float(brentq(lack, min(y[:3]) - 1e-9, max(y[:3]) + 1e-9, xtol=1e-18))
+
+    def forces(y: np.ndarray) -> tuple[float, float]:
+        u = place(y)
+        return HERTZ * max(y[0] - u, 0.0) ** 1.5, beyond * max(u - y[2], 0.0) ** 1.5
+
+    def motion(_: float, y: np.ndarray) -> np.ndarray:
+        push, passed = forces(y)
+        return np.array([*y[3:], -push / ball, (push - passed) / mass, passed / target])
+
+    times, start = np.linspace(0.0, end, 91), [0.0, 0.0, 0.0, 1.7, 0.0, 0.0]
+    found = solve_ivp(motion, (0.0, end), start, "DOP853", times, rtol=1e-10, atol=1e-15)
+    exact = np.array([forces(y) for y in found.y.T]).T
+    assert exact[1, -1] == 0.0 < exact[0, -10]
+    bodies = [ao.rigid(mass=ball), ao.AOModel(m0=0.0, m=[mass], k=[spring]), ao.rigid(mass=target)]
+    scene = scene_of(bodies, [ao.Hertz(HERTZ), ao.Hertz(beyond)], 1.7)
+    run = scene.simulate(duration=end, solver=ao.Adaptive(rtol=rtol))
+    np.testing.assert_allclose(forces_of(run, times), exact, rtol=0, atol=rtol * exact.max())
+
+
+def test_a_pull_that_ends_at_a_massless_place_on_which_others_press_is_refused() -> None:
+    """What the others do at once is not known: the energy was wrong by 1e-4."""
+    pull = ao.KelvinVoigt(4.6e7, 50.0, end="indentation")
+    soft = ao.KelvinVoigt(8.4e6, 19.0, end="indentation")
+    bodies = [ao.rigid(mass=0.22), ao.AOModel(m0=0.0, m=[0.05], k=[2e8]), ao.rigid(mass=0.11)]
+    with pytest.raises(ao.AOImpactError, match=r"m0 = 0.*a small m0"):
+        scene_of(bodies, [pull, soft], 1.0).simulate(duration=5e-4)
+    light = [bodies[0], ao.AOModel(m0=1e-5, m=[0.05], k=[2e8]), bodies[2]]
+    run = scene_of(light, [pull, soft], 1.0).simulate(duration=5e-4)
+    assert run.error.energy < 1e-8

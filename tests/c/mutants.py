@@ -261,6 +261,7 @@ MUTANTS = [
     ("step.c", " && one->push == other->push", ""),
     ("step.c", "    run->force_scale = force_scale_of(run);\n", ""),
     ("step.c", "shared = run->closed_count > 1 &&", "shared = 0 &&"),
+    ("step_end.c", "return shared && system->joint", "return 0 && system->joint"),
     ("closing.c", "        contact->piece = AOI_SLACK;\n        contact->force = 0.0;\n", ""),
     ("step.c", "        aoi_step_doze(run, &run->stage[s], attempt);\n", ""),
     ("step_events.c", "DOZING = 0.1", "DOZING = 0.0"),

@@ -435,6 +435,31 @@ static void a_massless_place_between_two_contacts_moves_evenly(void)
     }
 }
 
+/* A dashpot's pull on a massless place ends while a spring still presses on it. */
+static void a_pull_ends_beside_what_presses(void)
+{
+    const aoi_law push = linear(2e6), pull = law_named("kelvin_voigt_pulling", 2, 1e7, 100.0, 0.0);
+    for (int beside = 0; beside < 2; beside++) {
+        plant p = {.bodies = 0};
+        add_rigid(&p, 0.4, 1.0);
+        part *platform = add_rigid(&p, 0.3, 0.0);
+        platform->ports = 2;
+        platform->shape[1] = 1.0;
+        platform->push[1] = platform->push[0];
+        platform->massless = 1;
+        for (int i = 0; i < 4; i++) {
+            platform->residual[i] = 1e-7;
+        }
+        add_rigid(&p, 0.02, beside ? 0.0 : -1.0);
+        if (beside) {
+            join(&p, 0, 0, 1, 0, 0.0, &push);
+        }
+        join(&p, 1, 1, 2, 0, 0.0, &pull);
+        CHECK(go(&p, 1e-6, 0.02) == (beside ? AOI_ERROR_TOLERANCE : AOI_OK), "%d", beside);
+        release(&p);
+    }
+}
+
 /* Ringing, damped bodies with two ports, loads and gravity; contacts come and go. */
 static void a_row_of_ringing_bodies(void)
 {
@@ -901,6 +926,7 @@ int main(void)
     a_wave_reaches_a_damper();
     a_wave_catches_up_with_what_parts();
     a_massless_place_between_two_contacts_moves_evenly();
+    a_pull_ends_beside_what_presses();
     a_row_of_ringing_bodies();
     contacts_meet_by_any_mode();
     three_touch_at_once();
