@@ -14,10 +14,11 @@ from .checks import integer
 from .comparison import Compared, Comparison
 from .contact import ContactPoint
 from .errors import AOImpactError, InputError, held_warnings
+from .ladder import Ladder, ladder
 from .laws import ContactLaw
 from .modes import ModalModel, modal
 from .newmark import Newmark
-from .order import Ladder, first_guess, ladder
+from .order import first_guess
 from .result import Result
 from .simulate import simulate
 from .solvers import Solver, checked_solver

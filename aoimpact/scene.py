@@ -18,9 +18,9 @@ from .contact import ContactPoint
 from .errors import InputError, InputTypeError, LawLimitError, warn
 from .fit import warn_of_misfit
 from .interface import InterfaceModel
+from .ladder import Models
 from .laws import ContactLaw
 from .newmark import Newmark
-from .order import Models
 from .patchlaw import effective_law, own_law, wide_enough
 from .plan import Joint, Load, Plan
 from .players import FullPlayer, Player, StarPlayer, player

@@ -8,7 +8,8 @@ from typing import Any, TypeVar
 from .adaptive import TIGHTEST, Adaptive
 from .checks import positive
 from .errors import InputError, held_warnings
-from .order import Asked, Models, Orders, least_orders
+from .ladder import Models
+from .order import Asked, Orders, least_orders
 from .solvers import Solver, checked_solver
 
 __all__ = ["checked_linear_solver", "sufficient"]

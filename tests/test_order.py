@@ -8,7 +8,8 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.errors import held_warnings
-from aoimpact.order import KrylovLadder, StarLadder, least_orders
+from aoimpact.ladder import KrylovLadder, StarLadder
+from aoimpact.order import least_orders
 
 from slender import rod
 
