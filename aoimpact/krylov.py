@@ -63,8 +63,10 @@ _ORDER_FITTED = 5
 # at the price of a factorisation.
 _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 
-# A Ritz value below this share of the largest is none of an elastic motion.
-_NO_STIFFNESS = 1e-12
+# Below this share of the largest a Ritz value may be that of a mechanism, but slender bodies under
+# short blows span as much. It is one if it is no more than this share of what its terms add up to
+# without their signs: some hundred roundings.
+_DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
 
 # Vectors, as a multiple of the oscillators wanted, after which no more are tried for those missing.
 _MOST_IDLE = 2
@@ -212,7 +214,8 @@ class Subspace:
         elastic = self._coordinates()[rigid:size]
         there = self._stiffness[: self._count, : self._count]
         omega2, y = la.eigh(elastic @ there @ elastic.T)
-        if (omega2 <= _NO_STIFFNESS * np.abs(omega2).max(initial=0.0)).any():
+        doubtful = omega2 <= _DOUBTFUL * np.abs(omega2).max(initial=0.0)
+        if self._without_stiffness(omega2[doubtful], elastic.T @ y[:, doubtful]):
             raise SingularError(
                 "a motion that is no rigid-body motion has no stiffness: part of the body is a "
                 "mechanism (supports missing, a piece joined along one edge or at one point); see "
@@ -221,6 +224,14 @@ class Subspace:
         whole = np.eye(self._count, min(rigid, size))
         coordinates = np.column_stack([whole, elastic.T @ y])
         return np.concatenate([np.zeros(min(rigid, size)), omega2]), coordinates
+
+    def _without_stiffness(self, omega2: FloatArray, coordinates: FloatArray) -> bool:
+        """Whether any of these Ritz values is no more than rounding of K, in its own motion."""
+        sizes = np.abs(self._basis[: self._count].T @ coordinates)
+        if not sizes.size:
+            return False
+        rounding = (sizes * (abs(self.body.K) @ sizes)).sum(axis=0)
+        return bool((omega2 <= _NO_STIFFNESS * rounding).any())
 
     def _coordinates(self) -> FloatArray:
         padded = np.zeros((len(self._ordered), self._count))

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 import scipy.linalg as la
+import scipy.sparse as sp
 
 from . import _core
 from .contact import Body, ContactPoint
-from .errors import ConvergenceError, InputTypeError, SingularError
+from .errors import InputTypeError, SingularError
 from .fromdynamic import static_by_dynamic
-from .solvers import LinearSolver
+from .solvers import SOLVERS, LinearSolver, linear_solver
 from .star import Origin
 
 __all__ = [
@@ -27,6 +28,9 @@ __all__ = [
 ]
 
 FloatArray = npt.NDArray[np.float64]
+
+# A pass that leaves more than this of the last change shows motions too soft for passes.
+_SLOW = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,22 +148,37 @@ def displacement(
                 f"{error}, though the body has no rigid motion left: part of it is a mechanism "
                 "(a piece not connected, an element without stiffness); see body.frequencies(10)"
             ) from None
-    # Each pass leaves s²/(ω₁² + s²) of the error, so s² lies far below any elastic ω².
+    # Each pass leaves s²/(ω₁² + s²) of the error, so s² lies far below most elastic ω².
     s2 = 1e-9 * float(K.diagonal().sum() / M.diagonal().sum())
     near_k = invert(s2)
     x, before = np.zeros_like(b), np.inf
-    for _ in range(200):
+    while True:
         change = near_k.solve(b - K @ x)
         change -= rigid @ (rigid.T @ (M @ change))
         x += change
         size = float(np.linalg.norm(change) / np.linalg.norm(x))
         if size <= 1e-14 or (size <= 1e-10 and size > 0.9 * before):  # at rounding
             return x
+        if size > _SLOW * before:
+            return _by_grounding(body, b, near_k)
         before = size
-    raise ConvergenceError(
-        f"the static mode of a partly free body did not converge (last change {size:.2g}): "
-        "hold the body, or give it fewer soft parts"
-    )
+
+
+def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray:
+    """Return K⁻¹ b of a partly free body with springs to the ground that stop its free motions.
+
+    At no more places than there are such motions the springs take no force, for a b that does not
+    move the body as a whole, and change nothing but where it is.
+    """
+    K, M, rigid = body.K, body.M, body.rigid_modes
+    places = la.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
+    springs = np.zeros(len(b))
+    springs[places] = K.diagonal()[places]
+    pencil = replace(solver.pencil, K=(K + sp.diags_array(springs)).tocsr(), s2=0.0, diagonals=None)
+    held = linear_solver(pencil, solver.name if solver.name in SOLVERS else "auto", solutions=1)
+    x = held.solve(b - M @ (rigid @ (rigid.T @ b)))
+    found: FloatArray = x - rigid @ (rigid.T @ (M @ x))
+    return found
 
 
 def origin_of(
