@@ -29,6 +29,10 @@ __all__ = [
 
 FloatArray = npt.NDArray[np.float64]
 
+# rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
+# just told from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
+_MOVED = 1e-7
+
 # A pass that leaves more than this of the last change shows motions too soft for passes.
 _SLOW = 0.5
 
@@ -93,7 +97,7 @@ def moves_rigidly(tip: ContactPoint) -> bool:
     """Whether a force at the contact moves the body as a whole: seen from there it is free."""
     rigid = tip.body.rigid_modes
     reach = float(np.linalg.norm(rigid.T @ tip.b))
-    return reach > 1e-10 * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
+    return reach > _MOVED * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
 
 
 def elastic_compliance(
