@@ -1,8 +1,8 @@
 """Cholesky factors of a narrow matrix within its band, by LAPACK: those of slender bodies.
 
 Numbered from one end of the body to the other (reverse Cuthill-McKee) its dofs couple with their
-neighbours in number only. The full blocks of such a band are factorised five times as fast as
-sparse rows by SuperLU, though they hold more.
+neighbours in number only. The full blocks of such a band are factorised three to four times as
+fast as sparse rows by SuperLU, though they hold more.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = ["NARROW", "inverse"]
 FloatArray = npt.NDArray[np.float64]
 
 # Dofs in a cut (`mean_width`) up to which this takes half of SuperLU's time or less: measured on
-# beams of 8- and 20-node hexahedra, .3 of it at 150, and on plates, where both take as long at 500.
+# beams of 8- and 20-node hexahedra, .3 of it at 150 to 170, and on a plate, as long at 760.
 NARROW = 250.0
 
 

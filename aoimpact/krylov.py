@@ -430,7 +430,7 @@ class KrylovSpace:
     elements on the corners, if there are any (second order, held), and else factorise K: PARDISO
     without another analysis, others at the cost of K + s²M. PARDISO does so too where elements are
     much longer than the body is thick; beside SuperLU K of a slender body is factorised within its
-    band, five times as fast.
+    band, three to four times as fast.
 
     Parameters
     ----------

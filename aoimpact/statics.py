@@ -163,16 +163,17 @@ def displacement(
         size = float(np.linalg.norm(change) / np.linalg.norm(x))
         if size <= 1e-14 or (size <= 1e-10 and size > 0.9 * before):  # at rounding
             return x
-        if size > _SLOW * before:
+        if not size <= _SLOW * before:  # nan, too
             return _by_grounding(body, b, near_k)
         before = size
 
 
 def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray:
-    """Return K⁻¹ b of a partly free body with springs to the ground that stop its free motions.
+    """Return K⁻¹ b, shape (n_dofs,), of a partly free body grounded by springs in its free motions.
 
-    At no more places than there are such motions the springs take no force, for a b that does not
-    move the body as a whole, and change nothing but where it is.
+    `solver` is one of its K + s²M: the same kind factorises K. At no more places than there are
+    such motions the springs take no force, for a b that does not move the body as a whole, and
+    change nothing but where it is.
     """
     K, M, rigid = body.K, body.M, body.rigid_modes
     places = la.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
