@@ -7,10 +7,9 @@
 
 enum {
     LEAST_RISE = 2, /* of levels at once */
-    MOST_STRIDES = 10000000,
+    MOST_LOOKS = 500000,
     MOST_TRIMS = 12,
-    MOST_IDLE = 1000,
-    SHARING_SWEEPS = 10000
+    MOST_IDLE = 1000
 };
 
 /* An event closer to the start than this share of the step happens at the start. */
@@ -34,6 +33,11 @@ static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
 
 /* A step worse than this is so far off that its events are not to be trusted. */
 static const double TRUSTED = 0.1;
+
+int aoi_is_at_start(const aoi_adaptive *run, double after, double h)
+{
+    return after < AT_START * h || !(run->elapsed + after > run->elapsed);
+}
 
 /* The length of a step of the run's level. */
 static double step_of_level(const aoi_adaptive *run)
@@ -89,53 +93,16 @@ void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, si
 
 /* -------------------------------------------------------------------------------- the start */
 
-/* delta with delta + compliance F(delta) = free: what is left of an overlap beside massless contacts. */
-static double shared_overlap(const aoi_law *law, const double *memory, double free, double compliance)
+/* Indentations of bodies at rest, without contact forces; then with those of contacts at massless places. */
+static int share_overlaps(aoi_adaptive *run)
 {
-    double low = 0.0, high = free;
-    for (int i = 0; i < 200 && compliance > 0.0 && high - low > DBL_EPSILON * high; i++) {
-        const double middle = 0.5 * (low + high);
-        aoi_law_value value;
-        aoi_law_push(law, memory, middle, 0.0, &value);
-        if (middle + compliance * value.force < free) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        double rate, acceleration;
+        aoi_flight pair;
+        aoi_pair_now(run, c, &pair);
+        aoi_flight_indentation(&pair, &run->contact[c].start, &rate, &acceleration);
     }
-    return high;
-}
-
-/* Indentation at the start beside the forces of all other contacts; returns whether its own changes. */
-static int share_overlap(aoi_adaptive *run, size_t joint)
-{
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_joint *of = &run->system->joint[joint];
-    const double own = aoi_system_residual(run->system, joint), before = contact->force;
-    double overlap, rate, acceleration;
-    aoi_flight pair;
-    aoi_law_value value = {.force = 0.0};
-    aoi_pair_now(run, joint, &pair);
-    aoi_flight_indentation(&pair, &overlap, &rate, &acceleration);
-    const double others = own > 0.0 ? aoi_step_bent_at_start(run, joint) - own * before : 0.0;
-    contact->start = shared_overlap(of->law, contact->memory, fmax(overlap - others, 0.0), own);
-    if (contact->start > 0.0) {
-        aoi_law_push(of->law, contact->memory, contact->start, 0.0, &value);
-    }
-    contact->force = value.force;
-    return own > 0.0 && fabs(value.force - before) > 4.0 * DBL_EPSILON * value.force;
-}
-
-/* Contacts at one massless place move each other: one by one in turn, the energy only falls. */
-static void share_overlaps(aoi_adaptive *run)
-{
-    int changed = 1;
-    for (int sweep = 0; changed && sweep < SHARING_SWEEPS; sweep++) {
-        changed = 0;
-        for (size_t c = 0; c < run->system->joint_count; c++) {
-            changed |= share_overlap(run, c);
-        }
-    }
+    return aoi_balance_at_rest(run);
 }
 
 /* Bodies that press on each other from the start. */
@@ -150,6 +117,7 @@ static void start_closed(aoi_adaptive *run, size_t joint)
     contact->start = delta;
     aoi_law_force(of->law, contact->memory, contact->piece, delta, contact->start_rate, &value);
     contact->force = value.force;
+    aoi_contact_note_peak(run, joint);
     const double time = 1.0 / sqrt(value.stiffness * contact->mobility);
     contact->indentation_scale = fmax(contact->indentation_scale, delta);
     contact->impulse_scale = fmax(contact->impulse_scale, value.force * time);
@@ -228,21 +196,22 @@ static void begin_bodies(aoi_adaptive *run)
     }
 }
 
-static void begin_contacts(aoi_adaptive *run)
+static int begin_contacts(aoi_adaptive *run)
 {
     for (size_t c = 0; c < run->system->joint_count; c++) {
         run->contact[c] = (aoi_contact_state){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
         run->contact[c].peak_time = run->time;
     }
-    share_overlaps(run);
+    const int status = share_overlaps(run);
     aoi_watch_begin(run);
-    for (size_t c = 0; c < run->system->joint_count; c++) {
+    for (size_t c = 0; c < run->system->joint_count && status == AOI_OK; c++) {
         if (run->contact[c].start > 0.0) {
             start_closed(run, c);
         } else {
             aoi_watch_add(run, c);
         }
     }
+    return status;
 }
 
 /* Whether the run can be made at all. */
@@ -262,7 +231,7 @@ static int check_start(const aoi_adaptive *run)
 
 int aoi_adaptive_start(aoi_adaptive *run)
 {
-    const int status = check_start(run);
+    int status = check_start(run);
     if (status != AOI_OK) {
         return status;
     }
@@ -278,12 +247,13 @@ int aoi_adaptive_start(aoi_adaptive *run)
     run->elapsed = run->left_off = 0.0;
     run->steps = run->rejected = run->uses = run->culprit = 0;
     run->closed_count = run->stage_count = 0;
+    run->unbalanced = 0;
     lay_out_work(run);
     lay_out_lists(run);
     begin_bodies(run);
-    begin_contacts(run);
+    status = begin_contacts(run);
     start_ledger(run);
-    return AOI_OK;
+    return status;
 }
 
 /* ---------------------------------------------------------------------------------- flight */
@@ -314,9 +284,13 @@ static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *cop
         copy += 2 * n;
     }
     limit = is_simple(pair.body[0]) && is_simple(pair.body[1]) ? run->end : limit;
-    const int status = aoi_flight_next_touch(&pair, limit, MOST_STRIDES, &contact->touches);
+    const size_t most = 1 + MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
+    const int status = aoi_flight_next_touch(&pair, limit, most, &contact->touches);
     contact->free_until = pair.time;
     aoi_watch_add(run, joint);
+    if (status == AOI_ERROR_NO_CONVERGENCE && pair.time > now) {
+        return AOI_OK; /* so far at least */
+    }
     run->culprit = status != AOI_OK ? joint : run->culprit;
     return status;
 }
@@ -338,7 +312,8 @@ static void land(aoi_adaptive *run, size_t joint, const double *copy)
     }
 }
 
-/* Nothing touches: on to the first touch of all, or to the end. */
+/* Nothing touches: on to the first touch of all, or to the end; or, where that takes long to find, as far as it is
+ * certain that nothing does. */
 static int flight(aoi_adaptive *run)
 {
     size_t joint, landed = run->system->joint_count;
@@ -356,12 +331,14 @@ static int flight(aoi_adaptive *run)
             run->flight[1] = kept;
             landed = joint;
             best = run->contact[joint].free_until;
+        } else if (!run->contact[joint].touches) {
+            best = fmin(best, run->contact[joint].free_until);
         }
     }
     run->origin = run->time = best;
     run->elapsed = run->left_off = 0.0;
     (void)aoi_watch_first(run, 1, run->end, &joint);
-    if (joint < run->system->joint_count) {
+    if (joint < run->system->joint_count && run->contact[joint].free_until <= best) {
         if (joint == landed) {
             land(run, joint, run->flight[1]);
         }
@@ -407,6 +384,10 @@ static int prepare(aoi_adaptive *run, double *limit)
         const int status = watch_flights(run);
         if (status != AOI_OK) {
             return status;
+        }
+        if (run->unbalanced) {
+            aoi_balance_at_once(run, fmin(step_of_level(run), run->end - aoi_run_now(run)));
+            run->unbalanced = 0;
         }
     } while (run->closed_count != run->closed.count);
     const double now = aoi_run_now(run);
@@ -458,11 +439,13 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
         return prepare(run, limit);
     }
     if (growth > TRUSTED && attempt->place < 1.0) {
-        if (attempt->place < AT_START && aoi_step_at_start(run, AT_START)) {
+        const double after = attempt->place * attempt->h;
+        const int at_start = aoi_is_at_start(run, after, attempt->h);
+        if (at_start && aoi_step_at_start(run, fmax(attempt->place, AT_START))) {
             return prepare(run, limit);
         }
-        if (attempt->place >= AT_START && (*trims)++ < MOST_TRIMS) {
-            *trim = attempt->place * attempt->h;
+        if (!at_start && (*trims)++ < MOST_TRIMS) {
+            *trim = after;
             return AOI_OK;
         }
         growth = 0.4;
@@ -552,18 +535,26 @@ static void bring_all_home(aoi_adaptive *run)
 int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,
                      size_t *used, size_t *rows)
 {
+    double before = run->time;
+    int paused = 0;
     *used = *rows = 0;
-    while (run->time < run->end && capacity - *used >= run->row_size && *rows < most) {
+    for (int idle = 0; run->time < run->end && capacity - *used >= run->row_size && *rows < most; idle++) {
         size_t size = 0;
-        int status = AOI_OK;
+        int status = idle < MOST_IDLE ? AOI_OK : AOI_ERROR_TOLERANCE;
+        idle = run->time > before ? 0 : idle;
+        before = run->time;
+        if (status != AOI_OK) {
+            return status;
+        }
         if (run->closed.count > 0) {
             status = contact_step(run, track + *used, &size);
         } else if (run->changed.count > 0) {
             size = aoi_step_write(run, 0.0, 0, track + *used);
         } else {
             status = flight(run);
+            paused = run->time < run->end && run->closed.count == 0;
         }
-        if (status != AOI_OK) {
+        if (status != AOI_OK || paused) {
             return status;
         }
         if (size > 0) {

@@ -53,6 +53,9 @@ void aoi_step_prepare(aoi_adaptive *run);
 /* The step's bodies and contacts are none any more: open ones fly again. */
 void aoi_step_release(aoi_adaptive *run);
 
+/* Whether an event so long after the start of a step of length h happens at its start. */
+int aoi_is_at_start(const aoi_adaptive *run, double after, double h);
+
 /* Tries a step of length h, of that level (AOI_NO_LEVEL: of no level). */
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
 
@@ -62,8 +65,20 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
 /* Writes the row of bodies that fly from now on; stage_count contacts of the step, 0 for none. */
 size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row);
 
-/* What the forces at the start of a step bend the residual compliances of a contact by, m. */
-double aoi_step_bent_at_start(const aoi_adaptive *run, size_t joint);
+/* What contact forces take from a contact's indentation now by the residual compliances, m; with rates, from
+ * its rate, as they went on so far, m/s. */
+double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates);
+
+/* Takes note of a contact's force now, which may be its largest. */
+void aoi_contact_note_peak(aoi_adaptive *run, size_t joint);
+
+/* Finds indentations and forces of contacts at places without mass, of bodies at rest, all others as they are.
+ * Errors as aoi_coupled_solve. */
+int aoi_balance_at_rest(aoi_adaptive *run);
+
+/* Finds rates and forces of such contacts after something has happened to one of them; within: a time in which
+ * little happens. One that has only just touched opens again where the others draw it away. */
+void aoi_balance_at_once(aoi_adaptive *run, double within);
 
 /* Lets the events up to a place at the very start of the step tried happen; 0 where that would go on for
  * ever: take a shorter step. */
@@ -79,6 +94,9 @@ double aoi_release_step(const aoi_adaptive *run, double h);
 
 /* Closes a contact where its bodies are now. */
 void aoi_contact_close(aoi_adaptive *run, size_t joint);
+
+/* Strikes it off the closed ones. */
+void aoi_contact_open(aoi_adaptive *run, size_t joint);
 
 /* Whether forces move any mode of a body. */
 int aoi_body_yields(const aoi_modes *body);
@@ -98,7 +116,8 @@ void aoi_pair_now(const aoi_adaptive *run, size_t joint, aoi_flight *pair);
 /* Nothing is watched yet. */
 void aoi_watch_begin(aoi_adaptive *run);
 
-/* Watches an open contact by its free_until and touches, which are not to change until it is removed. */
+/* Watches an open contact, if it is not watched yet, by its free_until and touches, which are not to change
+ * until it is removed. */
 void aoi_watch_add(aoi_adaptive *run, size_t joint);
 
 /* Returns whether it was watched. */

@@ -731,13 +731,27 @@ double aoi_system_residual(const aoi_system *system, size_t joint);
  * negative, or a joint names a body or port that is not there, or one body twice. O(all arrays). */
 int aoi_system_check(const aoi_system *system);
 
-/* Two bodies in flight, x and v at the same time of their own (n each), and one joint of theirs. */
+/* A polynomial in time that adds to an indentation over one step: its shifted Legendre coefficients and those
+ * of its first three derivatives, and a bound of its second. */
+enum { AOI_DERIVATIVES = 3 };
+typedef struct aoi_forced {
+    double from, length;
+    double series[AOI_DERIVATIVES + 1][AOI_STAGES + 1];
+    double bend;
+} aoi_forced;
+
+/* From the values at the start and the nodes (AOI_STAGES + 1). */
+void aoi_forced_fit(double from, double length, const double *values, aoi_forced *forced);
+
+/* Two bodies in flight, x and v at the same time of their own (n each), and one joint of theirs. forced: NULL,
+ * or what contact forces of a step make of its indentation; then nothing is asked beyond that step. */
 typedef struct aoi_flight {
     const aoi_modes *body[2];
     size_t port[2];
     double gap;
     double *x[2], *v[2];
     double time;
+    const aoi_forced *forced;
 } aoi_flight;
 
 /* The joint's indentation without contact force, its rate and its acceleration. */
@@ -759,6 +773,9 @@ int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touc
 /* sum of count shifted Legendre coefficients at 0 <= at <= 1 (or a little outside), and its derivative
  * with respect to at; count <= AOI_STAGES + 1. */
 double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
+
+/* Coefficients of the derivative; count of both, in place, too. */
+void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative);
 
 /* Coefficients from the values at the start and the nodes (AOI_STAGES + 1 in, as many out). */
 void aoi_legendre_fit(const double *values, double *coefficient);
@@ -919,6 +936,8 @@ typedef struct aoi_contact_state {
     double edge;      /* length of a step that its beginning, so its end, allows; 0: not known */
     double memory[AOI_LAW_MEMORY];
     double start, start_rate, force; /* now, while closed */
+    double bending;    /* the force that the residual compliance knows of */
+    double force_rate; /* at the end of the last step, where bodies have a residual compliance */
     double indentation_scale, impulse_scale, rate_scale;
     double free_until; /* while open, and both bodies in flight: no touch before */
     int touches;       /* but then */
@@ -937,8 +956,8 @@ typedef struct aoi_list {
 
 /* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities. The caller
  * sets the first block: a linked system; x, v at time, of all bodies; body, contact, stage and response of
- * body_count, joint_count, joint_count and body_count elements; work and lists of as many doubles and
- * numbers as aoi_adaptive_size says; and calls aoi_adaptive_start. Bodies that overlap at the start are in
+ * body_count, joint_count, joint_count and body_count elements, and balanced of joint_count; work and lists
+ * of as many doubles and numbers as aoi_adaptive_size says; and calls aoi_adaptive_start. Bodies that overlap at the start are in
  * contact from the start. What a step costs depends on the bodies that take part in it only. */
 typedef struct aoi_adaptive {
     const aoi_system *system;
@@ -948,6 +967,7 @@ typedef struct aoi_adaptive {
     aoi_contact_state *contact;
     aoi_stage *stage;
     aoi_response *response;
+    aoi_contact *balanced; /* contacts at places without mass, while their forces are found */
     double *work;
     size_t *lists;
 
@@ -965,6 +985,7 @@ typedef struct aoi_adaptive {
     double origin, elapsed; /* time is their sum: short steps of a late contact */
     double left_off;        /* of elapsed by rounding */
     double horizon;         /* no contact between bodies in flight before */
+    int unbalanced;         /* something has happened to a contact since the last step */
     double *flight[2], *scratch, *port_force, *collocation;
     size_t steps, rejected, uses;
     size_t culprit; /* contact in which an error came up */
@@ -978,7 +999,7 @@ void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, si
 int aoi_adaptive_start(aoi_adaptive *run);
 
 /* Goes on until time >= end, or less than a row's room is left of capacity doubles of track or of most
- * entries of index (where each row starts); used and rows say how many were written; call again with
+ * entries of index (where each row starts), or a touch takes more than some .1 s to find; used and rows say how many were written; call again with
  * more. AOI_ERROR_TOLERANCE where even the shortest step does not meet rtol; AOI_ERROR_LAW where a law
  * gives no number; AOI_ERROR_PATCH where contact goes deeper than the law holds. */
 int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,

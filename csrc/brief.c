@@ -1,6 +1,8 @@
 /* An impact of two bodies in a few numbers, for those who make many: nothing of it is kept. */
 #include "aoimpact.h"
 
+#include <math.h>
+
 /* A contact that is in no row any more at this share of the record has ended before. */
 static const double RECORD_END = 1.0 - 1e-14;
 
@@ -74,8 +76,16 @@ int aoi_brief_run(aoi_adaptive *run, size_t capacity, size_t most, double *track
         return AOI_ERROR_ARGUMENT;
     }
     int status = aoi_adaptive_start(run);
-    if (status == AOI_OK) {
-        status = aoi_adaptive_run(run, capacity, most, track, index, &used, &rows);
+    for (double before = -HUGE_VAL; status == AOI_OK && run->time > before && run->time < run->end;) {
+        size_t more = 0, more_rows = 0;
+        before = run->time;
+        status = aoi_adaptive_run(run, capacity - used, most - rows, track + used, index + rows, &more,
+                                  &more_rows);
+        for (size_t i = 0; i < more_rows; i++) {
+            index[rows + i] += used;
+        }
+        used += more;
+        rows += more_rows;
     }
     if (status != AOI_OK || run->time < run->end) {
         return status != AOI_OK ? status : AOI_ERROR_TOO_LONG;

@@ -159,6 +159,9 @@ void aoi_contact_close(aoi_adaptive *run, size_t joint)
     aoi_body_engage(run, of->body[1], 1);
     aoi_pair_now(run, joint, &pair);
     aoi_flight_indentation(&pair, &here, &rate, &acceleration);
+    here -= aoi_contact_bent(run, joint, 0);
+    rate -= aoi_contact_bent(run, joint, 1);
+    run->unbalanced = 1;
     contact->begins = 1;
     contact->slack = 0.0;
     contact->start = fmax(here, rest); /* exactly: what is left off here would add up */
@@ -175,6 +178,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t joint)
         contact->piece = AOI_SLACK;
         contact->force = 0.0;
     }
+    aoi_contact_note_peak(run, joint);
     estimate_scales(run, joint, &pair, rate, acceleration);
     run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
     run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);

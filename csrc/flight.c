@@ -4,11 +4,39 @@
 #include <float.h>
 #include <math.h>
 
+void aoi_forced_fit(double from, double length, const double *values, aoi_forced *forced)
+{
+    forced->from = from;
+    forced->length = length;
+    forced->bend = 0.0;
+    aoi_legendre_fit(values, forced->series[0]);
+    for (size_t d = 1; d <= AOI_DERIVATIVES; d++) {
+        aoi_legendre_derive(AOI_STAGES + 1, forced->series[d - 1], forced->series[d]);
+        for (size_t k = 0; k <= AOI_STAGES; k++) {
+            forced->series[d][k] /= length;
+        }
+    }
+    for (size_t k = 0; k <= AOI_STAGES; k++) { /* |P_k| <= 1 */
+        forced->bend += fabs(forced->series[2][k]);
+    }
+}
+
+/* A derivative of what contact forces add; 0: itself. */
+static double forced_at(const aoi_flight *pair, int derivative)
+{
+    const aoi_forced *forced = pair->forced;
+    double slope;
+    return forced ? aoi_legendre_evaluate(AOI_STAGES + 1, forced->series[derivative],
+                                          (pair->time - forced->from) / forced->length, &slope)
+                  : 0.0;
+}
+
 void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double *rate,
                             double *acceleration)
 {
-    *indentation = -pair->gap;
-    *rate = *acceleration = 0.0;
+    *indentation = forced_at(pair, 0) - pair->gap;
+    *rate = forced_at(pair, 1);
+    *acceleration = forced_at(pair, 2);
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = pair->body[side];
         const double sign = side == 0 ? 1.0 : -1.0;
@@ -35,7 +63,7 @@ void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double 
 
 double aoi_flight_jerk(const aoi_flight *pair)
 {
-    double jerk = 0.0;
+    double jerk = forced_at(pair, 3);
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = pair->body[side];
         for (size_t j = 0; j < body->n; j++) {
@@ -154,7 +182,7 @@ static double safe_stride(const aoi_flight *pair, double level, double rate, dou
 {
     const size_t count = pair->body[0]->n + pair->body[1]->n;
     size_t at[2] = {0, 0};
-    double bend = 0.0, best = 0.0;
+    double bend = pair->forced ? 0.5 * pair->forced->bend : 0.0, best = 0.0;
     drifting together = {.alike = 1};
     for (size_t k = 0; k <= count; k++) {
         const int side = k < count ? next_side(pair, at) : 0;
@@ -201,17 +229,12 @@ static void fly_pair(aoi_flight *pair, double to)
     pair->time = to;
 }
 
-/* Bodies that have just let go are at zero only to rounding: where they part, they count as apart. */
-static void part(aoi_flight *pair)
+/* Up to when no load bends. */
+static double stop_of(const aoi_flight *pair, double limit)
 {
-    double indentation, rate, acceleration, scale;
-    aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
-    double level = indentation, drift = rate;
-    all_fast(pair, 0.0, &level, &drift, &scale);
-    const double rounding = 4.0 * DBL_EPSILON * scale;
-    if (indentation > -rounding && (rate < 0.0 || (rate == 0.0 && acceleration < 0.0))) {
-        pair->gap += indentation + rounding;
-    }
+    const double bend = fmin(aoi_modes_next_bend(pair->body[0], pair->time),
+                             aoi_modes_next_bend(pair->body[1], pair->time));
+    return fmin(bend, limit);
 }
 
 /* Whether bodies at touch are about to be pressed together. */
@@ -223,15 +246,27 @@ static int closes(const aoi_flight *pair, double rate, double acceleration)
     return aoi_flight_jerk(pair) > 0.0;
 }
 
+/* Bodies at zero to rounding that nothing presses together count as apart: they have just let go, or stay side by
+ * side until a load draws one away. */
+static void part(aoi_flight *pair, double within)
+{
+    double indentation, rate, acceleration, scale;
+    aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
+    double level = indentation, drift = rate;
+    all_fast(pair, within, &level, &drift, &scale);
+    const double rounding = 4.0 * DBL_EPSILON * scale;
+    if (indentation > -rounding && !closes(pair, rate, acceleration)) {
+        pair->gap += indentation + rounding;
+    }
+}
+
 int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touches)
 {
     *touches = 0;
-    part(pair);
+    part(pair, stop_of(pair, limit) - pair->time);
     for (size_t i = 0; i < most; i++) {
         double indentation, rate, acceleration, scale;
-        const double bend = fmin(aoi_modes_next_bend(pair->body[0], pair->time),
-                                 aoi_modes_next_bend(pair->body[1], pair->time));
-        const double stop = fmin(bend, limit), within = stop - pair->time;
+        const double stop = stop_of(pair, limit), within = stop - pair->time;
         aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
         double level = indentation, drift = rate;
         all_fast(pair, within, &level, &drift, &scale);

@@ -31,6 +31,17 @@ double aoi_legendre_evaluate(size_t count, const double *coefficient, double at,
     return value;
 }
 
+/* P_k' = 2 ((2k-1) P_(k-1) + (2k-5) P_(k-3) + ...). */
+void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative)
+{
+    double above[2] = {0.0, 0.0}; /* sums of the coefficients above, of either parity */
+    for (size_t k = count; k-- > 0;) {
+        const double own = coefficient[k];
+        derivative[k] = 2.0 * (2.0 * (double)k + 1.0) * above[(k + 1) % 2];
+        above[k % 2] += own;
+    }
+}
+
 void aoi_legendre_fit(const double *values, double *coefficient)
 {
     double sum[AOI_STAGES + 1] = {0.0};

@@ -188,7 +188,7 @@ static int run_to_end(aoi_adaptive *run, growing *track, size_t most_steps)
     return status;
 }
 
-/* Room for a run; the caller frees run->body, contact, stage, response, x (and v with it), work, lists. */
+/* Room for a run; the caller frees run->body, contact, stage, balanced, response, x (and v with it), work, lists. */
 static int furnish(aoi_adaptive *run, const aoi_system *system)
 {
     size_t work, lists, row;
@@ -199,12 +199,13 @@ static int furnish(aoi_adaptive *run, const aoi_system *system)
     run->response = calloc(system->body_count + 1, sizeof *run->response);
     run->contact = calloc(system->joint_count + 1, sizeof *run->contact);
     run->stage = calloc(system->joint_count + 1, sizeof *run->stage);
+    run->balanced = calloc(system->joint_count + 1, sizeof *run->balanced);
     run->x = calloc(2 * n + 1, sizeof(double));
     run->v = run->x ? run->x + n : NULL;
     run->work = malloc((work + 1) * sizeof(double));
     run->lists = malloc((lists + 1) * sizeof(size_t));
-    if (!run->body || !run->response || !run->contact || !run->stage || !run->x || !run->work ||
-        !run->lists) {
+    if (!run->body || !run->response || !run->contact || !run->stage || !run->balanced || !run->x ||
+        !run->work || !run->lists) {
         PyErr_NoMemory();
         return 0;
     }
@@ -393,6 +394,7 @@ PyObject *adaptive(PyObject *self, PyObject *args)
     free(run.response);
     free(run.contact);
     free(run.stage);
+    free(run.balanced);
     free(run.x);
     free(run.work);
     free(run.lists);

@@ -39,6 +39,7 @@ typedef struct bench {
     aoi_follower follower[2];
     aoi_contact_state contact;
     aoi_stage stage;
+    aoi_contact balanced;
     aoi_response response[2];
     size_t place[6], lists[7], index[MOST_ROWS];
     double *work;
@@ -122,6 +123,7 @@ static int set_up(bench *on, const stock *of, const int32_t *which, const double
     run->body = on->follower;
     run->contact = &on->contact;
     run->stage = &on->stage;
+    run->balanced = &on->balanced;
     run->response = on->response;
     run->lists = on->lists;
     *sampler = (aoi_sampler){.system = &on->system, .work = run->work + needed};

@@ -47,7 +47,7 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
 }
 
 /* The indentation at the start has it in it already; the motion without contact forces has not. */
-double aoi_step_bent_at_start(const aoi_adaptive *run, size_t joint)
+double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates)
 {
     const aoi_joint *of = &run->system->joint[joint];
     double sum = 0.0;
@@ -59,16 +59,32 @@ double aoi_step_bent_at_start(const aoi_adaptive *run, size_t joint)
             const aoi_joint *by = &run->system->joint[joint_by];
             const int other = by->body[1] == of->body[side];
             const double compliance = body->residual[of->port[side] * body->ports + by->port[other]];
-            sum += (side == other ? 1.0 : -1.0) * compliance * run->contact[joint_by].force;
+            const aoi_contact_state *contact = &run->contact[joint_by];
+            sum += (side == other ? 1.0 : -1.0) * compliance *
+                   (rates ? contact->force_rate : contact->bending);
         }
     }
     return sum;
 }
 
+/* What contact forces take from an indentation at the start by residual compliances, m: by the bodies' places,
+ * since a force that has just begun is known only roughly. */
+static double bent_at_start(const aoi_adaptive *run, const aoi_stage *stage)
+{
+    double without_forces, rate, acceleration;
+    aoi_flight pair;
+    if (!aoi_joint_bends(run, stage->joint)) {
+        return 0.0;
+    }
+    aoi_pair_now(run, stage->joint, &pair);
+    aoi_flight_indentation(&pair, &without_forces, &rate, &acceleration);
+    return without_forces - stage->start;
+}
+
 static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_rates)
 {
     const aoi_joint *joint = &run->system->joint[stage->joint];
-    const double bent = aoi_step_bent_at_start(run, stage->joint);
+    const double bent = bent_at_start(run, stage);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         stage->homogeneous[i] = stage->start + bent;
         stage->homogeneous_rate[i] =
@@ -149,30 +165,20 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t joint, double h)
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;
 }
 
-/* Fills the stage of a contact, open or closed, for a step of length h. */
+/* Fills the stage of a closed contact for a step of length h. */
 static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
 {
     aoi_stage *stage = &run->stage[s];
     const aoi_contact_state *contact = &run->contact[stage->joint];
     stage->memory = contact->memory;
-    stage->piece = contact->closed ? contact->piece : AOI_SLACK;
+    stage->piece = contact->piece;
     stage->edge = edge_of(run, stage->joint, h);
     stage->start_force = contact->force;
     stage->start = contact->start;
     stage->start_rate = contact->start_rate;
-    if (s >= run->closed_count) {
-        aoi_flight pair;
-        double acceleration;
-        aoi_pair_now(run, stage->joint, &pair);
-        aoi_flight_indentation(&pair, &stage->start, &stage->start_rate, &acceleration);
-        stage->start_force = 0.0;
-        stage->start -= aoi_step_bent_at_start(run, stage->joint);
-    }
     homogeneous(run, stage, h, with_rates);
-    if (s < run->closed_count) {
-        const int shared = run->closed_count > 1 && aoi_joint_bends(run, stage->joint);
-        guess(contact, h, run->indentation_scale, with_rates, shared, stage);
-    }
+    const int shared = run->closed_count > 1 && aoi_joint_bends(run, stage->joint);
+    guess(contact, h, run->indentation_scale, with_rates, shared, stage);
 }
 
 /* The step's forces on the ports of all bodies under force. */
@@ -235,8 +241,8 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
         run->contact[run->stage[s].joint].event_place = HUGE_VAL;
         if (s < run->closed_count) {
             run->contact[run->stage[s].joint].slack = 0.0;
+            begin_stage(run, s, h, with_rates);
         }
-        begin_stage(run, s, h, with_rates);
     }
     if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
                               run->stage, run->collocation) != AOI_OK) {

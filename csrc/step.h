@@ -83,6 +83,12 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
 /* Ends a closed contact whose force is rounding. */
 void aoi_step_doze(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt);
 
+/* Takes note of what happens to a contact at a place, if that is its first event. */
+void aoi_step_note_event(double place, int kind, aoi_contact_state *contact, aoi_attempt *attempt);
+
+/* A contact at rounding from a touch: within so much of it nothing happens. */
+double aoi_touch_tolerance(aoi_adaptive *run, const aoi_stage *stage);
+
 /* Whether an open contact beside closed ones touches; closes it where that is at the start. */
 void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt);
 

@@ -26,6 +26,11 @@ static void take_peak(const aoi_adaptive *run, double force, double after, aoi_c
     }
 }
 
+void aoi_contact_note_peak(aoi_adaptive *run, size_t joint)
+{
+    take_peak(run, run->contact[joint].force, 0.0, &run->contact[joint]);
+}
+
 static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h, aoi_contact_state *contact)
 {
     const aoi_law *law = aoi_step_law(run, stage);
@@ -36,7 +41,6 @@ static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h,
     }
     const double place = top_of(law, stage);
     if (law->depends_on_rate) {
-        take_peak(run, stage->start_force, 0.0, contact);
         for (size_t i = 0; i < AOI_STAGES; i++) {
             rates[i + 1] = stage->rate[i];
         }
@@ -87,6 +91,16 @@ static void move_bodies(aoi_adaptive *run, double h, double later)
     }
 }
 
+/* The largest indentation of the step; between the nodes, too, where the law has a limit. */
+static double deepest(const aoi_law *law, const aoi_stage *stage)
+{
+    const double at_nodes = aoi_step_indentation(stage);
+    double place, value;
+    const int between = law->limit < HUGE_VAL &&
+                        aoi_legendre_top(AOI_STAGES + 1, stage->legendre, &place, &value);
+    return between ? fmax(at_nodes, value) : at_nodes;
+}
+
 /* Whether the forces at the nodes are the law's, or a line drawn on beyond it. */
 static int stands(const aoi_law *law, const aoi_stage *stage)
 {
@@ -119,12 +133,21 @@ static double end_slope(const double *legendre)
     return sum;
 }
 
+static double force_slope(const aoi_stage *stage)
+{
+    double legendre[AOI_STAGES + 1] = {0.0};
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        legendre[k] = aoi_stages_dot(aoi_radau_to_legendre[k], stage->force);
+    }
+    return end_slope(legendre);
+}
+
 /* What a contact has gone through in the step, and its state at the end. */
 static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int with_rates)
 {
     aoi_contact_state *contact = &run->contact[stage->joint];
     const aoi_law *law = aoi_step_law(run, stage);
-    const double largest = aoi_step_indentation(stage);
+    const double largest = deepest(law, stage);
     const int end = AOI_STAGES - 1;
     if (largest > law->limit || !stands(law, stage)) {
         run->culprit = stage->joint;
@@ -150,6 +173,8 @@ static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int
         contact->start_rate = end_slope(stage->legendre) / h;
     }
     contact->force = force_at_end(law, stage);
+    contact->bending = stage->force[end];
+    contact->force_rate = aoi_joint_bends(run, stage->joint) ? force_slope(stage) / h : 0.0;
     contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));
     if (stage->piece != AOI_SLACK) {
         aoi_law_remember(law, contact->start, contact->start_rate, contact->memory);
@@ -167,8 +192,7 @@ static void take_piece(const aoi_law *law, aoi_contact_state *contact, double in
     contact->force = value.force;
 }
 
-/* Strikes it off the list of closed ones. */
-static void strike_closed(aoi_adaptive *run, size_t joint)
+void aoi_contact_open(aoi_adaptive *run, size_t joint)
 {
     size_t at = 0;
     while (run->closed.at[at] != joint) {
@@ -185,17 +209,18 @@ static void happen(aoi_adaptive *run, size_t joint, double now)
 {
     aoi_contact_state *contact = &run->contact[joint];
     const aoi_law *law = run->system->joint[joint].law;
+    run->unbalanced |= contact->event != AOI_EVENT_NONE;
     switch (contact->event) {
     case AOI_EVENT_OPEN:
-        strike_closed(run, joint);
+        aoi_contact_open(run, joint);
         contact->work += aoi_system_snap(run->system, joint, contact->force);
-        contact->force = 0.0;
+        contact->force = contact->bending = contact->force_rate = 0.0;
         contact->touches = 0;
         contact->free_until = now;
         break;
     case AOI_EVENT_SLACKEN:
         contact->piece = AOI_SLACK;
-        contact->force = 0.0;
+        contact->force = contact->bending = contact->force_rate = 0.0;
         break;
     case AOI_EVENT_TIGHTEN:
         contact->begins = 1;

@@ -90,6 +90,14 @@ static double edge_force_error(const aoi_law *law, const aoi_stage *stage, doubl
            fabs(value.damping) * rate_tail(stage) * AOI_STAGES / 3.0;
 }
 
+/* Whether the largest force of all may lie inside the step. Else what counts is what a wrong force does within
+ * the step: where one begins like t^(1/4) at a place without mass, it is wrong in the shortest one. */
+static int may_top(const aoi_contact_state *contact, const aoi_stage *stage, double wrong)
+{
+    const double largest = aoi_step_force(stage);
+    return largest > stage->force[AOI_STAGES - 1] && largest + wrong > contact->peak_force;
+}
+
 /* The errors of a step as shares of what they may be. No step can do better than rounding. */
 static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *within,
                   double *handed_on)
@@ -108,10 +116,11 @@ static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *w
     *within = steepness_of(run, stage, largest) * error.tail / (tail_share * scale);
     const aoi_law *law = aoi_step_law(run, stage);
     if (law->depends_on_rate && (bent || aoi_step_may_peak(contact, stage))) {
-        const double size = force_scale(run, stage, impulse_scale, scale);
         const double wrong = stage->edge == AOI_EDGE_NONE
                                  ? force_tail(stage)
                                  : edge_force_error(law, stage, error.tail);
+        const double size = fmax(force_scale(run, stage, impulse_scale, scale),
+                                 bent && !may_top(contact, stage, wrong) ? impulse_scale / h : 0.0);
         *within = fmax(*within, wrong / (tail_share * size));
     }
     *handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
@@ -130,9 +139,10 @@ static double rate_scale(const aoi_adaptive *run, const aoi_stage *stage)
 
 /* The same where a law has let go: the motion is exact, but is to be seen well enough to tell whether the
  * force comes back, which the rate decides. */
-static double slack_growth(const aoi_adaptive *run, const aoi_stage *stage, double within)
+static double slack_growth(const aoi_adaptive *run, const aoi_stage *stage, double h, double within)
 {
-    const double slow = TAIL_SHARE * run->rtol * rate_scale(run, stage);
+    const double scale = aoi_step_scale(run, stage, aoi_step_indentation(stage));
+    const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, stage), scale / h);
     const double unseen = fmax(within, rate_tail(stage) / fmax(slow, DBL_MIN));
     const double growth = CAUTION * pow(unseen, -1.0 / AOI_STAGES);
     return unseen > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), SLACK_GROWTH);
@@ -146,7 +156,7 @@ double aoi_step_growth(aoi_adaptive *run, aoi_stage *stage, double h)
     double within, handed_on;
     judge(run, stage, h, &within, &handed_on);
     if (stage->piece == AOI_SLACK) {
-        return slack_growth(run, stage, within);
+        return slack_growth(run, stage, h, within);
     }
     if (isnan(within + handed_on)) {
         return 0.0;

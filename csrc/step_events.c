@@ -1,4 +1,5 @@
 /* What happens to contacts within a step: they touch, let go, turn, or leave a piece of their law. */
+#include "radau.h"
 #include "step.h"
 
 #include <float.h>
@@ -36,8 +37,7 @@ static int falls_below(const double *values, double tolerance, double *place)
     return 1;
 }
 
-/* Takes note of what happens to a contact at a place, if that is its first event. */
-static void note_event(double place, int kind, aoi_contact_state *contact, aoi_attempt *attempt)
+void aoi_step_note_event(double place, int kind, aoi_contact_state *contact, aoi_attempt *attempt)
 {
     if (place < contact->event_place) {
         contact->event_place = place;
@@ -52,7 +52,7 @@ static void falls(const double *values, double tolerance, int kind, aoi_contact_
 {
     double place;
     if (falls_below(values, tolerance, &place)) {
-        note_event(place, kind, contact, attempt);
+        aoi_step_note_event(place, kind, contact, attempt);
     }
 }
 
@@ -81,7 +81,7 @@ static void leaves(const double *values, double tolerance, int kind, aoi_contact
     }
     aoi_legendre_fit(values, coefficient);
     if (aoi_legendre_dips(coefficient, -tolerance, -0.5 * tolerance, &place)) {
-        note_event(place, kind, contact, attempt);
+        aoi_step_note_event(place, kind, contact, attempt);
     }
 }
 
@@ -103,6 +103,16 @@ static int piece_of(const aoi_law *law, const aoi_stage *stage)
                : aoi_law_piece(law, stage->memory, stage->start, stage->start_rate > 0.0, &low, &high);
 }
 
+/* The polynomial through the nodes at the start. */
+static double at_start_by_nodes(const double *nodes)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        sum += (k % 2 == 0 ? 1.0 : -1.0) * aoi_stages_dot(aoi_radau_to_legendre[k], nodes);
+    }
+    return sum;
+}
+
 /* Where the law's own force, which is cut at zero, changes its sign. */
 static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
 {
@@ -117,14 +127,24 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
         largest = fmax(largest, fabs(value.force));
     }
     const double tolerance = aoi_event_tolerance(run, aoi_step_force_scale(run, stage, largest));
+    int kind = AOI_EVENT_SLACKEN;
     if (stage->piece == AOI_SLACK) {
         aoi_law_force(law, stage->memory, piece, stage->start, stage->start_rate, &value);
         line_up(fmin(value.force, 0.0), force, -1.0, 0.0, values);
-        leaves(values, tolerance, AOI_EVENT_TIGHTEN, contact, attempt);
+        kind = AOI_EVENT_TIGHTEN;
     } else {
         line_up(fmax(stage->start_force, 0.0), force, 1.0, 0.0, values);
-        leaves(values, tolerance, AOI_EVENT_SLACKEN, contact, attempt);
     }
+    if (aoi_joint_bends(run, stage->joint)) {
+        /* A rate may jump there, and the force with it: it has fallen already, to the error of the step before, or
+         * the nodes say where it comes from. */
+        if (values[1] < -tolerance && values[0] <= run->rtol * fmax(run->force_scale, largest)) {
+            aoi_step_note_event(0.0, kind, contact, attempt);
+            return;
+        }
+        values[0] = values[1] < -tolerance ? values[0] : at_start_by_nodes(values + 1);
+    }
+    leaves(values, tolerance, kind, contact, attempt);
 }
 
 /* What is left to rise before a turn is below the tolerance: it turns where it is, since steps as short as
@@ -147,7 +167,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
     const double tolerance = aoi_event_tolerance(run, scale);
     double values[AOI_STAGES + 1];
     line_up(stage->start, stage->indentation, 1.0, -rest, values);
-    falls(values, tolerance, AOI_EVENT_OPEN, contact, attempt);
+    leaves(values, tolerance, AOI_EVENT_OPEN, contact, attempt);
     if (law->depends_on_rate && !law->pulls) {
         force_events(run, stage, attempt);
     }
@@ -162,24 +182,8 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
     if (law->turns && stage->piece != AOI_SLACK && stage->start_rate > 0.0) {
         const double slow = EVENT_SHARE * run->rtol * contact->rate_scale;
         line_up(stage->start_rate, stage->rate, 1.0, 0.0, values);
-        falls(values, slow, AOI_EVENT_TURN, contact, attempt);
+        leaves(values, slow, AOI_EVENT_TURN, contact, attempt);
         turn_now(stage, tolerance, contact, attempt);
-    }
-}
-
-/* The displacement that the forces of the step add to a port at the nodes. */
-static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double sign, double *indentation)
-{
-    const aoi_modes *body = &run->system->body[b];
-    for (size_t q = 0; q < body->ports; q++) {
-        const double *force = run->port_force + (run->system->first_port[b] + q) * AOI_STAGES;
-        const size_t pair = port * body->ports + q;
-        double answer[AOI_STAGES];
-        aoi_stages_multiply(run->response[b].influence + pair * AOI_STAGES * AOI_STAGES, force, answer);
-        aoi_stages_add(sign, answer, indentation);
-        if (body->residual) {
-            aoi_stages_add(sign * body->residual[pair], force, indentation);
-        }
     }
 }
 
@@ -196,8 +200,7 @@ static double rounding_of(const aoi_flight *pair)
     return PLACE_ROUNDING * DBL_EPSILON * size;
 }
 
-/* An open contact at rounding from a touch: within so much of it nothing happens. */
-static double touch_tolerance(aoi_adaptive *run, const aoi_stage *stage)
+double aoi_touch_tolerance(aoi_adaptive *run, const aoi_stage *stage)
 {
     aoi_flight pair;
     aoi_pair_now(run, stage->joint, &pair);
@@ -219,7 +222,7 @@ void aoi_step_doze(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attem
         !(force * left <= DBL_EPSILON * contact->impulse)) {
         return;
     }
-    const double tolerance = touch_tolerance(run, stage);
+    const double tolerance = aoi_touch_tolerance(run, stage);
     const double rest = aoi_law_rest(aoi_step_law(run, stage), stage->memory);
     if (!(aoi_step_indentation(stage) - rest <= DOZING * tolerance)) {
         return;
@@ -228,30 +231,4 @@ void aoi_step_doze(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attem
     contact->event_place = 1.0;
     contact->slack = 0.5 * tolerance;
     attempt->place = fmin(attempt->place, 1.0);
-}
-
-/* It takes no force as long as it stays within the tolerance. */
-void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
-{
-    const aoi_joint *joint = &run->system->joint[stage->joint];
-    aoi_contact_state *contact = &run->contact[stage->joint];
-    const double rest = aoi_law_rest(joint->law, stage->memory);
-    double values[AOI_STAGES + 1], place = attempt->place;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        stage->indentation[i] = stage->homogeneous[i];
-    }
-    for (int side = 0; side < 2; side++) {
-        add_forced(run, joint->body[side], joint->port[side], side == 0 ? 1.0 : -1.0,
-                   stage->indentation);
-    }
-    const double tolerance = touch_tolerance(run, stage);
-    line_up(stage->start, stage->indentation, -1.0, rest + fmax(0.5 * tolerance, contact->slack),
-            values);
-    falls(values, tolerance, AOI_EVENT_TOUCH, contact, attempt);
-    if (contact->event == AOI_EVENT_TOUCH && values[0] <= 2.0 * tolerance) {
-        attempt->place = place;
-        contact->event = AOI_EVENT_NONE;
-        attempt->closed = 1;
-        aoi_contact_close(run, stage->joint);
-    }
 }

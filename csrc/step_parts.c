@@ -76,6 +76,7 @@ void aoi_pair_now(const aoi_adaptive *run, size_t joint, aoi_flight *pair)
     }
     pair->gap = of->gap;
     pair->time = aoi_run_now(run);
+    pair->forced = NULL;
 }
 
 void aoi_step_release(aoi_adaptive *run)

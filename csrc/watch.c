@@ -56,6 +56,9 @@ void aoi_watch_begin(aoi_adaptive *run)
 void aoi_watch_add(aoi_adaptive *run, size_t joint)
 {
     aoi_list *heap = &run->watched[run->contact[joint].touches != 0];
+    if (run->contact[joint].place != NOWHERE) {
+        return;
+    }
     heap->at[heap->count] = joint;
     rise(run, heap->at, heap->count++);
 }

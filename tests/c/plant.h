@@ -37,6 +37,7 @@ typedef struct plant {
     aoi_follower follower[MOST_BODIES];
     aoi_contact_state contact[MOST_JOINTS];
     aoi_stage stage[MOST_JOINTS];
+    aoi_contact balanced[MOST_JOINTS];
     aoi_response response[MOST_BODIES];
     aoi_adaptive run;
     double *work, *track;
@@ -159,6 +160,7 @@ static inline int begin(plant *p, double rtol, double end)
     p->run.body = p->follower;
     p->run.contact = p->contact;
     p->run.stage = p->stage;
+    p->run.balanced = p->balanced;
     p->run.response = p->response;
     p->run.work = p->work;
     p->run.lists = p->lists;
@@ -167,10 +169,19 @@ static inline int begin(plant *p, double rtol, double end)
 
 static inline int go(plant *p, double rtol, double end)
 {
-    const int status = begin(p, rtol, end);
-    return status != AOI_OK ? status
-                            : aoi_adaptive_run(&p->run, TRACK_ROOM, ROW_ROOM, p->track, p->index,
-                                               &p->used, &p->rows);
+    int status = begin(p, rtol, end);
+    for (double before = -1.0; status == AOI_OK && p->run.time > before && p->run.time < end;) {
+        size_t used, rows;
+        before = p->run.time;
+        status = aoi_adaptive_run(&p->run, TRACK_ROOM - p->used, ROW_ROOM - p->rows, p->track + p->used,
+                                  p->index + p->rows, &used, &rows);
+        for (size_t i = 0; i < rows; i++) {
+            p->index[p->rows + i] += p->used;
+        }
+        p->used += used;
+        p->rows += rows;
+    }
+    return status;
 }
 
 static inline void must_go(plant *p, double rtol, double end)

@@ -17,6 +17,7 @@ typedef struct pair {
     aoi_follower follower[2];
     aoi_contact_state contact;
     aoi_stage stage;
+    aoi_contact balanced;
     aoi_response response[2];
     aoi_adaptive run;
     aoi_sampler sampler;
@@ -59,6 +60,7 @@ static int brief_of(pair *p, double velocity, double end, size_t most, aoi_brief
     p->run.body = p->follower;
     p->run.contact = &p->contact;
     p->run.stage = &p->stage;
+    p->run.balanced = &p->balanced;
     p->run.response = p->response;
     p->run.work = p->work;
     p->run.lists = p->lists;

@@ -96,7 +96,7 @@ static void a_load_bends_what_no_mode_has(void)
     ball->residual[0] = 0.125;
     add_wall(&p);
     lay_out(&p);
-    aoi_flight pair = {{&p.body[0], &p.body[1]}, {0, 0}, 0.25, {p.x, p.x + 1}, {p.v, p.v + 1}, 1.5};
+    aoi_flight pair = {{&p.body[0], &p.body[1]}, {0, 0}, 0.25, {p.x, p.x + 1}, {p.v, p.v + 1}, 1.5, NULL};
     double indentation, rate, acceleration;
     p.x[0] = 1.0;
     aoi_flight_indentation(&pair, &indentation, &rate, &acceleration);
