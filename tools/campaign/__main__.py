@@ -30,6 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     scenes.add_argument("--workers", type=int, default=2)
     scenes.add_argument("--out", type=Path, help="folder for scripts of failures, and a report")
     scenes.add_argument("--way", choices=("adaptive", "newmark"), default="adaptive")
+    scenes.add_argument("--rtol", type=float, help="of all scenes, in place of their own")
     scenes.add_argument("--shrink", type=float, default=0.0, help="s to shrink each failure for")
     show = commands.add_parser("show", help="the script of a seed, and its verdict")
     show.add_argument("seed", type=int)
@@ -52,7 +53,7 @@ def _seeds(text: str) -> list[int]:
 def _scenes(options: argparse.Namespace) -> int:
     found: dict[int, Verdict] = {}
     seeds, begin = _seeds(options.seeds), clock.monotonic()
-    work = partial(judged, way=options.way)
+    work = partial(judged, way=options.way, rtol=options.rtol)
     for seed, state, result in each(work, seeds, workers=options.workers, limit=LIMIT):
         if state == "done":
             verdict = result
@@ -95,6 +96,7 @@ def _write_failures(options: argparse.Namespace, found: dict[int, Verdict]) -> N
     }
     for seed, verdict in sorted(failed.items()):
         case = case_of(seed)
+        case = case.with_tolerance(options.rtol) if options.rtol else case
         if options.shrink > 0.0 and verdict.kind != "hangs":
             work = partial(shrunk, kind=verdict.kind, way=options.way, longest=options.shrink)
             results = each(work, [case.to_json()], workers=1, limit=options.shrink + LIMIT)

@@ -51,6 +51,10 @@ class Body:
         return self.m0 == 0.0
 
     @property
+    def ports(self) -> int:
+        return 1
+
+    @property
     def held(self) -> bool:
         return self.k0 > 0.0 or self.wall
 
@@ -68,22 +72,73 @@ class Body:
         if self.m:
             parts += [f"m={list(self.m)!r}", f"k={list(self.k)!r}"]
         if self.damping and self.damping[0] == "Rayleigh":
-            parts.append(
-                f"damping=ao.Rayleigh(alpha={self.damping[1]!r}, beta={self.damping[2]!r})"
-            )
+            alpha, beta = self.damping[1:]
+            parts.append(f"damping=ao.Rayleigh(alpha={alpha!r}, beta={beta!r})")
         elif self.damping:
             parts.append(f"damping=ao.ModalDamping({self.damping[1]!r})")
         return f"ao.AOModel({', '.join(parts)})"
 
 
 @dataclass(frozen=True)
+class Frame:
+    """Masses in a row on springs k between them and k0 to the ground, touched at any of them.
+
+    It is a finite-element body by its matrices and nodes. Across the row nothing moves.
+    """
+
+    m: tuple[float, ...]
+    k: tuple[float, ...]
+    k0: tuple[float, ...]
+    velocity: float = 0.0
+
+    wall = False
+    massless = False
+    damping = None
+
+    @property
+    def ports(self) -> int:
+        return len(self.m)
+
+    @property
+    def held(self) -> bool:
+        return any(self.k0)
+
+    @property
+    def mass(self) -> float:
+        return math.fsum(self.m)
+
+    @property
+    def expression(self) -> str:
+        return f"frame({list(self.m)!r}, {list(self.k)!r}, {list(self.k0)!r})"
+
+
+# What a script with such a body begins with.
+FRAME = """
+def frame(m, k, k0):
+    n = len(m)
+    K, M = np.zeros((3 * n, 3 * n)), np.diag(np.repeat(m, 3))
+    across = [i for i in range(3 * n) if i % 3]
+    K[across, across] = max(k) + max(k0)
+    for i in range(n):
+        K[3 * i, 3 * i] += k0[i]
+    for i in range(n - 1):
+        ends = np.ix_([3 * i, 3 * i + 3], [3 * i, 3 * i + 3])
+        K[ends] += k[i] * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    body = ao.FEModel(K=K, M=M, nodes=[[float(i), 0.0, 0.0] for i in range(n)])
+    along = dict(direction=(1, 0, 0), radius=0)
+    return [body.contact(point=(float(i), 0.0, 0.0), **along) for i in range(n)]
+"""
+
+
+@dataclass(frozen=True)
 class Contact:
-    """Indentation = u of a - u of b - gap."""
+    """Indentation = u of a - u of b - gap; at: the ports, by which a body of several is touched."""
 
     a: int
     b: int
     law: Law
     gap: float = 0.0
+    at: tuple[int, int] = (0, 0)
 
 
 @dataclass(frozen=True)
@@ -93,6 +148,7 @@ class Load:
     body: int
     times: tuple[float, ...]
     forces: tuple[float, ...]
+    at: int = 0
 
     @property
     def expression(self) -> str:
@@ -105,7 +161,7 @@ class Load:
 class Case:
     """A whole scene, its record and the tolerance asked for."""
 
-    bodies: tuple[Body, ...]
+    bodies: tuple[Body | Frame, ...]
     contacts: tuple[Contact, ...]
     loads: tuple[Load, ...] = ()
     gravity: float = 0.0
@@ -130,7 +186,7 @@ class Case:
     def with_tolerance(self, rtol: float) -> Case:
         return replace(self, rtol=rtol)
 
-    def lines(self, solver: str = "") -> list[str]:
+    def lines(self) -> list[str]:
         """The script, up to the run."""
         lines = [f"scene = ao.Scene(gravity={self.gravity!r})"]
         for i, body in enumerate(self.bodies):
@@ -138,11 +194,15 @@ class Case:
             lines.append(f"b{i} = scene.add({body.expression}{moving})")
         for contact in self.contacts:
             gap = f", gap={contact.gap!r}" if contact.gap else ""
-            lines.append(
-                f"scene.connect(b{contact.a}, b{contact.b}, {contact.law.expression}{gap})"
-            )
-        lines += [f"scene.apply(b{load.body}, force={load.expression})" for load in self.loads]
+            a, b = self._handle(contact.a, contact.at[0]), self._handle(contact.b, contact.at[1])
+            lines.append(f"scene.connect({a}, {b}, {contact.law.expression}{gap})")
+        for load in self.loads:
+            body = self._handle(load.body, load.at)
+            lines.append(f"scene.apply({body}, force={load.expression})")
         return lines
+
+    def _handle(self, body: int, port: int) -> str:
+        return f"b{body}.port({port})" if self.bodies[body].ports > 1 else f"b{body}"
 
     def simulate_expression(self, solver: str = "") -> str:
         preload = ", preload=True" if self.preload else ""
@@ -152,6 +212,8 @@ class Case:
     def script(self) -> str:
         """A script of public API that runs the scene and prints what was compared."""
         head = ["import math", "", "import aoimpact as ao", ""]
+        if any(isinstance(body, Frame) for body in self.bodies):
+            head = ["import math", "", "import numpy as np", "", "import aoimpact as ao", "", FRAME]
         tail = [
             f"run = {self.simulate_expression()}",
             "for i, contact in enumerate(run.contacts):",
@@ -164,9 +226,12 @@ class Case:
 
     def build(self) -> Any:
         """Return the `ao.Scene`."""
+        import numpy as np
+
         import aoimpact as ao
 
-        names: dict[str, Any] = {"ao": ao, "math": math}
+        names: dict[str, Any] = {"ao": ao, "math": math, "np": np}
+        exec(FRAME, names)
         exec("\n".join(self.lines()), names)
         return names["scene"]
 
@@ -176,14 +241,18 @@ class Case:
     @classmethod
     def from_json(cls, text: str) -> Case:
         of = json.loads(text)
-        of["bodies"] = tuple(
-            Body(**{k: tuple(v) if isinstance(v, list) else v for k, v in body.items()})
-            for body in of["bodies"]
-        )
+        of["bodies"] = tuple(_body(body) for body in of["bodies"])
         of["contacts"] = tuple(
-            Contact(c["a"], c["b"], Law(**c["law"]), c["gap"]) for c in of["contacts"]
+            Contact(c["a"], c["b"], Law(**c["law"]), c["gap"], tuple(c["at"]))
+            for c in of["contacts"]
         )
         of["loads"] = tuple(
-            Load(one["body"], tuple(one["times"]), tuple(one["forces"])) for one in of["loads"]
+            Load(one["body"], tuple(one["times"]), tuple(one["forces"]), one["at"])
+            for one in of["loads"]
         )
         return cls(**of)
+
+
+def _body(of: dict[str, Any]) -> Body | Frame:
+    values = {key: tuple(v) if isinstance(v, list) else v for key, v in of.items()}
+    return Body(**values) if "m0" in values else Frame(**values)

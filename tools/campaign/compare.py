@@ -105,7 +105,8 @@ def _peak_times(case: Case, found: Outcome, true: Outcome, limit: float) -> list
             continue
         reach = limit * max(case.duration * 0.01, true.peak_times[c])
         there = max(true.force_at(c, when + shift) for shift in (-reach, 0.0, reach))
-        off = max(0.0, (peak - there) / peak)
+        late = abs(when - true.peak_times[c]) / max(true.peak_times[c], case.duration * 0.01)
+        off = min(max(0.0, float((peak - there) / peak)), float(late))
         result.append(Apart(f"peak time {c}", off, float(when), float(true.peak_times[c])))
     return result
 

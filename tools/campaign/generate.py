@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .case import Body, Case, Contact, Law, Load
+from .case import Body, Case, Contact, Frame, Law, Load
 
 # Of the fastest frequency times the record: some 500 periods.
 MOST_RADIANS = 3000.0
@@ -70,8 +70,9 @@ _HOW_LONG = [0.15, 0.3, 0.3, 0.15, 0.1]
 
 
 def _law(rng: np.random.Generator, scales: _Scales, *, plain: bool = False) -> Law:
-    """A law that has about the scene's force at its depth, give or take a decade."""
-    k = _rounded(scales.force / scales.depth**1.5 * _decades(rng, -1.0, 1.0))
+    """A law that has about the scene's force at its depth, give or take a decade, seldom more."""
+    spread = 1.0 if rng.random() < 0.85 else 3.0
+    k = _rounded(scales.force / scales.depth**1.5 * _decades(rng, -spread, spread))
     linear = _rounded(k * math.sqrt(scales.depth))
     kinds = ["Hertz", "PowerLaw", "Linear", "Thornton", "Tabulated", "UserLaw"]
     viscous = [
@@ -122,7 +123,7 @@ def _star(
     top = math.log10(MOST_RADIANS / 3.0 * scales.time / scales.duration)
     count = int(rng.choice([1, 2, 3, 5, 8], p=[0.3, 0.25, 0.2, 0.15, 0.1]))
     mass = scales.mass * 10.0 ** rng.uniform(-2.0, 1.0, count)
-    omega = 10.0 ** rng.uniform(-1.5, min(2.0, top), count) / scales.time
+    omega = 10.0 ** rng.uniform(-1.5, min(2.7, top), count) / scales.time
     if count > 1 and rng.random() < 0.3:
         omega[1] = omega[0]
     if rng.random() < massless:
@@ -166,6 +167,21 @@ def _damping(
     return ("Rayleigh", alpha, beta)
 
 
+def _frame(rng: np.random.Generator, scales: _Scales) -> Frame:
+    """A row of masses, free or held, that is touched at any of them."""
+    count = int(rng.integers(2, 5))
+    top = MOST_RADIANS / 10.0 / scales.duration
+    m = tuple(_rounded(v) for v in scales.mass * 10.0 ** rng.uniform(-1.5, 0.5, count))
+    least = [min(m[i], m[i + 1]) for i in range(count - 1)]
+    omega = np.minimum(10.0 ** rng.uniform(-0.5, 1.5, count - 1) / scales.time, top)
+    k = tuple(_rounded(a * w**2) for a, w in zip(least, omega, strict=True))
+    k0 = [0.0] * count
+    if rng.random() < 0.5:
+        at = int(rng.integers(count))
+        k0[at] = _rounded(m[at] * min(_decades(rng, -1.0, 0.5) / scales.time, top) ** 2)
+    return Frame(m, k, tuple(k0))
+
+
 def _rigid(rng: np.random.Generator, scales: _Scales) -> Body:
     return Body(_rounded(scales.mass * _decades(rng, -1.0, 1.0)))
 
@@ -206,9 +222,15 @@ def _pair(rng: np.random.Generator, scales: _Scales) -> Case:
 
 def _crowd(rng: np.random.Generator, scales: _Scales) -> Case:
     """One body among two to eight others, on either side of it."""
-    centre = _star(rng, scales, massless=0.4) if rng.random() < 0.85 else _rigid(rng, scales)
+    kind = rng.random()
+    centre: Body | Frame = _star(rng, scales, massless=0.45)
+    if kind < 0.15:
+        centre = _rigid(rng, scales)
+    elif kind < 0.35:
+        centre = _frame(rng, scales)
     centre = replace(centre, velocity=0.0 if rng.random() < 0.8 else _speed(rng, scales))
-    bodies, contacts = [centre], []
+    bodies: list[Body | Frame] = [centre]
+    contacts: list[Contact] = []
     law = _law(rng, scales)
     for number in range(int(rng.choice([2, 3, 4, 8], p=[0.55, 0.25, 0.15, 0.05]))):
         law = law if rng.random() < 0.3 else _law(rng, scales)
@@ -224,8 +246,12 @@ def _crowd(rng: np.random.Generator, scales: _Scales) -> Case:
         if not other.wall and moving:
             other = replace(other, velocity=_speed(rng, scales) * (1.0 if behind else -1.0))
         bodies.append(other)
-        ends = (len(bodies) - 1, 0) if behind else (0, len(bodies) - 1)
-        contacts.append(Contact(*ends, law, _gap(rng, scales)))
+        port, last = int(rng.integers(centre.ports)), len(bodies) - 1
+        gap = _gap(rng, scales)
+        if behind:
+            contacts.append(Contact(last, 0, law, gap, (0, port)))
+        else:
+            contacts.append(Contact(0, last, law, gap, (port, 0)))
     return _loaded(rng, scales, Case(tuple(bodies), tuple(contacts)), chance=0.25)
 
 
@@ -265,7 +291,7 @@ def _pressed(rng: np.random.Generator, scales: _Scales) -> Case:
         others = [i for i, body in enumerate(bodies) if not body.wall and i > 0]
         if others:
             loads.append(Load(int(rng.choice(others)), *_ramp(rng, scales)))
-    if rng.random() < 0.35:
+    if rng.random() < 0.1:
         striker = replace(_rigid(rng, scales), velocity=_speed(rng, scales))
         if gravity == 0.0:
             bodies.append(striker)
@@ -306,15 +332,18 @@ def _ramp(rng: np.random.Generator, scales: _Scales) -> Function:
 
 def _loaded(rng: np.random.Generator, scales: _Scales, case: Case, *, chance: float) -> Case:
     """The scene, perhaps under gravity and a load."""
-    loads = ()
+    loads: tuple[Load, ...] = ()
     free = [i for i, body in enumerate(case.bodies) if not body.wall]
     if rng.random() < chance:
         body = int(rng.choice(free))
         force = _rounded(scales.force * _decades(rng, -2.0, -0.3) * rng.choice([-1.0, 1.0]))
         steady = rng.random() < 0.3 and not case.bodies[body].massless
-        loads = (Load(body, (0.0,), (force,)) if steady else Load(body, *_ramp(rng, scales)),)
+        port = int(rng.integers(case.bodies[body].ports))
+        when, what = ((0.0,), (force,)) if steady else _ramp(rng, scales)
+        loads = (Load(body, when, what, port),)
     gravity = 0.0
-    if rng.random() < 0.2 and not any(body.held and not body.wall for body in case.bodies):
+    weightless = any(b.held and isinstance(b, Body) and not b.wall for b in case.bodies)
+    if rng.random() < 0.2 and not weightless:
         gravity = _rounded(scales.force / scales.mass * _decades(rng, -3.0, -0.5))
     return replace(case, loads=loads, gravity=gravity)
 

@@ -8,6 +8,9 @@ from collections.abc import Callable, Iterable, Iterator
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
+# s that a child may take to start: its time begins when it does.
+_STARTING = 60.0
+
 
 def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
     while True:
@@ -15,6 +18,7 @@ def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
             item = connection.recv()
         except EOFError:
             return
+        connection.send(None)
         try:
             connection.send((True, work(item)))
         except Exception as error:
@@ -32,7 +36,7 @@ class _Worker:
         self.since = 0.0
 
     def give(self, item: Any) -> None:
-        self.item, self.since = item, clock.monotonic()
+        self.item, self.since = item, clock.monotonic() + _STARTING
         self.connection.send(item)
 
     def end(self) -> None:
@@ -65,13 +69,19 @@ def each(
             ready = wait([w.connection for w in busy], max(0.0, first + limit - clock.monotonic()))
             for worker in list(busy):
                 if worker.connection in ready:
-                    busy.remove(worker)
                     try:
-                        good, result = worker.connection.recv()
-                        yield worker.item, "done" if good else "failed", result
+                        message = worker.connection.recv()
                     except (EOFError, OSError):
+                        busy.remove(worker)
                         yield worker.item, "died", worker.process.exitcode
-                        worker = _replaced(worker, team, work)
+                        _next(_replaced(worker, team, work), left, busy)
+                        continue
+                    if message is None:
+                        worker.since = clock.monotonic()
+                        continue
+                    busy.remove(worker)
+                    good, result = message
+                    yield worker.item, "done" if good else "failed", result
                     _next(worker, left, busy)
                 elif clock.monotonic() - worker.since > limit:
                     busy.remove(worker)

@@ -9,7 +9,7 @@ import time as clock
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from .case import Body, Case, Contact, Law
+from .case import Body, Case, Contact, Frame, Law
 
 
 def shrink(case: Case, fails: Callable[[Case], bool], *, longest: float = 120.0) -> Case:
@@ -47,6 +47,8 @@ def _smaller(case: Case) -> Iterator[Case]:
     if case.preload:
         yield replace(case, preload=False)
     for i, body in enumerate(case.bodies):
+        if isinstance(body, Frame):
+            continue
         for plainer in _plainer(body):
             yield replace(case, bodies=_put(case.bodies, i, plainer))
     for i, contact in enumerate(case.contacts):
@@ -121,6 +123,8 @@ def _short(value: float, digits: int) -> float:
 def _rounder(case: Case) -> Iterator[Case]:
     for digits in (1, 2):
         for i, body in enumerate(case.bodies):
+            if isinstance(body, Frame):
+                continue
             new = replace(
                 body,
                 m0=_short(body.m0, digits),

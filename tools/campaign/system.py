@@ -1,9 +1,10 @@
 """The equations of motion of a scene in its own coordinates, from the stars' numbers alone.
 
-Every star is M q'' + C q' + K q = b f + g, u = b'q + R f with f the force at its contact coordinate.
-With m0 > 0 the coordinates are the contact's and the oscillators', and R = 0. With m0 = 0 the contact
-coordinate is where its springs hold it, u = (sum k_i q_i + f)/s, s = k0 + sum k_i: so b = k/s, R = 1/s
-and K = diag(k) - k k'/s. Damping is that of the natural modes of (K, M); R has none.
+Every star is M q'' + C q' + K q = b f + g, u = b'q + R f with f the force at its contact
+coordinate. With m0 > 0 the coordinates are the contact's and the oscillators', and R = 0. With
+m0 = 0 the contact coordinate is where its springs hold it, u = (sum k_i q_i + f)/s with
+s = k0 + sum k_i: so b = k/s, R = 1/s and K = diag(k) - k k'/s. Damping is that of the natural modes
+of (K, M); R has none. A frame is a row of masses, with a contact coordinate at each.
 """
 
 from __future__ import annotations
@@ -14,14 +15,14 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from .case import Body, Case
+from .case import Body, Case, Frame
 
 FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Star:
-    """One body's matrices. mass, push (b), weight: vectors; a wall has no coordinates."""
+    """One body's matrices; push: b of each port, shape (ports, n). A wall has no coordinates."""
 
     mass: FloatArray
     stiffness: FloatArray
@@ -31,11 +32,13 @@ class Star:
     centre: FloatArray
 
 
-def star_of(body: Body) -> Star:
+def star_of(body: Body | Frame) -> Star:
     """Return the matrices of a body."""
+    if isinstance(body, Frame):
+        return _row(body)
     if body.wall:
         none = np.zeros(0)
-        return Star(none, np.zeros((0, 0)), np.zeros((0, 0)), none, 0.0, none)
+        return Star(none, np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((1, 0)), 0.0, none)
     m, k = np.array(body.m), np.array(body.k)
     total = body.k0 + k.sum()
     if body.massless:
@@ -49,7 +52,15 @@ def star_of(body: Body) -> Star:
         push = np.zeros(len(mass))
         push[0] = 1.0
         residual, centre = 0.0, mass / mass.sum()
-    return Star(mass, stiffness, _damping(body, mass, stiffness), push, residual, centre)
+    return Star(mass, stiffness, _damping(body, mass, stiffness), push[None], residual, centre)
+
+
+def _row(body: Frame) -> Star:
+    mass, stiffness = np.array(body.m), np.diag(np.array(body.k0))
+    for i, k in enumerate(body.k):
+        stiffness[i : i + 2, i : i + 2] += k * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    nothing = np.zeros_like(stiffness)
+    return Star(mass, stiffness, nothing, np.eye(len(mass)), 0.0, mass / mass.sum())
 
 
 def _damping(body: Body, mass: FloatArray, stiffness: FloatArray) -> FloatArray:
@@ -76,17 +87,20 @@ class System:
     n : int
         Number of coordinates.
     matrix : ndarray, shape (n, 2n)
-    push : ndarray, shape (n, bodies)
+    push : ndarray, shape (n, ports)
     pull : ndarray, shape (n,)
         Gravity.
-    port : ndarray, shape (2 bodies, 2n)
-    residual : ndarray, shape (bodies,)
+    port : ndarray, shape (2 ports, 2n)
+    residual : ndarray, shape (ports,)
     centre : ndarray, shape (bodies, n)
     start : ndarray, shape (2n,)
-    sides : ndarray, shape (contacts, bodies)
+    sides : ndarray, shape (contacts, ports)
         +1 for a, -1 for b.
     gaps : ndarray, shape (contacts,)
     wall_speed : ndarray, shape (bodies,)
+    port_speed : ndarray, shape (ports,)
+        Of walls.
+    first_port : ndarray, shape (bodies + 1,)
     """
 
     n: int
@@ -100,6 +114,8 @@ class System:
     sides: FloatArray
     gaps: FloatArray
     wall_speed: FloatArray
+    port_speed: FloatArray
+    first_port: npt.NDArray[np.intp]
 
     @property
     def fastest(self) -> float:
@@ -115,33 +131,40 @@ def system_of(case: Case) -> System:
     stars = [star_of(body) for body in case.bodies]
     sizes = [len(star.mass) for star in stars]
     first = np.concatenate([[0], np.cumsum(sizes)])
-    n, count = int(first[-1]), len(stars)
+    ports = np.concatenate([[0], np.cumsum([body.ports for body in case.bodies])])
+    n, count, bodies = int(first[-1]), int(ports[-1]), len(stars)
     matrix, push, pull = np.zeros((n, 2 * n)), np.zeros((n, count)), np.zeros(n)
-    port, centre = np.zeros((2 * count, 2 * n)), np.zeros((count, n))
-    start = np.zeros(2 * n)
+    port, centre = np.zeros((2 * count, 2 * n)), np.zeros((bodies, n))
+    start, residual, speed = np.zeros(2 * n), np.zeros(count), np.zeros(count)
     for i, (body, star) in enumerate(zip(case.bodies, stars, strict=True)):
-        own = slice(first[i], first[i + 1])
+        own, its = slice(first[i], first[i + 1]), slice(ports[i], ports[i + 1])
         rates = slice(n + first[i], n + first[i + 1])
         matrix[own, own] = -star.stiffness / star.mass[:, None]
         matrix[own, rates] = -star.damping / star.mass[:, None]
-        push[own, i] = star.push / star.mass
-        pull[own] = 0.0 if body.held else case.gravity
-        port[i, own] = port[count + i, rates] = star.push
+        push[own, its] = (star.push / star.mass).T
+        # What holds a star given by numbers is not known, nor what its weight does to it.
+        pull[own] = 0.0 if body.held and isinstance(body, Body) else case.gravity
+        port[its, own] = port[count + ports[i] : count + ports[i + 1], rates] = star.push
+        residual[its] = star.residual
         centre[i, own] = star.centre
         start[rates] = body.velocity
+        speed[its] = body.velocity if body.wall else 0.0
     sides = np.zeros((len(case.contacts), count))
     for j, contact in enumerate(case.contacts):
-        sides[j, contact.a], sides[j, contact.b] = 1.0, -1.0
+        sides[j, ports[contact.a] + contact.at[0]] = 1.0
+        sides[j, ports[contact.b] + contact.at[1]] = -1.0
     return System(
         n,
         matrix,
         push,
         pull,
         port,
-        np.array([star.residual for star in stars]),
+        residual,
         centre,
         start,
         sides,
         np.array([contact.gap for contact in case.contacts]),
         np.array([body.velocity if body.wall else 0.0 for body in case.bodies]),
+        speed,
+        ports,
     )

@@ -10,9 +10,10 @@ from .judge import Verdict, judge
 from .shrink import shrink
 
 
-def judged(seed: int, way: str = "adaptive") -> Verdict:
+def judged(seed: int, way: str = "adaptive", rtol: float | None = None) -> Verdict:
     """The verdict on a seed, in a child process."""
-    return judge(case_of(seed), way=way)
+    case = case_of(seed)
+    return judge(case if rtol is None else case.with_tolerance(rtol), way=way)
 
 
 def shrunk(text: str, kind: str = "wrong", way: str = "adaptive", longest: float = 60.0) -> str:
