@@ -193,8 +193,10 @@ class Table(Formula):
             return 0.0, 0.0, 0.0
         i = min(bisect.bisect_right(self.knots, d) - 1, len(self.pieces) - 1)
         a, b, c, e = self.pieces[i]
-        x = d - self.knots[i]
-        return ((a * x + b) * x + c) * x + e, (3.0 * a * x + 2.0 * b) * x + c, 0.0
+        x = min(d, self.knots[-1]) - self.knots[i]
+        slope = (3.0 * a * x + 2.0 * b) * x + c
+        past = max(d - self.knots[-1], 0.0)
+        return ((a * x + b) * x + c) * x + e + slope * past, slope, 0.0
 
     def taken(self, d: float) -> float:
         return float(self.work(d))

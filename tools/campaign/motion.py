@@ -176,10 +176,12 @@ class Motion:
         slope[2 * n + self.count :] = at.flow
         return slope
 
-    def sizes(self, length: int) -> FloatArray:
+    def sizes(self, phase: Phase) -> FloatArray:
         """Return what is usual of each entry of a state."""
         n = self.system.n
-        sizes = np.full(length, self.length)
+        sizes = np.full(2 * n + self.count + len(phase.own), self.length)
+        own = self.push / self.spring[list(phase.own)]
+        sizes[2 * n + self.count :] = np.minimum(own, self.length)
         sizes[n : 2 * n] = self.speed
         sizes[2 * n : 2 * n + self.count] = self.push * self.length / self.speed
         return sizes

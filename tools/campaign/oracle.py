@@ -268,7 +268,7 @@ class Oracle:
         # A force that begins like t^1.5 is no polynomial: a long first step would not notice.
         fast = 1e-2 / (motion.system.fastest + 1e-99)
         first = min(end - t, 1e-4 * motion.length / motion.speed, fast)
-        rhs, sizes = self._rhs(phase), motion.sizes(len(y))
+        rhs, sizes = self._rhs(phase), motion.sizes(phase)
         if phase.own:
             rtol = max(self.rtol, _TIGHTEST_IMPLICIT)
             return Radau(rhs, t, y, end, rtol=rtol, atol=rtol * sizes, first_step=first)
