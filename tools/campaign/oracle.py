@@ -38,8 +38,8 @@ FloatArray = npt.NDArray[np.float64]
 # Samples within a step for events.
 _SAMPLES = 6
 
-# Contacts close this much, as a share of the depth that is usual, after they touch: no rounding
-# does.
+# Contacts close, and open, by this share of the depth that is usual after the touch: no rounding
+# does it for them.
 _HYSTERESIS = 1e-13
 
 # The implicit integrator's order leaves it no tighter tolerance.
@@ -78,7 +78,7 @@ class Oracle:
         self.case, self.rtol, self.longest, self.nudge = case, rtol, longest, nudge
         self.motion = Motion(case)
         self.laws = self.motion.laws
-        self._deadline = math.inf
+        self._deadline, self._end = math.inf, case.duration
         self.steps: list[Step] = []
         self.marks: list[Mark] = []
         self._quiet_until: dict[int, float] = {}
@@ -101,7 +101,7 @@ class Oracle:
             bends = {t for load in case.loads for t in load.times if 0.0 < t < case.duration}
             t = 0.0
             for end in [*sorted(bends), case.duration]:
-                motion.piece = t
+                motion.piece, self._end = t, end
                 t, y = self._piece(t, y, closed, end)
             return Readout(motion, self.steps, self.marks).outcome(y)
 
@@ -175,7 +175,7 @@ class Oracle:
 
     def _opening(self, c: int, law: Formula, depth: float, rate: float, phase: Phase) -> float:
         """For a plastic contact also where it yields or turns back."""
-        above = (depth - law.rest) / self.motion.length
+        above = (depth - law.rest) / self.motion.length + _HYSTERESIS
         if isinstance(law, Thornton):
             law.plastic, law.deepest, law.rest = phase.plastic[c]
             if law.plastic:
@@ -344,7 +344,7 @@ class Oracle:
         phase: Phase,
     ) -> tuple[float, FloatArray, list[int]]:
         """The event on the solution itself: the step is made again up to it."""
-        (when, which), state = found, y
+        (when, which), state, reached = found, y, start
         c, least = which[0], 1e-15 * self.case.duration
         for _ in range(6):
             if when <= start:
@@ -352,7 +352,7 @@ class Oracle:
             solver = self._integrator(start, y, phase, when)
             while solver.status == "running":
                 solver.step()
-            state = solver.y.copy()
+            state, reached = solver.y.copy(), when
             here = float(self._events(self.motion.look(when, state, phase), phase)[c])
             if -1e-12 <= here <= 0.0:
                 break
@@ -365,5 +365,5 @@ class Oracle:
             moved = here * eta / -slope + least
             if abs(moved) <= least:
                 break
-            when = min(max(when + moved, start), start + 2.0 * (when - start))
-        return when, state, which
+            when = min(max(when + moved, start), start + 2.0 * (when - start), self._end)
+        return reached, state, which

@@ -104,7 +104,11 @@ def _faults(case: Case, done: Any) -> tuple[str, ...]:
                 f"{contact.peak_force:.6g} N as its peak"
             )
         ends = np.array(contact.intervals).ravel()
-        if (np.diff(ends) < 0.0).any() or (ends < 0.0).any() or (ends > done.duration).any():
+        if (
+            (np.diff(ends) < -1e-14 * done.duration).any()
+            or (ends < 0.0).any()
+            or (ends > done.duration).any()
+        ):
             faults.append(f"order: contact {c} has intervals {contact.intervals[:3]}")
     return tuple(faults)
 

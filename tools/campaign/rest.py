@@ -99,7 +99,7 @@ def _balance(
             return x
         trial = x + np.linalg.solve(np.where(within, tangent, 0.0) + np.diag(damping * ridge), over)
         result = look(trial)
-        rounding = 1e-13 * abs(energy)
+        rounding = 1e-14 * float(np.abs(x) @ np.abs(stiffness) @ np.abs(x) + np.abs(force @ x))
         if result[3] < energy - rounding or (result[3] <= energy + rounding and result[2] < error):
             x, (over, tangent, error, energy) = trial, result
             damping = max(damping * 0.2, 1e-17)
