@@ -98,7 +98,8 @@ def _write_failures(options: argparse.Namespace, found: dict[int, Verdict]) -> N
         case = case_of(seed)
         case = case.with_tolerance(options.rtol) if options.rtol else case
         if options.shrink > 0.0 and verdict.kind != "hangs":
-            work = partial(shrunk, kind=verdict.kind, way=options.way, longest=options.shrink)
+            like = {"kind": verdict.kind, "why": verdict.why}
+            work = partial(shrunk, **like, way=options.way, longest=options.shrink)
             results = each(work, [case.to_json()], workers=1, limit=options.shrink + LIMIT)
             for _, state, result in results:
                 case = Case.from_json(result) if state == "done" else case
