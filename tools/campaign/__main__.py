@@ -1,0 +1,112 @@
+"""The command line of the campaign."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time as clock
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+
+from .case import Case
+from .generate import case_of
+from .judge import Verdict
+from .pool import each
+from .report import counts, reasons, table
+from .work import judged, shrunk
+
+# s for one scene: the package's answer may not take longer, nor the oracle on top of it.
+LIMIT = 60.0
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the campaign; return 1 if anything failed."""
+    parser = argparse.ArgumentParser(prog="python -m tools.campaign", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    scenes = commands.add_parser("scenes", help="random scenes against the oracle")
+    scenes.add_argument("--seeds", default="0:100", help="from:to, or a list with commas")
+    scenes.add_argument("--workers", type=int, default=2)
+    scenes.add_argument("--out", type=Path, help="folder for scripts of failures, and a report")
+    scenes.add_argument("--way", choices=("adaptive", "newmark"), default="adaptive")
+    scenes.add_argument("--rtol", type=float, help="of all scenes, in place of their own")
+    scenes.add_argument("--shrink", type=float, default=0.0, help="s to shrink each failure for")
+    show = commands.add_parser("show", help="the script of a seed, and its verdict")
+    show.add_argument("seed", type=int)
+    show.add_argument("--way", choices=("adaptive", "newmark"), default="adaptive")
+    options = parser.parse_args(arguments)
+    if options.command == "show":
+        print(case_of(options.seed).script())
+        print(judged(options.seed, options.way))
+        return 0
+    return _scenes(options)
+
+
+def _seeds(text: str) -> list[int]:
+    if ":" in text:
+        first, last = map(int, text.split(":"))
+        return list(range(first, last))
+    return [int(one) for one in text.split(",")]
+
+
+def _scenes(options: argparse.Namespace) -> int:
+    found: dict[int, Verdict] = {}
+    seeds, begin = _seeds(options.seeds), clock.monotonic()
+    work = partial(judged, way=options.way, rtol=options.rtol)
+    for seed, state, result in each(work, seeds, workers=options.workers, limit=LIMIT):
+        if state == "done":
+            verdict = result
+        elif state == "failed":  # of the oracle: a mistake of the campaign's own
+            verdict = Verdict("undecided", f"the campaign failed: {result}")
+        else:
+            verdict = Verdict("hangs", f"{state}: {result}")
+        found[seed] = verdict
+        if verdict.kind not in ("ok", "warned"):
+            print(f"{seed:7} {verdict.kind:9} {verdict.why[:150]}", flush=True)
+        if len(found) % 100 == 0:
+            print(
+                f"... {len(found)} of {len(seeds)}, {clock.monotonic() - begin:.0f} s",
+                file=sys.stderr,
+            )
+    report = "\n\n".join(
+        [
+            f"{len(found)} scenes, {clock.monotonic() - begin:.0f} s, way {options.way}",
+            counts(found),
+            reasons(found),
+            table(found, ("wrong", "faulty", "chaotic", "undecided")),
+        ]
+    )
+    print(report)
+    if options.out:
+        options.out.mkdir(parents=True, exist_ok=True)
+        (options.out / "report.txt").write_text(report + "\n", encoding="utf-8")
+        lines = {seed: asdict(verdict) for seed, verdict in found.items()}
+        (options.out / "verdicts.json").write_text(json.dumps(lines), encoding="utf-8")
+        _write_failures(options, found)
+    return int(any(verdict.failed for verdict in found.values()))
+
+
+def _write_failures(options: argparse.Namespace, found: dict[int, Verdict]) -> None:
+    """A script for each failure, shrunk if that was asked for."""
+    failed = {
+        seed: v
+        for seed, v in found.items()
+        if v.kind in ("wrong", "faulty", "refused", "bare", "hangs")
+    }
+    for seed, verdict in sorted(failed.items()):
+        case = case_of(seed)
+        case = case.with_tolerance(options.rtol) if options.rtol else case
+        if options.shrink > 0.0 and verdict.kind != "hangs":
+            like = {"kind": verdict.kind, "why": verdict.why}
+            work = partial(shrunk, **like, way=options.way, longest=options.shrink)
+            results = each(work, [case.to_json()], workers=1, limit=options.shrink + LIMIT)
+            for _, state, result in results:
+                case = Case.from_json(result) if state == "done" else case
+        notes = "".join(f"# {line}\n" for line in [f"seed {seed}, {verdict.kind}", verdict.why])
+        path = options.out / f"{verdict.kind}_{seed}.py"
+        path.write_text(notes + case.script(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,258 @@
+"""A scene as plain data: it can be printed as a script, built, and taken apart.
+
+Quantities in SI units. The expressions that the script shows are those that `build` evaluates, so
+that what is printed is what was run.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Law:
+    """A contact law by its public name and its arguments."""
+
+    kind: str
+    arguments: dict[str, Any]
+
+    @property
+    def expression(self) -> str:
+        if self.kind == "UserLaw":
+            k, n, c = (self.arguments[key] for key in ("k", "n", "c"))
+            return f"ao.UserLaw(lambda d, rate: {k!r} * d**{n!r} * (1.0 + {c!r} * rate))"
+        given = ", ".join(f"{name}={value!r}" for name, value in self.arguments.items())
+        return f"ao.{self.kind}({given})"
+
+
+@dataclass(frozen=True)
+class Body:
+    """A star, a rigid mass (no oscillators, no k0) or a wall (m0 infinite).
+
+    damping: None, ("Rayleigh", alpha, beta) or ("ModalDamping", ratio).
+    """
+
+    m0: float
+    k0: float = 0.0
+    m: tuple[float, ...] = ()
+    k: tuple[float, ...] = ()
+    damping: tuple[Any, ...] | None = None
+    velocity: float = 0.0
+
+    @property
+    def wall(self) -> bool:
+        return math.isinf(self.m0)
+
+    @property
+    def massless(self) -> bool:
+        return self.m0 == 0.0
+
+    @property
+    def ports(self) -> int:
+        return 1
+
+    @property
+    def held(self) -> bool:
+        return self.k0 > 0.0 or self.wall
+
+    @property
+    def mass(self) -> float:
+        return self.m0 + math.fsum(self.m)
+
+    @property
+    def expression(self) -> str:
+        if not self.m and self.k0 == 0.0:
+            return f"ao.rigid(mass={'math.inf' if self.wall else repr(self.m0)})"
+        parts = [f"m0={self.m0!r}"]
+        if self.k0:
+            parts.append(f"k0={self.k0!r}")
+        if self.m:
+            parts += [f"m={list(self.m)!r}", f"k={list(self.k)!r}"]
+        if self.damping and self.damping[0] == "Rayleigh":
+            alpha, beta = self.damping[1:]
+            parts.append(f"damping=ao.Rayleigh(alpha={alpha!r}, beta={beta!r})")
+        elif self.damping:
+            parts.append(f"damping=ao.ModalDamping({self.damping[1]!r})")
+        return f"ao.AOModel({', '.join(parts)})"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Masses in a row on springs k between them and k0 to the ground, touched at any of them.
+
+    It is a finite-element body by its matrices and nodes. Across the row nothing moves.
+    """
+
+    m: tuple[float, ...]
+    k: tuple[float, ...]
+    k0: tuple[float, ...]
+    velocity: float = 0.0
+
+    wall = False
+    massless = False
+    damping = None
+
+    @property
+    def ports(self) -> int:
+        return len(self.m)
+
+    @property
+    def held(self) -> bool:
+        return any(self.k0)
+
+    @property
+    def mass(self) -> float:
+        return math.fsum(self.m)
+
+    @property
+    def expression(self) -> str:
+        return f"frame({list(self.m)!r}, {list(self.k)!r}, {list(self.k0)!r})"
+
+
+# What a script with such a body begins with.
+FRAME = """
+def frame(m, k, k0):
+    n = len(m)
+    K, M = np.zeros((3 * n, 3 * n)), np.diag(np.repeat(m, 3))
+    across = [i for i in range(3 * n) if i % 3]
+    K[across, across] = max(k) + max(k0)
+    for i in range(n):
+        K[3 * i, 3 * i] += k0[i]
+    for i in range(n - 1):
+        ends = np.ix_([3 * i, 3 * i + 3], [3 * i, 3 * i + 3])
+        K[ends] += k[i] * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    body = ao.FEModel(K=K, M=M, nodes=[[float(i), 0.0, 0.0] for i in range(n)])
+    along = dict(direction=(1, 0, 0), radius=0)
+    return [body.contact(point=(float(i), 0.0, 0.0), **along) for i in range(n)]
+"""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Indentation = u of a - u of b - gap; at: the ports, by which a body of several is touched."""
+
+    a: int
+    b: int
+    law: Law
+    gap: float = 0.0
+    at: tuple[int, int] = (0, 0)
+
+
+@dataclass(frozen=True)
+class Load:
+    """Straight between times, constant outside them."""
+
+    body: int
+    times: tuple[float, ...]
+    forces: tuple[float, ...]
+    at: int = 0
+
+    @property
+    def expression(self) -> str:
+        if len(self.times) == 1:
+            return repr(self.forces[0])
+        return f"({list(self.times)!r}, {list(self.forces)!r})"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A whole scene, its record and the tolerance asked for."""
+
+    bodies: tuple[Body | Frame, ...]
+    contacts: tuple[Contact, ...]
+    loads: tuple[Load, ...] = ()
+    gravity: float = 0.0
+    duration: float = 1.0
+    preload: bool = False
+    rtol: float = 1e-6
+    family: str = ""
+
+    @property
+    def crowded(self) -> bool:
+        """Whether a body has two contacts or more."""
+        return any(len(self.contacts_of(i)) > 1 for i, b in enumerate(self.bodies) if not b.wall)
+
+    @property
+    def crowded_massless(self) -> bool:
+        """Whether a massless coordinate has two contacts or more."""
+        return any(len(self.contacts_of(i)) > 1 for i, b in enumerate(self.bodies) if b.massless)
+
+    def contacts_of(self, body: int) -> list[Contact]:
+        return [contact for contact in self.contacts if body in (contact.a, contact.b)]
+
+    def with_tolerance(self, rtol: float) -> Case:
+        return replace(self, rtol=rtol)
+
+    def lines(self) -> list[str]:
+        """The script, up to the run."""
+        lines = [f"scene = ao.Scene(gravity={self.gravity!r})"]
+        for i, body in enumerate(self.bodies):
+            moving = f", velocity={body.velocity!r}" if body.velocity else ""
+            lines.append(f"b{i} = scene.add({body.expression}{moving})")
+        for contact in self.contacts:
+            gap = f", gap={contact.gap!r}" if contact.gap else ""
+            a, b = self._handle(contact.a, contact.at[0]), self._handle(contact.b, contact.at[1])
+            lines.append(f"scene.connect({a}, {b}, {contact.law.expression}{gap})")
+        for load in self.loads:
+            body = self._handle(load.body, load.at)
+            lines.append(f"scene.apply({body}, force={load.expression})")
+        return lines
+
+    def _handle(self, body: int, port: int) -> str:
+        return f"b{body}.port({port})" if self.bodies[body].ports > 1 else f"b{body}"
+
+    def simulate_expression(self, solver: str = "") -> str:
+        preload = ", preload=True" if self.preload else ""
+        chosen = solver or f"ao.Adaptive(rtol={self.rtol!r})"
+        return f"scene.simulate(duration={self.duration!r}{preload}, solver={chosen})"
+
+    def script(self) -> str:
+        """A script of public API that runs the scene and prints what was compared."""
+        head = ["import math", "", "import aoimpact as ao", ""]
+        if any(isinstance(body, Frame) for body in self.bodies):
+            head = ["import math", "", "import numpy as np", "", "import aoimpact as ao", "", FRAME]
+        tail = [
+            f"run = {self.simulate_expression()}",
+            "for i, contact in enumerate(run.contacts):",
+            '    print(i, "peak", contact.peak_force, "at", contact.peak_time,',
+            '          "impulse", contact.impulse, "touches", contact.intervals[:4])',
+            'print("velocities", [float(body.centre_velocity[-1]) for body in run.bodies])',
+            'print("error", run.error)',
+        ]
+        return "\n".join(head + self.lines() + tail) + "\n"
+
+    def build(self) -> Any:
+        """Return the `ao.Scene`."""
+        import numpy as np
+
+        import aoimpact as ao
+
+        names: dict[str, Any] = {"ao": ao, "math": math, "np": np}
+        exec(FRAME, names)
+        exec("\n".join(self.lines()), names)
+        return names["scene"]
+
+    def to_json(self) -> str:
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Case:
+        of = json.loads(text)
+        of["bodies"] = tuple(_body(body) for body in of["bodies"])
+        of["contacts"] = tuple(
+            Contact(c["a"], c["b"], Law(**c["law"]), c["gap"], tuple(c["at"]))
+            for c in of["contacts"]
+        )
+        of["loads"] = tuple(
+            Load(one["body"], tuple(one["times"]), tuple(one["forces"]), one["at"])
+            for one in of["loads"]
+        )
+        return cls(**of)
+
+
+def _body(of: dict[str, Any]) -> Body | Frame:
+    values = {key: tuple(v) if isinstance(v, list) else v for key, v in of.items()}
+    return Body(**values) if "m0" in values else Frame(**values)

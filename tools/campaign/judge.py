@@ -1,0 +1,149 @@
+"""The verdict on a scene: the package's answer against the plain formulation, and Newmark's
+between them.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import aoimpact as ao
+
+from .case import Case
+from .compare import apart, from_newmark, largest_apart
+from .oracle import GaveUpError, Oracle
+from .outcome import Outcome
+from .package import Answer, newmark, run
+from .rest import NoRestError
+
+# How many times its tolerance an answer may be off.
+TIMES = 10.0
+
+# A difference is the oracle's own, or the scene's, if a tighter or a nudged run of it moves by
+# that share.
+_SHARE = 0.2
+
+# Relative nudge of all coordinates and velocities at the start.
+_NUDGE = 1e-12
+
+CLASSES = ("ok", "warned", "refused", "wrong", "faulty", "chaotic", "undecided", "bare", "hangs")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of a scene.
+
+    kind: one of CLASSES. why: what was off, or the message. off: the largest relative error.
+    """
+
+    kind: str
+    why: str = ""
+    off: float = 0.0
+    seconds: float = 0.0
+    details: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def failed(self) -> bool:
+        return self.kind in ("wrong", "faulty", "bare", "hangs")
+
+
+def oracle_tolerance(case: Case) -> float:
+    """Far enough below the tolerance of the scene."""
+    return float(np.clip(1e-3 * case.rtol, 1e-12, 1e-9))
+
+
+def judge(case: Case, *, longest: float = 20.0, way: str = "adaptive") -> Verdict:
+    """Judge the package's answer to a scene."""
+    begin = clock.perf_counter()
+    if way == "newmark":
+        case = case.with_tolerance(max(case.rtol, 1e-5))
+    answer = run(case, ao.Newmark(rtol=case.rtol) if way == "newmark" else None)
+    verdict = _judged(case, answer, longest, way)
+    return Verdict(
+        verdict.kind, verdict.why, verdict.off, clock.perf_counter() - begin, verdict.details
+    )
+
+
+def _judged(case: Case, answer: Answer, longest: float, way: str) -> Verdict:
+    if answer.outcome is None:
+        return Verdict("bare" if answer.bare else "refused", answer.error)
+    if way == "adaptive" and answer.faults and not answer.warned:
+        return Verdict("faulty", "; ".join(answer.faults))
+    tolerance = oracle_tolerance(case)
+    try:
+        true = Oracle(case, rtol=tolerance, longest=longest).run()
+    except (GaveUpError, NoRestError) as error:
+        return _by_newmark(case, answer.outcome, f"oracle: {error}")
+    found = _worst(case, answer.outcome, true, way)
+    limit = TIMES * case.rtol
+    if found.off <= limit:
+        return Verdict("ok", str(found), found.off)
+    if answer.warned:
+        return Verdict("warned", f"{found}; {answer.warned[0]}", found.off)
+    return _suspected(case, answer.outcome, true, longest, way)
+
+
+def _worst(case: Case, outcome: Outcome, true: Outcome, way: str):
+    every = apart(case, outcome, true, TIMES * case.rtol)
+    if way == "newmark":  # which promises the peak force
+        top = float(true.peaks.max(initial=0.0))
+        every = [
+            one for one in every if one.what.startswith("peak force") and one.true >= 0.9 * top
+        ]
+    return largest_apart(every)
+
+
+def _by_newmark(case: Case, outcome: Outcome, why: str) -> Verdict:
+    """Where there is no oracle, two ways have to do."""
+    second = newmark(case, TIMES * case.rtol)
+    if second is not None:
+        off = from_newmark(case, outcome, second)
+        if off <= max(TIMES * case.rtol, 3.0 * second.error) and second.error < 1e-3:
+            return Verdict("ok", f"by Newmark alone; {why}", off)
+    return Verdict("undecided", why)
+
+
+def _suspected(case: Case, outcome: Outcome, true: Outcome, longest: float, way: str) -> Verdict:
+    """Whether a difference is the package's fault."""
+    found = _worst(case, outcome, true, way)
+    details: dict[str, str] = {}
+    tolerance = oracle_tolerance(case)
+    rng = np.random.default_rng(1)
+    try:
+        tight = Oracle(case, rtol=0.03 * tolerance, longest=3.0 * longest).run()
+        nudge = _NUDGE * rng.uniform(-1.0, 1.0, 1000)
+        nudged = Oracle(case, rtol=tolerance, longest=3.0 * longest, nudge=nudge).run()
+    except (GaveUpError, NoRestError) as error:
+        return Verdict("undecided", f"{found}; oracle again: {error}", found.off)
+    found = _worst(case, outcome, tight, way)
+    if found.off <= TIMES * case.rtol:
+        return Verdict("ok", str(found), found.off)
+    own = _worst(case, true, tight, way).off
+    moved = _worst(case, nudged, true, way).off
+    details["oracle moves by"] = f"{own:.2g} (tighter), {moved:.2g} (nudged)"
+    if moved > _SHARE * found.off:
+        return Verdict(
+            "chaotic", f"{found}; nudged by {_NUDGE:g}: {moved:.2g}", found.off, 0, details
+        )
+    if own > _SHARE * found.off:
+        return Verdict("undecided", f"{found}; oracle tighter: {own:.2g}", found.off, 0, details)
+    second = newmark(case, 0.1 * found.off)
+    if second is None:
+        details["newmark"] = "none"
+    else:
+        ours, its = from_newmark(case, outcome, second), from_newmark(case, tight, second)
+        details["newmark"] = (
+            f"{ours:.2g} from the answer, {its:.2g} from the oracle, settled to {second.error:.2g}"
+        )
+        between = from_newmark(case, outcome, tight)
+        if between > TIMES * case.rtol and its > 0.5 * between and its > 3.0 * second.error:
+            return Verdict(
+                "undecided", f"{found}; Newmark is not with the oracle", found.off, 0, details
+            )
+    tighter = run(case.with_tolerance(max(1e-12, 1e-3 * case.rtol)))
+    if way == "adaptive" and tighter.outcome is not None:
+        off = _worst(case, tighter.outcome, tight, way).off
+        details["package at 1e-3 rtol"] = f"off by {off:.2g}"
+    return Verdict("wrong", str(found), found.off, 0, details)
