@@ -1,6 +1,8 @@
 /* An impact of two bodies in a few numbers, for those who make many: nothing of it is kept. */
 #include "aoimpact.h"
 
+#include <math.h>
+
 /* A contact that is in no row any more at this share of the record has ended before. */
 static const double RECORD_END = 1.0 - 1e-14;
 
@@ -72,6 +74,10 @@ int aoi_brief_run(aoi_adaptive *run, size_t capacity, size_t most, double *track
     size_t used = 0, rows = 0;
     if (run->system->body_count != 2 || run->system->joint_count != 1) {
         return AOI_ERROR_ARGUMENT;
+    }
+    const aoi_law *law = run->system->joint[0].law;
+    if (law && law->note) { /* not what it was for a run before, of the same law */
+        law->note[0] = (double)NAN;
     }
     int status = aoi_adaptive_start(run);
     if (status == AOI_OK) {
