@@ -159,7 +159,7 @@ class Track(NamedTuple):
         known = np.unique(np.concatenate(parts))
         wide = np.flatnonzero(np.diff(known) > self.duration / _IN_FLIGHT)
         gaps = [
-            np.linspace(known[i], known[i + 1], 2 + int(_IN_FLIGHT * gap / self.duration))
+            np.linspace(known[i], known[i + 1], 2 + int(_IN_FLIGHT * (gap / self.duration)))
             for i in wide
             if (gap := known[i + 1] - known[i])
         ]

@@ -22,7 +22,8 @@ from .fit import fitted_times
 from .laws import UserLaw
 from .modalbody import ModalBody
 from .modes import ModalModel
-from .scene import FASTEST, SLOWEST
+from .plan import normal_gap
+from .scene import FASTEST, LONGEST, SLOWEST
 from .simulate import plan_impact
 from .star import AOModel
 
@@ -180,9 +181,9 @@ def _row(case: Any) -> tuple[float, float, float, float] | None:
         velocity, gap, duration = map(float, values)
     except OverflowError:
         return None
-    if not (SLOWEST <= velocity <= FASTEST and 0.0 <= gap < math.inf > duration > 0.0):
+    if not (SLOWEST <= velocity <= FASTEST and 0.0 <= gap < math.inf and 0.0 < duration <= LONGEST):
         return None
-    return velocity, gap, duration, solver.rtol
+    return velocity, normal_gap(gap), duration, solver.rtol
 
 
 # What `simulate` takes for stars.

@@ -10,8 +10,10 @@ import difflib
 import math
 import numbers
 import operator
+import os
 import reprlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,16 +24,22 @@ from .errors import InputError, InputTypeError
 __all__ = [
     "boolean",
     "choice",
+    "file_path",
     "finite_array",
     "integer",
     "nearest",
     "node_ids",
     "nonnegative",
+    "place",
     "plain",
     "positive",
     "real",
+    "sequence",
     "unit_vector",
 ]
+
+# Coordinates, m, beyond which squares of distances are no numbers.
+_FARTHEST = 1e100
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -134,6 +142,39 @@ def choice(name: str, value: Any, options: Sequence[str]) -> str:
     return value
 
 
+def file_path(name: str, value: Any) -> Path:
+    """Return `value`, a str or an os.PathLike, as a path.
+
+    Raises
+    ------
+    InputTypeError
+        If it is neither.
+    InputError
+        If it has a null character in it.
+    """
+    if not isinstance(value, (str, os.PathLike)):
+        raise InputTypeError(f"{name} must be a path, got {_short(value)}")
+    path = os.fsdecode(value)
+    if "\0" in path:
+        raise InputError(f"{name} must be a path, got {path!r}, which has a null character in it")
+    return Path(path)
+
+
+def sequence(name: str, value: Any) -> list[Any]:
+    """Return the entries of any iterable but a text or a mapping.
+
+    Raises
+    ------
+    InputTypeError
+    """
+    try:
+        if isinstance(value, (str, bytes, Mapping)) or np.ma.is_masked(value):
+            raise TypeError
+        return list(value)
+    except TypeError:
+        raise InputTypeError(f"{name} must be a list of values, got {_short(value)}") from None
+
+
 def finite_array(
     name: str,
     value: Any,
@@ -193,6 +234,20 @@ def unit_vector(name: str, value: Any) -> FloatArray:
     scaled = vector / scale
     unit: FloatArray = scaled / np.linalg.norm(scaled)
     return unit
+
+
+def place(name: str, value: Any) -> FloatArray:
+    """Return `value`, m, (3,), as a place whose distance from others is a number.
+
+    Raises
+    ------
+    InputError
+        If it has another shape, is not finite, or farther off than any body.
+    """
+    point = finite_array(name, value, shape=(3,), unit="m")
+    if float(np.abs(point).max()) > _FARTHEST:
+        raise InputError(f"{name} {plain(point)} m is off any body: give it in metres")
+    return point
 
 
 def plain(vector: FloatArray) -> str:

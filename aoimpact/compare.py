@@ -10,7 +10,7 @@ from typing import Any
 
 from .adaptive import Adaptive
 from .answer import Answer
-from .checks import integer
+from .checks import boolean, integer, sequence
 from .comparison import Compared, Comparison
 from .contact import ContactPoint
 from .errors import AOImpactError, InputError, held_warnings
@@ -20,7 +20,7 @@ from .modes import ModalModel, modal
 from .newmark import Newmark
 from .order import first_guess
 from .result import Result
-from .simulate import simulate
+from .simulate import plan_impact, simulate
 from .solvers import Solver, checked_solver
 from .star import AOModel
 
@@ -72,9 +72,13 @@ def compare(
     InputError
         If there is nothing to compare with.
     """
+    with held_warnings():  # each run has them again
+        plan = plan_impact(projectile, target, law, velocity=velocity, duration=duration, gap=gap)
+    velocity, duration = plan.velocities[0], plan.duration
     run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
-    stars = sorted({integer("oscillators", n, low=0) for n in oscillators})
-    truncations = sorted({integer("modes", n, low=1) for n in modes})
+    boolean("full", full)
+    stars = sorted({integer("oscillators", n, low=0) for n in sequence("oscillators", oscillators)})
+    truncations = sorted({integer("modes", n, low=1) for n in sequence("modes", modes)})
     if not stars and not full:
         raise InputError("full=False without oscillators leaves no model to compare with")
     bodies = _body(projectile), _body(target)

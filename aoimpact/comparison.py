@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .axes import error_axes, given_axes
 from .cells import aligned, html_table
+from .checks import file_path
 from .units import quantity
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ class Comparison:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table: one row a model, times in s, errors relative."""
-        with open(path, "w", newline="", encoding="utf-8") as file:
+        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow([field.name for field in fields(Compared)])
             writer.writerows(astuple(row) for row in self.rows)

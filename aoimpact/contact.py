@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from .checks import choice, finite_array, integer, nonnegative, plain, positive, unit_vector
+from .checks import choice, integer, nonnegative, place, plain, positive, unit_vector
 from .damping import Damping
 from .errors import InputError, InputTypeError, warn
 from .frozen import Frozen
@@ -170,7 +170,7 @@ def contact_point(
         raise InputError(
             "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"
         )
-    where = finite_array("point", point, shape=(3,), unit="m")
+    where = place("point", point)
     along = None if direction is None else unit_vector("direction", direction)
     if body.surface is None or body.material is None:
         return _without_faces(body, where, along, radius)

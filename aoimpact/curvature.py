@@ -17,7 +17,13 @@ from .checks import real
 from .errors import InputError, InputTypeError
 from .material import Material
 
-__all__ = ["contact_modulus", "elliptic_stiffness", "relative_curvatures", "relative_radius"]
+__all__ = [
+    "contact_modulus",
+    "elliptic_stiffness",
+    "is_pair",
+    "relative_curvatures",
+    "relative_radius",
+]
 
 
 def contact_modulus(material_1: Material, material_2: Material) -> float:
@@ -57,8 +63,15 @@ def relative_radius(radius_1: Any, radius_2: Any) -> float:
     return 1.0 / curvature
 
 
+def is_pair(radii: Any) -> bool:
+    """Whether an argument is meant as principal radii, and not as one radius."""
+    if isinstance(radii, np.ndarray):
+        return radii.ndim > 0
+    return isinstance(radii, Sequence) and not isinstance(radii, (str, bytes))
+
+
 def _pair(name: str, radii: Any) -> tuple[float, float]:
-    if isinstance(radii, (Sequence, np.ndarray)) and not isinstance(radii, str):
+    if is_pair(radii):
         if len(radii) != 2:
             raise InputError(f"{name} must be one radius or two principal ones, got {radii!r}")
         return _curvature(f"{name}[0]", radii[0]), _curvature(f"{name}[1]", radii[1])

@@ -81,10 +81,10 @@ def damping_or_none(value: Any) -> Damping | None:
     ------
     InputTypeError
     """
-    if value is None or value in (Rayleigh(), ModalDamping(0.0)):
+    if value is None:
         return None
     if isinstance(value, (Rayleigh, ModalDamping)):
-        return value
+        return None if value in (Rayleigh(), ModalDamping(0.0)) else value
     raise InputTypeError(
         f"damping must be Rayleigh(alpha=, beta=) or ModalDamping(ratio), got {value!r}"
     )

@@ -142,7 +142,7 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
         "the indentation goes beyond what the contact law stands for; with a patch, take a larger "
         "radius, with a table, give deeper values",
     ),
-    10: (ConvergenceError, "the contact law gave NaN"),
+    10: (ConvergenceError, "the contact law gave no finite number"),
     11: (
         ConvergenceError,
         "less its patches' own indentation the contact law has no force, since its own falls from "

@@ -19,7 +19,7 @@ from .errors import InputError, InputTypeError, warn
 from .frozen import Frozen
 from .halfspace import warn_of_room
 from .material import Material
-from .matrices import check_mass, check_stiffness, motion_without_force, symmetric_csr
+from .matrices import check_mass, check_stiffness, motion_without_force, symmetric_pair
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .mesh import Mesh, read_mesh
 from .rigidity import every_motion, rigid_motions, unresisted_motions
@@ -82,9 +82,7 @@ class FEModel(Frozen):
     _soft: FloatArray | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
-        K, M = symmetric_csr("K", self.K), symmetric_csr("M", self.M)
-        if K.shape != M.shape:
-            raise InputError(f"K and M must be of the same shape, got {K.shape} and {M.shape}")
+        K, M = symmetric_pair(self.K, self.M)
         factors = check_stiffness(K)
         check_mass(M)
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
@@ -365,7 +363,10 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
                 "if supports were taken out, give free: for each row its dof 3·node + component"
             )
         return places, np.arange(n_dofs)
-    dofs = np.array(free)
+    try:
+        dofs = np.array(free)
+    except ValueError as error:
+        raise InputTypeError(f"free must be integer dof numbers: {error}") from None
     if dofs.dtype.kind not in "iu":
         raise InputTypeError(f"free must be integer dof numbers, got dtype {dofs.dtype}")
     if dofs.shape != (n_dofs,):

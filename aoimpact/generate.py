@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from importlib import resources
 from itertools import permutations, product
@@ -9,7 +10,7 @@ from itertools import permutations, product
 import numpy as np
 import numpy.typing as npt
 
-from .checks import choice, finite_array, integer, positive
+from .checks import choice, finite_array, integer, positive, sequence
 from .elements import KINDS, ReferenceElement, reference_element
 from .errors import InputError
 from .mesh import Mesh, read_mesh
@@ -60,8 +61,8 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     h = positive("size", size, unit="m")
     if h > 2.0 * R:
         raise InputError(f"size={h:g} m is larger than the sphere (radius={R:g} m)")
-    n_exact = _STRETCH * _ICOSAHEDRON_ANGLE * R / h
-    _refuse_monster(80.0 / 3.0 * n_exact**3, "size", h)
+    n_exact = _STRETCH * _ICOSAHEDRON_ANGLE * (R / h)
+    _refuse_monster(80.0 / 3.0 * n_exact * n_exact * n_exact, "size", f"{h:g}, of radius={R:g} m,")
     n = 2 * max(1, int(np.ceil(n_exact / 2.0 - 1e-9)))
     directions, cones = _icosahedron()
     barycentric, tets = _subdivided_tetrahedron(n)
@@ -200,11 +201,12 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     sides = finite_array("lengths", lengths, shape=(3,), unit="m")
     for i, side in enumerate(sides):
         positive(f"lengths[{i}]", float(side), unit="m")
-    if len(divisions) != 3:
-        raise InputError(f"divisions must be three integers, got {list(divisions)}")
-    counts = [integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(divisions)]
+    given = sequence("divisions", divisions)
+    if len(given) != 3:
+        raise InputError(f"divisions must be three integers, got {given!r}")
+    counts = [integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given)]
     element = reference_element(choice("kind", kind, KINDS))
-    _refuse_monster(8.0 * float(np.prod(np.array(counts, float))), "divisions", counts)
+    _refuse_monster(8.0 * float(min(math.prod(counts), 10**30)), "divisions", counts)
     lattice = _brick_nodes(element, np.array(counts))
     doubled = 2 * np.array(counts) + 1
     keys = np.ravel_multi_index(tuple(np.moveaxis(lattice, 2, 0)), tuple(doubled))

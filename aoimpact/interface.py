@@ -287,7 +287,7 @@ def _of_modes(
     return InterfaceModel(tips, omega, participation, modes, nothing, solver, contact_time)
 
 
-def checked_ports(tips: Sequence[ContactPoint]) -> tuple[ContactPoint, ...]:
+def checked_ports(tips: Sequence[ContactPoint], name: str = "tips") -> tuple[ContactPoint, ...]:
     """Return the places on one body.
 
     Raises
@@ -296,13 +296,13 @@ def checked_ports(tips: Sequence[ContactPoint]) -> tuple[ContactPoint, ...]:
         If they are not that.
     """
     if not isinstance(tips, Sequence) or isinstance(tips, str):
-        raise InputTypeError(f"tips must be a list of contact points, got {tips!r}")
+        raise InputTypeError(f"{name} must be a list of contact points, got {tips!r}")
     ports = tuple(tips)
     for tip in ports:
         if not isinstance(tip, ContactPoint):
-            raise InputTypeError(f"tips must come from FEModel.contact(...), got {tip!r}")
+            raise InputTypeError(f"{name} must come from FEModel.contact(...), got {tip!r}")
     if not ports:
-        raise InputError("tips is empty: a body needs a place where it is touched")
+        raise InputError(f"{name} is empty: a body needs a place where it is touched")
     if any(tip.body is not ports[0].body for tip in ports):
-        raise InputError("tips are on different bodies: make one model for each body")
+        raise InputError(f"{name} are on different bodies: make one model for each body")
     return ports

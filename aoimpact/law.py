@@ -151,8 +151,15 @@ class ContactLaw:
         wide = positive("radius", radius, unit="m", infinite=True)
         deepest = min(self._steepest(c), self._limit())
         if relative_radius is not None:
-            deepest = min(deepest, wide**2 / positive("relative_radius", relative_radius, unit="m"))
+            curved = positive("relative_radius", relative_radius, unit="m")
+            deepest = min(deepest, wide * (wide / curved))
+            if deepest <= 0.0:
+                raise InputError(f"radius={wide:g} m is too small to be computed with")
         limit = deepest - c * self.force(deepest) if math.isfinite(deepest) else math.inf
+        if not limit > 0.0:
+            raise InputError(
+                f"radius={wide:g} m: nothing is left of {self!r} beside a compliance of {c:g} m/N"
+            )
         return PatchLaw(self, c, limit)
 
     def _steepest(self, compliance: float) -> float:
@@ -200,7 +207,8 @@ class ContactLaw:
         end = min(math.log(self._limit() * (1.0 - 1e-12)), _LONGEST)
 
         def excess(log_indentation: float) -> float:
-            return math.log(max(self._work(math.exp(log_indentation)), _LEAST_WORK) / wanted)
+            work = max(self._work(math.exp(log_indentation)), _LEAST_WORK)
+            return math.log(work) - math.log(wanted)
 
         high = min(end, _SHALLOW)  # a user's law may end not far beyond what it is for
         while excess(high) < 0.0 and high < end:
@@ -220,7 +228,8 @@ class ContactLaw:
         """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s."""
         if not self.depends_on_rate and not self.has_memory:
             return 1.0
-        deepest = self.stroke(0.5 * mass * velocity**2)
+        mass, velocity = positive("mass", mass), positive("velocity", velocity)
+        deepest = self.stroke(0.5 * mass * velocity * velocity)
         if self.depends_on_rate:
             return integrated_restitution(self.force, mass, velocity, deepest)
         return math.sqrt(float(self.potential(deepest)) / self._work(deepest))

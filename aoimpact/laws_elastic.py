@@ -7,10 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from .checks import positive, real
-from .curvature import contact_modulus, elliptic_stiffness, relative_curvatures, relative_radius
+from .curvature import (
+    contact_modulus,
+    elliptic_stiffness,
+    is_pair,
+    relative_curvatures,
+    relative_radius,
+)
 from .errors import InputError
 from .law import ContactLaw
 from .material import Material
@@ -77,7 +81,7 @@ class Hertz(ContactLaw):
             If a radius is 0, or the surfaces do not touch in a point.
         """
         modulus = contact_modulus(material_1, material_2)
-        if np.ndim(radius_1) == 0 and np.ndim(radius_2) == 0:
+        if not is_pair(radius_1) and not is_pair(radius_2):
             law = cls(4.0 / 3.0 * modulus * math.sqrt(relative_radius(radius_1, radius_2)))
         else:
             curvatures = relative_curvatures(radius_1, radius_2, angle)

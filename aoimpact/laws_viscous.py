@@ -70,7 +70,7 @@ class _Hysteretic(ContactLaw):
         return (self.k, self._chi(), self.n)
 
     def rigid_restitution(self, mass: float, velocity: float) -> float:
-        return hunt_crossley_restitution(self._chi() * velocity)
+        return hunt_crossley_restitution(self._chi() * positive("velocity", velocity, unit="m/s"))
 
 
 @dataclass(frozen=True)
@@ -284,7 +284,8 @@ class Tsuji(ContactLaw):
         return (self.k, self.alpha * math.sqrt(self.mass) * math.sqrt(self.k))
 
     def rigid_restitution(self, mass: float, velocity: float) -> float:
-        return oscillator_restitution(self.alpha / math.sqrt(5.0) * math.sqrt(self.mass / mass))
+        ratio = math.sqrt(self.mass / positive("mass", mass, unit="kg"))
+        return oscillator_restitution(self.alpha / math.sqrt(5.0) * ratio)
 
 
 @dataclass(frozen=True)
@@ -402,5 +403,6 @@ class KelvinVoigt(ContactLaw):
         return (self.k, self.c)
 
     def rigid_restitution(self, mass: float, velocity: float) -> float:
-        ratio = 0.5 * self.c / (math.sqrt(self.k) * math.sqrt(mass))
+        m = positive("mass", mass, unit="kg")
+        ratio = 0.5 * self.c / (math.sqrt(self.k) * math.sqrt(m))
         return oscillator_restitution(ratio) if self.end == "force" else swing_restitution(ratio)

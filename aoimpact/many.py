@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from .briefs import BRIEF, brief_numbers
 from .checkpoint import Checkpoint
 from .checks import boolean, nearest
@@ -109,7 +111,8 @@ def iterate_many(
     InputError, InputTypeError, WorkerError
         As from `simulate_many`.
     """
-    if isinstance(cases, Mapping) or not isinstance(cases, Iterable):
+    scalar = isinstance(cases, np.ndarray) and cases.ndim == 0
+    if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable) or scalar:
         raise InputTypeError(
             "cases must be a list (or generator) of dicts of simulate's keywords, or of pairs "
             f"(scene, duration), got {type(cases).__name__}"

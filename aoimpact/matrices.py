@@ -19,6 +19,7 @@ __all__ = [
     "core_rows",
     "motion_without_force",
     "symmetric_csr",
+    "symmetric_pair",
 ]
 
 FloatArray = npt.NDArray[np.float64]
@@ -35,6 +36,15 @@ _SMALL = 500
 # A negative eigenvalue of K, relative to its diagonal, that passes for rounding: without supports
 # the lowest ones are zero, and what prints K with ten digits makes them slightly negative.
 _NEGATIVE = 1e-9
+
+# Stiffnesses, N/m, and masses, kg, whose products and ratios stay far from what doubles can hold.
+_LARGEST, _LEAST = 1e60, 1e-60
+
+# Ratio of masses of which the smaller one is lost in the rounding of the other, with much to spare.
+_APART = 1e20
+
+# A pivot of M, relative to its diagonal, that is nothing but rounding.
+_PIVOT = 1e-14
 
 # Each takes what has stiffness down to that share of it, over its own.
 _INVERSE_ITERATIONS = 2
@@ -53,10 +63,41 @@ def symmetric_csr(name: str, matrix: Any) -> sp.csr_array:
     InputError
         If it is not square, finite and symmetric.
     """
-    csr = _canonical(_real_csr(name, matrix))
-    rows, columns = csr.shape
-    if rows != columns or rows == 0:
-        raise InputError(f"{name} must be square, got shape {csr.shape}")
+    return _symmetric_csr(name, _checked(name, matrix))
+
+
+def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
+    """Return stiffness and mass as `symmetric_csr` does, of one shape.
+
+    Raises
+    ------
+    InputTypeError, InputError
+        Also if the shapes differ, or M has fewer entries than rows.
+    """
+    stiffness, mass = _checked("K", K), _checked("M", M)
+    if stiffness.shape != mass.shape:
+        raise InputError(
+            f"K and M must be of the same shape, got {stiffness.shape} and {mass.shape}"
+        )
+    # Before a few entries in a shape of 10⁹ rows are given as many row pointers.
+    if sp.issparse(mass) and mass.nnz < mass.shape[0]:
+        raise InputError(
+            f"M must have mass on every dof: it has {mass.nnz} entries in {mass.shape[0]} rows; "
+            "condense dofs without mass out, or give them mass"
+        )
+    pair = _symmetric_csr("K", stiffness), _symmetric_csr("M", mass)
+    for name, matrix, unit in (("K", pair[0], "N/m"), ("M", pair[1], "kg")):
+        largest = float(np.abs(matrix.data).max(initial=0.0))
+        if largest > _LARGEST or 0.0 < largest < _LEAST:
+            raise InputError(
+                f"{name} has entries up to {largest:.3g} {unit}, whose products cannot be "
+                f"computed; give it in {unit}"
+            )
+    return pair
+
+
+def _symmetric_csr(name: str, checked: Any) -> sp.csr_array:
+    csr = _canonical(sp.csr_array(checked))
     bad = np.flatnonzero(~np.isfinite(csr.data))
     if len(bad):
         row = int(np.searchsorted(csr.indptr, bad[0], side="right")) - 1
@@ -185,10 +226,25 @@ def check_mass(M: sp.csr_array) -> None:
             f"zero or negative, the first is M[{bad[0]}, {bad[0]}] = {diagonal[bad[0]]:g} kg; "
             "condense such dofs out, or give them mass"
         )
+    least = int(np.argmin(diagonal))
+    if diagonal[least] < _LEAST:
+        raise InputError(
+            f"M must have mass on every dof, and M[{least}, {least}] = {diagonal[least]:g} kg is "
+            "too little to be computed with; condense such dofs out, or give them mass"
+        )
+    most = int(np.argmax(diagonal))
+    if diagonal[most] > _APART * diagonal[least]:
+        raise InputError(
+            f"M has masses too far apart to be computed with: M[{least}, {least}] = "
+            f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
+            "is too heavy to move, and condense out what has no mass"
+        )
     _check_minors("M", M, 1.0 - 1e-12)
     if len(diagonal) <= _SMALL:
         try:
-            la.cholesky(M.toarray())
+            pivots = np.diag(la.cholesky(M.toarray())) ** 2
+            if (pivots <= _PIVOT * diagonal).any():
+                raise la.LinAlgError
         except la.LinAlgError:
             lowest = float(la.eigvalsh(M.toarray(), subset_by_index=[0, 0])[0])
             raise InputError(
@@ -227,24 +283,98 @@ def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:
         )
 
 
-def _real_csr(name: str, matrix: Any) -> sp.csr_array:
-    if not sp.issparse(matrix):
-        if np.ma.is_masked(matrix):
-            raise InputTypeError(f"{name} has masked entries; fill or remove them first")
-        matrix = np.asarray(matrix)
-        if matrix.ndim != 2:
-            raise InputError(f"{name} must be a square matrix, got shape {matrix.shape}")
-    if matrix.dtype.kind not in "iuf":
-        raise InputTypeError(f"{name} must be a matrix of real numbers, got dtype {matrix.dtype}")
+def _checked(name: str, matrix: Any) -> Any:
+    """Return a square matrix of real numbers whose structure is sound, sparse or dense."""
+    if sp.issparse(matrix):
+        try:
+            matrix = _anew(matrix)
+        except (ValueError, TypeError, AttributeError, IndexError, OverflowError) as error:
+            raise InputError(f"{name} is not a valid sparse matrix: {error}") from None
+    elif np.ma.is_masked(matrix):
+        raise InputTypeError(f"{name} has masked entries; fill or remove them first")
+    else:
+        try:
+            matrix = np.asarray(matrix)
+        except ValueError as error:
+            raise InputTypeError(f"{name} must be a matrix of real numbers: {error}") from None
+        matrix = _floats(matrix)
     if matrix.ndim != 2:
         raise InputError(f"{name} must be a square matrix, got shape {matrix.shape}")
-    # astype also turns big-endian numbers into the machine's own.
-    csr = sp.csr_array(matrix.astype(np.float64, copy=False))
-    try:
-        csr.check_format(full_check=True)
-    except ValueError as error:
-        raise InputError(f"{name} is not a valid sparse matrix: {error}") from None
-    return csr
+    if matrix.dtype.kind != "f":
+        raise InputTypeError(f"{name} must be a matrix of real numbers, got dtype {matrix.dtype}")
+    if matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
+        raise InputError(f"{name} must be square, got shape {matrix.shape}")
+    return matrix
+
+
+def _anew(matrix: Any) -> Any:
+    """Make a sparse matrix anew from its arrays, with no flag of the old one believed.
+
+    SciPy's conversions trust these arrays and write where they say.
+    """
+    if matrix.ndim != 2:
+        return matrix
+    if matrix.format in _COMPRESSED:
+        data, indices, indptr = _floats(matrix.data), matrix.indices, matrix.indptr
+        _check_compressed(matrix.format, matrix.shape, data, indices, indptr)
+        return _COMPRESSED[matrix.format]((data, indices, indptr), shape=matrix.shape)
+    if matrix.format == "dia":
+        offsets = _integers("offsets", matrix.offsets)
+        if (offsets <= -matrix.shape[0]).any() or (offsets >= matrix.shape[1]).any():
+            raise ValueError("offsets must be of diagonals that lie within the shape")
+        return sp.dia_array((_floats(matrix.data), offsets), shape=matrix.shape)
+    if matrix.format == "lil":
+        lengths = [[len(row) for row in rows] for rows in (matrix.rows, matrix.data)]
+        if lengths[0] != lengths[1] or len(lengths[0]) != matrix.shape[0]:
+            raise ValueError("rows and data must have as many lists, and as long ones")
+    coo = matrix.tocoo()
+    coords = tuple(_integers("indices", part) for part in coo.coords)
+    return sp.coo_array((_floats(coo.data), coords), shape=coo.shape)
+
+
+def _floats(value: Any) -> npt.NDArray[Any]:
+    """Return real numbers as native float64, anything else as it is.
+
+    Not by a sparse matrix's own astype, which sorts the entries of the caller's arrays.
+    """
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        return array
+    with np.errstate(over="ignore"):  # what overflows is reported as not finite
+        return array.astype(np.float64, copy=False)
+
+
+_COMPRESSED = {"csr": sp.csr_array, "csc": sp.csc_array, "bsr": sp.bsr_array}
+
+
+def _check_compressed(format: str, shape: Any, data: Any, indices: Any, indptr: Any) -> None:
+    """Raise ValueError where row pointers or indices lead out of the arrays or the shape."""
+    _integers("indices", indices), _integers("indptr", indptr)
+    block = data.shape[1:]
+    if len(block) != (2 if format == "bsr" else 0):
+        raise ValueError(f"data must not have {data.ndim} axes")
+    if 0 in block or any(n % size for n, size in zip(shape, block, strict=False)):
+        raise ValueError(f"blocks of {block} do not fill a shape of {shape}")
+    rows, columns = (n // size for n, size in zip(shape, block or (1, 1), strict=True))
+    if format == "csc":
+        rows, columns = columns, rows
+    if len(indptr) != rows + 1 or indptr[0] != 0 or (indptr[1:] < indptr[:-1]).any():
+        raise ValueError(f"indptr must be {rows + 1} numbers that begin with 0 and do not descend")
+    if len(indices) != len(data) or indptr[-1] > len(data):
+        raise ValueError(
+            f"indices and data must have the same length, no less than the last of indptr; got "
+            f"{len(indices)}, {len(data)} and {indptr[-1]}"
+        )
+    used = indices[: indptr[-1]]
+    if used.size and (used.min() < 0 or used.max() >= columns):
+        raise ValueError(f"indices must be from 0 to {columns - 1}, got {used.min()}…{used.max()}")
+
+
+def _integers(name: str, value: Any) -> npt.NDArray[Any]:
+    array = np.asarray(value)
+    if array.ndim != 1 or array.dtype.kind not in "iu":
+        raise ValueError(f"{name} must be integers along one axis, got {array.dtype} {array.shape}")
+    return array
 
 
 def _canonical(csr: sp.csr_array) -> sp.csr_array:
@@ -266,9 +396,9 @@ def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
         return csr
     difference = (csr - transposed).tocoo()
     largest = float(np.abs(csr.data).max())
-    worst = int(np.argmax(np.abs(difference.data)))
-    gap = float(np.abs(difference.data[worst]))
+    gap = float(np.abs(difference.data).max(initial=0.0))  # zeros that are stored on one side only
     if gap > _ASYMMETRY * largest:
+        worst = int(np.argmax(np.abs(difference.data)))
         i, j = int(difference.row[worst]), int(difference.col[worst])
         raise InputError(
             f"{name} must be symmetric: {name}[{i}, {j}] = {csr[i, j]:.10g}, but "

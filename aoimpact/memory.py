@@ -22,7 +22,7 @@ def available() -> float:
     if sys.platform == "win32":
         return _windows()
     try:
-        return min(_linux(), _container())
+        return min(_linux(), _container(), _address_space())
     except OSError:
         return _physical()
 
@@ -63,6 +63,17 @@ def _container() -> float:
     except OSError:
         return float("inf")
     return float("inf") if limit == "max" else float(limit) - float(used)
+
+
+def _address_space() -> float:
+    """What a limit of this process (``ulimit -v``, batch systems) leaves it."""
+    import resource  # not there on Windows
+
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
+        return float("inf")
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    return max(0.0, float(limit) - float(pages * resource.getpagesize()))
 
 
 def _physical() -> float:

@@ -17,7 +17,7 @@ from scipy.spatial import KDTree
 
 from .checks import choice, finite_array, node_ids, positive
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
-from .errors import InputTypeError, MeshError, warn
+from .errors import InputError, InputTypeError, MeshError, warn
 from .frozen import Frozen
 from .meshfile import load, named_nodes
 
@@ -80,6 +80,10 @@ class Mesh(Frozen):
         _check_reach(nodes)
         _check_duplicates(cells, element)
         _check_elements(nodes, cells, element)
+        if not isinstance(self.node_sets, Mapping):
+            raise InputTypeError(
+                f"node_sets must be a dict of names and node numbers, got {self.node_sets!r}"
+            )
         sets = {
             str(name): node_ids(f"node_sets[{name!r}]", members, len(nodes))
             for name, members in self.node_sets.items()
@@ -138,10 +142,24 @@ def read_mesh(source: str | os.PathLike[str] | Any, *, scale: float = 1.0) -> Me
         if factor == 1.0:
             return source
         return Mesh(_scaled(source.nodes, factor), source.cells, source.kind, source.node_sets)
-    raw = load(source) if isinstance(source, (str, os.PathLike)) else source
-    if not all(hasattr(raw, name) for name in ("points", "cells", "point_sets", "cell_sets")):
+    if isinstance(source, (str, os.PathLike)):
+        raw = load(source)
+        try:
+            return _ordered(raw, factor)
+        except (MeshError, InputError, InputTypeError) as error:
+            raise MeshError(f"mesh file {os.fspath(source)!r}: {error}") from None
+    if not all(hasattr(source, name) for name in ("points", "cells", "point_sets", "cell_sets")):
         raise InputTypeError(
             f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
+        )
+    return _ordered(source, factor)
+
+
+def _ordered(raw: Any, factor: float) -> Mesh:
+    """Return a `meshio.Mesh` put in order and checked."""
+    if np.ndim(raw.points) != 2:
+        raise MeshError(
+            f"coordinates of the mesh must have shape (any, 3), got {np.shape(raw.points)}"
         )
     kind, cells = _volume_cells(raw)
     element = reference_element(kind)
@@ -214,11 +232,20 @@ def _volume_cells(raw: Any) -> tuple[str, IntArray]:
             f"the mesh mixes kinds of volume cells: {listed}; mesh the body with one kind"
         )
     (kind,) = volume
-    return kind, np.concatenate([block.data for block in raw.cells if block.type == kind])
+    # Empty blocks, as of a header without elements, may have any shape.
+    blocks = [block.data for block in raw.cells if block.type == kind and len(block.data)]
+    try:
+        return kind, np.concatenate(blocks)
+    except ValueError:
+        shapes = ", ".join(sorted({str(np.shape(block)) for block in blocks}))
+        raise MeshError(f"blocks of cells of kind {kind} have different shapes: {shapes}") from None
 
 
 def _checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
-    array = np.array(cells)
+    try:
+        array = np.array(cells)
+    except ValueError as error:
+        raise InputTypeError(f"cells must be integer node numbers: {error}") from None
     if array.dtype.kind not in "iu":
         raise InputTypeError(f"cells must be integer node numbers, got dtype {array.dtype}")
     if array.ndim != 2 or array.shape[1] != element.n_nodes or not len(array):

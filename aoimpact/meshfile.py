@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import io
 import os
 import re
+import stat
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,8 +17,10 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 
+from .checks import file_path
 from .elements import KINDS
-from .errors import MeshError, MissingFileError
+from .errors import MemoryLimitError, MeshError, MissingFileError
+from .meshguard import bounded, bounded_text
 
 __all__ = ["load", "named_nodes"]
 
@@ -23,6 +28,9 @@ IntArray = npt.NDArray[np.int64]
 
 # meshio's names of kinds of cells: a shape and its number of nodes.
 _KIND = re.compile(r"(vertex|line|triangle|quad|tetra|hexahedron|wedge|pyramid)\d*")
+
+# Formats that hold no volume cells: there is nothing to be read.
+_SURFACES = (".obj", ".off", ".ply", ".stl", ".svg", ".wkt")
 
 _DIMENSION_NAMES = ("point", "line", "surface", "volume")
 
@@ -37,23 +45,34 @@ def load(path: str | os.PathLike[str]) -> Any:
     MeshError
         If it is empty, of a format that meshio does not read, or has cells of a kind that meshio
         cannot hold.
+    MemoryLimitError
+        If there is not enough memory for it.
     """
-    file = Path(path)
-    if not file.exists():
-        raise MissingFileError(f"mesh file {str(file)!r} does not exist (in {os.getcwd()})")
-    if file.is_dir():
-        raise MeshError(f"mesh file {str(file)!r} is a directory")
-    if file.stat().st_size == 0:
-        raise MeshError(f"mesh file {str(file)!r} is empty")
+    file, size = _existing(path)
+    if file.suffix.lower() in _SURFACES:
+        raise MeshError(
+            f"mesh file {str(file)!r}: files {file.suffix} hold surfaces, without volume cells; "
+            "mesh the inside, and write .msh, .vtu or .inp"
+        )
     said = io.StringIO()
     try:
         # meshio tries one reader after the other, prints why each failed, and then exits.
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            return meshio.read(file)
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            bounded(size),
+            warnings.catch_warnings(),
+        ):
+            warnings.simplefilter("ignore")  # of deprecations, and of arithmetic on rubbish
+            warnings.filterwarnings("error", message="string or file could not be read")
+            return _read(file)
     except SystemExit:
         reason = " ".join(said.getvalue().split())
     except MemoryError:
-        raise
+        raise MemoryLimitError(
+            f"mesh file {str(file)!r} ({size} bytes) needs more memory than there is: coarsen the "
+            "mesh, or look for a count in the file that is wrong"
+        ) from None
     except ModuleNotFoundError as error:
         raise MeshError(
             f"mesh file {str(file)!r} needs the package {error.name}: pip install {error.name}"
@@ -75,17 +94,51 @@ def load(path: str | os.PathLike[str]) -> Any:
     )
 
 
+def _existing(path: str | os.PathLike[str]) -> tuple[Path, int]:
+    """Return the file and its size in bytes."""
+    file = file_path("mesh", path)
+    try:
+        state = file.stat()
+    except FileNotFoundError:
+        raise MissingFileError(
+            f"mesh file {str(file)!r} does not exist (in {os.getcwd()})"
+        ) from None
+    except OSError as error:  # no access, or a name that is too long
+        raise MeshError(f"mesh file {str(file)!r} cannot be opened: {error}") from None
+    if not stat.S_ISREG(state.st_mode):
+        what = "a directory" if stat.S_ISDIR(state.st_mode) else "no regular file"
+        raise MeshError(f"mesh file {str(file)!r} is {what}")
+    if state.st_size == 0:
+        raise MeshError(f"mesh file {str(file)!r} is empty")
+    return file, state.st_size
+
+
+def _read(file: Path) -> Any:
+    if file.name.lower().endswith(".vol.gz"):  # unpacked by a reader of its own, without bounds
+        with bounded_text(gzip.open(file)) as text:
+            return meshio.read(text, "netgen")
+    return meshio.read(file)
+
+
 def named_nodes(mesh: Any) -> dict[str, IntArray]:
     """Return the named groups of a `meshio.Mesh` as sorted node numbers.
 
     Node sets, cell sets, Gmsh's physical groups and MED's groups, of any dimension; a group of
     cells is the set of their nodes. A physical group without a name is called after its dimension
     and tag, as in "surface 3". Groups of the same name are joined.
+
+    Raises
+    ------
+    MeshError
+        If groups name what is not there, or not by numbers.
     """
     found: dict[str, list[IntArray]] = {}
-    for name, nodes in _groups(mesh):
-        if len(nodes):
-            found.setdefault(name, []).append(nodes)
+    try:
+        for name, nodes in _groups(mesh):
+            if len(nodes):
+                found.setdefault(name, []).append(nodes)
+    except (ValueError, TypeError, LookupError, OverflowError, AttributeError) as error:
+        raise MeshError(f"the named groups of the mesh are wrong: {error}") from None
     return {name: np.unique(np.concatenate(parts)) for name, parts in found.items()}
 
 

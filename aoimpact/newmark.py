@@ -135,14 +135,15 @@ def newmark_scene(
     ConvergenceError
         If the solution leaves the range of numbers; with the time.
     """
-    steps = max(1, math.ceil(duration / dt * (1.0 - 1e-12)))
+    wanted = duration / dt * (1.0 - 1e-12)  # infinite where it leaves the range of doubles
     count = _rows(bodies, contacts)
-    needed = 8.0 * count * (steps + 1.0)
+    needed = 8.0 * count * (wanted + 1.0)
     if needed > _MOST_BYTES:
         raise InputError(
-            f"dt={dt:g} s over duration={duration:g} s makes {steps:.3g} steps and a record of "
+            f"dt={dt:g} s over duration={duration:g} s makes {wanted:.3g} steps and a record of "
             f"{needed / 2**30:.3g} GiB: take a larger dt or a shorter duration"
         )
+    steps = max(1, math.ceil(wanted))
     rows = np.zeros((count, steps + 1))
     _core.newmark_scene(
         tuple(bodies),

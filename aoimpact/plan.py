@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,12 +19,17 @@ from .motion import Drift
 from .players import Player, State
 from .preload import Pressed, equilibrium
 
-__all__ = ["CONTACT_ROWS", "Joint", "Load", "Plan"]
+__all__ = ["CONTACT_ROWS", "Joint", "Load", "Plan", "normal_gap"]
 
 FloatArray = npt.NDArray[np.float64]
 
 # Rows of a record for each contact; its force is the first.
 CONTACT_ROWS = 4
+
+
+def normal_gap(gap: float) -> float:
+    """Return a gap, m; 0 for a subnormal one, which no time of flight can tell from 0."""
+    return gap if abs(gap) >= sys.float_info.min else 0.0
 
 
 class Joint(NamedTuple):

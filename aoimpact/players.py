@@ -452,7 +452,7 @@ def player(name: str, body: Any, velocity: float) -> Player:
     if isinstance(body, ContactPoint):
         return FullPlayer((body,), velocity)
     if isinstance(body, (list, tuple)):
-        return FullPlayer(checked_ports(body), velocity)
+        return FullPlayer(checked_ports(body, name), velocity)
     if isinstance(body, InterfaceModel):
         return InterfacePlayer(body, velocity)
     raise InputTypeError(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numbers
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .checks import nearest
+from .checks import nearest, sequence
 from .errors import InputError, InputTypeError
 from .result import Result
 
@@ -65,11 +65,12 @@ def keeper(keep: Any) -> Keep | None:
     if callable(keep):
         return Computed(keep)
     names = (keep,) if isinstance(keep, str) else keep
-    if not isinstance(names, Iterable) or isinstance(names, Mapping):
+    try:
+        names = tuple(sequence("keep", names))
+    except InputTypeError:
         raise InputTypeError(
             f"keep must be names such as ('peak_force', 'impulse') or a function, got {keep!r}"
-        )
-    names = tuple(names)
+        ) from None
     if not names:
         raise InputError("keep has no names: give some, such as ('peak_force', 'impulse')")
     for name in names:

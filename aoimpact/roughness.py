@@ -67,7 +67,7 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
         except Exception:  # no number: the run will say so, should it come there
             continue
         size = float(np.abs(force).max())
-        if size > 0.0:
+        if 0.0 < size < np.inf:
             apart = float(np.sqrt(np.mean(np.diff(force, 4) ** 2)))
             found.append(apart / (_GAIN * size))
     return float(np.median(found)) if found else 0.0

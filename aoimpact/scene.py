@@ -22,7 +22,7 @@ from .ladder import Models
 from .laws import ContactLaw
 from .newmark import Newmark
 from .patchlaw import effective_law, own_law, wide_enough
-from .plan import Joint, Load, Plan
+from .plan import Joint, Load, Plan, normal_gap
 from .players import FullPlayer, Player, StarPlayer, player
 from .run import Handle, Run
 from .solve_adaptive import solve_adaptive
@@ -37,6 +37,9 @@ Solver = Adaptive | Newmark
 
 # Squares and energies of speeds beyond these overflow, or vanish.
 SLOWEST, FASTEST = 1e-60, 1e60
+
+# s; its cube is a number, and so is the way of what flies as fast as that.
+LONGEST = 1e100
 
 _BY_DEFAULT = Adaptive()
 
@@ -169,7 +172,8 @@ class Scene:
         apart += self._positions[second.body] - self._positions[first.body]
         ends = _touched(self._bodies, first), _touched(self._bodies, second)
         between = effective_law(law, ends)
-        joint = Joint(first.body, first.at, second.body, second.at, between, apart, ends)
+        gap = normal_gap(apart)
+        joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends)
         beside = self._between.setdefault(joint.ends_at, [])
         for number in beside:
             other = self._joints[number]
@@ -287,7 +291,7 @@ class Scene:
             If gravity has no effect on a held star given by numbers, or a body's model was fitted
             to quite another contact time.
         """
-        length = positive("duration", duration, unit="s")
+        length = checked_duration(duration)
         boolean("energies", energies)
         boolean("preload", preload)
         if not self._players:
@@ -393,6 +397,14 @@ def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[Player]) -> 
 def _weightless(body: StarPlayer) -> bool:
     star = body.model
     return star.held and star.origin is None and not math.isinf(star.m0)
+
+
+def checked_duration(duration: Any) -> float:
+    """Return the length of a record, s, over which displacements are numbers."""
+    length = positive("duration", duration, unit="s")
+    if length > LONGEST:
+        raise InputError(f"duration={length:g} s is beyond what can be computed: {LONGEST:g} s")
+    return length
 
 
 def checked_speed(name: str, value: Any) -> float:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from .checks import file_path
 from .errors import InputError, InputTypeError, SceneFileError
 from .quantities import QUANTITIES, keeper
 from .result import Result
@@ -43,7 +44,7 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
     SceneFileError
         If the file cannot be read or is wrong: every problem with its line and column.
     """
-    file = Path(path)
+    file = file_path("path", path)
     try:
         text = file.read_text(encoding="utf-8-sig")  # with a mark at its start, or without
     except OSError as error:
@@ -52,11 +53,14 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
         raise SceneFileError(f"{file}: is not UTF-8 text ({error.reason})") from None
     try:
         data = tomllib.loads(text)
+        spots = toml_spots(text.replace("\r\n", "\n"))
     except tomllib.TOMLDecodeError as error:
         found = _UNREADABLE.fullmatch(str(error))
         where, what = (f":{found[2]}:{found[3]}", found[1]) if found else ("", str(error))
         raise SceneFileError(f"{file}{where}: is not TOML: {what}") from None
-    scene = SceneFile(file, data, toml_spots(text.replace("\r\n", "\n")))
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep nesting
+        raise SceneFileError(f"{file}: cannot be read: {error}") from None
+    scene = SceneFile(file, data, spots)
     scene.check()
     return scene
 

@@ -280,7 +280,7 @@ class Chosen(_OfTable):
     def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
         if self.key not in value:
             yield place, f"{self.key!r} is missing, {Choice(tuple(self.tables)).wanted}"
-        elif value[self.key] not in self.tables:
+        elif not (isinstance(value[self.key], str) and value[self.key] in self.tables):
             choice = Choice(tuple(self.tables))
             yield from choice.problems(value[self.key], (*place, self.key), root)
         else:

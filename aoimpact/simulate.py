@@ -9,7 +9,7 @@ from typing import Any
 
 from .adaptive import Adaptive
 from .answer import answer
-from .checks import boolean, nonnegative, positive
+from .checks import boolean, nonnegative
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, warn
 from .fit import warn_of_misfit
@@ -17,14 +17,14 @@ from .interface import InterfaceModel
 from .laws import ContactLaw
 from .newmark import Newmark
 from .patchlaw import effective_law
-from .plan import Joint, Plan
+from .plan import Joint, Plan, normal_gap
 from .players import player
 from .result import Result
-from .scene import checked_speed, solve
+from .scene import checked_duration, checked_speed, solve
 from .solvers import Solver
 from .sufficient import checked_linear_solver, sufficient
 
-__all__ = ["plan_impact", "simulate"]
+__all__ = ["checked_numbers", "plan_impact", "simulate"]
 
 _NAMES = "projectile", "target"
 
@@ -110,7 +110,7 @@ def simulate(
         result = _simulated(plan, solver)
         warn_of_misfit(plan, result.run, _NAMES)
         return result
-    _checked(law, velocity, duration, gap, energies)
+    checked_numbers(law, velocity, duration, gap, energies)
     bodies = projectile, target
     plan_of = partial(plan_impact, law=law, velocity=velocity, duration=duration, gap=gap)
     done, found = sufficient(
@@ -157,7 +157,7 @@ def plan_impact(
     InputError, InputTypeError
         For an argument that makes no sense.
     """
-    speed, length, distance = _checked(law, velocity, duration, gap, energies)
+    speed, length, distance = checked_numbers(law, velocity, duration, gap, energies)
     bodies = player("projectile", projectile, speed), player("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body.model, InterfaceModel):
@@ -173,18 +173,18 @@ def plan_impact(
     if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
         raise InputError("projectile and target are both of infinite mass: nothing can give way")
     ends = projectile, target
-    joint = Joint(0, 0, 1, 0, effective_law(law, ends), distance, ends)
+    joint = Joint(0, 0, 1, 0, effective_law(law, ends), normal_gap(distance), ends)
     return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
 
 
-def _checked(
+def checked_numbers(
     law: Any, velocity: Any, duration: Any, gap: Any, energies: Any
 ) -> tuple[float, float, float]:
     """Velocity, duration and gap."""
     speed = checked_speed("velocity", velocity)
     if speed == 0.0:
         raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
-    length = positive("duration", duration, unit="s")
+    length = checked_duration(duration)
     distance = nonnegative("gap", gap, unit="m")
     boolean("energies", energies)
     if not isinstance(law, ContactLaw):

@@ -139,10 +139,11 @@ class LinearSolver:
 
     def _excess(self, residual: FloatArray, rhs: FloatArray, x: FloatArray) -> float:
         """The largest residual of all columns, over what is allowed; nan where x is too large."""
-        rounding = _ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
-        allowed = np.maximum(self.tolerance * np.linalg.norm(rhs, axis=0), rounding)
-        size = np.linalg.norm(residual, axis=0)
-        return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
+        with np.errstate(over="ignore", invalid="ignore"):
+            rounding = _ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
+            allowed = np.maximum(self.tolerance * np.linalg.norm(rhs, axis=0), rounding)
+            size = np.linalg.norm(residual, axis=0)
+            return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
 
     def answer(self, rhs: FloatArray) -> FloatArray:
         """Return (K + s²M)⁻¹ `rhs` as the method gives it, its residual not looked at.

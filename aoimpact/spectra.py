@@ -24,6 +24,9 @@ DENSE_DOFS = 500
 # Eigenvalues closer than this, relative, are one multiple eigenvalue.
 EQUAL = 1e-9
 
+# Of the first guess of s²: what is less is no elastic eigenvalue, but rounding.
+_LEAST_SHIFT = 1e-30
+
 # ‖Kφ‖ / ‖|K||φ|‖ of a mode that is rigid: rounding gives some 1e-15, the slenderest of meshes that
 # double precision can still carry 1e-9.
 _RIGID = 1e-12
@@ -57,7 +60,8 @@ def shifted(
     if rigid is None:
         return current
     for _ in range(3):
-        elastic = _first_elastic(K, M, current, rigid)
+        # A motion that was missed among the rigid ones has no elastic eigenvalue at all.
+        elastic = max(_first_elastic(K, M, current, rigid), _LEAST_SHIFT * _first_shift(K, M))
         if 1e-3 * current.s2 <= elastic <= 1e5 * current.s2:
             break
         current = solver_at(elastic)
@@ -152,7 +156,9 @@ def lowest(
         omega2, modes = davidson(K, M, near.precondition, n - count, away_from=rigid)
     else:
         base = shifted(K, M, rigid=known, invert=solver_at, first=near)
-        omega2, modes = lowest_sparse(M, base.solve, base.s2, n - count, away_from=rigid)
+        omega2, modes = lowest_sparse(
+            M, base.solve, base.s2, n - count, away_from=rigid, whole=False
+        )
     return (
         np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
         np.column_stack([rigid, modes])[:, :n],
@@ -167,6 +173,7 @@ def lowest_sparse(
     *,
     away_from: FloatArray,
     start: FloatArray | None = None,
+    whole: bool = True,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the `n` lowest eigenpairs of a space from its inverse operator, by ARPACK.
 
@@ -190,11 +197,15 @@ def lowest_sparse(
         M-orthonormal eigenvectors to keep out of the result.
     start : ndarray, shape (dofs,), optional
         First vector of the Krylov space.
+    whole : bool, optional
+        Whether the last eigenvalue is wanted with all its members, of which there may be as many as
+        dofs.
 
     Returns
     -------
     omega2, modes : ndarrays, shapes (n or more,), (dofs, n or more)
     """
+    margin = EQUAL if whole else -EQUAL
     first = np.random.default_rng(2).standard_normal(M.shape[0]) if start is None else start
     omega2, modes = _arnoldi(M, solve, s2, n, away_from, first)
     if start is not None:
@@ -202,9 +213,9 @@ def lowest_sparse(
     while True:
         deflated = np.column_stack([away_from, modes])
         next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, first)
-        highest = omega2[n - 1] * (1.0 + EQUAL)
+        highest = omega2[n - 1] * (1.0 + margin)
         if next_omega2[0] > highest:
-            within = omega2 <= highest
+            within = omega2 <= max(highest, omega2[n - 1])
             return omega2[within], modes[:, within]
         omega2 = np.append(omega2, next_omega2)
         modes = np.column_stack([modes, next_mode])

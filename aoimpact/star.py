@@ -22,6 +22,9 @@ __all__ = ["AOModel", "Origin", "rigid"]
 
 FloatArray = npt.NDArray[np.float64]
 
+# Masses, kg, and stiffnesses, N/m, beside each other: their ratios squared are numbers.
+_LARGEST, _LEAST = 1e100, 1e-100
+
 
 @dataclass(frozen=True, eq=False)
 class Origin:
@@ -140,7 +143,23 @@ class AOModel(Frozen):
             raise InputError("m0 must be positive where there are no oscillators, got 0 kg")
         if math.isinf(self.m0) and (len(self.m) or self.k0):
             raise InputError("m0 is infinite: a fixed wall has neither oscillators nor k0")
+        self._check_reach()
         super().__post_init__()
+
+    def _check_reach(self) -> None:
+        """Refuse masses and springs whose ratios squared leave the range of doubles."""
+        if not len(self.m) and not self.k0:
+            return
+        for name, unit in (("m0", "kg"), ("k0", "N/m"), ("m", "kg"), ("k", "N/m")):
+            values = np.atleast_1d(getattr(self, name))
+            wrong = (values != 0.0) & ((values < _LEAST) | (values > _LARGEST))
+            if wrong.any():
+                value = float(values[wrong][0])
+                cure = "; a contact without mass is m0 = 0" if name == "m0" and value < 1.0 else ""
+                raise InputError(
+                    f"{name} must be from {_LEAST:g} to {_LARGEST:g} {unit} to be computed with, "
+                    f"got {value:g}{cure}"
+                )
 
     @property
     def n(self) -> int:

@@ -9,14 +9,14 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from .adaptive import Adaptive
-from .checks import choice, integer, positive
+from .checks import choice, integer, positive, sequence
 from .errors import AOImpactError, AOImpactWarning, InputError, InputTypeError
 from .laws import ContactLaw
 from .newmark import Newmark
 from .patchlaw import effective_law
 from .players import Player, StarPlayer, player
 from .result import Result
-from .simulate import simulate
+from .simulate import checked_numbers, simulate
 from .solve_newmark import rigid_contact_time
 from .study_scipy import METHODS, OdeScene, Outcome, ode_scene
 from .study_table import Measurement, Reference, WorkPrecision
@@ -28,6 +28,8 @@ _ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 _SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
 # Default steps of Newmark's rule, as shares of the contact time, and the longest run of them.
+_MOST_REPEATS = 10_000
+
 _NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
 
 # Seconds: short runs are repeated at least, long ones at most, until so much time has passed; one
@@ -84,7 +86,8 @@ def work_precision(
     ConvergenceError
         If the reference cannot be computed.
     """
-    count = integer("repeats", repeats, low=1)
+    count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
+    velocity, duration, gap = checked_numbers(law, velocity, duration, gap, False)
     names = _methods(scipy)
     bodies = _star_player("projectile", projectile, velocity), _star_player("target", target, 0.0)
     scene = {
@@ -135,7 +138,7 @@ def _star_player(name: str, body: Any, velocity: float) -> StarPlayer:
 
 
 def _methods(scipy: Iterable[str]) -> tuple[str, ...]:
-    names = (scipy,) if isinstance(scipy, str) else tuple(scipy)
+    names = (scipy,) if isinstance(scipy, str) else tuple(sequence("scipy", scipy))
     for name in names:
         choice("scipy", name, METHODS)
     return names
@@ -144,7 +147,9 @@ def _methods(scipy: Iterable[str]) -> tuple[str, ...]:
 def _settings(
     name: str, values: Iterable[float] | None, default: Sequence[float]
 ) -> tuple[float, ...]:
-    return tuple(default) if values is None else tuple(positive(name, value) for value in values)
+    if values is None:
+        return tuple(default)
+    return tuple(positive(name, value) for value in sequence(name, values))
 
 
 def _contact_time(bodies: tuple[Player, Player], law: ContactLaw, velocity: float) -> float:

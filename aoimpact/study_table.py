@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .axes import error_axes, given_axes
 from .cells import aligned, html_table
-from .checks import choice, positive
+from .checks import choice, file_path, positive
 from .study_scipy import Outcome
 from .units import quantity
 
@@ -134,7 +134,7 @@ class WorkPrecision:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table: one row a run, times in s, errors relative."""
         names = [field.name for field in fields(Measurement)]
-        with open(path, "w", newline="", encoding="utf-8") as file:
+        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow([*names[:3], *(f"error of {name}" for name in names[3:6]), *names[6:]])
             for row in self.rows:

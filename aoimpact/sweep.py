@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .checks import nearest
+from .checks import nearest, sequence
 from .errors import InputError, InputTypeError
 from .many import KEYWORDS, REQUIRED, Failed, SceneCase, iterate_many
 from .memory import require
@@ -126,9 +126,7 @@ def _checked_grid(grid: Any) -> dict[str, list[Any]]:
     for name, values in grid.items():
         if not isinstance(name, str) or not name:
             raise InputTypeError(f"grid: names of parameters must be text, got {name!r}")
-        if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
-            raise InputTypeError(f"grid[{name!r}] must be a list of values, got {values!r}")
-        checked[name] = list(values)
+        checked[name] = sequence(f"grid[{name!r}]", values)
         if not checked[name]:
             raise InputError(f"grid[{name!r}] has no values: the sweep is empty")
     return checked
@@ -185,8 +183,8 @@ def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
     if callable(base):
         return base
     raise InputTypeError(
-        f"sweep needs a function, a dict of simulate's keywords, a scene file or a scene, got "
-        f"{base!r}"
+        "base: sweep needs a function, a dict of simulate's keywords, a scene file or a scene, "
+        f"got {base!r}"
     )
 
 

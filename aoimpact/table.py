@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .checks import file_path
 from .errors import InputError
 from .events import FloatArray
 
@@ -70,7 +71,7 @@ def body_names(count: int, names: Sequence[str] | None) -> list[str]:
 def write_csv(table: Mapping[str, FloatArray], path: str | os.PathLike[str]) -> None:
     """Write columns with 17 digits, so that they read back bit for bit."""
     np.savetxt(
-        path,
+        file_path("path", path),
         np.column_stack(list(table.values())),
         fmt="%.17g",
         delimiter=",",

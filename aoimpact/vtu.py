@@ -11,6 +11,7 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 
+from .checks import file_path
 from .errors import InputError
 from .mesh import Mesh
 
@@ -38,7 +39,7 @@ def write_series(
     InputError
         If the folder is not there.
     """
-    given = Path(os.fspath(path))
+    given = file_path("path", path)
     stem = given.with_suffix("") if given.suffix.lower() in (".vtu", ".pvd") else given
     if not stem.parent.is_dir():
         raise InputError(f"path={str(given)!r}: there is no folder {str(stem.parent)!r}")

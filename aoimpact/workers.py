@@ -30,6 +30,10 @@ _AHEAD = 2
 _MOST_IN_TASK = 4096
 
 
+# More threads than any machine serves at once.
+_MOST_THREADS = 4096
+
+
 class _UnderWay(NamedTuple):
     """Items with a worker, how to wait for them, and how to call them back."""
 
@@ -55,7 +59,7 @@ class Workers:
             self._executor, self._width = workers, _width(workers)
             return
         try:
-            self._width = integer("workers", workers, low=1)
+            self._width = min(integer("workers", workers, low=1), _MOST_THREADS)
         except InputTypeError:
             raise InputTypeError(
                 f"workers must be a number of threads, or an executor with .map, got {workers!r}"

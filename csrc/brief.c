@@ -75,6 +75,10 @@ int aoi_brief_run(aoi_adaptive *run, size_t capacity, size_t most, double *track
     if (run->system->body_count != 2 || run->system->joint_count != 1) {
         return AOI_ERROR_ARGUMENT;
     }
+    const aoi_law *law = run->system->joint[0].law;
+    if (law && law->note) { /* not what it was for a run before, of the same law */
+        law->note[0] = (double)NAN;
+    }
     int status = aoi_adaptive_start(run);
     for (double before = -HUGE_VAL; status == AOI_OK && run->time > before && run->time < run->end;) {
         size_t more = 0, more_rows = 0;

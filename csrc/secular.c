@@ -6,7 +6,8 @@
 #include <float.h>
 #include <math.h>
 
-enum { MOST_ITERATIONS = 400 };
+/* Bisection alone goes through all powers of two that a double has. */
+enum { MOST_ITERATIONS = 2200 };
 
 /* s and s' at origin + offset, the poles' distances taken before anything is added up. */
 static void secular_evaluate(const aoi_secular *s, double origin, double offset, double *value,

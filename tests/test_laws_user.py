@@ -160,7 +160,8 @@ def test_what_is_a_number_is_taken(answer):
 def test_nan_stops_with_the_state_that_gave_it(solver):
     law = ao.UserLaw(lambda d, v: K * d**1.5 if d < 1e-5 else math.nan, depends_on_rate=False)
     with pytest.raises(
-        ao.ConvergenceError, match=r"the contact law gave NaN, at indentation = 1.*e-05"
+        ao.ConvergenceError,
+        match=r"gave no finite number, at indentation = 1.*e-05",
     ):
         hit(law, solver)
     with pytest.raises(ao.ConvergenceError, match=r"at indentation = 0.002 m and rate = -3 m/s"):
@@ -178,7 +179,7 @@ def test_a_law_that_falls_stops_within_a_patch(solver):
 
 
 def test_nan_of_a_c_function_stops_too(library):
-    with pytest.raises(ao.ConvergenceError, match="the contact law gave NaN, at indentation = "):
+    with pytest.raises(ao.ConvergenceError, match="gave no finite number, at indentation = "):
         hit(ao.UserLaw(library.broken))
 
 
@@ -281,3 +282,21 @@ def test_the_restitution_of_a_law_without_loss_is_1_and_of_one_that_gives_energy
     gives = ao.UserLaw(lambda d, rate: 1e10 * d**1.5 * (1.0 - 0.2 * rate))
     with pytest.raises(ao.InputError, match=r"gives more energy than it takes"):
         ao.restitution(gives, 0.016, 1.0)
+
+
+@pytest.mark.parametrize("solver", [None, ao.Newmark(dt=1e-6)])
+def test_a_force_that_is_infinite_or_always_negative(solver):
+    ball = ao.rigid(mass=1.0)
+    strike = {
+        "projectile": ball,
+        "target": ball,
+        "velocity": 1.0,
+        "duration": 1e-3,
+        "solver": solver,
+    }
+    with pytest.raises(ao.ConvergenceError, match=r"gave no finite number|infinity or NaN"):
+        ao.simulate(**strike, law=ao.UserLaw(lambda d, v: math.inf))
+    law = ao.UserLaw(lambda d, v: -1e9 * d)  # cut to 0: the bodies pass through each other
+    hit = ao.simulate(**strike, law=law)
+    assert hit.peak_force == hit.impulse == law.force(1e-3) == 0.0
+    assert hit.rebound_velocity == 1.0

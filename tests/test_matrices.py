@@ -1,6 +1,10 @@
-"""Matrices of more entries than the core can count."""
+"""Matrices of more entries than the core can count, and those that do not hold together."""
 
 from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,3 +46,131 @@ def test_more_entries_than_the_core_counts_are_refused(monkeypatch: pytest.Monke
             duration=1.0,
             solver=ao.Newmark(dt=0.1),
         )
+
+
+# ------------------------------------------------------------- structures that do not hold together
+
+N = 12
+CHAIN = sp.diags_array([-1e6, 2e6, -1e6], offsets=[-1, 0, 1], shape=(N, N)).tocsr()
+FORMATS = ("csr", "csc", "coo", "bsr", "dia", "lil", "dok")
+
+
+def with_number(matrix: Any, name: str, at: int, number: int) -> Any:
+    """The same with one number of an index array replaced, as a program that errs leaves it."""
+    array = np.array(getattr(matrix, name))
+    array.reshape(-1)[at] = number
+    setattr(matrix, name, array)
+    return matrix
+
+
+def unordered_with_starts(starts: int) -> Any:
+    """Single precision and columns out of order, which SciPy puts in order while it converts."""
+    matrix = CHAIN.astype(np.float32)
+    matrix.indices[:2] = matrix.indices[:2][::-1].copy()
+    matrix.has_sorted_indices = matrix.has_canonical_format = False
+    return with_number(matrix, "indptr", 7, starts)
+
+
+def empty_with_starts_inside() -> Any:
+    matrix = sp.csr_array((N, N))
+    matrix.indptr[3:5] = 2**30
+    return matrix
+
+
+def longer_list() -> Any:
+    matrix = CHAIN.tolil()
+    matrix.data[2] = [*matrix.data[2], 1.0]
+    return matrix
+
+
+def shape_of_a_milliard() -> Any:
+    matrix = CHAIN.tocoo()
+    matrix._shape = (10**9, 10**9)
+    return matrix
+
+
+BROKEN: dict[str, Callable[[], Any]] = {
+    "csr: a column that is not there": lambda: with_number(CHAIN.copy(), "indices", 5, 2**31 - 1),
+    "csr: a negative column": lambda: with_number(CHAIN.copy(), "indices", 5, -3),
+    "csr: rows that start beyond the end": lambda: unordered_with_starts(2**31 - 1),
+    "csr: rows that start before others": lambda: unordered_with_starts(1),
+    "csr: the first row does not start at 0": lambda: with_number(CHAIN.copy(), "indptr", 0, 1),
+    "csr: rows inside of an empty matrix": empty_with_starts_inside,
+    "csc: a row that is not there": lambda: with_number(CHAIN.tocsc(), "indices", 5, 2**31 - 1),
+    "csc: columns that start beyond the end": lambda: with_number(CHAIN.tocsc(), "indptr", 3, 999),
+    "bsr: a block that is not there": lambda: with_number(CHAIN.tobsr((2, 2)), "indices", 1, 99),
+    "bsr: blocks that start beyond the end": lambda: with_number(
+        CHAIN.tobsr((2, 2)), "indptr", 2, 999
+    ),
+    "dia: a diagonal beside the matrix": lambda: with_number(CHAIN.todia(), "offsets", 0, 2**30),
+    "lil: more numbers than columns": longer_list,
+    "coo: a shape of 10⁹ rows": shape_of_a_milliard,
+}
+
+
+@pytest.mark.parametrize("name", ["K", "M"])
+@pytest.mark.parametrize("what", BROKEN)
+def test_broken_structures_are_refused_by_name(what: str, name: str) -> None:
+    matrices = {"K": CHAIN, "M": sp.eye_array(N, format="csr")} | {name: BROKEN[what]()}
+    with pytest.raises(ao.InputError, match=rf"\b{name}\b"):
+        ao.FEModel(**matrices)
+
+
+def test_data_shorter_than_indices_is_refused() -> None:
+    K = CHAIN.copy()
+    K.data = K.data[:-1]
+    with pytest.raises(ao.InputError, match="K is not a valid sparse matrix: indices and data"):
+        ao.FEModel(K=K, M=np.eye(N))
+
+
+@pytest.mark.parametrize("kind", ["array", "matrix"])
+@pytest.mark.parametrize("format", FORMATS)
+def test_every_format_is_the_same_matrix(format: str, kind: str) -> None:
+    """Whatever its flags say, and in whatever order its entries are."""
+    K = getattr(sp, f"{format}_{kind}")(CHAIN)
+    if hasattr(K, "has_sorted_indices"):
+        K.has_sorted_indices = K.has_canonical_format = False
+    body = ao.FEModel(K=K, M=getattr(sp, f"{format}_{kind}")(np.eye(N, dtype=np.float32)))
+    assert np.array_equal(body.K.toarray(), CHAIN.toarray())
+    assert np.array_equal(body.M.toarray(), np.eye(N))
+
+
+def test_the_callers_arrays_are_not_put_in_order() -> None:
+    K = CHAIN.astype(np.float32)
+    K.indices[:2], K.data[:2] = K.indices[:2][::-1].copy(), K.data[:2][::-1].copy()
+    K.has_sorted_indices = K.has_canonical_format = False
+    before = K.indices.copy(), K.data.copy()
+    body = ao.FEModel(K=K, M=np.eye(N))
+    assert np.array_equal(body.K.toarray(), CHAIN.toarray())
+    assert np.array_equal(K.indices, before[0])
+    assert np.array_equal(K.data, before[1])
+
+
+def test_zeros_stored_on_one_side_are_no_asymmetry() -> None:
+    K = sp.csr_array((np.array([1.0, 0.0, 1.0]), np.array([0, 1, 1]), np.array([0, 2, 3])))
+    assert np.array_equal(ao.FEModel(K=K, M=np.eye(2)).K.toarray(), np.eye(2))
+
+
+@pytest.mark.parametrize(
+    ("K", "M", "words"),
+    [
+        (np.eye(2) * 1e200, np.eye(2), "K has entries up to 1e.200 N/m"),
+        (np.eye(2) * 1e-200, np.eye(2), "K has entries up to 1e-200 N/m"),
+        (np.eye(2), np.eye(2) * 1e200, "M has entries up to 1e.200 kg"),
+        (np.eye(2), np.diag([1.0, 1e-70]), r"M\[1, 1\] = 1e-70 kg is too little"),
+        (np.eye(2), np.diag([1e-15, 1e15]), "masses too far apart"),
+        (np.eye(2), np.array([[1.0, 1.0 - 1e-15], [1.0 - 1e-15, 1.0]]), "M must be positive def"),
+        ([[1.0], [1.0, 2.0]], np.eye(2), "K must be a matrix of real numbers"),
+    ],
+)
+def test_numbers_out_of_reach_are_refused(K: Any, M: Any, words: str) -> None:
+    with pytest.raises((ao.InputError, ao.InputTypeError), match=words):
+        ao.FEModel(K=K, M=M)
+
+
+def test_equal_eigenvalues_by_the_hundred_take_no_call_of_arpack_each() -> None:
+    """600 dofs on equal springs; to find every member of the lowest eigenvalue took 600 calls."""
+    body = ao.FEModel(K=sp.eye_array(600), M=sp.eye_array(600))
+    start = time.perf_counter()
+    assert body.frequencies(3) == pytest.approx([0.5 / np.pi] * 3)
+    assert time.perf_counter() - start < 5.0

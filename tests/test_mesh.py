@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import pickle
+import tracemalloc
 import warnings
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +17,13 @@ from bodies import distorted_box
 
 from aoimpact.assembly import stiffness_mass
 from aoimpact.elements import KINDS, reference_element
-from aoimpact.errors import AOImpactWarning, InputError, InputTypeError, MeshError
+from aoimpact.errors import (
+    AOImpactWarning,
+    InputError,
+    InputTypeError,
+    MemoryLimitError,
+    MeshError,
+)
 from aoimpact.generate import box_mesh
 from aoimpact.material import Material
 from aoimpact.mesh import Mesh, read_mesh
@@ -365,3 +373,140 @@ def test_good_meshes_raise_no_warning() -> None:
             read_mesh(box_mesh((1, 1, 1), (2, 2, 2), kind=kind))
             mesh = distorted_box(kind)
             read_mesh(meshio.Mesh(mesh.nodes, [(kind, mesh.cells)]))
+
+
+# ------------------------------------------------------------------------------- damaged files
+
+NODES = "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 1,1,1\n"
+TETS = "1, 1,2,3,4\n2, 2,3,4,5\n"
+
+
+@pytest.mark.parametrize("empty", ["*ELEMENT, TYPE=C3D4\n", "*ELEMENT, TYPE=C3D8\n"])
+def test_headers_without_elements_are_passed_over(tmp_path: Path, empty: str) -> None:
+    file = tmp_path / "a.inp"
+    file.write_text(NODES + empty + "*ELEMENT, TYPE=C3D4\n" + TETS)
+    mesh = read_mesh(file)
+    assert (mesh.n_nodes, mesh.kind) == (5, "tetra")
+    assert mesh.cells.tolist() == [[0, 1, 2, 3], [1, 2, 3, 4]]
+
+
+def written(file: Path, file_format: str, **how: bool) -> bytes:
+    box = box_mesh((1.0, 1.0, 1.0), (3, 3, 3))
+    cells = [("hexahedron", np.array(box.cells))]
+    tags = {"gmsh:physical": [np.ones(27, int)], "gmsh:geometrical": [np.ones(27, int)]}
+    names = {"body": np.array([1, 3])}
+    mesh = meshio.Mesh(np.array(box.nodes), cells, cell_data=tags, field_data=names)
+    meshio.write(file, mesh, file_format=file_format, **how)
+    return file.read_bytes()
+
+
+def patched(content: bytes, after: bytes, skip: int, number: int) -> bytes:
+    at = content.index(after) + len(after) + skip
+    return content[:at] + number.to_bytes(8, "little") + content[at + 8 :]
+
+
+@pytest.mark.parametrize("number", [10**9, 10**11, 2**62])
+@pytest.mark.parametrize(
+    ("section", "skip"),
+    [(b"$Nodes\n", 8), (b"$Elements\n", 0)],  # number of all nodes, and of blocks of elements
+)
+def test_a_count_beyond_the_file_is_refused_before_it_is_made_room_for(
+    tmp_path: Path, section: bytes, skip: int, number: int
+) -> None:
+    file = tmp_path / "a.msh"
+    content = written(file, "gmsh", binary=True)
+    file.write_bytes(patched(content, section, skip, number))
+    tracemalloc.start()
+    with pytest.raises(MeshError, match=r"a\.msh.* GiB, which is out of proportion to its size"):
+        read_mesh(file)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 2**30
+
+
+@pytest.mark.parametrize("count", [10**11, 10**9])
+def test_counts_in_text_are_no_better(tmp_path: Path, count: int) -> None:
+    file = tmp_path / "a.vtk"
+    text = written(file, "vtk42", binary=False).replace(b"POINTS 64", b"POINTS %d" % count)
+    file.write_bytes(text)
+    with pytest.raises(MeshError, match=r"a\.vtk.* out of proportion to its size"):
+        read_mesh(file)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.node", "# nothing but a comment\n"),  # meshio looks for a line that is none, for ever
+        ("a.msh", "(0 "),
+        ("a.vol", "mesh3d\ndimension\n3\nidentifications\n100000000000\n"),
+    ],
+)
+def test_a_file_that_ends_too_early_is_not_read_on_for_ever(
+    tmp_path: Path, name: str, text: str
+) -> None:
+    (tmp_path / "a.ele").write_text("")
+    (tmp_path / name).write_text(text)
+    with pytest.raises(MeshError, match=f"{name}.* cannot be read"):
+        read_mesh(tmp_path / name)
+
+
+def test_a_packed_file_is_bounded_too(tmp_path: Path) -> None:
+    file = tmp_path / "a.vol.gz"
+    file.write_bytes(gzip.compress(b"mesh3d\ndimension\n3\nmaterials\n100000000000\n"))
+    with pytest.raises(MeshError, match=r"cannot be read: .* ends before what it announces"):
+        read_mesh(file)
+    sound = tmp_path / "b.vol.gz"
+    meshio.write(sound, solid(), file_format="netgen")
+    assert read_mesh(sound).n_cells == 2
+
+
+def test_meshio_itself_stays_as_it_is(tmp_path: Path) -> None:
+    """Outside of a reading of ours its readers have no bounds, and its writers write."""
+    file = tmp_path / "a.msh"
+    written(file, "gmsh", binary=True)
+    read_mesh(file)
+    assert np.array_equal(meshio.read(file).points, read_mesh(file).nodes)
+    assert meshio.gmsh._gmsh41.np.empty((2**27, 2)).nbytes == 2**31  # never touched
+
+
+@pytest.mark.parametrize("name", ["a.stl", "a.wkt", "a.obj", "a.off", "a.ply"])
+def test_formats_of_surfaces_are_not_read(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("TIN (((" + 40 * "0.0 0.0 0.0, " + "x")  # minutes in a pattern
+    with pytest.raises(MeshError, match=f"{name}.* hold surfaces, without volume cells"):
+        read_mesh(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [("a\0.msh", "null character"), ("/dev/null", "no regular file"), ("a" * 300, "cannot be op")],
+)
+def test_what_is_no_file_is_refused(path: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        read_mesh(path)
+
+
+def test_what_is_wrong_in_a_file_names_it(tmp_path: Path) -> None:
+    file = tmp_path / "a.inp"
+    file.write_text(NODES.replace("1,1,1", "nan,1,1") + "*ELEMENT, TYPE=C3D4\n" + TETS)
+    with pytest.raises(MeshError, match=r"a\.inp.*must be finite"):
+        read_mesh(file)
+
+
+def test_groups_of_what_is_not_there_are_refused() -> None:
+    with pytest.raises(MeshError, match="named groups of the mesh are wrong"):
+        read_mesh(solid(cell_sets={"a": [np.array([5])]}))
+    with pytest.raises(MeshError, match=r"must have shape \(any, 3\)"):
+        read_mesh(solid(points=np.float64(1.0)))
+
+
+def test_too_little_memory_is_said_with_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(meshio, "read", full)
+    file = tmp_path / "a.msh"
+    file.write_text("$MeshFormat")
+    with pytest.raises(MemoryLimitError, match=r"a\.msh.* more memory than there is"):
+        read_mesh(file)

@@ -724,3 +724,35 @@ def test_runs_and_scenes_say_what_they_are():
     assert "974" in text
     assert "Adaptive(rtol=1e-06)" in text
     assert len(text.splitlines()) < 30
+
+
+@pytest.mark.parametrize("position", [5e-324, -5e-324, 1e-310])
+def test_a_subnormal_distance_is_none(position):
+    def peak(of):
+        scene = ao.Scene()
+        ball = scene.add(ao.rigid(mass=0.03), velocity=2.0)
+        star = scene.add(ao.AOModel(m0=0.045, k0=26880.0, m=[0.25], k=[5.9e6]), position=of)
+        scene.connect(ball, star, ao.Hertz(1e10))
+        return scene.simulate(duration=1e-3).contacts[0].peak_force
+
+    assert peak(position) == peak(0.0)
+
+
+@pytest.mark.parametrize("solver", [None, ao.Newmark(dt=1e-5)])
+def test_a_record_longer_than_numbers_reach_is_refused(solver):
+    ball = ao.rigid(mass=1.0)
+    strike = {
+        "projectile": ball,
+        "target": ball,
+        "law": ao.Hertz(1e9),
+        "velocity": 1.0,
+        "solver": solver,
+    }
+    with pytest.raises(ao.InputError, match=r"duration=1e.308 s is beyond"):
+        ao.simulate(**strike, duration=1e308)
+    if solver is None:  # it flies on for ever
+        hit = ao.simulate(**strike, duration=1e100)
+        assert hit.target.displacement[-1] == pytest.approx(1e100)
+    else:
+        with pytest.raises(ao.InputError, match=r"dt=1e-05 s over duration=1e.100 s"):
+            ao.simulate(**strike, duration=1e100)

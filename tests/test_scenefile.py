@@ -612,3 +612,30 @@ def test_the_examples_of_the_documents_are_right(tmp_path: Path) -> None:
             assert len(ao.read_scene(written(tmp_path, blocks[0] + block)).grid) == 4
         elif "duration" in block:
             ao.read_scene(written(tmp_path, block)).case()
+
+
+@pytest.mark.parametrize("kind", ["[]", "{}", "3", "[1, 2]", "1979-05-27"])
+def test_a_type_that_is_no_word_is_refused_where_it_stands(tmp_path: Path, kind: str) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(
+        "[bodies]\na = { mass = 1.0 }\n[impact]\nprojectile = 'a'\ntarget = 'a'\nvelocity = 1.0\n"
+        f"duration = 0.01\nlaw = {{ k = 1e9, type = {kind} }}\n"
+    )
+    with pytest.raises(ao.SceneFileError, match=r"a\.toml:8:\d+: impact\.law\.type: must be one"):
+        ao.read_scene(file)
+
+
+@pytest.mark.parametrize(
+    "text", ["a = " + 3000 * "[" + 3000 * "]", "a = 1" + 5000 * "0", "a = '\0'"]
+)
+def test_what_no_reader_of_toml_stands_is_refused_with_the_file(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "deep.toml"
+    file.write_text(text)
+    with pytest.raises(ao.SceneFileError, match=r"deep\.toml"):
+        ao.read_scene(file)
+
+
+@pytest.mark.parametrize("path", [None, 3, b"a.toml", ["a.toml"]])
+def test_what_is_no_path_is_refused(path: Any) -> None:
+    with pytest.raises(ao.InputTypeError, match="path must be a path"):
+        ao.read_scene(path)

@@ -181,3 +181,31 @@ def test_a_star_of_numbers_has_no_body_to_expand_to():
 def test_rigid_masses_are_positive_numbers(mass):
     with pytest.raises(ao.AOImpactError, match="mass must be"):
         ao.rigid(mass=mass)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ({"m0": 0.0, "m": [1e74], "k": [1e-300]}, "^k must be from .* got 1e-300"),
+        ({"m0": 1.0, "m": [1e200], "k": [1.0]}, "^m must be from .* got 1e.200"),
+        ({"m0": 1e-308, "k0": 26880.0, "m": [0.2], "k": [5.9e6]}, "^m0 must .* is m0 = 0"),
+        ({"m0": 1e308, "k0": 26880.0}, "^m0 must be from"),
+        ({"m0": 1.0, "k0": 1e-200}, "^k0 must be from"),
+    ],
+)
+def test_stars_beyond_the_range_of_numbers_are_refused(numbers, words):
+    with pytest.raises(ao.InputError, match=words):
+        ao.AOModel(**numbers)
+
+
+def test_modes_of_stars_over_two_hundred_decades():
+    """Σ r_j² = 1/m0 of mass-normalised modes, and Σ 1/ω_j² r_j² = 1/k0 of a held star."""
+    random = np.random.default_rng(4)
+    for _ in range(300):
+        n = int(random.integers(1, 5))
+        m, k = 10.0 ** random.uniform(-99, 99, (2, n))
+        m0, k0 = 10.0 ** random.uniform(-99, 99, 2)
+        omega2, shares = ao.AOModel(m0=m0, k0=k0, m=m, k=k).to_modal()
+        assert (np.diff(omega2) >= 0.0).all()
+        assert math.fsum(m0 * shares**2) == pytest.approx(1.0, rel=1e-9)
+        assert math.fsum(k0 / omega2 * shares**2) == pytest.approx(1.0, rel=1e-9)

@@ -119,6 +119,18 @@ static void a_record_may_end_in_contact(void)
     CHECK(near(brief.velocity[0], 2.0 * cos(0.25 * PI), 1e-8), "an eighth of a swing");
 }
 
+/* What a law left in its note in a run before is not taken for this one's trouble. */
+static void a_note_does_not_outlive_its_run(void)
+{
+    double note[AOI_LAW_NOTE] = {1e-3, 1.0, AOI_ERROR_LAW};
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, 0.3, (double)INFINITY, 1e6, 0.0);
+    p.law.note = note;
+    CHECK(brief_of(&p, 2.0, 0.1, ROWS, &brief) == AOI_OK, "it runs");
+    CHECK(isnan(note[0]), "nothing was wrong in it");
+}
+
 static void bodies_may_miss(void)
 {
     pair p;
@@ -195,6 +207,7 @@ int main(void)
     balls_collide();
     a_wall_gives_the_velocity_back();
     a_record_may_end_in_contact();
+    a_note_does_not_outlive_its_run();
     bodies_may_miss();
     touches_are_counted();
     what_comes_later_does_not_count();

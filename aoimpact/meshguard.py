@@ -1,0 +1,180 @@
+"""Bounds for meshio's readers, which allocate what a file's counts say and read on at its end.
+
+While a file is read, its readers see NumPy and `open` through this module: arrays larger than a
+file of that size can stand for, and reads that go on beyond its end, are errors. Outside
+`bounded` both are NumPy's and Python's own.
+"""
+
+from __future__ import annotations
+
+import builtins
+import io
+import math
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+__all__ = ["bounded", "bounded_text"]
+
+# Bytes of arrays that any file may ask for, and how many times its size beyond that: text takes
+# two bytes or more for a number, of which readers make several arrays of eight each.
+_FOR_ALL, _PER_BYTE = 2**30, 64
+
+# Empty reads at the end of a file after which its reader would go on for ever, or for very long.
+_MOST_EMPTY = 1000
+
+_GIB = 2.0**30
+
+# Bytes that the reader of this context may still ask for; None: without bounds.
+_left: ContextVar[list[float] | None] = ContextVar("aoimpact_mesh_bytes_left", default=None)
+
+
+@contextmanager
+def bounded(file_size: int) -> Iterator[None]:
+    """Bound what meshio's readers, called in this context, take for a file of so many bytes."""
+    _bind()
+    token = _left.set([float(_FOR_ALL + _PER_BYTE * file_size)])
+    try:
+        yield
+    finally:
+        _left.reset(token)
+
+
+def _take(n_bytes: float) -> None:
+    left = _left.get()
+    if left is None:
+        return
+    left[0] -= n_bytes
+    if left[0] < 0.0:
+        raise ValueError(
+            f"the file asks for an array of {n_bytes / _GIB:.3g} GiB, which is out of proportion "
+            "to its size: a count or number in it is wrong"
+        )
+
+
+class _Ending:
+    """A file that refuses to be read again and again beyond its end."""
+
+    _empty = 0
+
+    def _ended(self, got: Any) -> Any:
+        if not got:
+            self._empty += 1
+            if self._empty > _MOST_EMPTY:
+                raise EOFError("the file ends before what it announces")
+        return got
+
+
+class _EndingBytes(_Ending, io.BufferedReader):
+    def readline(self, size: Any = -1, /) -> bytes:
+        return bytes(self._ended(super().readline(size)))
+
+    def read(self, size: Any = -1, /) -> bytes:
+        return bytes(self._ended(super().read(size)))
+
+
+class _EndingText(_Ending, io.TextIOWrapper):
+    def readline(self, size: Any = -1, /) -> str:  # type: ignore[override]
+        return str(self._ended(super().readline(size)))
+
+    def read(self, size: Any = -1, /) -> str:
+        return str(self._ended(super().read(size)))
+
+
+def bounded_text(binary: Any) -> Any:
+    """Return a binary file as one of text that is not read beyond its end for ever."""
+    return _EndingText(binary)
+
+
+def _open(path: Any, mode: str = "r", *args: Any, **keywords: Any) -> Any:
+    if _left.get() is None or mode not in ("r", "rb") or args or keywords:
+        return builtins.open(path, mode, *args, **keywords)
+    binary = _EndingBytes(io.FileIO(path))
+    return binary if mode == "rb" else bounded_text(binary)
+
+
+class _Grids:
+    """``np.mgrid``."""
+
+    def __getitem__(self, key: Any) -> Any:
+        slices = key if isinstance(key, tuple) else (key,)
+        lengths = [_length(part.start or 0, part.stop, part.step or 1) for part in slices]
+        _take(8.0 * len(slices) * math.prod(lengths))
+        return np.mgrid[key]
+
+
+def _length(start: Any, stop: Any = None, step: Any = 1) -> float:
+    first, last = (0, start) if stop is None else (start, stop)
+    return max(0.0, (float(last) - float(first)) / float(step)) if step else 0.0
+
+
+def _by_shape(function: Callable[..., Any]) -> Callable[..., Any]:
+    def made(shape: Any, *args: Any, **keywords: Any) -> Any:
+        _take(8.0 * math.prod(float(n) for n in np.ravel(shape)))
+        return function(shape, *args, **keywords)
+
+    return made
+
+
+def _arange(*args: Any, **keywords: Any) -> Any:
+    _take(8.0 * _length(*args[:3]))
+    return np.arange(*args, **keywords)
+
+
+def _linspace(start: Any, stop: Any, num: Any = 50, **keywords: Any) -> Any:
+    _take(8.0 * float(num))
+    return np.linspace(start, stop, num, **keywords)
+
+
+def _fromfile(
+    file: Any, dtype: Any = float, count: Any = -1, sep: str = "", **keywords: Any
+) -> Any:
+    kind = np.dtype(dtype)
+    _take(float(kind.itemsize) * max(0.0, float(count)))
+    found = np.fromfile(file, dtype, count, sep, **keywords)
+    if kind == np.uint64 and count == 4 and len(found):
+        # The header of a section of Gmsh 4: first the number of blocks, of which a list is made.
+        _take(8.0 * float(found[0]))
+    return found
+
+
+def _fromiter(values: Any, dtype: Any, count: Any = -1, **keywords: Any) -> Any:
+    _take(8.0 * max(0.0, float(count)))
+    return np.fromiter(values, dtype, count, **keywords)
+
+
+def _add_outer(one: Any, other: Any, **keywords: Any) -> Any:
+    _take(8.0 * float(np.size(one)) * float(np.size(other)))
+    return np.add.outer(one, other, **keywords)
+
+
+class _Numpy(ModuleType):
+    """NumPy with bounds on what makes an array of a size that is a number in the file."""
+
+    def __init__(self) -> None:
+        super().__init__("numpy")
+        for name in ("empty", "zeros", "ones", "full"):
+            setattr(self, name, _by_shape(getattr(np, name)))
+        self.arange, self.linspace, self.mgrid = _arange, _linspace, _Grids()
+        self.fromfile, self.fromiter = _fromfile, _fromiter
+        self.add = SimpleNamespace(outer=_add_outer)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(np, name)
+
+
+_NUMPY = _Numpy()
+
+
+def _bind() -> None:
+    """Let meshio's modules see NumPy and `open` through this one."""
+    for name, module in tuple(sys.modules.items()):
+        if name.startswith("meshio.") and getattr(module, "np", None) is np:
+            module.np = _NUMPY  # type: ignore[attr-defined]
+        if name.startswith("meshio."):
+            module.open = _open  # type: ignore[attr-defined]

@@ -1,0 +1,29 @@
+"""A little of the campaign of malformed inputs, by fixed seeds."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TOOLS = Path(__file__).parents[1] / "tools"
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a process's memory")
+
+
+@pytest.mark.parametrize(("kind", "count"), [("mesh", 1500), ("matrix", 600), ("scene", 300)])
+def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
+    command = [sys.executable, "-m", "campaign.inputs", "--kind", kind, "--count", str(count)]
+    done = subprocess.run(
+        [*command, "--seed", "20261122"],
+        cwd=TOOLS,
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"{kind}: {count} inputs" in done.stdout

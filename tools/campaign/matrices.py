@@ -1,0 +1,346 @@
+"""Stiffness and mass matrices, damaged: structure, numbers, shapes and types."""
+
+from __future__ import annotations
+
+import pickle
+import random
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+import aoimpact as ao
+
+__all__ = ["Given", "make", "seeds"]
+
+_FORMATS = ("csr", "csc", "coo", "bsr", "dia", "lil", "dok")
+
+_ARGUMENT = re.compile(
+    r"\b(K|M|nodes?|free|dof|damping|body|functional|n|k0|m0|m|k|mass|stiffness)\b"
+)
+
+_NUMBERS = (0.0, -0.0, -1.0, 1e308, -1e308, 1e-308, 5e-324, 1e200, 1e-200, np.nan, np.inf, -np.inf)
+
+_INDICES = (
+    -1,
+    -2,
+    -(2**31),
+    2**31 - 1,
+    2**31 - 2,
+    2**30,
+    10**6,
+    255,
+    0,
+    1,
+    5,
+    -(2**63),
+    2**63 - 1,
+    2**62,
+)
+
+_TYPES = (
+    np.float32,
+    np.float16,
+    np.longdouble,
+    np.int8,
+    np.uint64,
+    np.int64,
+    np.bool_,
+    np.complex128,
+    ">f8",
+    ">i4",
+    object,
+    "U8",
+    "S8",
+    "M8[s]",
+    [("a", "f8")],
+)
+
+_ODD: tuple[Any, ...] = (
+    None,
+    0,
+    1.5,
+    "K",
+    b"K",
+    True,
+    1j,
+    [],
+    {},
+    (),
+    [[]],
+    [[1.0, 2.0], [3.0]],
+    [[1.0, None], [0.0, 1.0]],
+    np.zeros((0, 0)),
+    np.zeros((2, 3)),
+    np.zeros(4),
+    np.zeros((2, 2, 2)),
+    np.array(1.0),
+    object(),
+    len,
+    [["1", "0"], ["0", "1"]],
+    10**400,
+    [[10**400]],
+    set(),
+    np.ma.masked_array(np.eye(2), np.eye(2) > 0),
+    np.datetime64("2026-01-01"),
+    range(4),
+    float("nan"),
+)
+
+
+@dataclass(frozen=True)
+class Given:
+    """K and M and what goes with them, in a file that pickles them."""
+
+    arguments: dict[str, Any]
+    folder: Path
+
+    @property
+    def saved(self) -> Path:
+        file = self.folder / "matrices.pickle"
+        try:
+            file.write_bytes(pickle.dumps(self.arguments))
+        except Exception:  # not all that is odd can be pickled
+            file.write_text(repr(self.arguments))
+        return file
+
+    def run(self) -> None:
+        body = ao.FEModel(**self.arguments)
+        body.frequencies(min(3, body.n_dofs))
+        tip = body.contact(dof=body.n_dofs // 2)
+        star = ao.antioscillators(tip, n=1)
+        numbers = [star.m0, star.k0, *star.m, *star.k]
+        if not np.isfinite(numbers).all():
+            raise ArithmeticError(f"numbers of the model are not finite: {numbers}")
+
+    def named(self, message: str) -> bool:
+        return bool(_ARGUMENT.search(message))
+
+
+def seeds(folder: Path) -> list[tuple[Any, Any, Any]]:
+    """Return sound K, M and nodes or None."""
+    found: list[tuple[Any, Any, Any]] = []
+    for n in (1, 2, 3, 8, 40):
+        K = sp.diags_array([-1e6, 2e6, -1e6], offsets=[-1, 0, 1], shape=(n, n)).toarray()
+        found.append((K, np.diag(np.linspace(1.0, 2.0, n)), None))
+        if n > 1:
+            K = K.copy()
+            K[0, 0] = K[-1, -1] = 1e6  # free
+            found.append((K, np.eye(n), None))
+    box = ao.box_mesh((0.1, 0.05, 0.05), (2, 1, 1))
+    body = ao.FEModel.from_mesh(box, ao.Material(E=1e9, nu=0.3, rho=1e3))
+    found.append((body.K.toarray(), body.M.toarray(), np.array(box.nodes)))
+    long = sp.diags_array([-1e6, 2e6, -1e6], offsets=[-1, 0, 1], shape=(600, 600)).toarray()
+    found.append((long, np.eye(600), None))
+    return found
+
+
+def make(rng: random.Random, sound: list[tuple[Any, Any, Any]], folder: Path) -> Given:
+    """Return damaged matrices."""
+    K, M, nodes = sound[-1] if rng.random() < 0.02 else rng.choice(sound[:-1])
+    given: dict[str, Any] = {"K": K.copy(), "M": M.copy()}
+    if nodes is not None and rng.random() < 0.7:
+        given["nodes"] = nodes.copy()
+    names = ["K", "M"]
+    for _ in range(rng.choice((0, 1, 1, 2))):
+        name = rng.choice(names)
+        given[name] = _values(rng, given[name])
+    for name in names:
+        given[name] = _stored(rng, given[name])
+    # Once each: SciPy itself does not survive what is done to a broken one.
+    for name in rng.sample(names, rng.choice((0, 1, 1, 1, 2))):
+        given[name] = _broken(rng, given[name])
+    way = rng.randrange(30)
+    if way == 0:
+        given["K"], given["M"] = given["M"], given["K"]
+    elif way == 1:
+        given[rng.choice(names)] = rng.choice(_ODD)
+    elif way == 2:
+        given["nodes"] = _broken_dense(rng, nodes if nodes is not None else np.zeros((2, 3)))
+    elif way == 3:
+        n = K.shape[0]
+        given["free"] = rng.choice(
+            (
+                np.arange(n),
+                np.arange(n)[::-1],
+                np.zeros(n, int),
+                np.arange(n) - 1,
+                np.arange(n) * 1.0,
+                np.full(n, 2**62),
+                *_ODD,
+            )
+        )
+    elif way == 4:
+        given["nodes"] = rng.choice(_ODD)
+    elif way == 5:
+        given["damping"] = rng.choice(_ODD)
+    return Given(given, folder)
+
+
+def _values(rng: random.Random, dense: Any) -> Any:
+    """Numbers that are wrong, or out of range."""
+    n = min(dense.shape)
+    if n == 0 or n < max(dense.shape):
+        return dense
+    i, j = rng.randrange(n), rng.randrange(n)
+    way = rng.randrange(9)
+    if way == 0:
+        dense[i, j] = rng.choice(_NUMBERS)
+    elif way == 1:
+        dense[i, j] = dense[j, i] = rng.choice(_NUMBERS)
+    elif way == 2:
+        dense *= rng.choice((1e-300, 1e300, -1.0, 0.0, 1e-160, 1e160))
+    elif way == 3:
+        dense[i, j] += rng.choice((1.0, 1e9, -1e9, 1e-3))
+    elif way == 4:
+        dense[i] = dense[:, i] = 0.0
+    elif way == 5:
+        dense[i] *= rng.choice((1e200, 1e-200, -1.0))
+        dense[:, i] = dense[i]
+    elif way == 6:
+        dense = dense[: rng.randrange(n + 1), : rng.randrange(n + 1)]
+        dense = dense if dense.size else np.zeros((rng.randrange(3), rng.randrange(3)))
+    elif way == 7:
+        scale = 10.0 ** np.array([rng.uniform(-150, 150) for _ in range(n)])
+        dense = dense * scale * scale[:, None]
+    else:
+        dense = np.round(dense / np.abs(dense).max(initial=1e-300), rng.randrange(4))
+    return dense
+
+
+def _stored(rng: random.Random, dense: Any) -> Any:
+    if rng.random() < 0.25:
+        return _broken_dense(rng, dense) if rng.random() < 0.3 else dense
+    maker = getattr(sp, f"{rng.choice(_FORMATS)}_{rng.choice(('array', 'matrix'))}")
+    return maker(dense)
+
+
+def _broken_dense(rng: random.Random, dense: Any) -> Any:
+    way = rng.randrange(6)
+    try:
+        if way == 0:
+            return dense.astype(rng.choice(_TYPES))
+        if way == 1:
+            return dense.tolist()
+        if way == 2:
+            return np.ma.masked_array(dense, dense > 0.0)
+        if way == 3:
+            return np.asfortranarray(dense)[::-1]
+        if way == 4:
+            return dense.reshape(-1)
+        return np.asmatrix(dense)
+    except (TypeError, ValueError):
+        return dense
+
+
+def _broken(rng: random.Random, matrix: Any) -> Any:
+    """A sparse matrix whose arrays do not fit together, as if a program had written to them."""
+    if not sp.issparse(matrix):
+        return matrix
+    matrix = matrix.copy()
+    if matrix.format == "lil":
+        return _broken_lists(rng, matrix)
+    if matrix.format == "dok":
+        return _broken_keys(rng, matrix)
+    names = {
+        "csr": ("indices", "indptr"),
+        "csc": ("indices", "indptr"),
+        "bsr": ("indices", "indptr"),
+        "coo": ("row", "col"),
+        "dia": ("offsets",),
+    }[matrix.format]
+    name = rng.choice((*names, *names, "data"))
+    array = np.array(getattr(matrix, name))
+    way = rng.randrange(8)
+    if way <= 2 and array.size:
+        at = rng.randrange(array.size)
+        number = rng.choice(_NUMBERS) if name == "data" else rng.choice(_INDICES)
+        if name != "data" and not np.iinfo(array.dtype).min <= number <= np.iinfo(array.dtype).max:
+            array = array.astype(np.int64)
+        array.reshape(-1)[at] = number
+    elif way == 3:
+        array = array[: rng.randrange(len(array) + 1)]
+    elif way == 4:
+        array = np.concatenate([array, array[: rng.choice((1, 2, 3))]])
+    elif way == 5:
+        array = rng.choice(
+            (
+                array.astype(float),
+                array.reshape(-1, 1),
+                array[::-1],
+                array.astype(object),
+                array.astype(np.uint8),
+                array.tolist(),
+                None,
+                np.zeros(0, array.dtype),
+            )
+        )
+    elif way == 6:
+        shape = rng.choice(
+            (
+                (0, 0),
+                (5, 5),
+                (2, 40),
+                (40, 40),
+                (41, 41),
+                (10**9, 10**9),
+                (3, -1),
+                (1,),
+                (2**40, 2**40),
+            )
+        )
+        matrix._shape = shape
+    else:
+        flag = rng.choice(("has_sorted_indices", "has_canonical_format"))
+        if hasattr(matrix, flag):
+            setattr(matrix, flag, rng.choice((True, False)))
+        array = array[::-1] if array.ndim == 1 and rng.random() < 0.5 else array
+    try:
+        if name in ("row", "col"):
+            coords = list(matrix.coords)
+            coords[name == "col"] = array
+            matrix.coords = tuple(coords)
+        else:
+            setattr(matrix, name, array)
+    except (AttributeError, ValueError, TypeError):
+        pass
+    return matrix
+
+
+def _broken_lists(rng: random.Random, matrix: Any) -> Any:
+    row = rng.randrange(len(matrix.rows)) if len(matrix.rows) else 0
+    if not len(matrix.rows):
+        return matrix
+    way = rng.randrange(7)
+    if way == 0:
+        matrix.rows[row] = [*matrix.rows[row], rng.choice(_INDICES)]
+        matrix.data[row] = [*matrix.data[row], 1.0]
+    elif way == 1:
+        matrix.rows[row] = [*matrix.rows[row], 0]
+    elif way == 2:
+        matrix.data[row] = [*matrix.data[row], rng.choice(_NUMBERS)]
+    elif way == 3:
+        matrix.data[row] = rng.choice((None, "x", ["x"], [None], [1j], 3.0))
+    elif way == 4:
+        matrix.rows[row] = rng.choice((None, "x", ["x"], [None], [0.5], 3))
+    elif way == 5:
+        matrix.rows = matrix.rows[:row]
+    else:
+        matrix._shape = rng.choice(((5, 5), (10**9, 10**9), (0, 0), (3, 3)))
+    return matrix
+
+
+def _broken_keys(rng: random.Random, matrix: Any) -> Any:
+    way = rng.randrange(3)
+    if way == 0:
+        key = rng.choice(((-1, 0), (0, 10**9), (0,), (0, 1, 2), "x", (0.5, 1), (None, 0), 2**70))
+        matrix._dict[key] = 1.0
+    elif way == 1:
+        key = (0, 0)
+        matrix._dict[key] = rng.choice((None, "x", 1j, [1.0], *_NUMBERS))
+    else:
+        matrix._shape = rng.choice(((5, 5), (10**9, 10**9), (0, 0), (3, 3)))
+    return matrix
