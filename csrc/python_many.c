@@ -173,7 +173,7 @@ static int make_all(const stock *of, size_t count, const int32_t *which, const d
 {
     bench *on = calloc(1, sizeof *on);
     int fine = on != NULL;
-    for (size_t i = 0; fine && i < count && PyErr_CheckSignals() == 0;) {
+    for (size_t i = 0; fine && i < count && !PyErr_Occurred() && PyErr_CheckSignals() == 0;) {
         const double until = seconds_now() + HEARD_EVERY;
         Py_BEGIN_ALLOW_THREADS
         for (; fine && i < count && seconds_now() < until; i++) {
