@@ -148,6 +148,7 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
         "less its patches' own indentation the contact law has no force, since its own falls from "
         "one value to another; make the law continuous, or the contact points without a radius",
     ),
+    12: (ConvergenceError, "it was stopped"),
 }
 
 

@@ -18,6 +18,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Infinities and NaN are part of the interface, and sums are ordered with care. */
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) ||                                                \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "aoimpact needs IEEE arithmetic: compile without -ffast-math, -Ofast, -ffinite-math-only, /fp:fast"
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -34,8 +40,17 @@ typedef enum aoi_status {
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
     AOI_ERROR_PATCH,          /* the contact has grown wider than the patch whose law it is        */
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
-    AOI_ERROR_LAW_JUMPS       /* less a patch's compliance the law has no force: its own jumps     */
+    AOI_ERROR_LAW_JUMPS,      /* less a patch's compliance the law has no force: its own jumps     */
+    AOI_ERROR_STOPPED         /* the caller's pause said so                                        */
 } aoi_status;
+
+/* By which the caller is heard while work takes long: ask(data), at least every few milliseconds. Where it
+ * returns anything but 0, the function returns AOI_ERROR_STOPPED. ask may be NULL, and so may a pointer to
+ * a pause: then nobody is asked. */
+typedef struct aoi_pause {
+    int (*ask)(void *data);
+    void *data;
+} aoi_pause;
 
 /* ------------------------------------------------------------------------- vectors: vector.c */
 
@@ -44,6 +59,9 @@ double aoi_vector_dot(size_t n, const double *x, const double *y);
 
 /* y += factor x, n doubles, not overlapping. */
 void aoi_vector_add(size_t n, double factor, const double *x, double *y);
+
+/* Whether none of n doubles is infinite or NaN. */
+int aoi_vector_is_finite(size_t n, const double *x);
 
 /* ------------------------------------------------------------------ sparse matrices: sparse.c */
 
@@ -87,7 +105,7 @@ typedef struct aoi_residual_solver {
  * compressed columns WITHOUT its diagonal, rows of a column ascending; D the n pivots, all
  * positive; row i of A is row place[i] of P A P^T. Columns of like pattern stand in panels, which
  * are swept together: panel p is columns panel[p] .. panel[p+1]-1, panel[panel_count] = n. work: n
- * doubles. An aoi_factors is one thread's. */
+ * doubles. An aoi_factors is one thread's. pause: or NULL. */
 typedef struct aoi_factors {
     size_t n;
     const int32_t *start, *rows;
@@ -96,14 +114,15 @@ typedef struct aoi_factors {
     const int32_t *panel;
     size_t panel_count;
     double *work;
+    const aoi_pause *pause;
 } aoi_factors;
 
 /* Finds the widest panels: runs of columns of which each has the rows of the next, and the next
  * itself. panel: room for n+1 in, panel_count+1 out. The indices must be sound. */
 size_t aoi_factors_find_panels(size_t n, const int32_t *start, const int32_t *rows, int32_t *panel);
 
-/* Checks indices and panels, and that the pivots are positive (AOI_ERROR_NOT_POSITIVE: A was not
- * definite). */
+/* Checks indices, places and panels, and that the pivots are positive (AOI_ERROR_NOT_POSITIVE: A was
+ * not definite). Overwrites work. */
 int aoi_factors_check(const aoi_factors *factors, size_t stored_count);
 
 /* x <- A^-1 x by two triangular sweeps; data is an aoi_factors: it fits aoi_solver.solve. */
@@ -129,7 +148,7 @@ int aoi_blocks_check(const aoi_blocks *matrix, size_t stored_count);
 void aoi_blocks_subtract(const aoi_blocks *matrix, const float *x, float *r);
 
 /* Improves x, for which r = f - A x, by Chebyshev steps that damp the eigenvalues of D^-1 A from low
- * to high, 0 < low < high, with D the diagonal blocks. With finish, r is f - A x again on return;
+ * to high, 0 < low < high < inf, with D the diagonal blocks. With finish, r is f - A x again on return;
  * without, it is one product with A behind. work: 2 n size floats. */
 int aoi_blocks_smooth(const aoi_blocks *matrix, size_t steps, double low, double high, int finish,
                       float *x, float *r, float *work);
@@ -196,6 +215,7 @@ int aoi_oscillators_project(size_t n, size_t count, const double *phi, const dou
  *   solver     of A; it leaves the products that its residual is made of: they are not made twice.
  *   load       n doubles, kept from call to call: with one port M times the last column, once solved.
  *   work       aoi_krylov_work_size doubles.
+ *   pause      asked between two products of vectors, or NULL.
  */
 typedef struct aoi_krylov {
     aoi_sparse K, M;
@@ -205,6 +225,7 @@ typedef struct aoi_krylov {
     const double *b;
     double *basis, *stiffness, *load, *work;
     size_t count, next;
+    const aoi_pause *pause;
 } aoi_krylov;
 
 size_t aoi_krylov_work_size(size_t n, size_t capacity);
@@ -245,15 +266,16 @@ void aoi_star_energy(const aoi_star *star, const double *u, const double *v, dou
 
 /* The star's natural modes. In: oscillators in ascending, distinct k_i/m_i. Out: omega2 (n+1,
  * ascending) and participation r_j = b^T phi_j > 0 of the mass-normalised modes (n+1), so that the
- * receptance is sum_j r_j^2 / (omega2_j - w^2). mode_count: n+1, or n where m0 is zero. work: n. */
+ * receptance is sum_j r_j^2 / (omega2_j - w^2). mode_count: n+1, or n where m0 is zero. work: n.
+ * AOI_ERROR_NOT_FINITE also where a k_i/m_i or a mode leaves the range of numbers. */
 int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
-                      size_t *mode_count, double *work);
+                      size_t *mode_count, double *work, const aoi_pause *pause);
 
 /* The star of a modal model of count >= 1 modes with ascending, distinct omega2 >= 0 and weights
  * r_j^2 > 0: its antiresonances by the secular equation. Out: m0, k0 and count-1 oscillators in
  * ascending frequency (m, k). The inverse of aoi_star_to_modal. */
 int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
-                        double *k0, double *m, double *k);
+                        double *k0, double *m, double *k, const aoi_pause *pause);
 
 /* A function with n poles, s(x) = constant + x^power (linear + sum_j weight_j / (pole_j - x)), with
  * weights > 0, poles ascending and distinct, power 0 or 1: the receptance (0), minus the dynamic
@@ -352,7 +374,8 @@ struct aoi_law {
  *   A [s]; kelvin_voigt and kelvin_voigt_pulling: k, c [N s/m];
  *   thornton: k, yield force [N].
  * k and the yield force are positive, what damps is not negative. The formulas stand in law_*.c.
- * AOI_ERROR_ARGUMENT for an unknown name, a wrong count or a value out of range. */
+ * AOI_ERROR_ARGUMENT for an unknown name, a wrong count or a value out of range, or where
+ * what follows from them is. */
 int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
 
 /* A law through count >= 2 knots: cubics between them, a straight line past the last, which is the
@@ -363,6 +386,10 @@ int aoi_law_create_table(aoi_law *law, size_t count, const double *table);
 
 /* The caller's law. AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
 int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
+
+/* AOI_ERROR_ARGUMENT where a law cannot be used: without force or potential, with a compliance that is
+ * negative or not finite, with a limit that is not positive. */
+int aoi_law_check(const aoi_law *law);
 
 /* The force itself, for fixed steps and plots: on the piece of this indentation and direction; zero
  * at and below rest; cut at zero unless the law pulls. A NaN (of a caller's law) goes through. */
@@ -473,6 +500,7 @@ typedef struct aoi_newmark_step {
     double dt, predict_u, predict_v, correct_u, correct_v, reach;
 } aoi_newmark_step;
 
+/* AOI_ERROR_ARGUMENT where the rule is none, or dt^2 leaves the range of numbers. */
 int aoi_newmark_prepare(const aoi_newmark *rule, aoi_newmark_step *step);
 
 /* Rayleigh's damping: C = alpha M + beta K; alpha [1/s] and beta [s] >= 0. On a star: dashpots
@@ -559,13 +587,15 @@ void aoi_modal_receptance(size_t n, const double *omega, const double *decay, co
                           double *imaginary);
 
 /* A finite-element body: K, M (n x n) and C by damping, contact functionals b ([ports][n]), and a
- * solver of (1 + alpha gamma dt) M + (beta' dt^2 + beta gamma dt) K, beta' being the rule's. */
+ * solver of (1 + alpha gamma dt) M + (beta' dt^2 + beta gamma dt) K, beta' being the rule's. pause: asked
+ * while begin() solves with M, or NULL. */
 typedef struct aoi_full {
     aoi_sparse K, M;
     const double *b;
     size_t ports;
     aoi_rayleigh damping;
     aoi_solver solver;
+    const aoi_pause *pause;
 } aoi_full;
 
 /* Doubles of work space for aoi_body_start_full. */
@@ -616,7 +646,8 @@ typedef struct aoi_scene {
 } aoi_scene;
 
 /* AOI_ERROR_ARGUMENT where a contact or a load names a body or port that is not there, a gap is not
- * finite, or a load has no values. To be called before the next two. */
+ * finite, a law not usable, a load has no values or times that do not ascend, or no dt > 0 to go by. To
+ * be called before the next two. */
 int aoi_scene_check(const aoi_scene *scene);
 
 size_t aoi_scene_rows(const aoi_scene *scene);
@@ -728,7 +759,9 @@ size_t aoi_system_most_modes(const aoi_system *system);
 double aoi_system_residual(const aoi_system *system, size_t joint);
 
 /* AOI_ERROR_ARGUMENT where numbers are not finite, frequencies or load times do not ascend, decays are
- * negative, or a joint names a body or port that is not there, or one body twice. O(all arrays). */
+ * negative, a joint names a body or port that is not there, or one body twice, or has no usable law, where
+ * first and first_port are not the sums of the bodies' n and ports, or first_joint (which may be NULL) and
+ * joint_of not as aoi_system_link makes them. O(all arrays). */
 int aoi_system_check(const aoi_system *system);
 
 /* A polynomial in time that adds to an indentation over one step: its shifted Legendre coefficients and those
@@ -1048,13 +1081,14 @@ typedef struct aoi_sampler {
     double part;  /* of the row up to where port_force goes: else 1    */
     double *port_force, *states;
     double *settled; /* work on each contact up to the end of its last row; NaN: not yet asked for */
+    double *flown, *booked; /* bodies in flight as they were at the last bend of their loads */
 } aoi_sampler;
 
 size_t aoi_sampler_size(const aoi_system *system);
 
 /* To the beginning of the track. AOI_ERROR_ARGUMENT for one that does not start with all bodies, or names
- * what is not in the system, or has contacts in a row of no length, or is not whole; and as
- * aoi_system_check. */
+ * what is not in the system, or has contacts in a row of no length, or rows that go back in time, or is not
+ * whole; and as aoi_system_check. */
 int aoi_sampler_start(aoi_sampler *sampler);
 
 /* Rows of a record, and the column of one time of it: value i goes to record[i * stride]. energies: 0

@@ -55,6 +55,24 @@ PyObject *raise_at(int status, const char *what, double time, double indentation
 /* Releases the buffers; None, or NULL with an error raised. */
 PyObject *finish(held *buffers, int status, const char *what);
 
+/* ------------------------------------------------------------------ python_pause.c: signals */
+
+/* Seconds of a clock that only goes forward. */
+double seconds_now(void);
+
+/* What one call hears signals by: pause is for the core, and asks every HEARD_EVERY seconds, with the GIL or,
+ * between release and regain, without. An error is set once it has said no. */
+#define HEARD_EVERY 0.02
+typedef struct listener {
+    aoi_pause pause;
+    double next;
+    PyThreadState *thread; /* while the GIL is released */
+} listener;
+
+void listener_open(listener *ear);
+void listener_release(listener *ear);
+void listener_regain(listener *ear);
+
 /* ------------------------------------------------------------------ what is made of tuples */
 
 /* (name, parameters, compliance, limit, note, data), made by ContactLaw.for_core and read only here. */
@@ -67,7 +85,7 @@ PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law
 /* (start, indices, values) of a matrix of n rows. */
 int take_sparse(held *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix);
 
-/* (start, rows, values, pivots, place, panel). */
+/* (start, rows, values, pivots, place, panel); factors->work is there already. */
 int take_factors(held *buffers, PyObject *tuple, size_t n, aoi_factors *factors);
 
 /* (omega, decay, shape, push, residual, gravity, inertia, centre, centre_residual, load_time,

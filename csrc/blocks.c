@@ -4,6 +4,8 @@
  * spent in row_product: hence single precision, and one copy of it for each size of block. */
 #include "aoimpact.h"
 
+#include <math.h>
+
 int aoi_blocks_check(const aoi_blocks *matrix, size_t stored_count)
 {
     const aoi_sparse pattern = {matrix->n, matrix->start, matrix->indices, NULL};
@@ -126,7 +128,7 @@ int aoi_blocks_smooth(const aoi_blocks *matrix, size_t steps, double low, double
     const double middle = 0.5 * (high + low), half = 0.5 * (high - low);
     float *d = work, *next = work + matrix->size * matrix->n;
     double rho = half / middle;
-    if (!(low > 0.0 && high > low) || steps < 1) {
+    if (!(low > 0.0 && high > low && high < HUGE_VAL) || steps < 1) {
         return AOI_ERROR_ARGUMENT;
     }
     first_step(matrix, (float)(1.0 / middle), d, x, r);

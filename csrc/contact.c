@@ -8,6 +8,9 @@
 /* A few from a near guess; far above the root of a steep law, Newton only takes off a share 1/n. */
 enum { MOST_ITERATIONS = 2000 };
 
+/* By how much the terms of a force are larger than it where digits are lost. */
+static const double CANCELS = 16.0;
+
 typedef struct search {
     const aoi_law *law;
     const double *memory;
@@ -42,7 +45,8 @@ static int ends_at_rest(const search *s, double *force, double *indentation)
 {
     const aoi_contact_equation *e = s->equation;
     const double above = fmax(s->rest * (1.0 + 2.0 * DBL_EPSILON), s->rest + DBL_MIN);
-    if (!(above - e->indentation_free + e->compliance * force_at(s, above) >= 0.0)) {
+    if (!(e->compliance > 0.0) ||
+        !(above - e->indentation_free + e->compliance * force_at(s, above) >= 0.0)) {
         return 0;
     }
     if (e->indentation_free > s->rest) {
@@ -59,12 +63,30 @@ static double upper_end(const search *s)
     double high = e->indentation_free;
     if (s->law->pulls) {
         aoi_law_value value;
-        high = high > s->rest ? high : e->guess;
+        high = high > s->rest ? high : fmin(e->guess, DBL_MAX / 4.0);
         while (excess_at(s, high, &value) < 0.0 && high < DBL_MAX / 4.0) {
             high = s->rest + 2.0 * (high - s->rest);
         }
     }
     return high;
+}
+
+/* The force at the solution x. One that is a small difference of large terms, of which one goes with the
+ * rate, loses more digits to the rounding of x than the equation does. */
+static double force_found(const search *s, double x)
+{
+    const aoi_contact_equation *e = s->equation;
+    if (!s->law->depends_on_rate || !(e->compliance > 0.0)) {
+        return force_at(s, x);
+    }
+    aoi_law_value value;
+    (void)excess_at(s, x, &value);
+    const double slope = value.stiffness + value.damping * s->rate_per_indentation;
+    const double by_equation = (e->indentation_free - x) / e->compliance;
+    const double rates = fabs(e->rate_free) + fabs(e->rate_compliance * by_equation);
+    const double terms = fabs(value.stiffness * x) + fabs(value.damping) * rates;
+    return e->compliance * slope > 1.0 && terms > CANCELS * fabs(by_equation) ? by_equation
+                                                                              : value.force;
 }
 
 /* Newton's method between low and high, by bisection where it would leave them. */
@@ -96,7 +118,7 @@ static int find_root(const search *s, double low, double high, double *force, do
         const int there = fabs(newton) <= enough || fabs(next - x) <= enough || excess == 0.0;
         x = next;
         if (there) {
-            *force = force_at(s, x);
+            *force = force_found(s, x);
             *indentation = x;
             return AOI_OK;
         }
@@ -109,8 +131,12 @@ int aoi_contact_solve(const aoi_law *law, const double *memory,
 {
     const double free_end = equation->indentation_free, compliance = equation->compliance;
     const double rest = law->rest ? aoi_law_rest(law, memory) : 0.0;
-    if (!isfinite(free_end) || !isfinite(equation->rate_free)) {
+    if (!isfinite(free_end) || !isfinite(equation->rate_free) || !isfinite(compliance) ||
+        !isfinite(equation->rate_compliance)) {
         return AOI_ERROR_NOT_FINITE;
+    }
+    if (compliance < 0.0 || equation->rate_compliance < 0.0) {
+        return AOI_ERROR_ARGUMENT;
     }
     *force = 0.0;
     *indentation = free_end;
@@ -119,8 +145,15 @@ int aoi_contact_solve(const aoi_law *law, const double *memory,
     }
     const search s = {law, memory, equation,
                       compliance > 0.0 ? equation->rate_compliance / compliance : 0.0, rest};
-    if ((law->depends_on_rate || law->pulls) && ends_at_rest(&s, force, indentation)) {
-        return AOI_OK;
+    if (!((law->depends_on_rate || law->pulls) && ends_at_rest(&s, force, indentation))) {
+        const int status = find_root(&s, rest, upper_end(&s), force, indentation);
+        if (status != AOI_OK) {
+            return status;
+        }
     }
-    return find_root(&s, rest, upper_end(&s), force, indentation);
+    /* The last step of the search leads to where the law has not been asked yet. */
+    if (isnan(*force)) {
+        return AOI_ERROR_LAW;
+    }
+    return isfinite(*force) && isfinite(*indentation) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }

@@ -4,6 +4,7 @@
  * responses to unit forces, which are kept. Displacements are formed as in newmark.c, with no rounded
  * dt^2. */
 #include "aoimpact.h"
+#include "work.h"
 
 #include <math.h>
 #include <string.h>
@@ -167,7 +168,8 @@ static double scaled_by_mass(const aoi_sparse *M, const double *r, double *z)
 }
 
 /* Solves M x = r by conjugate gradients; r, p and z are overwritten. */
-static int solve_mass(const aoi_sparse *M, double *r, double *p, double *z, double *x)
+static int solve_mass(const aoi_sparse *M, const aoi_pause *pause, double *r, double *p, double *z,
+                      double *x)
 {
     const size_t n = M->n;
     double size = scaled_by_mass(M, r, z);
@@ -177,6 +179,9 @@ static int solve_mass(const aoi_sparse *M, double *r, double *p, double *z, doub
     for (int i = 0; i < MOST_ITERATIONS; i++) {
         if (!(size > enough)) {
             return isfinite(size) ? AOI_OK : AOI_ERROR_NOT_FINITE;
+        }
+        if (aoi_work_stops(pause)) {
+            return AOI_ERROR_STOPPED;
         }
         aoi_vector_add(n, 1.0, z, p);
         aoi_sparse_multiply(M, p, z);
@@ -200,7 +205,7 @@ static int full_begin(aoi_body *body, const double *force)
     for (size_t p = 0; p < full->ports; p++) {
         aoi_vector_add(full->K.n, force[p], full->b + p * full->K.n, r);
     }
-    return solve_mass(&full->M, r, part(body, SPARE), part(body, SECOND), part(body, A));
+    return solve_mass(&full->M, full->pause, r, part(body, SPARE), part(body, SECOND), part(body, A));
 }
 
 /* The responses to unit forces, and the compliances that they make. */
@@ -238,7 +243,8 @@ int aoi_body_start_full(aoi_body *body, const aoi_full *full, const aoi_newmark 
     if (status != AOI_OK) {
         return status;
     }
-    if (ports < 1 || !(full->damping.alpha >= 0.0) || !(full->damping.beta >= 0.0)) {
+    if (ports < 1 || full->M.n != n || !(full->damping.alpha >= 0.0) ||
+        !(full->damping.beta >= 0.0) || !isfinite(full->damping.alpha + full->damping.beta)) {
         return AOI_ERROR_ARGUMENT;
     }
     double *compliance = work + (UNIT + ports) * n, *rate_compliance = compliance + ports * ports;

@@ -1,6 +1,7 @@
 /* A rational Krylov subspace of a body, fitted to how it is struck: M-orthonormal vectors, grown one
  * solve with K + s^2 M at a time from the contact functionals. */
 #include "aoimpact.h"
+#include "work.h"
 
 #include <math.h>
 
@@ -65,49 +66,65 @@ static int solve_checked(const aoi_krylov *space, double *x, double *kx, double 
     return residual <= MOST_RESIDUAL * MOST_RESIDUAL * load ? AOI_OK : AOI_ERROR_SOLVER;
 }
 
-/* Takes off x what the columns have of it, by mx = M x (classical Gram-Schmidt). Returns the
- * M-norm of that. */
-static double take_off(const aoi_krylov *space, const double *mx, double *x, double *coefficient)
+/* Takes off x what the columns have of it, by mx = M x (classical Gram-Schmidt). taken: the M-norm of
+ * that. */
+static int take_off(const aoi_krylov *space, const double *mx, double *x, double *coefficient,
+                    double *taken)
 {
     const size_t n = space->K.n;
     for (size_t j = 0; j < space->count; j++) {
         coefficient[j] = aoi_vector_dot(n, space->basis + j * n, mx);
+        if (aoi_work_stops(space->pause)) {
+            return AOI_ERROR_STOPPED;
+        }
     }
     for (size_t j = 0; j < space->count; j++) {
         aoi_vector_add(n, -coefficient[j], space->basis + j * n, x);
+        if (aoi_work_stops(space->pause)) {
+            return AOI_ERROR_STOPPED;
+        }
     }
-    return sqrt(aoi_vector_dot(space->count, coefficient, coefficient));
+    *taken = sqrt(aoi_vector_dot(space->count, coefficient, coefficient));
+    return AOI_OK;
 }
 
 /* Makes x M-orthogonal to the count vectors before it, and of M-norm 1; mx = M x in and out. Passes
- * go on until one takes nothing off. Returns 0 where nothing but rounding is left. */
-static int orthonormalise(const aoi_krylov *space, double *x, double *mx, double *coefficient)
+ * go on until one takes nothing off. left: 0 where nothing but rounding is. */
+static int orthonormalise(const aoi_krylov *space, double *x, double *mx, double *coefficient,
+                          int *left)
 {
+    *left = 0;
     const size_t n = space->K.n;
     double length = sqrt(aoi_vector_dot(n, x, mx));
     const double least = BREAKDOWN * length;
     for (double before = INFINITY; length < NO_CANCELLATION * before;) {
+        double taken;
         if (!(length > least)) {
-            return 0;
+            return AOI_OK;
         }
         before = length;
-        if (take_off(space, mx, x, coefficient) > NOTHING * length) {
+        if (take_off(space, mx, x, coefficient, &taken) != AOI_OK) {
+            return AOI_ERROR_STOPPED;
+        }
+        if (taken > NOTHING * length) {
             aoi_sparse_multiply(&space->M, x, mx);
             length = sqrt(aoi_vector_dot(n, x, mx));
         }
     }
     if (!(length > least)) {
-        return 0;
+        return AOI_OK;
     }
     for (size_t i = 0; i < n; i++) {
         x[i] /= length;
         mx[i] /= length;
     }
-    return 1;
+    *left = 1;
+    /* Where hardly any mass moves, the vector may have left the range of numbers. */
+    return aoi_vector_is_finite(n, x) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }
 
 /* The rows and columns of V^T K V from column first on; rigid motions have no elastic force. */
-static void project_stiffness(const aoi_krylov *space, size_t first)
+static int project_stiffness(const aoi_krylov *space, size_t first)
 {
     const size_t n = space->K.n;
     double *kv = space->work;
@@ -120,9 +137,13 @@ static void project_stiffness(const aoi_krylov *space, size_t first)
                 const double entry = j < space->rigid_count ? 0.0 : aoi_vector_dot(n, v, force);
                 space->stiffness[i * space->capacity + j] = entry;
                 space->stiffness[j * space->capacity + i] = entry;
+                if (aoi_work_stops(space->pause)) {
+                    return AOI_ERROR_STOPPED;
+                }
             }
         }
     }
+    return AOI_OK;
 }
 
 /* One solve more, and what is new of it as one more column. */
@@ -137,11 +158,13 @@ static int add_column(aoi_krylov *space)
         return status;
     }
     space->next++;
-    if (orthonormalise(space, x, mx, coefficient)) {
+    int left;
+    const int whole = orthonormalise(space, x, mx, coefficient, &left);
+    if (whole == AOI_OK && left) {
         copy(n, mx, space->load);
         space->count++;
     }
-    return AOI_OK;
+    return whole;
 }
 
 int aoi_krylov_extend(aoi_krylov *space, size_t wanted)
@@ -156,6 +179,6 @@ int aoi_krylov_extend(aoi_krylov *space, size_t wanted)
            space->given_count + space->next < space->port_count + space->count) {
         status = add_column(space);
     }
-    project_stiffness(space, first);
-    return status;
+    const int projected = project_stiffness(space, first);
+    return status != AOI_OK ? status : projected;
 }

@@ -2,7 +2,6 @@
  * patch's own compliance is taken out of it, and it does not pull unless that is meant. */
 #include "law.h"
 
-#include <float.h>
 #include <string.h>
 
 /* Halley's method takes a few iterations; what it has not found by then is left to bisection. */
@@ -24,7 +23,8 @@ static int create(aoi_law *law, const aoi_law_kind *kind, size_t count, const do
     law->limit = HUGE_VAL;
     for (size_t i = 0; i < count; i++) {
         const double p = parameter[i];
-        if (!isfinite(p) || p < kind->least[i] || p > kind->most[i]) {
+        if (!isfinite(p) || p < kind->least[i] || p > kind->most[i] ||
+            (kind->least[i] == AOI_POSITIVE && !(p > 0.0))) {
             return AOI_ERROR_ARGUMENT;
         }
         law->parameter[i] = p;
@@ -32,7 +32,7 @@ static int create(aoi_law *law, const aoi_law_kind *kind, size_t count, const do
     if (kind->prepare) {
         kind->prepare(law);
     }
-    return AOI_OK;
+    return aoi_vector_is_finite(AOI_LAW_PARAMETERS, law->parameter) ? AOI_OK : AOI_ERROR_ARGUMENT;
 }
 
 int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter)
@@ -51,6 +51,13 @@ int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *p
         }
     }
     return AOI_ERROR_ARGUMENT;
+}
+
+int aoi_law_check(const aoi_law *law)
+{
+    const int usable = law->force && law->potential && isfinite(law->compliance) &&
+                       law->compliance >= 0.0 && law->limit > 0.0;
+    return usable ? AOI_OK : AOI_ERROR_ARGUMENT;
 }
 
 /* A NaN is noted with the state that gave it. */

@@ -4,10 +4,11 @@
 
 #include "aoimpact.h"
 
+#include <float.h>
 #include <math.h>
 
-/* The least number above zero: the bound of parameters that must be positive. */
-#define AOI_POSITIVE 5e-324
+/* In place of a bound, for parameters above zero: the least number there is may be taken for zero. */
+#define AOI_POSITIVE (-1.0)
 
 /* A law by its name; each of its count parameters must be finite and from least to most. */
 typedef struct aoi_law_kind {

@@ -14,7 +14,7 @@ static void thornton_prepare(aoi_law *law)
     double *p = law->parameter;
     p[YIELD] = cbrt(p[YIELD_FORCE] / p[STIFFNESS]);
     p[YIELD] *= p[YIELD];
-    p[SLOPE] = 1.5 * p[STIFFNESS] * sqrt(p[YIELD]);
+    p[SLOPE] = p[YIELD] > 0.0 ? 1.5 * p[STIFFNESS] * sqrt(p[YIELD]) : HUGE_VAL; /* refused */
 }
 
 static double plastic_force(const aoi_law *law, double d)

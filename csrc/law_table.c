@@ -2,6 +2,9 @@
  * each, and a straight line past the last. */
 #include "law.h"
 
+/* What energies may differ by from the integral, as a share of them. */
+static const double ENERGY_ROUNDING = 1e-6;
+
 /* The rows of the table. */
 static const double *knots(const aoi_law *law) { return law->table; }
 static const double *forces(const aoi_law *law) { return law->table + law->table_count; }
@@ -75,6 +78,15 @@ static double table_potential(const aoi_law *law, const double *memory, double i
            x * (c.force + x * (c.slope / 2.0 + x * (c.square / 3.0 + x * c.cubic / 4.0)));
 }
 
+/* Whether the energies at the ends of a piece differ by the integral of its cubic. */
+static int energy_is_sound(const aoi_law *law, size_t i)
+{
+    const double *f = forces(law) + i, *s = slopes(law) + i, *energy = energies(law) + i;
+    const double length = knots(law)[i + 1] - knots(law)[i];
+    const double gained = 0.5 * length * ((f[0] + f[1]) + length * (s[0] - s[1]) / 6.0);
+    return fabs(energy[1] - energy[0] - gained) <= ENERGY_ROUNDING * energy[1] + DBL_MIN;
+}
+
 int aoi_law_create_table(aoi_law *law, size_t count, const double *table)
 {
     *law = (aoi_law){.force = table_force, .potential = table_potential, .piece = table_piece};
@@ -89,7 +101,8 @@ int aoi_law_create_table(aoi_law *law, size_t count, const double *table)
         }
     }
     for (size_t i = 1; i < count; i++) {
-        if (!(table[i] > table[i - 1]) || table[count + i] < table[count + i - 1]) {
+        if (!(table[i] > table[i - 1]) || table[count + i] < table[count + i - 1] ||
+            !energy_is_sound(law, i - 1)) {
             return AOI_ERROR_ARGUMENT;
         }
     }

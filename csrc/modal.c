@@ -155,6 +155,12 @@ static int modal_check(const aoi_modal *modal)
         if (!(modal->omega[j] >= 0.0) || !(twice_decay(modal, j) >= 0.0)) {
             return AOI_ERROR_ARGUMENT;
         }
+        if (!isfinite(modal->omega[j] * modal->omega[j]) || !isfinite(twice_decay(modal, j))) {
+            return AOI_ERROR_NOT_FINITE;
+        }
+    }
+    if (!aoi_vector_is_finite(modal->ports * modal->n, modal->participation)) {
+        return AOI_ERROR_NOT_FINITE;
     }
     return modal->ports >= 1 ? AOI_OK : AOI_ERROR_ARGUMENT;
 }

@@ -9,10 +9,11 @@ typedef struct span {
     double into, length;
 } span;
 
-static span span_at(const aoi_modes *body, double time)
+/* How many of the times are not after a time: the next bend's number. By halving: loads have many points,
+ * and every step asks. */
+static size_t bends_until(const aoi_modes *body, double time)
 {
-    const size_t count = body->load_count;
-    size_t low = 0, high = count; /* times before low are not after time, those from high on are */
+    size_t low = 0, high = body->load_count; /* times before low are not after time, from high on they are */
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
         if (body->load_time[middle] <= time) {
@@ -21,6 +22,12 @@ static span span_at(const aoi_modes *body, double time)
             high = middle;
         }
     }
+    return low;
+}
+
+static span span_at(const aoi_modes *body, double time)
+{
+    const size_t count = body->load_count, low = bends_until(body, time);
     const double *row = body->load_force + (low > 0 ? low - 1 : 0) * body->ports;
     if (low == 0 || low == count) {
         return (span){row, row, 0.0, 1.0};
@@ -31,12 +38,8 @@ static span span_at(const aoi_modes *body, double time)
 
 double aoi_modes_next_bend(const aoi_modes *body, double time)
 {
-    for (size_t i = 0; i < body->load_count; i++) {
-        if (body->load_time[i] > time) {
-            return body->load_time[i];
-        }
-    }
-    return HUGE_VAL;
+    const size_t next = bends_until(body, time);
+    return next < body->load_count ? body->load_time[next] : HUGE_VAL;
 }
 
 static void load_of(const span *at, size_t port, double *force, double *slope)

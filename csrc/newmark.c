@@ -37,7 +37,10 @@ int aoi_newmark_prepare(const aoi_newmark *rule, aoi_newmark_step *step)
     step->correct_u = h * rule->beta;
     step->correct_v = h * rule->gamma;
     step->reach = rule->beta * h * h;
-    return AOI_OK;
+    return isfinite(step->correct_u) && isfinite(step->correct_v) && step->reach > 0.0 &&
+                   isfinite(step->reach)
+               ? AOI_OK
+               : AOI_ERROR_ARGUMENT;
 }
 
 size_t aoi_body_star_size(size_t n) { return 7 * n + 5; }
@@ -366,12 +369,12 @@ int aoi_body_start_star(aoi_body *body, const aoi_star *star, const aoi_rayleigh
     if (status == AOI_OK) {
         status = aoi_newmark_prepare(rule, &step);
     }
+    if (status == AOI_OK && (!(d->alpha >= 0.0) || !(d->beta >= 0.0) ||
+                             !isfinite(d->alpha + d->beta) || (damped && star->m0 == 0.0))) {
+        status = AOI_ERROR_ARGUMENT;
+    }
     if (status != AOI_OK) {
         return status;
-    }
-    if (!(d->alpha >= 0.0) || !(d->beta >= 0.0) || !isfinite(d->alpha + d->beta) ||
-        (damped && star->m0 == 0.0)) {
-        return AOI_ERROR_ARGUMENT;
     }
     double *compliance = work + aoi_body_star_size(star->n) - 2, *rate_compliance = compliance + 1;
     *body = (aoi_body){star_begin,     star_predict,    star_correct, star_observe,
@@ -389,5 +392,5 @@ int aoi_body_start_star(aoi_body *body, const aoi_star *star, const aoi_rayleigh
     }
     *compliance = step.reach * c[MOBILITY];
     *rate_compliance = (star->m0 > 0.0 ? step.correct_v : step.reach / step.dt) * c[MOBILITY];
-    return AOI_OK;
+    return isfinite(*compliance) && isfinite(*rate_compliance) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }

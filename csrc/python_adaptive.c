@@ -459,7 +459,8 @@ static PyObject *close_track(opened *all, int status)
     return done;
 }
 
-enum { COLUMNS_A_PIECE = 256 };
+/* Whether there is time for one more column before signals are to be heard; started: the piece, s. */
+static int has_time(double started) { return seconds_now() - started < HEARD_EVERY; }
 
 PyObject *track_sample(PyObject *self, PyObject *args)
 {
@@ -477,16 +478,14 @@ PyObject *track_sample(PyObject *self, PyObject *args)
     int status = open_track(&all, bodies, joints, track_in, index, index_size, times_in);
     size_t wanted = all.buffers.failed ? 0 : aoi_sampler_rows(&all.made.system) * all.count;
     double *record = doubles_out(&all.buffers, record_out, "record", &wanted);
-    for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count;) {
-        const size_t last = i + COLUMNS_A_PIECE < all.count ? i + COLUMNS_A_PIECE : all.count;
+    for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count &&
+                       PyErr_CheckSignals() == 0;) {
+        const double started = seconds_now();
         Py_BEGIN_ALLOW_THREADS
-        for (; i < last; i++) {
+        for (; i < all.count && has_time(started); i++) {
             aoi_sampler_column(&all.sampler, all.times[i], energies, record + i, all.count);
         }
         Py_END_ALLOW_THREADS
-        if (PyErr_CheckSignals() != 0) {
-            break;
-        }
     }
     return close_track(&all, status);
 }
@@ -506,9 +505,11 @@ PyObject *track_forces(PyObject *self, PyObject *args)
     const int status = open_track(&all, bodies, joints, track_in, index, index_size, times_in);
     size_t wanted = all.buffers.failed ? 0 : all.made.system.joint_count * all.count;
     double *forces = doubles_out(&all.buffers, forces_out, "forces", &wanted);
-    if (!all.buffers.failed && status == AOI_OK) {
+    for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count &&
+                       PyErr_CheckSignals() == 0;) {
+        const double started = seconds_now();
         Py_BEGIN_ALLOW_THREADS
-        for (size_t i = 0; i < all.count; i++) {
+        for (; i < all.count && has_time(started); i++) {
             aoi_sampler_forces(&all.sampler, all.times[i], forces + i, all.count);
         }
         Py_END_ALLOW_THREADS
@@ -537,9 +538,10 @@ PyObject *track_states(PyObject *self, PyObject *args)
     const size_t width = fine ? 2 * all.made.body[body].n : 0;
     size_t wanted = width * all.count;
     double *states = fine ? doubles_out(&all.buffers, states_out, "states", &wanted) : NULL;
-    if (fine && !all.buffers.failed) {
+    for (size_t i = 0; fine && !all.buffers.failed && i < all.count && PyErr_CheckSignals() == 0;) {
+        const double started = seconds_now();
         Py_BEGIN_ALLOW_THREADS
-        for (size_t i = 0; i < all.count; i++) {
+        for (; i < all.count && has_time(started); i++) {
             aoi_sampler_state(&all.sampler, all.times[i], (size_t)body, states + i * width);
         }
         Py_END_ALLOW_THREADS

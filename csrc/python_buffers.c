@@ -119,7 +119,7 @@ PyObject *raise_status(int status, const char *what, double time)
 PyObject *finish(held *buffers, int status, const char *what)
 {
     held_release(buffers);
-    if (buffers->failed) {
+    if (buffers->failed || PyErr_Occurred()) { /* a signal, or what was called back */
         return NULL;
     }
     if (status != AOI_OK) {

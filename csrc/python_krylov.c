@@ -2,37 +2,54 @@
 #include "binding.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+enum { VECTORS = 3 };
 
 /* A callable that gets the right-hand side as a writable memoryview and puts the solution there, and
- * its products with K and M in two more. */
+ * its products with K and M in two more. They are views of an object that lives for as long as they do,
+ * and not of what the core works on: a callable may keep them, as its traceback does. */
 typedef struct callable {
     PyObject *solve;
-    size_t bytes;
-    PyThreadState *thread; /* saved while the core runs without the GIL */
+    PyObject *memory, *view[VECTORS];
+    size_t bytes; /* of a vector */
+    listener ear;
 } callable;
 
 static int call_back(void *data, double *x, double *kx, double *mx)
 {
     callable *solver = data;
-    double *arrays[] = {x, kx, mx};
-    PyObject *views[] = {NULL, NULL, NULL};
-    PyEval_RestoreThread(solver->thread);
-    int failed = 0;
-    for (size_t i = 0; i < 3; i++) {
-        views[i] = PyMemoryView_FromMemory((char *)arrays[i], (Py_ssize_t)solver->bytes, PyBUF_WRITE);
-        failed |= views[i] == NULL;
+    double *arrays[VECTORS] = {x, kx, mx};
+    listener_regain(&solver->ear);
+    char *memory = PyByteArray_AsString(solver->memory);
+    memcpy(memory, x, solver->bytes);
+    PyObject *done = PyObject_CallFunctionObjArgs(solver->solve, solver->view[0], solver->view[1],
+                                                  solver->view[2], NULL);
+    for (size_t i = 0; done && i < VECTORS; i++) {
+        memcpy(arrays[i], memory + i * solver->bytes, solver->bytes);
     }
-    if (!failed) {
-        PyObject *done =
-            PyObject_CallFunctionObjArgs(solver->solve, views[0], views[1], views[2], NULL);
-        failed = done == NULL;
-        Py_XDECREF(done);
+    Py_XDECREF(done);
+    listener_release(&solver->ear);
+    return done == NULL;
+}
+
+static void make_views(callable *solver)
+{
+    const Py_ssize_t bytes = (Py_ssize_t)solver->bytes;
+    solver->memory = PyByteArray_FromStringAndSize(NULL, VECTORS * bytes);
+    PyObject *all = solver->memory ? PyMemoryView_FromObject(solver->memory) : NULL;
+    for (Py_ssize_t i = 0; all && i < VECTORS; i++) {
+        solver->view[i] = PySequence_GetSlice(all, i * bytes, (i + 1) * bytes);
     }
-    for (size_t i = 0; i < 3; i++) {
-        Py_XDECREF(views[i]);
+    Py_XDECREF(all);
+}
+
+static void drop_views(callable *solver)
+{
+    for (size_t i = 0; i < VECTORS; i++) {
+        Py_XDECREF(solver->view[i]);
     }
-    solver->thread = PyEval_SaveThread();
-    return failed;
+    Py_XDECREF(solver->memory);
 }
 
 /* progress: the columns there are and the solves so far, written back whatever happens. */
@@ -81,27 +98,28 @@ PyObject *krylov_extend(PyObject *self, PyObject *args)
 {
     held buffers = {.failed = 0};
     aoi_krylov space = {.s2 = 0.0};
-    callable solver = {NULL, 0, NULL};
+    callable solver = {.solve = NULL};
     int32_t *progress = NULL;
     size_t wanted = 0;
     (void)self;
     int status = take_space(&buffers, args, &space, &solver, &progress, &wanted);
     if (!buffers.failed && status == AOI_OK) {
         space.solver = (aoi_residual_solver){call_back, &solver};
+        make_views(&solver);
         space.work = malloc(aoi_krylov_work_size(space.K.n, space.capacity) * sizeof(double));
-        if (space.work) {
-            solver.thread = PyEval_SaveThread();
+        if (!PyErr_Occurred() && space.work) {
+            listener_open(&solver.ear);
+            space.pause = &solver.ear.pause;
+            listener_release(&solver.ear);
             status = aoi_krylov_extend(&space, wanted);
-            PyEval_RestoreThread(solver.thread);
-        } else {
+            listener_regain(&solver.ear);
+        } else if (!PyErr_Occurred()) {
             PyErr_NoMemory();
         }
         free(space.work);
+        drop_views(&solver);
         progress[0] = (int32_t)space.count;
         progress[1] = (int32_t)space.next;
-    }
-    if (PyErr_Occurred()) { /* of the callable, before what the core makes of it */
-        buffers.failed = 1;
     }
     return finish(&buffers, status, "Krylov subspace");
 }

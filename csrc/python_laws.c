@@ -116,7 +116,7 @@ int take_law(held *buffers, PyObject *tuple, aoi_law *law)
     if (buffers->failed || status != AOI_OK) {
         return status;
     }
-    return compliance >= 0.0 && limit > 0.0 ? AOI_OK : AOI_ERROR_ARGUMENT;
+    return aoi_law_check(law);
 }
 
 PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count)
@@ -137,11 +137,14 @@ PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law
     return raise_at(of_a_law ? why : status, what, time, indentation, rate);
 }
 
+/* Looks at signals now and then; 0 where one has raised. */
+static int heard(size_t i) { return i % 4096 != 0 || PyErr_CheckSignals() == 0; }
+
 /* finish() for a status that may be the law's. */
 static PyObject *finish_law(held *buffers, int status, const aoi_law *law)
 {
     if (!buffers->failed && status != AOI_OK && status != AOI_ERROR_ARGUMENT) {
-        raise_of_laws(status, "contact law", -1.0, law, 1);
+        (void)raise_of_laws(status, "contact law", -1.0, law, 1);
         buffers->failed = 1;
     }
     return finish(buffers, status, "contact law");
@@ -165,7 +168,7 @@ PyObject *law_force(PyObject *self, PyObject *args)
     double *force = doubles_out(&buffers, force_out, "force", &n);
     double *stiffness = doubles_out(&buffers, stiffness_out, "stiffness", &n);
     double *damping = doubles_out(&buffers, damping_out, "damping", &n);
-    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n; i++) {
+    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && heard(i); i++) {
         aoi_law_value value;
         aoi_law_push(&law, untouched, indentation[i], rate[i], &value);
         force[i] = value.force;
@@ -194,7 +197,7 @@ PyObject *law_potential(PyObject *self, PyObject *args)
     int status = take_law(&buffers, law_in, &law);
     const double *indentation = doubles(&buffers, indentation_in, "indentation", &n);
     double *energy = doubles_out(&buffers, energy_out, "energy", &n);
-    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n; i++) {
+    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && heard(i); i++) {
         energy[i] = aoi_law_potential(&law, untouched, indentation[i]);
         status = isnan(energy[i]) ? AOI_ERROR_LAW : AOI_OK;
     }

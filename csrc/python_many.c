@@ -170,25 +170,19 @@ static int make_case(bench *on, const stock *of, const int32_t *which, const dou
     return 1;
 }
 
-/* Cases between which signals are heard: some ten milliseconds of short ones. */
-enum { CASES_A_PIECE = 128 };
-
 static int make_all(const stock *of, size_t count, const int32_t *which, const double *numbers,
                     double *answers)
 {
     bench *on = calloc(1, sizeof *on);
     int fine = on != NULL;
-    for (size_t i = 0; fine && i < count;) {
-        const size_t last = i + CASES_A_PIECE < count ? i + CASES_A_PIECE : count;
+    for (size_t i = 0; fine && i < count && !PyErr_Occurred() && PyErr_CheckSignals() == 0;) {
+        const double until = seconds_now() + HEARD_EVERY;
         Py_BEGIN_ALLOW_THREADS
-        for (; fine && i < last; i++) {
+        for (; fine && i < count && seconds_now() < until; i++) {
             fine = make_case(on, of, which + 3 * i, numbers + CASE_COLUMNS * i,
                              answers + ANSWER_COLUMNS * i);
         }
         Py_END_ALLOW_THREADS
-        if (PyErr_CheckSignals() != 0) {
-            break;
-        }
     }
     free(on ? on->work : NULL);
     free(on);

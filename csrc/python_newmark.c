@@ -13,6 +13,7 @@ typedef struct player {
     double *u, *v; /* initial values in, final values out */
     double *work;
     double step_cost; /* rough nanoseconds */
+    listener *ear;    /* of the scene */
 } player;
 
 static PyObject *item(PyObject *tuple, Py_ssize_t i) { return PyTuple_GetItem(tuple, i); }
@@ -95,9 +96,17 @@ static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newm
     size_t rows = (size_t)-1, all = (size_t)-1;
     (void)doubles(buffers, item(tuple, 8), "centre", &rows);
     const double *b = doubles(buffers, item(tuple, 3), "b", &all);
+    if (buffers->failed || rows == 0 || all % rows != 0) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    full->b = b;
+    full->ports = all / rows;
+    const size_t size = aoi_body_full_size(rows, full->ports);
+    one->work = take_work(buffers, size + rows);
     if (buffers->failed) {
         return AOI_OK;
     }
+    one->factors.work = one->work + size;
     int status = take_sparse(buffers, item(tuple, 1), rows, &full->K);
     if (status == AOI_OK) {
         status = take_sparse(buffers, item(tuple, 2), rows, &full->M);
@@ -108,20 +117,16 @@ static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newm
     full->damping.alpha = PyFloat_AsDouble(item(tuple, 4));
     full->damping.beta = PyFloat_AsDouble(item(tuple, 5));
     const aoi_start start = take_start(buffers, tuple, rows, one);
-    if (buffers->failed || status != AOI_OK || rows == 0 || all % rows != 0) {
-        return status == AOI_OK ? AOI_ERROR_ARGUMENT : status;
+    if (buffers->failed || status != AOI_OK) {
+        return status;
     }
-    full->b = b;
-    full->ports = all / rows;
     full->solver = (aoi_solver){aoi_factors_solve, &one->factors};
-    const size_t size = aoi_body_full_size(rows, full->ports);
-    one->work = take_work(buffers, size + rows);
     one->step_cost = 2.0 * (3.0 * full->K.start[rows] + 2.0 * one->factors.start[rows]);
-    if (buffers->failed) {
-        return AOI_OK;
-    }
-    one->factors.work = one->work + size;
-    return aoi_body_start_full(&one->body, full, rule, &start, one->work);
+    full->pause = one->factors.pause = &one->ear->pause;
+    listener_release(one->ear);
+    status = aoi_body_start_full(&one->body, full, rule, &start, one->work);
+    listener_regain(one->ear);
+    return status;
 }
 
 static int take_player(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
@@ -187,6 +192,7 @@ typedef struct cast {
     aoi_load *load;
     aoi_scene scene;
     double step_cost;
+    listener ear;
 } cast;
 
 static void cast_release(cast *all, int copy)
@@ -230,8 +236,10 @@ static int cast_take(held *buffers, cast *all, PyObject *bodies, PyObject *conta
 {
     aoi_scene *scene = &all->scene;
     int status = AOI_OK;
+    listener_open(&all->ear);
     for (size_t b = 0; b < scene->body_count && status == AOI_OK && !buffers->failed; b++) {
         player *one = &all->player[b];
+        one->ear = &all->ear;
         status = take_player(buffers, item(bodies, (Py_ssize_t)b), one, rule);
         all->body[b] = &one->body;
         all->step_cost += one->step_cost;
@@ -263,13 +271,15 @@ static int run_in_chunks(cast *all, double *record, size_t columns, size_t *done
     const double in_20_ms = 2e7 / all->step_cost;
     const size_t chunk = in_20_ms < 1.0 ? 1 : (size_t)in_20_ms, steps = columns - 1;
     *done = 0;
+    listener_release(&all->ear);
     int status = aoi_scene_start(&all->scene, record, columns);
+    listener_regain(&all->ear);
     while (status == AOI_OK && *done < steps) {
         const size_t first = *done + 1;
         const size_t last = steps - *done < chunk ? steps : *done + chunk;
-        Py_BEGIN_ALLOW_THREADS
+        listener_release(&all->ear);
         status = aoi_scene_run(&all->scene, record, columns, first, last, done);
-        Py_END_ALLOW_THREADS
+        listener_regain(&all->ear);
         if (PyErr_CheckSignals() != 0) {
             break;
         }

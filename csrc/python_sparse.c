@@ -70,12 +70,15 @@ PyObject *factors_solve(PyObject *self, PyObject *args)
         return NULL;
     }
     double *x = doubles_out(&buffers, x_out, "x", &n);
-    int status = take_factors(&buffers, factors_in, n, &factors);
     factors.work = doubles_out(&buffers, work_out, "work", &n);
+    int status = take_factors(&buffers, factors_in, n, &factors);
     if (!buffers.failed && status == AOI_OK) {
-        Py_BEGIN_ALLOW_THREADS
+        listener ear;
+        listener_open(&ear);
+        factors.pause = &ear.pause;
+        listener_release(&ear);
         status = aoi_factors_solve(&factors, x);
-        Py_END_ALLOW_THREADS
+        listener_regain(&ear);
     }
     return finish(&buffers, status, "back-substitution");
 }

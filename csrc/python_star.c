@@ -1,6 +1,12 @@
 /* The star and its modes seen from Python. */
 #include "binding.h"
 
+/* A term of one frequency costs some ten nanoseconds at most. */
+static size_t frequencies_a_piece(size_t n)
+{
+    return 1 + (size_t)(1e8 * HEARD_EVERY / ((double)n + 1.0));
+}
+
 PyObject *star_receptance(PyObject *self, PyObject *args)
 {
     PyObject *m_in, *k_in, *omega_in, *out;
@@ -15,8 +21,12 @@ PyObject *star_receptance(PyObject *self, PyObject *args)
     star.k = doubles(&buffers, k_in, "k", &star.n);
     const double *omega = doubles(&buffers, omega_in, "omega", &count);
     double *receptance = doubles_out(&buffers, out, "receptance", &count);
-    if (!buffers.failed) {
-        aoi_star_receptance(&star, count, omega, receptance);
+    const size_t piece = frequencies_a_piece(star.n);
+    for (size_t i = 0; !buffers.failed && i < count && PyErr_CheckSignals() == 0; i += piece) {
+        const size_t some = count - i < piece ? count - i : piece;
+        Py_BEGIN_ALLOW_THREADS
+        aoi_star_receptance(&star, some, omega + i, receptance + i);
+        Py_END_ALLOW_THREADS
     }
     return finish(&buffers, AOI_OK, "receptance");
 }
@@ -38,8 +48,13 @@ PyObject *modal_receptance(PyObject *self, PyObject *args)
     const double *frequency = doubles(&buffers, frequency_in, "frequency", &count);
     double *real = doubles_out(&buffers, real_out, "real part", &count);
     double *imaginary = doubles_out(&buffers, imaginary_out, "imaginary part", &count);
-    if (!buffers.failed) {
-        aoi_modal_receptance(n, omega, decay, weight, residual, count, frequency, real, imaginary);
+    const size_t piece = frequencies_a_piece(n);
+    for (size_t i = 0; !buffers.failed && i < count && PyErr_CheckSignals() == 0; i += piece) {
+        const size_t some = count - i < piece ? count - i : piece;
+        Py_BEGIN_ALLOW_THREADS
+        aoi_modal_receptance(n, omega, decay, weight, residual, some, frequency + i, real + i,
+                             imaginary + i);
+        Py_END_ALLOW_THREADS
     }
     return finish(&buffers, AOI_OK, "receptance");
 }
@@ -61,8 +76,14 @@ PyObject *star_to_modal(PyObject *self, PyObject *args)
     double *omega2 = doubles_out(&buffers, omega2_out, "omega2", &most);
     double *r = doubles_out(&buffers, r_out, "participation", &most);
     double *work = doubles_out(&buffers, work_out, "work", &star.n);
-    const int status =
-        buffers.failed ? AOI_OK : aoi_star_to_modal(&star, omega2, r, &modes, work);
+    int status = AOI_OK;
+    if (!buffers.failed) {
+        listener ear;
+        listener_open(&ear);
+        listener_release(&ear);
+        status = aoi_star_to_modal(&star, omega2, r, &modes, work, &ear.pause);
+        listener_regain(&ear);
+    }
     PyObject *done = finish(&buffers, status, "natural modes of a star");
     Py_XDECREF(done);
     return done ? PyLong_FromSize_t(modes) : NULL;
@@ -85,9 +106,11 @@ PyObject *star_from_modal(PyObject *self, PyObject *args)
     double *k = doubles_out(&buffers, k_out, "k", &oscillators);
     int status = AOI_OK;
     if (!buffers.failed) {
-        Py_BEGIN_ALLOW_THREADS
-        status = aoi_star_from_modal(count, omega2, weight, &m0, &k0, m, k);
-        Py_END_ALLOW_THREADS
+        listener ear;
+        listener_open(&ear);
+        listener_release(&ear);
+        status = aoi_star_from_modal(count, omega2, weight, &m0, &k0, m, k, &ear.pause);
+        listener_regain(&ear);
     }
     PyObject *done = finish(&buffers, status, "star of a modal model");
     Py_XDECREF(done);

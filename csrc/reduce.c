@@ -21,7 +21,7 @@ int aoi_static_held(size_t n, const double *b, double *x, double *stiffness)
         x[i] /= compliance;
     }
     *stiffness = 1.0 / compliance;
-    return AOI_OK;
+    return isfinite(*stiffness) && aoi_vector_is_finite(n, x) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }
 
 int aoi_static_free(size_t n, size_t rigid_count, const double *rigid, const double *b,
@@ -49,7 +49,7 @@ int aoi_static_free(size_t n, size_t rigid_count, const double *rigid, const dou
         phi_st[i] /= reach;
     }
     *mass = 1.0 / reach;
-    return AOI_OK;
+    return isfinite(*mass) && aoi_vector_is_finite(n, phi_st) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }
 
 int aoi_constraint_project(size_t n, const double *b, const double *z, double *x)
@@ -62,7 +62,7 @@ int aoi_constraint_project(size_t n, const double *b, const double *z, double *x
     for (int pass = 0; pass < 2; pass++) {
         aoi_vector_add(n, -aoi_vector_dot(n, b, x) / bz, z, x);
     }
-    return AOI_OK;
+    return aoi_vector_is_finite(n, x) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }
 
 int aoi_constraint_reflector(size_t n, const double *b, double *h)
@@ -114,6 +114,9 @@ int aoi_oscillators_project(size_t n, size_t count, const double *phi, const dou
         coefficient[j] = coupling / modal_mass[j];
         mass[j] = coupling * coefficient[j];
         stiffness[j] = omega2[j] * mass[j];
+        if (!isfinite(coefficient[j]) || !isfinite(mass[j]) || !isfinite(stiffness[j])) {
+            return AOI_ERROR_NOT_FINITE;
+        }
     }
     return AOI_OK;
 }

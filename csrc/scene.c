@@ -104,18 +104,34 @@ static int has_port(const aoi_scene *scene, size_t body, size_t port)
     return body < scene->body_count && port < scene->body[body]->ports;
 }
 
+/* Whether times ascend and forces are numbers. */
+static int load_is_sound(const aoi_load *load)
+{
+    for (size_t i = 1; i < load->count; i++) {
+        if (!(load->time[i] >= load->time[i - 1])) {
+            return 0;
+        }
+    }
+    return load->count > 0 && aoi_vector_is_finite(load->count, load->time) &&
+           aoi_vector_is_finite(load->count, load->force);
+}
+
 int aoi_scene_check(const aoi_scene *scene)
 {
+    if (!isfinite(scene->dt) || (scene->load_count > 0 && !(scene->dt > 0.0))) {
+        return AOI_ERROR_ARGUMENT;
+    }
     for (size_t c = 0; c < scene->contact_count; c++) {
         const aoi_contact *contact = &scene->contact[c];
         if (!has_port(scene, contact->body[0], contact->port[0]) ||
-            !has_port(scene, contact->body[1], contact->port[1]) || !isfinite(contact->gap)) {
+            !has_port(scene, contact->body[1], contact->port[1]) || !isfinite(contact->gap) ||
+            aoi_law_check(contact->law) != AOI_OK) {
             return AOI_ERROR_ARGUMENT;
         }
     }
     for (size_t i = 0; i < scene->load_count; i++) {
         const aoi_load *load = &scene->load[i];
-        if (!has_port(scene, load->body, load->port) || load->count < 1) {
+        if (!has_port(scene, load->body, load->port) || !load_is_sound(load)) {
             return AOI_ERROR_ARGUMENT;
         }
     }
@@ -178,6 +194,9 @@ static int contact_begin(const aoi_scene *scene, aoi_contact *contact)
     contact->force = value.force;
     if (isnan(value.force)) {
         return AOI_ERROR_LAW;
+    }
+    if (!isfinite(contact->indentation) || !isfinite(contact->force)) {
+        return AOI_ERROR_NOT_FINITE;
     }
     aoi_law_remember(law, contact->indentation, contact->rate, contact->memory);
     contact->start_energy = aoi_law_potential(law, contact->memory, contact->indentation);

@@ -78,6 +78,9 @@ int aoi_secular_root(const aoi_secular *s, ptrdiff_t gap, double ceiling, size_t
     if (!(right > left)) {
         return AOI_ERROR_ARGUMENT;
     }
+    if (!(right - left < DBL_MAX / 4.0)) { /* halves of the ends' sum are looked at */
+        return AOI_ERROR_NOT_FINITE;
+    }
     double value, slope;
     const double half = 0.5 * (right - left);
     secular_evaluate(s, left, half, &value, &slope);

@@ -2,6 +2,7 @@
  * The factors come from a library; only the triangular sweeps are here, because they are the inner
  * loop of the full model and must run without leaving C. */
 #include "aoimpact.h"
+#include "work.h"
 
 #include <string.h>
 
@@ -139,16 +140,28 @@ static int panels_are_sound(const aoi_factors *factors)
     return 1;
 }
 
+/* Whether each row has a place of its own. */
+static int places_are_sound(const aoi_factors *factors)
+{
+    double *taken = factors->work;
+    memset(taken, 0, factors->n * sizeof *taken);
+    for (size_t i = 0; i < factors->n; i++) {
+        const int32_t place = factors->place[i];
+        if (place < 0 || (size_t)place >= factors->n || taken[place] != 0.0) {
+            return 0;
+        }
+        taken[place] = 1.0;
+    }
+    return 1;
+}
+
 int aoi_factors_check(const aoi_factors *factors, size_t stored_count)
 {
     const size_t n = factors->n;
-    if (!starts_are_sound(n, factors->start, stored_count)) {
+    if (!starts_are_sound(n, factors->start, stored_count) || !places_are_sound(factors)) {
         return AOI_ERROR_ARGUMENT;
     }
     for (size_t j = 0; j < n; j++) {
-        if (factors->place[j] < 0 || (size_t)factors->place[j] >= n) {
-            return AOI_ERROR_ARGUMENT;
-        }
         for (int32_t p = factors->start[j]; p < factors->start[j + 1]; p++) {
             if (factors->rows[p] <= (int32_t)j || (size_t)factors->rows[p] >= n) {
                 return AOI_ERROR_ARGUMENT;
@@ -238,11 +251,29 @@ static void strip_up(const strip *cut, const double *x, double *sum)
     sum[3] = s3;
 }
 
-/* L^-1 on the columns of a strip among themselves, then on the rows below. */
-static void sweep_down(const aoi_factors *factors, double *x)
+/* Entries between which the caller is asked. */
+enum { UNASKED = 1 << 20 };
+
+/* Whether the caller, asked once in so many entries, wants the solution to end; entries: of a panel. */
+static int stops(const aoi_factors *factors, size_t p, int64_t *left)
 {
+    *left -= factors->start[factors->panel[p + 1]] - factors->start[factors->panel[p]] + 1;
+    if (*left > 0) {
+        return 0;
+    }
+    *left = UNASKED;
+    return aoi_work_stops(factors->pause);
+}
+
+/* L^-1 on the columns of a strip among themselves, then on the rows below. */
+static int sweep_down(const aoi_factors *factors, double *x)
+{
+    int64_t left = UNASKED;
     for (size_t p = 0; p < factors->panel_count; p++) {
         const size_t end = (size_t)factors->panel[p + 1];
+        if (stops(factors, p, &left)) {
+            return AOI_ERROR_STOPPED;
+        }
         for (size_t j = (size_t)factors->panel[p]; j < end; j += 4) {
             const size_t width = end - j < 4 ? end - j : 4;
             const strip cut = strip_at(factors, j, width);
@@ -255,13 +286,18 @@ static void sweep_down(const aoi_factors *factors, double *x)
             strip_down(&cut, x + j, x);
         }
     }
+    return AOI_OK;
 }
 
 /* L^-T D^-1, strip by strip from the end. */
-static void sweep_up(const aoi_factors *factors, double *x)
+static int sweep_up(const aoi_factors *factors, double *x)
 {
+    int64_t left = UNASKED;
     for (size_t p = factors->panel_count; p-- > 0;) {
         const size_t begin = (size_t)factors->panel[p];
+        if (stops(factors, p, &left)) {
+            return AOI_ERROR_STOPPED;
+        }
         size_t strips = ((size_t)factors->panel[p + 1] - begin + 3) / 4;
         while (strips-- > 0) {
             const size_t j = begin + 4 * strips, end = (size_t)factors->panel[p + 1];
@@ -279,6 +315,7 @@ static void sweep_up(const aoi_factors *factors, double *x)
             }
         }
     }
+    return AOI_OK;
 }
 
 int aoi_factors_solve(void *data, double *x)
@@ -288,10 +325,12 @@ int aoi_factors_solve(void *data, double *x)
     for (size_t i = 0; i < factors->n; i++) {
         permuted[factors->place[i]] = x[i];
     }
-    sweep_down(factors, permuted);
-    sweep_up(factors, permuted);
+    int status = sweep_down(factors, permuted);
+    if (status == AOI_OK) {
+        status = sweep_up(factors, permuted);
+    }
     for (size_t i = 0; i < factors->n; i++) {
         x[i] = permuted[factors->place[i]];
     }
-    return AOI_OK;
+    return status;
 }

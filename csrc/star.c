@@ -1,5 +1,6 @@
 /* The star of Fig. 2: its receptance, its energies, and its modes and back. */
 #include "aoimpact.h"
+#include "work.h"
 
 #include <math.h>
 
@@ -71,7 +72,7 @@ static double natural_mode_mass(const aoi_star *star, const double *antiresonanc
 }
 
 int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
-                      size_t *mode_count, double *pole)
+                      size_t *mode_count, double *pole, const aoi_pause *pause)
 {
     const size_t n = star->n;
     double stiffness = star->k0;
@@ -93,18 +94,24 @@ int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participatio
         if (n > 0 && (j > 0 || star->k0 > 0.0)) { /* else the rigid mode, exactly zero */
             status = aoi_secular_root(&minus_stiffness, (ptrdiff_t)j - 1, ceiling, &nearest, &offset);
         }
+        if (status == AOI_OK && aoi_work_stops(pause)) {
+            status = AOI_ERROR_STOPPED;
+        }
         if (status != AOI_OK) {
             return status;
         }
         const double origin = nearest < n ? pole[nearest] : 0.0;
         omega2[j] = origin + offset;
         participation[j] = 1.0 / sqrt(natural_mode_mass(star, pole, origin, offset));
+        if (!isfinite(omega2[j]) || !isfinite(participation[j]) || !(participation[j] > 0.0)) {
+            return AOI_ERROR_NOT_FINITE;
+        }
     }
     return AOI_OK;
 }
 
 int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
-                        double *k0, double *m, double *k)
+                        double *k0, double *m, double *k, const aoi_pause *pause)
 {
     const aoi_secular receptance = {count, omega2, weight, 0.0, 0.0, 0};
     double static_compliance = 0.0, inverse_mass = 0.0;
@@ -123,10 +130,16 @@ int aoi_star_from_modal(size_t count, const double *omega2, const double *weight
     }
     *m0 = 1.0 / inverse_mass;
     *k0 = omega2[0] > 0.0 ? 1.0 / static_compliance : 0.0;
+    if (!isfinite(*m0) || !isfinite(*k0)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
     for (size_t i = 0; i + 1 < count; i++) {
         size_t nearest;
         double offset, slope = 0.0;
-        const int status = aoi_secular_root(&receptance, (ptrdiff_t)i, 0.0, &nearest, &offset);
+        int status = aoi_secular_root(&receptance, (ptrdiff_t)i, 0.0, &nearest, &offset);
+        if (status == AOI_OK && aoi_work_stops(pause)) {
+            status = AOI_ERROR_STOPPED;
+        }
         if (status != AOI_OK) {
             return status;
         }
@@ -138,6 +151,9 @@ int aoi_star_from_modal(size_t count, const double *omega2, const double *weight
         const double antiresonance = origin + offset;
         k[i] = 1.0 / (antiresonance * slope);
         m[i] = k[i] / antiresonance;
+        if (!isfinite(k[i]) || !isfinite(m[i])) {
+            return AOI_ERROR_NOT_FINITE;
+        }
     }
     return AOI_OK;
 }

@@ -3,14 +3,10 @@
 
 #include <math.h>
 
+/* An array that may be missing. */
 static int all_finite(const double *values, size_t count)
 {
-    for (size_t i = 0; values && i < count; i++) {
-        if (!isfinite(values[i])) {
-            return 0;
-        }
-    }
-    return 1;
+    return !values || aoi_vector_is_finite(count, values);
 }
 
 /* Whether values ascend from a least one; equal neighbours may be. */
@@ -53,7 +49,45 @@ static int check_joint(const aoi_system *system, const aoi_joint *joint)
             return AOI_ERROR_ARGUMENT;
         }
     }
-    return joint->body[0] != joint->body[1] && isfinite(joint->gap) ? AOI_OK : AOI_ERROR_ARGUMENT;
+    return joint->body[0] != joint->body[1] && isfinite(joint->gap) ? aoi_law_check(joint->law)
+                                                                    : AOI_ERROR_ARGUMENT;
+}
+
+/* Whether modes and ports of the bodies stand one after the other in the arrays of all. */
+static int places_are_sound(const aoi_system *system)
+{
+    if (system->first[0] != 0 || system->first_port[0] != 0) {
+        return 0;
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        if (system->first[b + 1] - system->first[b] != system->body[b].n ||
+            system->first_port[b + 1] - system->first_port[b] != system->body[b].ports) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Whether the joints of each body are those that name it, ascending. */
+static int links_are_sound(const aoi_system *system)
+{
+    const size_t *first = system->first_joint;
+    if (first[0] != 0 || first[system->body_count] != 2 * system->joint_count) {
+        return 0;
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        if (first[b + 1] < first[b] || first[b + 1] > 2 * system->joint_count) {
+            return 0;
+        }
+        for (size_t i = first[b]; i < first[b + 1]; i++) {
+            const size_t c = system->joint_of[i];
+            if (c >= system->joint_count || (i > first[b] && c <= system->joint_of[i - 1]) ||
+                (system->joint[c].body[0] != b && system->joint[c].body[1] != b)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
 }
 
 int aoi_system_check(const aoi_system *system)
@@ -68,7 +102,9 @@ int aoi_system_check(const aoi_system *system)
             return AOI_ERROR_ARGUMENT;
         }
     }
-    return AOI_OK;
+    return places_are_sound(system) && (!system->first_joint || links_are_sound(system))
+               ? AOI_OK
+               : AOI_ERROR_ARGUMENT;
 }
 
 int aoi_system_link(aoi_system *system, size_t *first_joint, size_t *joint_of)

@@ -4,11 +4,21 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
+
+/* A body in flight as it was when a load last bent: time, work and losses since its row; then x, v. */
+enum { BEND_TIME, BEND_WORK, BEND_LOST, BEND_STATE };
+
+/* Doubles of all bodies' such. */
+static size_t bends_size(const aoi_system *system)
+{
+    return BEND_STATE * system->body_count + 2 * system->first[system->body_count];
+}
 
 size_t aoi_sampler_size(const aoi_system *system)
 {
     return system->first_port[system->body_count] * (AOI_STAGES + 3) +
-           6 * aoi_system_most_modes(system) + system->joint_count;
+           6 * aoi_system_most_modes(system) + system->joint_count + 2 * bends_size(system);
 }
 
 size_t aoi_sampler_rows(const aoi_system *system)
@@ -74,6 +84,11 @@ static void gather(aoi_sampler *sampler, double part)
     }
 }
 
+static double *bend_of(const aoi_sampler *sampler, double *of, size_t b)
+{
+    return of + BEND_STATE * b + 2 * sampler->system->first[b];
+}
+
 /* Takes note of the bodies and contacts of a row. */
 static void enter_row(aoi_sampler *sampler, size_t row)
 {
@@ -86,6 +101,7 @@ static void enter_row(aoi_sampler *sampler, size_t row)
         const size_t b = (size_t)sampler->track[at];
         sampler->body_row[b] = row;
         sampler->body_at[b] = at;
+        *bend_of(sampler, sampler->flown, b) = *bend_of(sampler, sampler->booked, b) = NAN;
         at += AOI_TRACK_STATE + 2 * system->body[b].n;
     }
     for (size_t i = 0; i < (size_t)here[AOI_TRACK_CONTACTS]; i++) {
@@ -118,8 +134,10 @@ static int contact_is_sound(const aoi_system *system, const double *of)
         return 0;
     }
     const aoi_law *law = system->joint[joint].law;
-    return of[AOI_TRACK_PIECE] == AOI_SLACK ||
-           number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
+    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* no law is asked: no edge of its force */
+        return edge == AOI_EDGE_NONE;
+    }
+    return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
 }
 
 /* Where a row ends that begins at a place; 0 if it does not lie within the track, or names what is not in
@@ -132,6 +150,9 @@ static size_t end_of_row(const aoi_sampler *sampler, size_t at)
         return 0;
     }
     const double *track = sampler->track, *row = track + at;
+    if (!isfinite(row[AOI_TRACK_START]) || !isfinite(row[AOI_TRACK_LENGTH])) {
+        return 0;
+    }
     if (!number_below(row[AOI_TRACK_BODIES], system->body_count + 1, &bodies) ||
         !number_below(row[AOI_TRACK_CONTACTS], system->joint_count + 1, &contacts) ||
         (contacts > 0 && !(row[AOI_TRACK_LENGTH] > 0.0))) {
@@ -162,7 +183,8 @@ static int track_is_sound(const aoi_sampler *sampler)
             return 0;
         }
         end = end_of_row(sampler, end);
-        if (end == 0) {
+        if (end == 0 ||
+            (row > 0 && row_of(sampler, row)[AOI_TRACK_START] < row_of(sampler, row - 1)[AOI_TRACK_START])) {
             return 0;
         }
     }
@@ -180,6 +202,8 @@ int aoi_sampler_start(aoi_sampler *sampler)
     sampler->states =
         sampler->work + system->first_port[system->body_count] * (AOI_STAGES + 3);
     sampler->settled = sampler->states + 6 * sampler->most_modes;
+    sampler->flown = sampler->settled + system->joint_count;
+    sampler->booked = sampler->flown + bends_size(system);
     for (size_t b = 0; b < system->body_count; b++) {
         sampler->body_row[b] = sampler->rows;
     }
@@ -220,6 +244,37 @@ static void advance(aoi_sampler *sampler, double time)
     }
 }
 
+/* Takes a body that flies to the last bend of its loads before a time, from the one where it was left last:
+ * else each time would cost all bends since its row. with_work: and the ledger. */
+static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, int with_work)
+{
+    const aoi_modes *body = &sampler->system->body[b];
+    const double *held = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
+    const double start = row_of(sampler, sampler->body_row[b])[AOI_TRACK_START];
+    double *at = bend_of(sampler, with_work ? sampler->booked : sampler->flown, b);
+    double *x = at + BEND_STATE, *before = sampler->states + 2 * sampler->most_modes;
+    const size_t bytes = 2 * body->n * sizeof(double);
+    if (!(at[BEND_TIME] <= time)) { /* NaN: not yet asked for */
+        at[BEND_TIME] = start;
+        at[BEND_WORK] = at[BEND_LOST] = 0.0;
+        memcpy(x, held, bytes);
+    }
+    for (double bend = aoi_modes_next_bend(body, at[BEND_TIME]); bend < time;
+         bend = aoi_modes_next_bend(body, bend)) {
+        double work, lost;
+        memcpy(before, x, bytes);
+        aoi_modes_fly(body, at[BEND_TIME], bend, x, x + body->n);
+        if (with_work) {
+            aoi_modes_flight_work(body, at[BEND_TIME], bend, before, before + body->n, x, x + body->n,
+                                  before + 2 * sampler->most_modes, &work, &lost);
+            at[BEND_WORK] += work;
+            at[BEND_LOST] += lost;
+        }
+        at[BEND_TIME] = bend;
+    }
+    return at;
+}
+
 /* x, v of a body at a time, into state (2n). Returns whether forces have acted on it since its row. */
 static int state_at(const aoi_sampler *sampler, double time, size_t b, double *state)
 {
@@ -227,19 +282,21 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
     const double *held = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
     const double *row = row_of(sampler, sampler->body_row[b]);
     const double start = row[AOI_TRACK_START], length = row[AOI_TRACK_LENGTH];
-    for (size_t k = 0; k < 2 * body->n; k++) {
-        state[k] = held[k];
-    }
     const int pushed = sampler->body_row[b] == sampler->row && length > 0.0 && time > start;
-    const double place = pushed ? place_of(sampler, time) : 0.0;
-    aoi_modes_fly(body, start, pushed ? start + place * length : time, state, state + body->n);
-    if (pushed) {
-        aoi_response_push(body, sampler->part * length,
-                          sampler->port_force + sampler->system->first_port[b] * AOI_STAGES,
-                          place / sampler->part, state, state + body->n);
-        aoi_modes_fly(body, start + length, time, state, state + body->n);
+    if (!pushed) {
+        const double *bend = fly_to_bend(sampler, time, b, 0);
+        memcpy(state, bend + BEND_STATE, 2 * body->n * sizeof(double));
+        aoi_modes_fly(body, bend[BEND_TIME], time, state, state + body->n);
+        return 0;
     }
-    return pushed;
+    const double place = place_of(sampler, time);
+    memcpy(state, held, 2 * body->n * sizeof(double));
+    aoi_modes_fly(body, start, start + place * length, state, state + body->n);
+    aoi_response_push(body, sampler->part * length,
+                      sampler->port_force + sampler->system->first_port[b] * AOI_STAGES,
+                      place / sampler->part, state, state + body->n);
+    aoi_modes_fly(body, start + length, time, state, state + body->n);
+    return 1;
 }
 
 void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state)
@@ -355,8 +412,11 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
                             sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, x0, v0,
                             state, state + body->n, scratch, &more, &lost);
     } else {
-        aoi_modes_flight_work(body, start, time, x0, v0, state, state + body->n, scratch, &more,
-                              &lost);
+        const double *bend = fly_to_bend(sampler, time, b, 1), *x = bend + BEND_STATE;
+        aoi_modes_flight_work(body, bend[BEND_TIME], time, x, x + body->n, state, state + body->n, scratch,
+                              &more, &lost);
+        more += bend[BEND_WORK];
+        lost += bend[BEND_LOST];
     }
     *work = held[1] + more;
     *dissipated = held[2] + lost;

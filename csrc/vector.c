@@ -1,5 +1,7 @@
-/* The two vector operations that everything dense is made of. */
+/* The vector operations that everything dense is made of. */
 #include "aoimpact.h"
+
+#include <math.h>
 
 double aoi_vector_dot(size_t n, const double *x, const double *y)
 {
@@ -21,4 +23,14 @@ void aoi_vector_add(size_t n, double factor, const double *x, double *y)
     for (size_t i = 0; i < n; i++) {
         y[i] += factor * x[i];
     }
+}
+
+int aoi_vector_is_finite(size_t n, const double *x)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(x[i])) {
+            return 0;
+        }
+    }
+    return 1;
 }

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import array
 import ast
+import ctypes
 import math
+import platform
 import random
 import re
 import signal
@@ -754,6 +756,111 @@ def test_many_calls_leak_nothing(calls: int) -> None:
     # One object a call would be 400 blocks; one work space a call, 80 kB each, 32 MB.
     assert blocks < 200
     assert kilobytes < 8_000
+
+
+# -------------------------------------------------------- what outlives a call, and what it costs
+
+
+@pytest.mark.parametrize("raises", [False, True])
+def test_a_solver_may_keep_its_views(raises: bool) -> None:
+    n = 20_000
+    start, indices = np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32)
+    stiffness, kept = np.linspace(1.0, 2.0, n), []
+
+    def solve(*views: memoryview) -> None:
+        x, kx, mx = map(np.frombuffer, views)
+        x /= stiffness
+        kx[:], mx[:] = stiffness * x, x
+        kept.extend([x, kx, mx])
+        if raises:
+            raise ZeroDivisionError
+
+    error: BaseException | None = None
+    try:
+        _core.krylov_extend(
+            (start, indices, stiffness),
+            (start, indices, np.ones(n)),
+            0.0,
+            solve,
+            np.ones(n),
+            np.zeros((3, n)),
+            np.zeros((3, 3)),
+            np.zeros(n),
+            0,
+            0,
+            np.zeros(2, dtype=np.int32),
+            2,
+        )
+    except ZeroDivisionError as caught:
+        error = caught  # whose traceback holds the frame of the solver
+    assert (error is not None) == raises
+    before = [view.copy() for view in kept]
+    junk = [np.full(n * count, 7.0) for count in range(1, 40)]
+    for view, copy in zip(kept, before, strict=True):
+        np.testing.assert_array_equal(view, copy)
+    for view in kept:
+        view[:] = 3.0
+    assert all((other == 7.0).all() for other in junk)
+
+
+def loaded_ball(points: int) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """A ball under a load of so many points that never touches its wall, and their joint."""
+    times = np.linspace(0.0, 1.0, points)
+    ones, still = np.ones((1, 1)), np.zeros((1, 1))
+    ball = still[0], None, ones, ones, None, None, ones[0], ones[0], None, times, np.sin(40 * times)
+    wall = still[0], None, ones, still, None, None, still[0], ones[0], None, None, None
+    hertz = "hertz", (1e6,), 0.0, np.inf, np.full(3, np.nan), None
+    return ((*ball[:-1], ball[-1][:, None]), wall), ((0, 0, 1, 0, 10.0, hertz),)
+
+
+def test_a_load_costs_as_many_points_as_it_has() -> None:
+    took: list[list[float]] = []
+    for points in (4_000, 64_000):
+        scene, seconds = loaded_ball(points), []
+        ones, times = np.ones(1), np.linspace(0.0, 1.0, points)
+        record = np.zeros((20, points))
+        for _ in range(5):
+            start = time.perf_counter()
+            table, index, *_ = _core.adaptive(*scene, 1e-8, 1.0, None, (ones, ones), (0.0, 0.0), 99)
+            flown = time.perf_counter()
+            _core.track_sample(*scene, np.frombuffer(table), index, times, record, True)
+            seconds.append((flown - start, time.perf_counter() - flown))
+        took.append([min(of) for of in zip(*seconds, strict=True)])
+    # 16 times as many points; it was 256 times as long.
+    assert took[1][0] < 100.0 * took[0][0]
+    assert took[1][1] < 100.0 * took[0][1]
+    np.testing.assert_allclose(record[5, -1], (1.0 - np.cos(40.0)) / 40.0, rtol=1e-4)
+
+
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux") or platform.machine() != "x86_64",
+    reason="knows the floating-point environment of x86-64 and glibc only",
+)
+@pytest.mark.parametrize("bits", [0x8040, 0x4000], ids=["subnormals are zero", "upward"])
+def test_what_other_libraries_do_to_arithmetic_is_harmless(bits: int) -> None:
+    libm = ctypes.CDLL("libm.so.6")
+    kept, changed = (ctypes.c_char * 32)(), (ctypes.c_char * 32)()
+    law = "hertz", (1e300,), 0.0, np.inf, np.full(3, np.nan), None
+    depth, zero, run = np.array([1e-310, 0.1]), np.zeros(2), adaptive_arguments(duration=0.01)
+
+    def answers() -> list[Any]:
+        force = np.zeros(2)
+        _core.law_force(law, depth, zero, force, np.zeros(2), np.zeros(2))
+        return [force.tobytes(), _core.adaptive(*run)[:4]]
+
+    wanted = answers()
+    libm.fegetenv(kept)
+    control = int.from_bytes(kept.raw[28:], "little") | bits  # the register MXCSR
+    changed.raw = kept.raw[:28] + control.to_bytes(4, "little")
+    libm.fesetenv(changed)
+    try:
+        found = answers()
+        left = (ctypes.c_char * 32)()
+        libm.fegetenv(left)
+    finally:
+        libm.fesetenv(kept)
+    assert found == wanted
+    assert int.from_bytes(left.raw[28:], "little") & 0xFFC0 == control & 0xFFC0, "as it was"
 
 
 # ------------------------------------------------------------------------- threads and signals

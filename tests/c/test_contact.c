@@ -329,6 +329,44 @@ static void an_infinite_slope_ends_no_search(void)
     }
 }
 
+/* OK means numbers, and an equation that holds. */
+static void what_is_solved_is_solved(void)
+{
+    const double inf = (double)INFINITY, nan = (double)NAN;
+    const double k_chi_n[] = {2.99283e-06, 380145.0, 4.99939}, k_c[] = {1e6, 10.0};
+    aoi_law damped, pulling;
+    CHECK(aoi_law_create(&damped, "hunt_crossley", 3, k_chi_n) == AOI_OK &&
+              aoi_law_create(&pulling, "kelvin_voigt_pulling", 2, k_c) == AOI_OK,
+          "laws");
+    const struct {
+        const aoi_law *law;
+        aoi_contact_equation equation;
+        int status;
+    } bad[] = {{&damped, {1.0, -1.0, 0.0, 1.0, 0.0}, AOI_ERROR_ARGUMENT},
+               {&damped, {1.0, 1.0, 0.0, -1.0, 0.0}, AOI_ERROR_ARGUMENT},
+               {&damped, {1.0, nan, 0.0, 1.0, 0.0}, AOI_ERROR_NOT_FINITE},
+               {&damped, {1.0, 1.0, 0.0, inf, 0.0}, AOI_ERROR_NOT_FINITE},
+               {&damped, {1e100, 0.0, 0.0, 0.0, 0.0}, AOI_ERROR_NOT_FINITE}};
+    double force, x;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        const int status = aoi_contact_solve(bad[i].law, NULL, &bad[i].equation, &force, &x);
+        CHECK(status == bad[i].status, "case %zu: status %d, force %g at %g", i, status, force, x);
+    }
+    const aoi_contact_equation far = {-1e-3, 1e-9, 0.0, 1e-3, inf};
+    const int status = aoi_contact_solve(&pulling, NULL, &far, &force, &x);
+    CHECK(status != AOI_OK || (isfinite(force) && isfinite(x)), "a guess that is no place");
+    const aoi_contact_equation stiff = {914880.04819806351, 1e-6, 0.0, 1e-6, 0.0};
+    CHECK(aoi_contact_solve(&damped, NULL, &stiff, &force, &x) == AOI_OK && force > 0.0 &&
+              fabs(x + 1e-6 * force - stiff.indentation_free) <= DBL_EPSILON * x,
+          "a force far below its terms: %g N at %.17g m", force, x);
+    const aoi_contact_equation rigid = {1e-3, 0.0, 1.0, 0.0, 0.0};
+    aoi_law_value value;
+    aoi_law_push(&damped, NULL, 1e-3, 1.0, &value);
+    CHECK(aoi_contact_solve(&damped, NULL, &rigid, &force, &x) == AOI_OK && x == 1e-3 &&
+              force == value.force,
+          "bodies that do not give way");
+}
+
 int main(void)
 {
     power_laws_of_any_size();
@@ -341,5 +379,6 @@ int main(void)
     rounding_ends_the_search();
     what_is_not_finite_is_said();
     an_infinite_slope_ends_no_search();
+    what_is_solved_is_solved();
     return check_report();
 }

@@ -70,7 +70,7 @@ static void chain_body_factorise(chain_body *c, aoi_newmark rule, const double *
     }
     const size_t panels = aoi_factors_find_panels((size_t)n, c->l_start, c->l_rows, c->panel);
     c->factors = (aoi_factors){(size_t)n, c->l_start, c->l_rows, c->l_values,       c->pivots,
-                               c->place,  c->panel,   panels,    c->work + 7 * MOST + 2};
+                               c->place,  c->panel,   panels,    c->work + 7 * MOST + 2, NULL};
     CHECK(aoi_factors_check(&c->factors, (size_t)(n - 1)) == AOI_OK, "factors of a chain of %d",
           (int)n);
 }
@@ -250,7 +250,7 @@ static void row_make(chain_body *c, aoi_newmark rule, aoi_rayleigh damping, doub
     }
     const size_t panels = aoi_factors_find_panels(ROW, c->l_start, c->l_rows, c->panel);
     c->factors = (aoi_factors){ROW,      c->l_start, c->l_rows, c->l_values, c->pivots,
-                               c->place, c->panel,   panels,    work};
+                               c->place, c->panel,   panels,    work, NULL};
     ports_b[1] = ports_b[ROW + 4] = 1.0;
     ports_b[ROW + 5] = -0.5;
     c->full.b = ports_b;

@@ -70,7 +70,7 @@ static void rod_make(rod *r, int n, int held, double s2, int ports)
     const size_t size = (size_t)n;
     r->space = (aoi_krylov){{size, r->start, r->indices, r->k}, {size, r->start, r->indices, r->m},
                             s2, {rod_solver, r}, (size_t)ports, 0, 0, size, r->b, r->basis,
-                            r->stiffness, r->load, r->work, 0, 0};
+                            r->stiffness, r->load, r->work, 0, 0, NULL};
 }
 
 /* b_p^T (K + x M)^-1 b_q. */
@@ -337,6 +337,31 @@ static void bad_arguments_are_refused(void)
     CHECK(aoi_krylov_work_size(12, 12) == 60, "work space");
 }
 
+static int stop(void *data)
+{
+    return --*(int *)data < 0;
+}
+
+/* Stopped anywhere, and gone on with, it is the same subspace. */
+static void growing_can_be_stopped(void)
+{
+    static rod whole, stopped;
+    rod_make(&whole, 8, 1, 0.3, 1);
+    whole.b[7] = 1.0;
+    CHECK(aoi_krylov_extend(&whole.space, 5) == AOI_OK && whole.space.count == 5, "grown");
+    for (int patience = 0; patience < 12; patience++) {
+        int left = patience;
+        const aoi_pause pause = {stop, &left};
+        rod_make(&stopped, 8, 1, 0.3, 1);
+        stopped.b[7] = 1.0;
+        stopped.space.pause = &pause;
+        CHECK(aoi_krylov_extend(&stopped.space, 5) == AOI_ERROR_STOPPED, "stopped after %d", patience);
+        for (size_t i = 0; i < stopped.space.count * 8; i++) {
+            CHECK(stopped.basis[i] == whole.basis[i], "column %zu", i / 8);
+        }
+    }
+}
+
 int main(void)
 {
     basis_is_orthonormal_in_mass();
@@ -351,5 +376,6 @@ int main(void)
     two_shifts_are_both_matched();
     bad_solvers_are_noticed();
     bad_arguments_are_refused();
+    growing_can_be_stopped();
     return check_report();
 }

@@ -691,6 +691,33 @@ static void only_the_pulling_law_pulls(void)
     }
 }
 
+static void what_no_law_is_made_of(void)
+{
+    aoi_law law;
+    const double none = 0.0, least = SMALLEST, soft[] = {1e-300, 1e300}, stiff[] = {1e300, 1e-300};
+    CHECK(aoi_law_create(&law, "hertz", 1, &none) == AOI_ERROR_ARGUMENT, "k = 0");
+    CHECK(aoi_law_create(&law, "hertz", 1, &least) == AOI_OK, "k > 0, however little");
+    CHECK(aoi_law_create(&law, "thornton", 2, soft) == AOI_ERROR_ARGUMENT, "yields at infinity");
+    CHECK(aoi_law_create(&law, "thornton", 2, stiff) == AOI_ERROR_ARGUMENT, "yields at 0");
+    /* F = 1000 d up to 2 m, energies 500 d^2. */
+    double table[] = {0.0, 1.0, 2.0, 0.0, 1e3, 2e3, 1e3, 1e3, 1e3, 0.0, 500.0, 2000.0};
+    CHECK(aoi_law_create_table(&law, 3, table) == AOI_OK && aoi_law_check(&law) == AOI_OK, "a line");
+    table[10] = 400.0;
+    CHECK(aoi_law_create_table(&law, 3, table) == AOI_ERROR_ARGUMENT,
+          "energies that are not the force's integral");
+    table[10] = 500.0;
+    const double nan = (double)NAN, compliance[] = {-1.0, nan, HUGE_VAL, 0.0, 0.0, 0.0};
+    const double limit[] = {1.0, 1.0, 1.0, 0.0, -1.0, nan};
+    for (size_t i = 0; i < 6; i++) {
+        CHECK(aoi_law_create_table(&law, 3, table) == AOI_OK, "a line");
+        law.compliance = compliance[i];
+        law.limit = limit[i];
+        CHECK(aoi_law_check(&law) == AOI_ERROR_ARGUMENT, "compliance %g, limit %g", compliance[i], limit[i]);
+    }
+    law = (aoi_law){.limit = HUGE_VAL};
+    CHECK(aoi_law_check(&law) == AOI_ERROR_ARGUMENT, "no force");
+}
+
 int main(void)
 {
     forces_follow_their_formulas();
@@ -717,5 +744,6 @@ int main(void)
     the_force_alone_is_the_force();
     no_force_up_to_rest();
     only_the_pulling_law_pulls();
+    what_no_law_is_made_of();
     return check_report();
 }

@@ -747,6 +747,37 @@ static void failures_say_where(void)
     CHECK(run_start(&one) == AOI_ERROR_NOT_POSITIVE, "wall against wall");
 }
 
+/* A scene is checked before anything of it is used. */
+static void what_is_no_scene_is_refused(void)
+{
+    const aoi_star mass = {0, 0.1, 0.0, NULL, NULL};
+    double time[] = {0.0, 1.0, 2.0}, force[] = {0.0, 1.0, 0.0};
+    aoi_load load = {.count = 3, .time = time, .force = force};
+    run_make(&one, &mass, &mass, AVERAGE, 1.0, 0.0);
+    run_law(&one, "hertz", 1e10);
+    aoi_scene *scene = &one.pair.scene;
+    scene->dt = 1e-6;
+    scene->load = &load;
+    scene->load_count = 1;
+    CHECK(aoi_scene_check(scene) == AOI_OK, "sound");
+    double *const numbers[] = {&time[1], &time[1], &time[1], &force[2], &force[0], &scene->dt, &scene->dt};
+    const double values[] = {3.0, -1.0, (double)NAN, (double)NAN, (double)INFINITY, 0.0, (double)NAN};
+    for (size_t i = 0; i < 7; i++) {
+        const double kept = *numbers[i];
+        *numbers[i] = values[i];
+        CHECK(aoi_scene_check(scene) == AOI_ERROR_ARGUMENT, "case %zu", i);
+        *numbers[i] = kept;
+    }
+    aoi_law bad = *one.pair.contact.law;
+    bad.compliance = (double)NAN;
+    one.pair.contact.law = &bad;
+    CHECK(aoi_scene_check(scene) == AOI_ERROR_ARGUMENT, "a law that cannot be used");
+    run_make(&one, &mass, &mass, AVERAGE, 1.0, 0.0);
+    run_law(&one, "hertz", 1e300);
+    one.pair.contact.gap = -1e10;
+    CHECK(run_start(&one) == AOI_ERROR_NOT_FINITE, "a force beyond the range of numbers at the start");
+}
+
 int main(void)
 {
     half_sines_are_met_to_second_order();
@@ -765,5 +796,6 @@ int main(void)
     loads_do_their_work();
     gravity_is_a_constant_force();
     failures_say_where();
+    what_is_no_scene_is_refused();
     return check_report();
 }

@@ -167,7 +167,7 @@ static void factored_make(factored *f, int32_t n, double a[MOST][MOST], const in
     f->start[n] = stored;
     const size_t panels = aoi_factors_find_panels((size_t)n, f->start, f->rows, f->panel);
     f->factors = (aoi_factors){(size_t)n, f->start, f->rows, f->values, f->pivots,
-                               f->place,  f->panel, panels,  f->work};
+                               f->place,  f->panel, panels,  f->work, NULL};
 }
 
 static void chain_under_its_own_weight_is_a_parabola(void)
@@ -367,6 +367,7 @@ static void unusable_factors_are_refused(void)
         {&f.rows[2], -1, "negative row"},
         {&f.place[1], 4, "place n"},
         {&f.place[1], -1, "negative place"},
+        {&f.place[1], place[0], "a place for two"},
         {&f.start[0], 1, "does not start at 0"},
         {&f.start[2], 2, "starts fall"},
         {&f.start[4], 7, "beyond the entries"},
@@ -388,6 +389,36 @@ static void unusable_factors_are_refused(void)
     }
 }
 
+static int say_no(void *data)
+{
+    return ++*(int *)data > 1;
+}
+
+/* Who is asked now and then can end a long solution. */
+static void long_solutions_can_be_ended(void)
+{
+    const size_t n = (size_t)3 << 20;
+    int32_t *start = calloc(n + 1, sizeof *start), *panel = malloc((n + 1) * sizeof *panel);
+    double *x = malloc(3 * n * sizeof *x), *pivots = x + n, *work = pivots + n;
+    int asked = 0;
+    const aoi_pause pause = {say_no, &asked};
+    if (start && panel && x) {
+        for (size_t i = 0; i <= n; i++) {
+            panel[i] = (int32_t)i;
+        }
+        for (size_t i = 0; i < n; i++) {
+            x[i] = 1.0;
+            pivots[i] = 2.0;
+        }
+        aoi_factors factors = {n, start, start, x, pivots, panel, panel, n, work, &pause};
+        CHECK(aoi_factors_solve(&factors, x) == AOI_ERROR_STOPPED && asked == 2, "asked %d times",
+              asked);
+    }
+    free(start);
+    free(panel);
+    free(x);
+}
+
 int main(void)
 {
     chain_has_its_eigenvectors();
@@ -400,5 +431,6 @@ int main(void)
     panels_are_found_where_patterns_are_alike();
     panels_that_do_not_fit_are_refused();
     unusable_factors_are_refused();
+    long_solutions_can_be_ended();
     return check_report();
 }

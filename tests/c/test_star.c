@@ -34,7 +34,7 @@ static void bad_stars_are_named(void)
         const double was = *broken[i].where;
         *broken[i].where = broken[i].value;
         CHECK(aoi_star_check(&star) == broken[i].status, "case %zu, value %g", i, broken[i].value);
-        CHECK(aoi_star_to_modal(&star, omega2, r, &modes, work) == broken[i].status && modes == 99,
+        CHECK(aoi_star_to_modal(&star, omega2, r, &modes, work, NULL) == broken[i].status && modes == 99,
               "no modes of a bad star, case %zu", i);
         *broken[i].where = was;
     }
@@ -85,7 +85,7 @@ static void star_of_a_chain_has_its_modes(int n, int held)
     size_t modes = 0;
     double m0, k0;
     chain_make(&c, n, held);
-    CHECK(aoi_star_to_modal(&c.star, omega2, r, &modes, m) == AOI_OK, "chain of %d", n);
+    CHECK(aoi_star_to_modal(&c.star, omega2, r, &modes, m, NULL) == AOI_OK, "chain of %d", n);
     CHECK(modes == (size_t)n, "n+1 modes, not %zu", modes);
     for (int j = 0; j < n; j++) {
         CHECK(fabs(omega2[j] - c.omega2[j]) < 4e-15 * n, "mode %d of %d: omega2 %.17g, not %.17g",
@@ -94,7 +94,7 @@ static void star_of_a_chain_has_its_modes(int n, int held)
               r[j] * r[j], c.weight[j]);
     }
     CHECK(held || omega2[0] == 0.0, "the rigid mode of a free chain is exactly zero");
-    CHECK(aoi_star_from_modal((size_t)n, c.omega2, c.weight, &m0, &k0, m, k) == AOI_OK, "and back");
+    CHECK(aoi_star_from_modal((size_t)n, c.omega2, c.weight, &m0, &k0, m, k, NULL) == AOI_OK, "and back");
     CHECK(near(m0, 1.0, 1e-14) && near(k0, c.star.k0, 1e-14 * n),
           "m0 = 1, k0 = %g, not %.17g, %.17g", c.star.k0, m0, k0);
     for (int j = 0; j < n - 1; j++) {
@@ -127,7 +127,7 @@ static void there_and_back(size_t n, uint64_t *seed, int held)
     size_t modes;
     double m0, k0, worst = 0.0;
     random_star_make(&s, n, seed, held, 0);
-    CHECK(aoi_star_to_modal(&s.star, omega2, r, &modes, m) == AOI_OK, "%zu oscillators", n);
+    CHECK(aoi_star_to_modal(&s.star, omega2, r, &modes, m, NULL) == AOI_OK, "%zu oscillators", n);
     int interlaced = 1, positive = 1;
     double inverse_mass = 0.0, compliance = 0.0;
     for (size_t j = 0; j <= n; j++) {
@@ -143,7 +143,7 @@ static void there_and_back(size_t n, uint64_t *seed, int held)
     CHECK(near(inverse_mass, 1.0 / s.star.m0, 1e-13), "sum r^2 = 1/m0, not %.17g", inverse_mass);
     CHECK(!held || near(compliance, 1.0 / s.star.k0, 1e-13), "sum r^2/omega2 = 1/k0, not %.17g",
           compliance);
-    CHECK(aoi_star_from_modal(n + 1, omega2, weight, &m0, &k0, m, k) == AOI_OK, "back");
+    CHECK(aoi_star_from_modal(n + 1, omega2, weight, &m0, &k0, m, k, NULL) == AOI_OK, "back");
     CHECK(near(m0, s.star.m0, 1e-12) && near(k0, s.star.k0, 1e-12), "m0, k0 come back");
     for (size_t i = 0; i < n; i++) {
         worst = fmax(worst, fmax(fabs(m[i] / s.m[i] - 1.0), fabs(k[i] / s.k[i] - 1.0)));
@@ -158,7 +158,7 @@ static void modes_add_up_to_the_receptance(size_t n, uint64_t *seed, int held, i
     static double omega2[CHAIN_MOST], r[CHAIN_MOST], work[CHAIN_MOST];
     size_t modes;
     random_star_make(&s, n, seed, held, massless);
-    CHECK(aoi_star_to_modal(&s.star, omega2, r, &modes, work) == AOI_OK, "%zu oscillators", n);
+    CHECK(aoi_star_to_modal(&s.star, omega2, r, &modes, work, NULL) == AOI_OK, "%zu oscillators", n);
     CHECK(modes == n + 1 - (size_t)massless, "%zu modes of %zu oscillators", modes, n);
     double springs = s.star.k0;
     for (size_t i = 0; i < n; i++) {
@@ -184,17 +184,17 @@ static void lone_masses_and_their_modes(void)
     const aoi_star wall = {0, (double)INFINITY, 0.0, NULL, NULL};
     double found[2], r[2], m0, k0, m, k;
     size_t modes;
-    CHECK(aoi_star_to_modal(&rigid, found, r, &modes, NULL) == AOI_OK && modes == 1,
+    CHECK(aoi_star_to_modal(&rigid, found, r, &modes, NULL, NULL) == AOI_OK && modes == 1,
           "a rigid mass");
     CHECK(found[0] == 0.0 && r[0] == 0.5, "moves as one: 0 and 1/sqrt(m)");
-    CHECK(aoi_star_to_modal(&sprung, found, r, &modes, NULL) == AOI_OK && modes == 1,
+    CHECK(aoi_star_to_modal(&sprung, found, r, &modes, NULL, NULL) == AOI_OK && modes == 1,
           "on a spring");
     CHECK(found[0] == 9.0 && r[0] == 0.5, "k/m and 1/sqrt(m)");
-    CHECK(aoi_star_to_modal(&wall, found, r, &modes, NULL) == AOI_ERROR_ARGUMENT,
+    CHECK(aoi_star_to_modal(&wall, found, r, &modes, NULL, NULL) == AOI_ERROR_ARGUMENT,
           "a wall has no modes");
-    CHECK(aoi_star_from_modal(1, omega2, weight, &m0, &k0, NULL, NULL) == AOI_OK, "one mode");
+    CHECK(aoi_star_from_modal(1, omega2, weight, &m0, &k0, NULL, NULL, NULL) == AOI_OK, "one mode");
     CHECK(m0 == 4.0 && near(k0, 36.0, 1e-15), "is a mass on a spring");
-    CHECK(aoi_star_from_modal(2, omega2, weight, &m0, &k0, &m, &k) == AOI_OK, "two modes of 4 kg");
+    CHECK(aoi_star_from_modal(2, omega2, weight, &m0, &k0, &m, &k, NULL) == AOI_OK, "two modes of 4 kg");
     /* The antiresonance lies midway, k/m = 12.5; m0 = 2; m k from the slope there. */
     CHECK(m0 == 2.0 && near(k0, 1.0 / (0.25 / 9.0 + 0.25 / 16.0), 1e-15), "m0 and k0 of two modes");
     CHECK(near(k, 3.5 * 3.5 / (0.5 * 12.5), 1e-14) && near(k / m, 12.5, 1e-14),
@@ -222,20 +222,20 @@ static void modes_that_cannot_be(void)
         {{0.0, 1.0}, {1.0, 0.0}, AOI_ERROR_NOT_POSITIVE},
     };
     double m0 = 7.0, k0 = 7.0, m = 7.0, k = 7.0;
-    CHECK(aoi_star_from_modal(0, NULL, NULL, &m0, &k0, &m, &k) == AOI_ERROR_ARGUMENT, "no modes");
+    CHECK(aoi_star_from_modal(0, NULL, NULL, &m0, &k0, &m, &k, NULL) == AOI_ERROR_ARGUMENT, "no modes");
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        const int status = aoi_star_from_modal(2, bad[i].omega2, bad[i].weight, &m0, &k0, &m, &k);
+        const int status = aoi_star_from_modal(2, bad[i].omega2, bad[i].weight, &m0, &k0, &m, &k, NULL);
         CHECK(status == bad[i].status, "omega2 %g, %g with weights %g, %g: status %d",
               bad[i].omega2[0], bad[i].omega2[1], bad[i].weight[0], bad[i].weight[1], status);
     }
     CHECK(m == 7.0 && k == 7.0, "no oscillator is written");
-    CHECK(aoi_star_from_modal(1, &nan, bad[0].weight, &m0, &k0, NULL, NULL) == AOI_ERROR_NOT_FINITE,
+    CHECK(aoi_star_from_modal(1, &nan, bad[0].weight, &m0, &k0, NULL, NULL, NULL) == AOI_ERROR_NOT_FINITE,
           "one mode of frequency NaN");
     const double close_m[] = {1.0, 1.0}, close_k[] = {4.0, 4.0};
     const aoi_star equal = {2, 1.0, 0.0, close_m, close_k};
     double omega2[3], r[3], work[2];
     size_t modes;
-    CHECK(aoi_star_to_modal(&equal, omega2, r, &modes, work) == AOI_ERROR_ARGUMENT,
+    CHECK(aoi_star_to_modal(&equal, omega2, r, &modes, work, NULL) == AOI_ERROR_ARGUMENT,
           "equal antiresonances are to be merged by the caller");
 }
 
@@ -251,6 +251,43 @@ static void energies_of_a_star(void)
           "1/2 k0 u0^2 + 1/2 sum k (u0 - u_i)^2, not %g", elastic);
     aoi_star_energy(&wall, u, v, &kinetic, &elastic);
     CHECK(kinetic == 0.0 && elastic == 0.0, "a wall has no energy");
+}
+
+static int stop(void *data)
+{
+    int *asked = data;
+    return ++*asked >= 3;
+}
+
+static void out_of_range_or_stopped(void)
+{
+    double omega2[3], r[3], work[2], m0, k0, m_out[2], k_out[2];
+    size_t modes;
+    const double heavy[] = {1e74}, soft[] = {1e-300}, light[] = {1e-300}, stiff[] = {1e300};
+    const aoi_star slow = {1, 0.0, 0.0, heavy, soft}, fast = {1, 1.0, 1.0, light, stiff};
+    CHECK(aoi_star_to_modal(&slow, omega2, r, &modes, work, NULL) == AOI_ERROR_NOT_FINITE,
+          "k/m is nothing but zero");
+    CHECK(aoi_star_to_modal(&fast, omega2, r, &modes, work, NULL) == AOI_ERROR_NOT_FINITE,
+          "k/m is infinite");
+    const double poles[] = {0.0, 1.0}, tiny[] = {SMALLEST, SMALLEST};
+    CHECK(aoi_star_from_modal(2, poles, tiny, &m0, &k0, m_out, k_out, NULL) == AOI_ERROR_NOT_FINITE,
+          "a mass of 1/5e-324");
+    const aoi_secular far = {1, poles, poles + 1, 0.0, 0.0, 0};
+    size_t nearest;
+    double offset;
+    CHECK(aoi_secular_root(&far, 0, DBL_MAX, &nearest, &offset) == AOI_ERROR_NOT_FINITE,
+          "no root as far as numbers go");
+    const double m[] = {1.0, 1.0}, k[] = {1.0, 2.0}, squares[] = {1.0, 2.0, 3.0, 4.0};
+    double weight[] = {1.0, 1.0, 1.0, 1.0}, m3[3], k3[3];
+    const aoi_star star = {2, 1.0, 1.0, m, k};
+    int asked = 0;
+    const aoi_pause pause = {stop, &asked};
+    CHECK(aoi_star_to_modal(&star, omega2, r, &modes, work, &pause) == AOI_ERROR_STOPPED && asked == 3,
+          "the third mode is not looked for");
+    asked = 0;
+    CHECK(aoi_star_from_modal(4, squares, weight, &m0, &k0, m3, k3, &pause) == AOI_ERROR_STOPPED &&
+              asked == 3,
+          "nor the third oscillator");
 }
 
 int main(void)
@@ -276,5 +313,6 @@ int main(void)
     lone_masses_and_their_modes();
     modes_that_cannot_be();
     energies_of_a_star();
+    out_of_range_or_stopped();
     return check_report();
 }

@@ -1,0 +1,40 @@
+/* From matrices to oscillators: dense vectors of any numbers. */
+#include "fuzz.h"
+
+enum { MOST = 6 };
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    input in = open_input(data, size);
+    const size_t n = take_between(&in, 1, MOST), count = take_below(&in, MOST);
+    taker *some = take_byte(&in) % 4 ? take_signed : take_any;
+    const double *b = take_array(&in, n, some), *z = take_array(&in, n, some);
+    const double *many = take_array(&in, n * count, some), *squares = take_array(&in, n * n, some);
+    double *x = take_array(&in, n, some), *work = take_room(&in, n), *a = take_room(&in, n * n);
+    double scalar = NAN, *c = take_room(&in, count), *m = take_room(&in, count), *k = take_room(&in, count);
+    if (aoi_static_held(n, b, x, &scalar) == AOI_OK) {
+        REQUIRE(isfinite(scalar) && scalar > 0.0 && aoi_vector_is_finite(n, x));
+    }
+    if (aoi_static_free(n, count, many, b, x, &scalar) == AOI_OK) {
+        REQUIRE(isfinite(scalar) && scalar > 0.0 && aoi_vector_is_finite(n, x));
+    }
+    memcpy(x, z, n * sizeof(double));
+    if (aoi_constraint_project(n, b, z, x) == AOI_OK) {
+        REQUIRE(aoi_vector_is_finite(n, x));
+    }
+    if (aoi_constraint_reflector(n, b, x) == AOI_OK) {
+        REQUIRE(aoi_vector_is_finite(n, x) && fabs(aoi_vector_dot(n, x, x) - 2.0) < 1e-12);
+        memcpy(a, squares, n * n * sizeof(double));
+        aoi_constraint_congruence(n, x, a, work);
+    }
+    const double *modal = take_array(&in, count, take_positive), *omega2 = take_array(&in, count, take_any);
+    if (aoi_oscillators_project(n, count, many, modal, omega2, z, c, m, k) == AOI_OK) {
+        REQUIRE(aoi_vector_is_finite(count, c) && aoi_vector_is_finite(count, m) &&
+                aoi_vector_is_finite(count, k));
+        for (size_t j = 0; j < count; j++) {
+            REQUIRE(m[j] >= 0.0 && k[j] >= 0.0);
+        }
+    }
+    close_input(&in);
+    return 0;
+}

@@ -1,0 +1,174 @@
+/* Sparse matrices, factors, blocks and graphs: what their checks let through can be used. */
+#include "fuzz.h"
+
+enum { MOST = 7 };
+
+/* n + 1 starts, mostly ascending from 0; stored: the last. */
+static int32_t *take_starts(input *in, size_t n, size_t *stored)
+{
+    int32_t *start = take_bytes(in, n + 1, sizeof *start);
+    for (size_t i = 0; i < n; i++) {
+        start[i + 1] = start[i] + (int32_t)take_below(in, n + 1);
+    }
+    *stored = (size_t)start[n];
+    if (take_byte(in) > 240) {
+        start[take_below(in, n + 1)] = (int32_t)(take_byte(in) << 24 | take_byte(in));
+    }
+    return start;
+}
+
+static int32_t *take_indices(input *in, size_t count, size_t n)
+{
+    int32_t *of = take_bytes(in, count, sizeof *of);
+    for (size_t p = 0; p < count; p++) {
+        of[p] = (int32_t)take_below(in, n);
+    }
+    if (count > 0 && take_byte(in) > 240) {
+        of[take_below(in, count)] = (int32_t)(take_byte(in) << 24 | take_byte(in));
+    }
+    return of;
+}
+
+static void of_matrix(input *in)
+{
+    size_t stored;
+    const size_t n = take_below(in, MOST);
+    aoi_sparse matrix = {.n = n, .start = take_starts(in, n, &stored)};
+    matrix.indices = take_indices(in, stored, n);
+    matrix.values = take_array(in, stored, take_any);
+    const double *x = take_array(in, 5 * n, take_any);
+    double *y = take_room(in, 5 * n), *alone = take_room(in, n);
+    if (aoi_sparse_check(&matrix, stored) != AOI_OK) {
+        return;
+    }
+    aoi_sparse_multiply_each(&matrix, 5, x, y);
+    for (size_t c = 0; c < 5; c++) {
+        aoi_sparse_multiply(&matrix, x + c * n, alone);
+        for (size_t i = 0; i < n; i++) { /* bit for bit; NaN have no sign */
+            REQUIRE(alone[i] == y[c * n + i] || (isnan(alone[i]) && isnan(y[c * n + i])));
+        }
+    }
+    (void)aoi_sparse_quadratic(&matrix, x);
+}
+
+/* Columns that go on below the diagonal. */
+static void of_factors(input *in)
+{
+    size_t stored = 0;
+    const size_t n = take_below(in, MOST);
+    int32_t *start, *rows, *place = take_bytes(in, n, sizeof *place);
+    int32_t *panel = take_bytes(in, n + 1, sizeof *panel);
+    if (take_byte(in) % 4) {
+        start = take_bytes(in, n + 1, sizeof *start);
+        rows = take_bytes(in, n * n, sizeof *rows);
+        for (size_t j = 0; j < n; j++) {
+            for (size_t i = j + 1; i < n; i++) {
+                if (take_byte(in) & 1) {
+                    rows[stored++] = (int32_t)i;
+                }
+            }
+            start[j + 1] = (int32_t)stored;
+        }
+        int32_t *exact = take_bytes(in, stored, sizeof *exact);
+        memcpy(exact, rows, stored * sizeof *exact);
+        rows = exact;
+    } else {
+        start = take_starts(in, n, &stored);
+        rows = take_indices(in, stored, n);
+    }
+    for (size_t i = 0; i < n; i++) {
+        place[i] = (int32_t)((i + 1) % n);
+    }
+    if (n > 0 && take_byte(in) > 200) {
+        place[take_below(in, n)] = (int32_t)take_below(in, 2 * n);
+    }
+    const aoi_sparse pattern = {n, start, rows, NULL};
+    if (aoi_sparse_check(&pattern, stored) != AOI_OK) {
+        return;
+    }
+    size_t panels = aoi_factors_find_panels(n, start, rows, panel);
+    if (take_byte(in) > 200) {
+        panel[take_below(in, n + 1)] = (int32_t)take_below(in, n + 2) - 1;
+    }
+    aoi_factors factors = {n,     start, rows,   take_array(in, stored, take_signed), take_array(in, n, take_any),
+                           place, panel, panels, take_room(in, n), NULL};
+    if (aoi_factors_check(&factors, stored) != AOI_OK) {
+        return;
+    }
+    double *x = take_array(in, n, take_signed);
+    REQUIRE(aoi_factors_solve(&factors, x) == AOI_OK);
+}
+
+static float *take_floats(input *in, size_t count)
+{
+    float *of = take_bytes(in, count, sizeof *of);
+    for (size_t i = 0; i < count; i++) {
+        of[i] = (float)((double)take_byte(in) - 128.0);
+    }
+    return of;
+}
+
+static void of_blocks(input *in)
+{
+    size_t stored;
+    const size_t n = take_below(in, 4), size = take_between(in, 1, AOI_BLOCKS_WIDEST);
+    aoi_blocks matrix = {.n = n, .size = size, .start = take_starts(in, n, &stored)};
+    matrix.indices = take_indices(in, stored, n);
+    matrix.values = take_floats(in, size * size * stored);
+    matrix.inverse = take_floats(in, size * size * n);
+    float *x = take_floats(in, n * size), *r = take_floats(in, n * size), *work = take_floats(in, 2 * n * size);
+    if (aoi_blocks_check(&matrix, stored) != AOI_OK) {
+        return;
+    }
+    const double low = take_byte(in) % 8 ? 0.1 : take_any(in), high = take_byte(in) % 8 ? 2.0 : take_any(in);
+    aoi_blocks_subtract(&matrix, x, r);
+    (void)aoi_blocks_smooth(&matrix, take_below(in, 5), low, high, take_byte(in) & 1, x, r, work);
+}
+
+/* Edges in both directions: every node is in an aggregate, and its number below their count. */
+static void of_graph(input *in)
+{
+    enum { NODES = 12 };
+    const size_t n = take_below(in, NODES);
+    unsigned char edge[NODES][NODES] = {{0}};
+    int32_t *start = take_bytes(in, n + 1, sizeof *start), *all = take_bytes(in, n * n, sizeof *all);
+    int32_t *aggregate = take_bytes(in, n, sizeof *aggregate);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = i; j < n; j++) {
+            edge[i][j] = edge[j][i] = take_byte(in) % 3 == 0;
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        start[i + 1] = start[i];
+        for (size_t j = 0; j < n; j++) {
+            if (edge[i][j]) {
+                all[start[i + 1]++] = (int32_t)j;
+            }
+        }
+    }
+    const size_t count = aoi_graph_aggregate(n, start, all, aggregate);
+    REQUIRE(count <= n && (n == 0 || count > 0));
+    for (size_t i = 0; i < n; i++) {
+        REQUIRE(aggregate[i] >= 0 && (size_t)aggregate[i] < count);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    input in = open_input(data, size);
+    switch (take_below(&in, 4)) {
+    case 0:
+        of_matrix(&in);
+        break;
+    case 1:
+        of_factors(&in);
+        break;
+    case 2:
+        of_blocks(&in);
+        break;
+    default:
+        of_graph(&in);
+    }
+    close_input(&in);
+    return 0;
+}

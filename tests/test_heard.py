@@ -1,0 +1,202 @@
+"""Ctrl-C is heard within a tenth of a second, whatever the core is doing."""
+
+import signal
+import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from aoimpact import _core
+
+Array = npt.NDArray[np.float64]
+Call = Callable[[], object]
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a timer that interrupts")
+
+
+def numbers(*values: float) -> Array:
+    return np.array(values, dtype=np.float64)
+
+
+def hertz(k: float) -> tuple[object, ...]:
+    return "hertz", (k,), 0.0, np.inf, np.full(3, np.nan), None
+
+
+def body(omega: Array) -> tuple[object, ...]:
+    """A free body in those modes, all of which a force moves alike."""
+    ones = np.ones(len(omega))
+    empty = (None,) * 3
+    return omega, None, ones[None], 1e-3 * ones[None], None, None, ones, ones, *empty
+
+
+def law() -> Call:
+    n = 20_000_000
+    depth, rate = np.linspace(1e-6, 1e-3, n), np.zeros(n)
+    power = "power", (1e9, 1.37), 0.0, np.inf, np.full(3, np.nan), None
+    answers = [np.empty(n) for _ in range(3)]
+    return lambda: _core.law_force(power, depth, rate, *answers)
+
+
+def receptance() -> Call:
+    k, frequency = np.arange(1.0, 5001.0), np.linspace(0.0, 20.0, 100_000)
+    return lambda: _core.star_receptance(1.0, 1.0, k / k, k, frequency, np.empty_like(frequency))
+
+
+def modal_receptance() -> Call:
+    omega, frequency = np.arange(1.0, 3001.0), np.linspace(0.0, 20.0, 100_000)
+    answer = np.empty_like(frequency), np.empty_like(frequency)
+    return lambda: _core.modal_receptance(omega, omega, omega, 0.0, frequency, *answer)
+
+
+def to_modal() -> Call:
+    k = np.arange(1.0, 10_001.0)
+    room = np.empty(len(k) + 1), np.empty(len(k) + 1), np.empty(len(k))
+    return lambda: _core.star_to_modal(1.0, 1.0, k / k, k, *room)
+
+
+def from_modal() -> Call:
+    omega2 = np.arange(1.0, 10_001.0)
+    room = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
+    return lambda: _core.star_from_modal(omega2, omega2 / omega2, *room)
+
+
+def krylov() -> Call:
+    n, given, wanted = 200_000, 150, 190
+    start, indices = np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32)
+    stiffness = np.linspace(1.0, 2.0, n)
+
+    def solve(*views: memoryview) -> None:
+        x, kx, mx = map(np.frombuffer, views)
+        x /= stiffness + 1.0
+        kx[:], mx[:] = stiffness * x, x
+
+    basis = np.zeros((wanted, n))
+    basis[np.arange(given), np.arange(given)] = 1.0
+    return lambda: _core.krylov_extend(
+        (start, indices, stiffness),
+        (start, indices, np.ones(n)),
+        1.0,
+        solve,
+        np.ones(n),
+        basis,
+        np.zeros((wanted, wanted)),
+        np.zeros(n),
+        0,
+        given,
+        np.array([given, 0], dtype=np.int32),
+        wanted,
+    )
+
+
+def track(count: int) -> tuple[tuple[object, ...], Array]:
+    """Bodies, joints, track and index of a flight in so many modes, and times to sample it at."""
+    bodies = body(np.linspace(0.0, 1e4, count)), body(np.zeros(1))
+    joints = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
+    moving = np.zeros(count), np.zeros(1)
+    table, index, *_ = _core.adaptive(
+        bodies, joints, 1e-6, 1.0, None, moving, (0.0, 0.0), sys.maxsize
+    )
+    times = np.linspace(0.0, 1.0, 20_000_000 // count)
+    return (bodies, joints, np.frombuffer(table), index), times
+
+
+def sample() -> Call:
+    arguments, times = track(2000)
+    record = np.zeros((20, len(times)))
+    return lambda: _core.track_sample(*arguments, times, record, True)
+
+
+def states() -> Call:
+    arguments, times = track(2000)
+    found = np.empty((len(times), 4000))
+    return lambda: _core.track_states(*arguments, times, 0, found)
+
+
+def forces() -> Call:
+    arguments, times = track(1)
+    found = np.empty((1, len(times)))
+    return lambda: _core.track_forces(*arguments, times, found)
+
+
+def briefs() -> Call:
+    cases = 500
+    stock = body(np.zeros(1)), body(np.linspace(0.0, 1e6, 300))
+    which, answers = np.tile(np.array([0, 1, 0], np.int32), (cases, 1)), np.zeros((cases, 10))
+    each = np.tile(numbers(1.0, 0.0, 1e-2, 1e-8), (cases, 1))
+    moving = np.ones(1), np.zeros(300)
+    return lambda: _core.briefs(stock, moving, (hertz(1e9),), which, each, answers)
+
+
+def full(band: int, mass: Array) -> Call:
+    """Steps of a finite-element body with factors of that many entries a column."""
+    n = len(mass)
+    start, indices = np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32)
+    count = np.minimum(band, n - 1 - indices)
+    columns = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
+    place = np.arange(columns[-1], dtype=np.int32) - np.repeat(columns[:-1], count)
+    rows = np.repeat(indices, count) + place + 1
+    # A mass matrix that is not diagonal, so that accelerations take iterations.
+    pairs = np.stack([mass, np.full(n, 0.7 * mass.min())], axis=1).ravel()
+    beside = np.stack([indices, indices ^ 1], axis=1).ravel().astype(np.int32)
+    factors = (columns, rows.astype(np.int32), np.full(len(rows), 1e-6), np.ones(n), indices, start)
+    b = np.zeros(n)
+    b[0] = 1.0
+    push = np.linspace(1.0, 2.0, n)
+    target = (
+        "full",
+        (start, indices, np.ones(n)),
+        (2 * start, beside, pairs),
+        b,
+        0.0,
+        0.0,
+        factors,
+        push,
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+    )
+    wall = "star", np.inf, 0.0, numbers(), numbers(), 0.0, 0.0, None, *np.ones((3, 1))
+    record = np.zeros((20, 100))
+    contacts = ((0, 0, 1, 0, hertz(1e3), 1e9),)
+    return lambda: _core.newmark_scene((target, wall), contacts, (), 1e-3, 0.25, 0.5, record, False)
+
+
+def factors() -> Call:
+    return full(400, np.ones(100_000))
+
+
+def masses() -> Call:
+    return full(1, np.logspace(0.0, 8.0, 400_000))
+
+
+LONG = [law, receptance, modal_receptance, to_modal, from_modal, krylov]
+LONG += [sample, states, forces, briefs, factors, masses]
+
+
+def seconds_deaf(call: Call, after: float) -> float:
+    """For how long after that time it goes on; NaN where it was over before.
+
+    In seconds of the processor, so that it does not matter what else the machine does.
+    """
+    heard = signal.signal(signal.SIGPROF, signal.default_int_handler)
+    start = time.process_time()
+    try:
+        with suppress(KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_PROF, after)
+            call()
+            return np.nan
+        return time.process_time() - start - after
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, heard)
+
+
+@pytest.mark.parametrize("make", LONG, ids=lambda make: make.__name__)
+def test_no_call_is_deaf(make: Callable[[], Call]) -> None:
+    call = make()
+    for after in (0.01, 0.15):
+        assert seconds_deaf(call, after) < 0.1
