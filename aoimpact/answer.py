@@ -111,7 +111,7 @@ _NUMBERS: dict[str, Callable[[Result], float]] = {
     "peak_force": lambda run: run.peak_force,
     "impulse": lambda run: run.impulse,
     "duration": lambda run: run.contact_duration,
-    "rebound": lambda run: run.rebound_velocity,
+    "rebound": lambda run: run.parting[0],
 }
 
 

@@ -100,7 +100,7 @@ class _Stock:
                 bodies = plan.modal
             except Exception:
                 return None  # simulate says what is wrong
-        if messages:
+        if messages or not all(body.centre_known for body in plan.players):
             return None
         law, target = plan.joints[0].law, plan.players[1]
         self.laws.append(law.for_core())
@@ -207,6 +207,7 @@ def _columns(
 ) -> dict[str, npt.NDArray[np.float64]]:
     velocity = given[:, 0]
     ours = answers[:, _OURS] + np.array([pair.drift for pair in pairs]) * velocity
+    ours[answers[:, _TOUCHES] == 0.0] = math.nan  # no rebound
     theirs = np.where([pair.fixed for pair in pairs], 0.0, answers[:, _THEIRS])
     return {
         "peak_force": answers[:, _PEAK_FORCE],

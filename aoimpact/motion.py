@@ -99,6 +99,8 @@ class BodyInfo:
         Total mass [kg]; None where it is not known.
     held : bool
         Whether supports or a ground spring hold it.
+    centre_known : bool
+        Whether its centre of mass is known; of a body of K and M alone often not.
     state : callable
         Gives its coordinates and their rates at the end of the record.
     ports : int
@@ -110,6 +112,7 @@ class BodyInfo:
     label: str
     mass: float | None
     held: bool
+    centre_known: bool
     state: Callable[[], tuple[FloatArray, FloatArray]]
     ports: int = 1
     response: Callable[[], Response | None] | None = None
@@ -165,7 +168,8 @@ class BodyResult(Frozen):
     displacement, velocity : (n,) arrays
         Of the contact coordinate (the first one) [m, m/s].
     centre_displacement, centre_velocity : (n,) arrays
-        Of the centre of mass [m, m/s].
+        Of the centre of mass [m, m/s]; NaN where that is not known: of a body given by K and M
+        without nodes, unless it is free and struck through its centre.
     port_displacements, port_velocities : (p, n) arrays
         Of all contact coordinates [m, m/s].
     energy : BodyEnergy or None

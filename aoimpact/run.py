@@ -183,6 +183,7 @@ class Run:
                 player.label,
                 player.mass,
                 player.held,
+                player.centre_known,
                 partial(self.recorder.state, i),
                 player.ports,
                 partial(self.recorder.response, i),
@@ -258,14 +259,17 @@ class Run:
         info, first = self.infos[index], self._first[index]
         ports = self._rows[first + _BODY_ROWS : first + _BODY_ROWS + 2 * info.ports]
         coordinates, rates = info.state()
+        centre = self._rows[first : first + 2]
+        if not info.centre_known:
+            centre = np.full(centre.shape, np.nan)
         return BodyResult(
             label=info.label,
             mass=info.mass,
             held=info.held,
             displacement=ports[0],
             velocity=ports[1],
-            centre_displacement=self._rows[first],
-            centre_velocity=self._rows[first + 1],
+            centre_displacement=centre[0],
+            centre_velocity=centre[1],
             energy=self.energy.bodies[index] if self.energies else None,
             coordinates=coordinates,
             rates=rates,
@@ -274,6 +278,14 @@ class Run:
             _times=self.t,
             _respond=info.response,
         )
+
+    @property
+    def mean_velocities(self) -> FloatArray:
+        """Of the bodies' centres of mass, m/s, shape (bodies, n).
+
+        Where a centre is not known, the mean over the static mode: good to compare runs by.
+        """
+        return self._rows[[first + 1 for first in self._first[:-1]]]
 
     @cached_property
     def contacts(self) -> tuple[ContactResult, ...]:

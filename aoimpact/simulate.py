@@ -20,7 +20,7 @@ from .patchlaw import effective_law
 from .plan import Joint, Plan
 from .players import player
 from .result import Result
-from .scene import checked_speed, solve
+from .scene import checked_speed, solve, warn_of_centres
 from .solvers import Solver
 from .sufficient import checked_linear_solver, sufficient
 
@@ -92,8 +92,8 @@ def simulate(
     Warns
     -----
     AOImpactWarning
-        If the record ends in contact, the step is too large for any digit to be right, or a body's
-        model was fitted to quite another contact time.
+        If the record ends in contact, the step is too large for any digit to be right, a body's
+        centre of mass is not known, or its model was fitted to quite another contact time.
     """
     chosen = quantity is not None or rtol is not None
     linear = checked_linear_solver(linear_solver, chosen=chosen)
@@ -129,9 +129,10 @@ def _simulated(plan: Plan, solver: Adaptive | Newmark | None) -> Result:
     run = solve(plan, solver)
     if run.in_contact_at_end:
         warn(
-            f"the record of {run.duration:.4g} s ends in contact: rebound, impulse and the last "
-            "contact's end are those so far; take a longer duration"
+            f"the record of {run.duration:.4g} s ends in contact: impulse and the last contact's "
+            "end are those so far, and there is no rebound (NaN); take a longer duration"
         )
+    warn_of_centres(plan, _NAMES)
     return Result(
         run=run,
         velocity=plan.velocities[0],

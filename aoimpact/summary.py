@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 from typing import TYPE_CHECKING
 
 from .units import quantity
@@ -28,8 +29,8 @@ def summary_rows(result: Seen) -> list[tuple[str, str]]:
             ("impulse", quantity(result.impulse, "N s")),
         ]
     rows += [
-        ("rebound velocity", f"{result.rebound_velocity:.5g} m/s"),
-        ("restitution", f"{result.restitution:.5g}"),
+        ("rebound velocity", _rebound(result, result.rebound_velocity, " m/s")),
+        ("restitution", _rebound(result, result.restitution)),
         ("error of the peak", _error(result)),
         ("solver", result.solver),
     ]
@@ -59,6 +60,12 @@ def _body(result: Seen, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
     mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
     return f"{body.label}, {mass}{', held' if body.held else ''}"
+
+
+def _rebound(result: Seen, value: float, unit: str = "") -> str:
+    if not math.isnan(value):
+        return f"{value:.5g}{unit}"
+    return "none" if result.in_contact_at_end or not result.contacts else "not known"
 
 
 def _gap(result: Seen) -> str:

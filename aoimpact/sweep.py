@@ -53,7 +53,8 @@ def sweep(
     Returns
     -------
     SweepTable
-        One row a combination; NaN where a case failed, with its exception in ``.errors``.
+        One row a combination; NaN where a case failed, with its exception in ``.errors``, and
+        where there is no such number.
 
     Raises
     ------

@@ -42,7 +42,8 @@ class SweepTable(Frozen):
     shape : tuple of int
         Numbers of values of the parameters: a column reshaped to it is an array over the grid.
     errors : dict of int to exception
-        Of the rows that failed; their quantities are NaN.
+        Of the rows that failed; their quantities are NaN. So is a number that there is not: the
+        restitution of bodies that have not parted.
     """
 
     data: npt.NDArray[Any]
