@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -308,8 +308,30 @@ class ErrorEstimate:
     energy : float or None
         Range of the total energy over the record, relative to the largest kinetic and elastic
         energy in it: an independent check on the run, since no solver uses it.
+    quantity : str or None
+        What was asked for.
+    rtol : float or None
+        And how wrong it may be.
+    numbers : mapping of str to float
+        Where models were chosen, the estimated error of each number that sums up the result, by its
+        name ("restitution", of a scene "contacts.0.impulse"), from these models: only what was
+        asked for is controlled, another number is no better than it says here. Infinite of
+        "contacts" where it is not certain how many there are.
     """
 
     reduction: float | None = None
     time: float | None = None
     energy: float | None = None
+    quantity: str | None = None
+    rtol: float | None = None
+    numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+    def told(self, name: str) -> str:
+        """Return what a summary says of a number's error; nothing where models were given."""
+        error = self.numbers.get(name, math.nan)
+        if self.rtol is None or math.isnan(error):
+            return ""
+        if error <= self.rtol:
+            return f" (to {100.0 * error:.2g} %)" if error > 0.0 else ""
+        by = f": may be {100.0 * error:.2g} % off" if math.isfinite(error) else ""
+        return f" (not controlled{by})"

@@ -92,7 +92,7 @@ class Result(Eventful):
 
     @property
     def error(self) -> ErrorEstimate:
-        """What is known of the error of the peak force."""
+        """What is known of the errors; ``error.numbers`` of each number by its name."""
         return self.run.error
 
     @property
@@ -158,7 +158,7 @@ class Result(Eventful):
         NaN without a rebound, if the bodies have not met or the record ends in contact, and where
         the centre of mass is not known (see `BodyResult`).
         """
-        return self.parting[0] if self._parted and self.run.infos[0].centre_known else math.nan
+        return self.parting[0] if self._rebounds else math.nan
 
     @property
     def restitution(self) -> float:
@@ -168,12 +168,20 @@ class Result(Eventful):
         of infinite mass. NaN without a rebound, and where a centre of mass is not known.
         """
         target = self.run.infos[1]
-        theirs = self.parting[1] if target.centre_known else math.nan
-        return ((0.0 if target.fixed else theirs) - self.rebound_velocity) / self.velocity
+        known = target.fixed or target.centre_known
+        return self.parting_speed / self.velocity if known and self._rebounds else math.nan
 
     @property
-    def _parted(self) -> bool:
-        return bool(self.events.contacts) and not self.in_contact_at_end
+    def _rebounds(self) -> bool:
+        """Whether the projectile has a rebound that is known."""
+        parted = bool(self.events.contacts) and not self.in_contact_at_end
+        return parted and self.run.infos[0].centre_known
+
+    @property
+    def parting_speed(self) -> float:
+        """How fast the bodies part by `parting` [m/s]; a target that is held stays where it is."""
+        ours, theirs = self.parting
+        return (0.0 if self.run.infos[1].fixed else theirs) - ours
 
     @cached_property
     def parting(self) -> tuple[float, float]:

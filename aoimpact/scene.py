@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import uuid
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -364,7 +364,8 @@ class Scene:
             run, different, asked, rtol, solver, energies=energies, linear_solver=linear_solver
         )
         warn_of_centres(done.plan, self._every_name())
-        return done.of_models(tuple(found.models[i] for i in which), found.error)
+        models = tuple(found.models[i] for i in which)
+        return replace(done, chosen=replace(found, models=models))
 
     def _refuse_overlap(self) -> None:
         for number, joint in enumerate(self._joints):

@@ -67,11 +67,12 @@ def simulate(
     energies : bool, optional
         Whether to record energies as well.
     quantity : str or ContactPoint, optional
-        What matters: "force" (over the record), "peak_force", "impulse", "duration" (of the first
-        contact), "rebound", "projectile_displacement" or "target_displacement" (of the contact
-        coordinate, over the record), or a point of a body, for its displacement over the record.
-        Given this or `rtol`, finite-element bodies are reduced, and stars truncated, as far as that
-        allows; `Result.models` says to what.
+        What matters: "force" (over the record), "peak_force", "impulse", "contact_duration" (of the
+        first contact), "rebound_velocity", "projectile_displacement" or "target_displacement" (of
+        the contact coordinate, over the record), or a point of a body, for its displacement over
+        the record. Given this or `rtol`, finite-element bodies are
+        reduced, and stars truncated, as far as that allows; `Result.models` says to what. Only this
+        is right to `rtol`: `Result.error.numbers` says how wrong each other number may be.
     rtol : float, optional
         Its relative error, 1e-2 if left out; that of a history is its largest over the record,
         relative to the largest value.
@@ -122,7 +123,7 @@ def simulate(
         energies=energies,
         linear_solver=linear,
     )
-    return replace(done, run=done.run.of_models(found.models, found.error))
+    return replace(done, run=replace(done.run, chosen=found))
 
 
 def _simulated(plan: Plan, solver: Adaptive | Newmark | None) -> Result:
