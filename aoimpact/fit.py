@@ -36,9 +36,9 @@ _SHORTER = 3.0
 _LONGER = 1.15
 
 # Unbalanced share at which the force of one contact begins to be worse than what a good fit would
-# give: on the same impacts it was wrong by .02 to .9 where this was above .01, and no worse than
-# fitted below .002.
-_BALANCED = 3e-3
+# give: on the same impacts it was wrong by .02 to .9 where this was above .01, and hardly worse
+# than fitted below .005.
+_BALANCED = 5e-3
 
 # And at which later contacts do: on five bodies that ring between two to four contacts the impulse
 # was wrong by .02 to .45 above 6e-5, and by less than .001 below 2e-5.
@@ -163,13 +163,12 @@ def _lasting(events: Events, duration: float, fitted: float) -> float:
 
 
 def _span(plan: Plan, run: Run, body: int) -> float:
-    """How long it takes from a body's first touch to the end of its last, s; 0 of a single one."""
+    """From a body's first touch to the end of its last, s; 0 if none begins after one has ended."""
     touches = [
         touch
         for joint, of in zip(plan.joints, run.events, strict=True)
         if joint.touches(body)
         for touch in of.contacts
     ]
-    if len(touches) == 1:
-        return 0.0
-    return max(end for _, end in touches) - min(start for start, _ in touches)
+    starts, ends = zip(*touches, strict=True)
+    return max(ends) - min(starts) if max(starts) > min(ends) else 0.0
