@@ -114,7 +114,8 @@ class Answer:
             force: FloatArray = run.run.forces[0]
             return force
         body = run.target if self.quantity == "target_displacement" else run.projectile
-        return body.displacement
+        motion: FloatArray = body.port_displacements[0]
+        return motion
 
 
 _NUMBERS: dict[str, Callable[[Result], float]] = {

@@ -165,8 +165,6 @@ class BodyResult(Frozen):
     ----------
     label, mass, held
         As in :class:`BodyInfo`.
-    displacement, velocity : (n,) arrays
-        Of the contact coordinate (the first one) [m, m/s].
     centre_displacement, centre_velocity : (n,) arrays
         Of the centre of mass [m, m/s]; NaN where that is not known: of a body given by K and M
         without nodes, unless it is free and struck through its centre.
@@ -181,8 +179,6 @@ class BodyResult(Frozen):
     label: str
     mass: float | None
     held: bool
-    displacement: FloatArray
-    velocity: FloatArray
     centre_displacement: FloatArray
     centre_velocity: FloatArray
     energy: BodyEnergy | None
@@ -192,6 +188,27 @@ class BodyResult(Frozen):
     port_velocities: FloatArray
     _times: FloatArray = field(repr=False)
     _respond: Callable[[], Response | None] | None = field(default=None, repr=False)
+    _doubt: Callable[[], None] | None = field(default=None, repr=False)
+
+    @property
+    def displacement(self) -> FloatArray:
+        """Of the contact coordinate (the first one) [m], shape (n,).
+
+        A model that was fitted to a contact warns where the record goes on for longer than it
+        knows.
+        """
+        if self._doubt is not None:
+            self._doubt()
+        first: FloatArray = self.port_displacements[0]
+        return first
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Of the contact coordinate (the first one) [m/s], shape (n,); see `displacement`."""
+        if self._doubt is not None:
+            self._doubt()
+        first: FloatArray = self.port_velocities[0]
+        return first
 
     def probe(
         self,
@@ -251,7 +268,8 @@ class BodyResult(Frozen):
         """
         response = None if self._respond is None else self._respond()
         if response is None:
-            return np.interp(times, self._times, self.displacement)
+            places: FloatArray = np.interp(times, self._times, self.port_displacements[0])
+            return places
         return response.displacement_of(functional, times)
 
     @cached_property

@@ -16,6 +16,7 @@ from . import plot
 from .checks import finite_array
 from .errors import InputError, InputTypeError
 from .events import Events, FloatArray, find_events
+from .fit import warn_of_later_motion
 from .motion import (
     BodyEnergy,
     BodyInfo,
@@ -292,8 +293,6 @@ class Run:
             label=info.label,
             mass=info.mass,
             held=info.held,
-            displacement=ports[0],
-            velocity=ports[1],
             centre_displacement=centre[0],
             centre_velocity=centre[1],
             energy=self.energy.bodies[index] if self.energies else None,
@@ -303,7 +302,15 @@ class Run:
             port_velocities=ports[1::2],
             _times=self.t,
             _respond=info.response,
+            _doubt=None if self._asked_for_motion else partial(self._doubt, index),
         )
+
+    @property
+    def _asked_for_motion(self) -> bool:
+        return self.chosen is not None and "displacement" in self.chosen.quantity
+
+    def _doubt(self, index: int) -> None:
+        warn_of_later_motion(self.plan, self, index)
 
     @property
     def mean_velocities(self) -> FloatArray:
@@ -406,7 +413,9 @@ class Run:
     @property
     def _driven(self) -> bool:
         """Whether a wall moves: it brings energy that is not counted."""
-        return any(info.wall and self.bodies[i].velocity.any() for i, info in enumerate(self.infos))
+        return any(
+            info.wall and self.bodies[i].port_velocities.any() for i, info in enumerate(self.infos)
+        )
 
     @cached_property
     def error(self) -> ErrorEstimate:

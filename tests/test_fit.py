@@ -1,6 +1,7 @@
 """Models fitted to one blow and met by another: said where it matters, and only there."""
 
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -146,6 +147,28 @@ def test_later_contacts_are_told_where_what_is_between_is_not_known(n):
     assert abs(wrong.impulse / right.impulse - 1.0) > 0.1
     cured = ao.simulate(**cantilever(12, contact_time=82e-6, duration=4.9e-4), duration=2e-3)
     assert cured.impulse == pytest.approx(right.impulse, rel=1e-3)
+
+
+def test_displacement_after_the_contact_is_told_when_it_is_asked_for():
+    ball, tip, between, velocity, _ = IMPACTS["held plate"]()
+    strike = partial(ao.simulate, projectile=ball, law=between, velocity=velocity, duration=6e-4)
+    fit = partial(ao.antioscillators, tip, method="krylov", contact_time=96e-6)
+    right = strike(target=ao.antioscillators(tip))
+    hit = strike(target=fit(3))  # without a word: the force is right
+    assert hit.peak_force == pytest.approx(right.peak_force, rel=1e-2)
+    with pytest.warns(ao.AOImpactWarning, match=r"displacement and velocity.*duration=0\.0006"):
+        wrong = hit.target.displacement
+    true = right.at(hit.t).target.displacement
+    assert np.abs(wrong - true).max() > 0.15 * np.abs(true).max()
+    assert hit.at([5e-5]).target.displacement[0] == pytest.approx(
+        right.at([5e-5]).target.displacement[0], rel=0.05
+    )
+    cured = strike(target=fit(12, duration=6e-4))
+    true = right.at(cured.t).target.displacement
+    assert np.abs(cured.target.displacement - true).max() < 0.05 * np.abs(true).max()
+    chosen = strike(target=tip, quantity="target_displacement", rtol=0.05)
+    true = right.at(chosen.t).target.displacement
+    assert np.abs(chosen.target.displacement - true).max() < 0.05 * np.abs(true).max()
 
 
 def test_a_long_record_after_one_contact_is_no_reason(tip):
