@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
 
 from .checks import choice
 from .contact import ContactPoint
-from .errors import InputError
+from .errors import InputError, warn
 from .events import FloatArray
 from .result import Result
 from .run import Handle, Run
 
 __all__ = ["QUANTITIES", "SCENE_QUANTITIES", "Answer", "SceneAnswer", "answer", "scene_answer"]
-
-QUANTITIES = (
-    "force",
-    "peak_force",
-    "impulse",
-    "duration",
-    "rebound",
-    "projectile_displacement",
-    "target_displacement",
-)
 
 SCENE_QUANTITIES = ("force", "peak_force", "impulse")
 
@@ -33,8 +25,8 @@ SCENE_QUANTITIES = ("force", "peak_force", "impulse")
 # largest: one that only grazes has no digits of its own.
 _LEAST_CONTACT = 0.1
 
-# A velocity's error is relative to itself, but to no less than this share of the initial one: a
-# body that is all but stopped has no digits of its own.
+# Errors of a velocity, or a restitution, are relative to itself, but to no less than this share of
+# the initial one, or of 1: a body that is all but stopped has no digits of its own.
 _LEAST_REBOUND = 0.1
 
 
@@ -45,8 +37,8 @@ class Answer:
     Attributes
     ----------
     quantity : str or ContactPoint
-        "force": the force over the record; "peak_force", "impulse"; "duration": of the first
-        contact; "rebound": the projectile's velocity; "projectile_displacement",
+        "force": the force over the record; "peak_force", "impulse"; "contact_duration": of the
+        first contact; "rebound_velocity": the projectile's; "projectile_displacement",
         "target_displacement": of the contact coordinate over the record; a point on one of the
         bodies: its displacement over the record.
     on_target : bool
@@ -74,11 +66,7 @@ class Answer:
         Shape (1,); of histories (times,), relative to the largest value.
         """
         if isinstance(self.quantity, str) and self.quantity in _NUMBERS:
-            one, other = (_NUMBERS[self.quantity](run) for run in (result, exact))
-            scale = abs(other)
-            if self.quantity == "rebound":
-                scale = max(scale, _LEAST_REBOUND * abs(exact.velocity))
-            return _relative(np.array([one - other]), scale)
+            return np.array([_number_apart(self.quantity, result, exact)])
         times = exact.t
         return _beyond(self.history(result, times), self.history(exact, times))
 
@@ -92,6 +80,28 @@ class Answer:
         """Return the duration of the first contact, s; None where none ends in the record."""
         return result.contact_duration or None
 
+    def errors(self, result: Result, *exact: Result) -> dict[str, float]:
+        """Return by how much each number that sums up a result may be wrong, relative.
+
+        The sum of the changes from each run to the next, more exact one; NaN of a number that there
+        is not. "contacts" is infinite if they have not as many.
+        """
+        runs = (result, *exact)
+        errors = {
+            name: sum(abs(_number_apart(name, *pair)) for pair in pairwise(runs))
+            for name in _NUMBERS
+        }
+        for name in ("rebound_velocity", "restitution"):
+            if math.isnan(getattr(result, name)):
+                errors[name] = math.nan
+        as_many = len({len(run.contacts) for run in runs}) == 1
+        return errors | {"contacts": 0.0 if as_many else math.inf}
+
+    @property
+    def named(self) -> str:
+        """What it is, in words."""
+        return "displacement" if isinstance(self.quantity, ContactPoint) else self.quantity
+
     def history(self, run: Result, times: FloatArray) -> FloatArray:
         """Return the force or displacement at `times`, s."""
         if isinstance(self.quantity, ContactPoint):
@@ -104,15 +114,43 @@ class Answer:
             force: FloatArray = run.run.forces[0]
             return force
         body = run.target if self.quantity == "target_displacement" else run.projectile
-        return body.displacement
+        motion: FloatArray = body.port_displacements[0]
+        return motion
 
 
 _NUMBERS: dict[str, Callable[[Result], float]] = {
     "peak_force": lambda run: run.peak_force,
+    "peak_time": lambda run: run.peak_time,
+    "contact_duration": lambda run: run.contact_duration,
     "impulse": lambda run: run.impulse,
-    "duration": lambda run: run.contact_duration,
-    "rebound": lambda run: run.rebound_velocity,
+    # Of runs that end in contact as well: to compare them by.
+    "rebound_velocity": lambda run: run.parting[0],
+    "restitution": lambda run: run.parting_speed / run.velocity,
 }
+
+# What is asked for by another name: with a warning where that means something else elsewhere.
+_SHORT, _RENAMED = {"rebound": "rebound_velocity"}, {"duration": "contact_duration"}
+
+QUANTITIES = (
+    "force",
+    "peak_force",
+    "impulse",
+    "contact_duration",
+    "rebound_velocity",
+    "projectile_displacement",
+    "target_displacement",
+)
+
+
+def _number_apart(name: str, result: Result, exact: Result) -> float:
+    """By how much a number of a result is above that of a more exact one, relative."""
+    one, other = (_NUMBERS[name](run) for run in (result, exact))
+    scale = abs(other)
+    if name == "rebound_velocity":
+        scale = max(scale, _LEAST_REBOUND * abs(exact.velocity))
+    elif name == "restitution":
+        scale = max(scale, _LEAST_REBOUND)
+    return float(_relative(np.array(one - other), scale))
 
 
 def answer(quantity: Any, projectile: Any, target: Any) -> Answer:
@@ -124,7 +162,7 @@ def answer(quantity: Any, projectile: Any, target: Any) -> Answer:
         If there is no such quantity, or the point is on neither body, or on both.
     """
     if not isinstance(quantity, ContactPoint):
-        return Answer(choice("quantity", quantity, QUANTITIES))
+        return Answer(choice("quantity", _by_name(quantity), QUANTITIES))
     on = [
         isinstance(body, ContactPoint) and body.body is quantity.body
         for body in (projectile, target)
@@ -141,6 +179,15 @@ def answer(quantity: Any, projectile: Any, target: Any) -> Answer:
             "from that; the contact's own are 'projectile_displacement' and 'target_displacement'"
         )
     return Answer(quantity, on_target=on[1])
+
+
+def _by_name(quantity: Any) -> Any:
+    """The name of today."""
+    if isinstance(quantity, str) and quantity in _RENAMED:
+        warn(
+            f"quantity={quantity!r} is called {_RENAMED[quantity]!r} now: duration is the record's"
+        )
+    return (_SHORT | _RENAMED).get(quantity, quantity) if isinstance(quantity, str) else quantity
 
 
 @dataclass(frozen=True)
@@ -202,6 +249,31 @@ class SceneAnswer:
             ]
             or [np.zeros(0)]
         )
+
+    def errors(self, run: Run, *exact: Run) -> dict[str, float]:
+        """Return by how much each number that sums up a run may be wrong, relative to itself.
+
+        The sum of the changes from each run to the next, more exact one; by the names by which they
+        are kept, such as "contacts.0.peak_force". "contacts.0.intervals" is infinite if these are
+        not as many.
+        """
+        runs = (run, *exact)
+        errors = {}
+        for i, found in enumerate(zip(*(of.events for of in runs), strict=True)):
+            for name in ("peak_force", "peak_time", "impulse"):
+                values = [float(getattr(of, name)) for of in found]
+                errors[f"contacts.{i}.{name}"] = sum(
+                    abs(float(_relative(np.array(one - other), abs(other))))
+                    for one, other in pairwise(values)
+                )
+            as_many = len({len(of.contacts) for of in found}) == 1
+            errors[f"contacts.{i}.intervals"] = 0.0 if as_many else math.inf
+        return errors
+
+    @property
+    def named(self) -> str:
+        """What it is, in words."""
+        return self.quantity if isinstance(self.quantity, str) else "displacement"
 
     def span(self, run: Run) -> float:
         """Return how long, s, the motion must be right for the answer to be so."""

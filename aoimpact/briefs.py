@@ -18,7 +18,7 @@ import numpy.typing as npt
 from . import _core
 from .adaptive import Adaptive
 from .errors import held_warnings
-from .fit import fitted_times
+from .fit import fitted_times, knows
 from .laws import UserLaw
 from .modalbody import ModalBody
 from .modes import ModalModel
@@ -63,13 +63,21 @@ class _Pair:
     fixed : bool
         Whether the target does not fly off.
     fits : tuple of float
-        Between which durations of the contact the models are what they were fitted for, s.
+        Between which durations of the contact the models need not be looked at, s.
+    models : tuple
+        These.
     """
 
     places: tuple[int, int, int]
     drift: float
     fixed: bool
     fits: tuple[float, float]
+    models: tuple[Any, ...]
+
+    def know(self, lasted: float) -> bool:
+        """Whether the models know enough for a contact that long, s."""
+        least, most = self.fits
+        return least <= lasted <= most or all(knows(model, lasted) for model in self.models)
 
 
 @dataclass
@@ -101,16 +109,18 @@ class _Stock:
                 bodies = plan.modal
             except Exception:
                 return None  # simulate says what is wrong
-        if messages:
+        if messages or not all(body.centre_known for body in plan.players):
             return None
         law, target = plan.joints[0].law, plan.players[1]
         self.laws.append(law.for_core())
         drift = plan.drifts[0]
+        models = tuple(player.model for player in plan.players)
         return _Pair(
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
             0.0 if drift is None else drift.share,
             target.held or (target.mass is not None and math.isinf(target.mass)),
-            fitted_times(stars),
+            fitted_times(models),
+            models,
         )
 
     def _place(self, body: ModalBody) -> int:
@@ -156,13 +166,14 @@ def brief_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, 
     )
     wanted = tuple(names)
     columns = _columns(given, answers, pairs)
-    shortest, longest = np.array([pair.fits for pair in pairs]).T
-    lasted = answers[:, _END] - answers[:, _START]
-    fits = (answers[:, _TOUCHES] == 0.0) | ((lasted >= shortest) & (lasted <= longest))
-    plain = _plain(given, answers) & fits  # simulate has something to say of the others
+    plain = _plain(given, answers).tolist()
+    touches = (answers[:, _TOUCHES] > 0.0).tolist()
+    lasted = columns["contact_duration"].tolist()
     rows = zip(*(columns[name].tolist() for name in wanted), strict=True)
-    for i, is_plain, row in zip(taken, plain.tolist(), rows, strict=True):
-        if is_plain:
+    for i, pair, is_plain, touched, time, row in zip(
+        taken, pairs, plain, touches, lasted, rows, strict=True
+    ):
+        if is_plain and (not touched or pair.know(time)):  # simulate has a word on the others
             found[i] = dict(zip(wanted, row, strict=True))
     return found
 
@@ -208,6 +219,7 @@ def _columns(
 ) -> dict[str, npt.NDArray[np.float64]]:
     velocity = given[:, 0]
     ours = answers[:, _OURS] + np.array([pair.drift for pair in pairs]) * velocity
+    ours[answers[:, _TOUCHES] == 0.0] = math.nan  # no rebound
     theirs = np.where([pair.fixed for pair in pairs], 0.0, answers[:, _THEIRS])
     return {
         "peak_force": answers[:, _PEAK_FORCE],

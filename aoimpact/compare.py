@@ -26,7 +26,9 @@ from .star import AOModel
 
 __all__ = ["compare"]
 
-_ANSWERS = tuple(Answer(name) for name in ("force", "duration", "impulse", "target_displacement"))
+_ANSWERS = tuple(
+    Answer(name) for name in ("force", "contact_duration", "impulse", "target_displacement")
+)
 
 # Far below the differences between models.
 _IN_TIME = 1e-6
@@ -134,7 +136,7 @@ class _Try:
         self.failure = ""
 
     def compared(self, exact: Result) -> Compared:
-        force, duration, impulse, displacement = (
+        force, contact_duration, impulse, displacement = (
             math.nan if self.result is None else answer.difference(self.result, exact)
             for answer in _ANSWERS
         )
@@ -144,7 +146,7 @@ class _Try:
             self.build,
             self.run,
             force,
-            duration,
+            contact_duration,
             impulse,
             displacement,
             self.failure,

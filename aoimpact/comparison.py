@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from .axes import error_axes, given_axes
 from .cells import aligned, html_table
 from .checks import file_path
+from .errors import warn
 from .units import quantity
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Compared:
         Of both bodies.
     build, run : float
         Time to make the models, from the finite elements on, and to run them, s.
-    force, duration, impulse, displacement : float
+    force, contact_duration, impulse, displacement : float
         Relative errors; of force and of the target's contact displacement the largest over the
         record, relative to the largest value.
     failure : str
@@ -42,10 +43,18 @@ class Compared:
     build: float
     run: float
     force: float
-    duration: float
+    contact_duration: float
     impulse: float
     displacement: float
     failure: str = ""
+
+    @property
+    def duration(self) -> float:
+        """The old name of `contact_duration`."""
+        warn(
+            "duration of a compared model is called contact_duration now: duration is the record's"
+        )
+        return self.contact_duration
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,7 +93,7 @@ class Comparison:
         Parameters
         ----------
         ax : Axes, optional
-        error : {"force", "duration", "impulse", "displacement"}, optional
+        error : {"force", "contact_duration", "impulse", "displacement"}, optional
 
         Returns
         -------
@@ -100,7 +109,9 @@ class Comparison:
             if rows:
                 style = {"marker": "o", "label": name} | kwargs
                 ax.plot([row.dofs for row in rows], [getattr(row, error) for row in rows], **style)
-        return error_axes(ax, "degrees of freedom", f"relative error of the {error}")
+        return error_axes(
+            ax, "degrees of freedom", f"relative error of the {error}".replace("_", " ")
+        )
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table: one row a model, times in s, errors relative."""
@@ -127,13 +138,22 @@ class Comparison:
 
 _KINDS = {"AO": "anti-oscillators", "modal": "natural modes", "rigid": "rigid"}
 
-_HEADINGS = ("model", "dofs", "build", "run", "force", "duration", "impulse", "displacement")
+_HEADINGS = (
+    "model",
+    "dofs",
+    "build",
+    "run",
+    "force",
+    "contact duration",
+    "impulse",
+    "displacement",
+)
 
 
 def _cells(row: Compared) -> tuple[str, ...]:
     if row.failure:
         return (row.model, *("-",) * 7)
-    errors = (row.force, row.duration, row.impulse, row.displacement)
+    errors = (row.force, row.contact_duration, row.impulse, row.displacement)
     return (
         row.model,
         str(row.dofs),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,7 +16,7 @@ from .checks import finite_array, positive
 from .errors import InputError, InputTypeError
 from .rebound import integrated_restitution
 
-__all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "PatchLaw"]
+__all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -49,8 +49,8 @@ class ContactLaw:
     _depends_on_rate: ClassVar[bool] = False
     _has_memory: ClassVar[bool] = False
 
-    # R, m, of a law that knows how wide its contact is, √(R δ): one made from materials and radii.
-    _relative_radius: float | None = None
+    # R, m, of a law that knows how wide its contact is, √(R δ).
+    relative_radius: float | None = None
 
     @property
     def depends_on_rate(self) -> bool:
@@ -139,8 +139,8 @@ class ContactLaw:
         compliance : float
             c, the sum over both bodies, m/N.
         radius, relative_radius : float, optional
-            Radius of the smaller patch and relative radius of curvature R, m: the law then stands
-            as long as the contact radius √(R (δ + c F)) is below `radius`.
+            Radius of the smaller patch and relative radius of curvature R, m, the law's own if left
+            out: the law then stands as long as the contact radius √(R (δ + c F)) is below `radius`.
 
         Raises
         ------
@@ -150,9 +150,9 @@ class ContactLaw:
         c = positive("compliance", compliance, unit="m/N")
         wide = positive("radius", radius, unit="m", infinite=True)
         deepest = min(self._steepest(c), self._limit())
-        if relative_radius is not None:
-            curved = positive("relative_radius", relative_radius, unit="m")
-            deepest = min(deepest, wide * (wide / curved))
+        curvature = self.relative_radius if relative_radius is None else relative_radius
+        if curvature is not None:
+            deepest = min(deepest, wide * (wide / positive("relative_radius", curvature, unit="m")))
             if deepest <= 0.0:
                 raise InputError(f"radius={wide:g} m is too small to be computed with")
         limit = deepest - c * self.force(deepest) if math.isfinite(deepest) else math.inf
@@ -254,6 +254,31 @@ def _first_beyond(
         if found.size:
             return start + int(found[0])
     return None
+
+
+@dataclass(frozen=True, repr=False)
+class HertzianLaw(ContactLaw):
+    """A law that begins with Hertz's k δ^(3/2), and may know how wide its contact is.
+
+    Parameters
+    ----------
+    relative_radius : float, optional
+        R, m, of a contact of radius √(R δ). Between patches the law then stands no further than to
+        contacts as wide as these; a law that does not know it may be taken beyond.
+    """
+
+    relative_radius: float | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if self.relative_radius is not None:
+            radius = positive("relative_radius", self.relative_radius, unit="m")
+            object.__setattr__(self, "relative_radius", radius)
+
+    def __repr__(self) -> str:
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        if (width := values.pop("relative_radius")) is not None:
+            values["relative_radius"] = width
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in values.items())})"
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from .curvature import (
     relative_radius,
 )
 from .errors import InputError
-from .law import ContactLaw
+from .law import ContactLaw, HertzianLaw
 from .material import Material
 
 __all__ = ["Hertz", "Linear", "PowerLaw", "exponent"]
@@ -30,20 +30,24 @@ def exponent(value: Any) -> float:
     return n
 
 
-@dataclass(frozen=True)
-class Hertz(ContactLaw):
+@dataclass(frozen=True, repr=False)
+class Hertz(HertzianLaw):
     """Hertz's law F = k δ^(3/2), eqs. (13)-(15) of the paper.
 
     Parameters
     ----------
     k : float
         N/m^1.5, positive.
+    relative_radius : float, optional
+        R, m: the contact is √(R δ) wide, which patches must not be narrower than. E* follows from
+        it and k.
     """
 
     k: float
     _name = "hertz"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
 
     def _parameters(self) -> tuple[float, ...]:
@@ -82,13 +86,11 @@ class Hertz(ContactLaw):
         """
         modulus = contact_modulus(material_1, material_2)
         if not is_pair(radius_1) and not is_pair(radius_2):
-            law = cls(4.0 / 3.0 * modulus * math.sqrt(relative_radius(radius_1, radius_2)))
-        else:
-            curvatures = relative_curvatures(radius_1, radius_2, angle)
-            law = cls(elliptic_stiffness(modulus, *curvatures))
-        # Of an ellipse, that of the disc with the same law.
-        object.__setattr__(law, "_relative_radius", (0.75 * law.k / modulus) ** 2)
-        return law
+            radius = relative_radius(radius_1, radius_2)
+            return cls(4.0 / 3.0 * modulus * math.sqrt(radius), relative_radius=radius)
+        k = elliptic_stiffness(modulus, *relative_curvatures(radius_1, radius_2, angle))
+        # Of the disc with the same law.
+        return cls(k, relative_radius=(0.75 * k / modulus) ** 2)
 
 
 @dataclass(frozen=True)

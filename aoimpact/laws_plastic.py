@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from .checks import positive
 from .curvature import contact_modulus, relative_radius
 from .errors import InputError
-from .law import MOST_SHARE, ContactLaw
+from .law import MOST_SHARE, HertzianLaw
 from .material import Material
 
 __all__ = ["Thornton"]
 
 
-@dataclass(frozen=True)
-class Thornton(ContactLaw):
+@dataclass(frozen=True, repr=False)
+class Thornton(HertzianLaw):
     """An elastic-plastic contact: C. Thornton, J. Appl. Mech. 64 (1997) 383-386.
 
     F = k δ^(3/2) up to the yield force F_y at δ_y; then F = F_y + 3/2 k √δ_y (δ - δ_y); unloading
@@ -28,6 +28,8 @@ class Thornton(ContactLaw):
         N/m^1.5, positive.
     yield_force : float
         F_y, N, positive.
+    relative_radius : float, optional
+        As of `Hertz`.
     """
 
     k: float
@@ -36,6 +38,7 @@ class Thornton(ContactLaw):
     _has_memory = True
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
         force = positive("yield_force", self.yield_force, unit="N", infinite=False)
         object.__setattr__(self, "yield_force", force)
@@ -74,7 +77,8 @@ class Thornton(ContactLaw):
         pressure = positive("yield_pressure", yield_pressure, unit="Pa")
         reach = radius * (pressure / modulus)
         force = math.pi**3 / 6.0 * pressure * reach * reach
-        return cls(4.0 / 3.0 * modulus * math.sqrt(radius), force)
+        k = 4.0 / 3.0 * modulus * math.sqrt(radius)
+        return cls(k, force, relative_radius=radius)
 
     @property
     def yield_indentation(self) -> float:

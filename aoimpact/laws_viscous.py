@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from .checks import choice, nonnegative, positive
 from .errors import InputError
-from .law import ContactLaw
+from .law import ContactLaw, HertzianLaw
 from .laws_elastic import exponent
 from .rebound import (
     hunt_crossley_damping,
@@ -54,7 +54,7 @@ def _restitution_of(value: Any) -> float:
     return e
 
 
-class _Hysteretic(ContactLaw):
+class _Hysteretic(HertzianLaw):
     """F = k δⁿ (1 + χ δ̇), however χ comes about."""
 
     k: float
@@ -73,7 +73,7 @@ class _Hysteretic(ContactLaw):
         return hunt_crossley_restitution(self._chi() * positive("velocity", velocity, unit="m/s"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class HuntCrossley(_Hysteretic):
     """F = k δⁿ (1 + χ δ̇).
 
@@ -88,6 +88,8 @@ class HuntCrossley(_Hysteretic):
         χ, s/m, not negative.
     n : float, optional
         Exponent, at least 1.
+    relative_radius : float, optional
+        As of `Hertz`.
     """
 
     k: float
@@ -95,6 +97,7 @@ class HuntCrossley(_Hysteretic):
     n: float = 1.5
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m^n"))
         object.__setattr__(self, "damping", nonnegative("damping", self.damping, unit="s/m"))
         object.__setattr__(self, "n", exponent(self.n))
@@ -104,7 +107,13 @@ class HuntCrossley(_Hysteretic):
 
     @classmethod
     def from_restitution(
-        cls, k: float, restitution: float, velocity: float, n: float = 1.5
+        cls,
+        k: float,
+        restitution: float,
+        velocity: float,
+        n: float = 1.5,
+        *,
+        relative_radius: float | None = None,
     ) -> HuntCrossley:
         """Return the law with which a rigid pair at `velocity` delivers `restitution`.
 
@@ -118,13 +127,14 @@ class HuntCrossley(_Hysteretic):
             e, above 0 and at most 1.
         velocity : float
             Of approach, V, m/s.
-        n : float, optional
+        n, relative_radius : float, optional
         """
         damping = hunt_crossley_damping(_restitution_of(restitution))
-        return cls(k, damping / positive("velocity", velocity, unit="m/s"), n)
+        chi = damping / positive("velocity", velocity, unit="m/s")
+        return cls(k, chi, n, relative_radius=relative_radius)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class _Nominal(_Hysteretic):
     """F = k δⁿ (1 + χ δ̇) with χ V a formula in the nominal restitution.
 
@@ -139,6 +149,8 @@ class _Nominal(_Hysteretic):
         restitution another.
     n : float, optional
         Exponent, at least 1.
+    relative_radius : float, optional
+        As of `Hertz`.
     """
 
     k: float
@@ -147,6 +159,7 @@ class _Nominal(_Hysteretic):
     n: float = 1.5
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m^n"))
         object.__setattr__(self, "restitution", _restitution_of(self.restitution))
         object.__setattr__(self, "velocity", positive("velocity", self.velocity, unit="m/s"))
@@ -236,8 +249,8 @@ class LeeWang(_Nominal):
         return 0.75 * (1.0 - e)
 
 
-@dataclass(frozen=True)
-class Tsuji(ContactLaw):
+@dataclass(frozen=True, repr=False)
+class Tsuji(HertzianLaw):
     """F = k δ^(3/2) + α √(m k) δ^(1/4) δ̇: a restitution that does not depend on the velocity.
 
     Y. Tsuji, T. Tanaka, T. Ishida, Powder Technology 71 (1992) 239-250.
@@ -250,6 +263,8 @@ class Tsuji(ContactLaw):
         α, dimensionless, not negative.
     mass : float
         m, kg, positive: the reduced mass of the pair, m₁ m₂ / (m₁ + m₂).
+    relative_radius : float, optional
+        As of `Hertz`.
     """
 
     k: float
@@ -259,12 +274,15 @@ class Tsuji(ContactLaw):
     _depends_on_rate: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
         object.__setattr__(self, "alpha", nonnegative("alpha", self.alpha))
         object.__setattr__(self, "mass", positive("mass", self.mass, unit="kg"))
 
     @classmethod
-    def from_restitution(cls, k: float, restitution: float, mass: float) -> Tsuji:
+    def from_restitution(
+        cls, k: float, restitution: float, mass: float, *, relative_radius: float | None = None
+    ) -> Tsuji:
         """Return the law with which a rigid pair of that reduced mass delivers `restitution`.
 
         With y ∝ δ^(5/4) the phase plane is a linear oscillator's of damping ratio α/√5.
@@ -277,8 +295,10 @@ class Tsuji(ContactLaw):
             Above 0 and at most 1.
         mass : float
             Reduced mass, kg.
+        relative_radius : float, optional
         """
-        return cls(k, math.sqrt(5.0) * oscillator_damping(_restitution_of(restitution)), mass)
+        alpha = math.sqrt(5.0) * oscillator_damping(_restitution_of(restitution))
+        return cls(k, alpha, mass, relative_radius=relative_radius)
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.alpha * math.sqrt(self.mass) * math.sqrt(self.k))
@@ -288,8 +308,8 @@ class Tsuji(ContactLaw):
         return oscillator_restitution(self.alpha / math.sqrt(5.0) * ratio)
 
 
-@dataclass(frozen=True)
-class KuwabaraKono(ContactLaw):
+@dataclass(frozen=True, repr=False)
+class KuwabaraKono(HertzianLaw):
     """F = k (δ^(3/2) + 3/2 A δ^(1/2) δ̇): viscoelastic spheres.
 
     G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26 (1987) 1230-1233; N. V. Brilliantov et al., Phys.
@@ -301,6 +321,8 @@ class KuwabaraKono(ContactLaw):
         N/m^1.5, positive.
     A : float
         s, not negative: a time of the material.
+    relative_radius : float, optional
+        As of `Hertz`.
     """
 
     k: float
@@ -309,12 +331,19 @@ class KuwabaraKono(ContactLaw):
     _depends_on_rate: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
         object.__setattr__(self, "A", nonnegative("A", self.A, unit="s"))
 
     @classmethod
     def from_restitution(
-        cls, k: float, restitution: float, velocity: float, mass: float
+        cls,
+        k: float,
+        restitution: float,
+        velocity: float,
+        mass: float,
+        *,
+        relative_radius: float | None = None,
     ) -> KuwabaraKono:
         """Return the law with which a rigid pair delivers `restitution` at `velocity`.
 
@@ -328,10 +357,12 @@ class KuwabaraKono(ContactLaw):
             Of approach, m/s.
         mass : float
             Reduced mass, kg.
+        relative_radius : float, optional
         """
         lag = kuwabara_kono_lag(_restitution_of(restitution))
         stiffness = positive("k", k, unit="N/m^1.5")
-        return cls(stiffness, lag / 1.5 * _kuwabara_kono_time(stiffness, mass, velocity))
+        time = lag / 1.5 * _kuwabara_kono_time(stiffness, mass, velocity)
+        return cls(stiffness, time, relative_radius=relative_radius)
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.A)

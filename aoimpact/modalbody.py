@@ -157,7 +157,7 @@ def _of_star(star: AOModel) -> ModalBody:
     # one's as a whole: exactly, or what falls side by side would press by rounding. What holds a
     # star given by numbers is not known, so neither is what its weight does to it.
     weight = np.zeros(n) if star.held else moving
-    if star.held and star.origin is not None:
+    if star.held and not star.weightless:
         weight = star.mass * push * centre
     massless = modes.residual > 0.0
     return ModalBody(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -138,7 +137,6 @@ def star_of_modes(
     m0, k0, m, k, static, shapes = _of_distinct(omega2[starts], weight, shapes)
     origin = origin_of(
         tip,
-        m0 + math.fsum(m),
         static,
         shapes,
         label,

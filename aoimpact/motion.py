@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -99,6 +99,8 @@ class BodyInfo:
         Total mass [kg]; None where it is not known.
     held : bool
         Whether supports or a ground spring hold it.
+    centre_known : bool
+        Whether its centre of mass is known; of a body of K and M alone often not.
     state : callable
         Gives its coordinates and their rates at the end of the record.
     ports : int
@@ -110,6 +112,7 @@ class BodyInfo:
     label: str
     mass: float | None
     held: bool
+    centre_known: bool
     state: Callable[[], tuple[FloatArray, FloatArray]]
     ports: int = 1
     response: Callable[[], Response | None] | None = None
@@ -162,10 +165,9 @@ class BodyResult(Frozen):
     ----------
     label, mass, held
         As in :class:`BodyInfo`.
-    displacement, velocity : (n,) arrays
-        Of the contact coordinate (the first one) [m, m/s].
     centre_displacement, centre_velocity : (n,) arrays
-        Of the centre of mass [m, m/s].
+        Of the centre of mass [m, m/s]; NaN where that is not known: of a body given by K and M
+        without nodes, unless it is free and struck through its centre.
     port_displacements, port_velocities : (p, n) arrays
         Of all contact coordinates [m, m/s].
     energy : BodyEnergy or None
@@ -177,8 +179,6 @@ class BodyResult(Frozen):
     label: str
     mass: float | None
     held: bool
-    displacement: FloatArray
-    velocity: FloatArray
     centre_displacement: FloatArray
     centre_velocity: FloatArray
     energy: BodyEnergy | None
@@ -188,6 +188,27 @@ class BodyResult(Frozen):
     port_velocities: FloatArray
     _times: FloatArray = field(repr=False)
     _respond: Callable[[], Response | None] | None = field(default=None, repr=False)
+    _doubt: Callable[[], None] | None = field(default=None, repr=False)
+
+    @property
+    def displacement(self) -> FloatArray:
+        """Of the contact coordinate (the first one) [m], shape (n,).
+
+        A model that was fitted to a contact warns where the record goes on for longer than it
+        knows.
+        """
+        if self._doubt is not None:
+            self._doubt()
+        first: FloatArray = self.port_displacements[0]
+        return first
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Of the contact coordinate (the first one) [m/s], shape (n,); see `displacement`."""
+        if self._doubt is not None:
+            self._doubt()
+        first: FloatArray = self.port_velocities[0]
+        return first
 
     def probe(
         self,
@@ -247,7 +268,8 @@ class BodyResult(Frozen):
         """
         response = None if self._respond is None else self._respond()
         if response is None:
-            return np.interp(times, self._times, self.displacement)
+            places: FloatArray = np.interp(times, self._times, self.port_displacements[0])
+            return places
         return response.displacement_of(functional, times)
 
     @cached_property
@@ -304,8 +326,30 @@ class ErrorEstimate:
     energy : float or None
         Range of the total energy over the record, relative to the largest kinetic and elastic
         energy in it: an independent check on the run, since no solver uses it.
+    quantity : str or None
+        What was asked for.
+    rtol : float or None
+        And how wrong it may be.
+    numbers : mapping of str to float
+        Where models were chosen, the estimated error of each number that sums up the result, by its
+        name ("restitution", of a scene "contacts.0.impulse"), from these models: only what was
+        asked for is controlled, another number is no better than it says here. Infinite of
+        "contacts" where it is not certain how many there are.
     """
 
     reduction: float | None = None
     time: float | None = None
     energy: float | None = None
+    quantity: str | None = None
+    rtol: float | None = None
+    numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+    def told(self, name: str) -> str:
+        """Return what a summary says of a number's error; nothing where models were given."""
+        error = self.numbers.get(name, math.nan)
+        if self.rtol is None or math.isnan(error):
+            return ""
+        if error <= self.rtol:
+            return f" (to {100.0 * error:.2g} %)" if error > 0.0 else ""
+        by = f": may be {100.0 * error:.2g} % off" if math.isfinite(error) else ""
+        return f" (not controlled{by})"

@@ -107,11 +107,15 @@ class Orders:
     models : tuple of AOModel or InterfaceModel
     error : float
         Estimated relative error of the quantity from the models' orders.
+    runs : tuple
+        Of these models, of those that stand for the truth and, unless these are the whole bodies,
+        of those before them: what other numbers of the first may be wrong by.
     """
 
     orders: tuple[int, ...]
     models: Models
     error: float
+    runs: tuple[Any, ...]
 
 
 def least_orders(
@@ -190,6 +194,7 @@ class _Search(Generic[R]):
         self.failure: AOImpactError | None = None
         self.truth = (0,) * len(ladders)
         self.truth_error = 0.0
+        self.before = self.truth  # the orders that stood for it last
         # Errors add up as the sums of their powers with this exponent.
         self.exponent = 1.0
         # What a body's orders are tried with, as exact as need be.
@@ -249,7 +254,7 @@ class _Search(Generic[R]):
                 exponents.append(_exponent(changes[-2], changes[-1], both))
                 self.exponent = min(exponents[-2:])
             error = 0.0 if whole else _still_to_come(changes, self.exponent)
-            self.truth, self.truth_error = truth, error
+            self.before, self.truth, self.truth_error = tried[-1], truth, error
             tried.append(truth)
             results.append(now)
             if whole:
@@ -288,7 +293,9 @@ class _Search(Generic[R]):
         for which in range(len(found)):
             found = self._without(which, found)
         finished = (one.finished(n) for one, n in zip(self.ladders, found, strict=True))
-        return Orders(found, tuple(finished), self.error(found))
+        known = (found, self.truth) if self.truth_error == 0.0 else (found, self.truth, self.before)
+        runs = tuple(run for run in map(self.at, known) if run is not None)
+        return Orders(found, tuple(finished), self.error(found), runs)
 
     def _oscillators(self, which: int, order: int) -> int:
         return max(0, order - self.ladders[which].first)

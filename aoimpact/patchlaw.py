@@ -38,8 +38,8 @@ def effective_law(law: ContactLaw, bodies: Sequence[Any]) -> ContactLaw:
     """Return the law between two bodies: as it is, if neither is touched over a patch.
 
     It stands for contacts not wider than the patches where the law knows how wide they are, as
-    `Hertz.between` does, and as long as c dF/dδ is below the share allowed: for two like bodies
-    with patches that comes first, at 0.8 r.
+    those of `Hertz.between` and `Thornton.between` do, and as long as c dF/dδ is below the share
+    allowed: for two like bodies with patches that comes first, at 0.8 r.
 
     Parameters
     ----------
@@ -56,11 +56,7 @@ def effective_law(law: ContactLaw, bodies: Sequence[Any]) -> ContactLaw:
         return law
     compliance = math.fsum(patch.compliance for patch in patches)
     try:
-        return law.within_patch(
-            compliance,
-            radius=min(patch.radius for patch in patches),
-            relative_radius=law._relative_radius,
-        )
+        return law.within_patch(compliance, radius=min(patch.radius for patch in patches))
     except InputError:
         raise InputError(
             f"law={law!r} between patches of radius {_listed([p.radius for p in patches])}, which "
@@ -108,8 +104,8 @@ def wide_enough(
     except LawLimitError:  # it is the law's own table that ends
         return error
     factor = max(law.compliance * float(slope) / _COMFORTABLE, 1.1)
-    if law.law._relative_radius is not None:
-        wide = math.sqrt(law.law._relative_radius * float(depth))
+    if law.law.relative_radius is not None:
+        wide = math.sqrt(law.law.relative_radius * float(depth))
         factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
     return LawLimitError(
         f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law stands "

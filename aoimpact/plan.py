@@ -66,6 +66,10 @@ class Joint(NamedTuple):
         """Whether something has been taken out of the law, or it ends."""
         return isinstance(self.law, (PatchLaw, Tabulated))
 
+    def port_of(self, body: int) -> int:
+        """Where one of the two is touched."""
+        return self.first_port if body == self.first else self.second_port
+
     def touches(self, body: int) -> bool:
         """Whether a body is one of the two."""
         return body in (self.first, self.second)

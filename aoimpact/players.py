@@ -26,7 +26,7 @@ from .newmark import CoreBody, Newmark
 from .reduction import antioscillators
 from .star import AOModel
 from .starmodes import StarModes, star_modes
-from .statics import moves_rigidly, static_mode, translates
+from .statics import centre_of, moves_rigidly, static_mode, translates
 from .superlu import factorize
 
 __all__ = ["FullPlayer", "InterfacePlayer", "Player", "StarPlayer", "player"]
@@ -61,6 +61,11 @@ class Player(ABC):
     @abstractmethod
     def mass(self) -> float | None:
         """kg; None where it is not known."""
+
+    @property
+    @abstractmethod
+    def centre_known(self) -> bool:
+        """Whether its centre of mass is known; else the mean over the static mode stands for it."""
 
     @property
     @abstractmethod
@@ -148,8 +153,12 @@ class StarPlayer(Player):
         return self.model.label
 
     @property
-    def mass(self) -> float:
-        return self.model.mass
+    def mass(self) -> float | None:
+        return self.model.mass if self.centre_known else None
+
+    @property
+    def centre_known(self) -> bool:
+        return self.model.centre_known
 
     @property
     def held(self) -> bool:
@@ -177,7 +186,7 @@ class StarPlayer(Player):
 
     def weight(self, gravity: float) -> FloatArray | None:
         star = self.model
-        if math.isinf(star.m0) or (star.origin is None and star.held):
+        if math.isinf(star.m0) or star.weightless:
             return None
         forces: FloatArray = gravity * star.mass * star.centre_weights
         return forces
@@ -261,7 +270,11 @@ class FullPlayer(Player):
 
     @property
     def mass(self) -> float | None:
-        return self.tip.body.mass
+        return self._centre_of[1] if self.centre_known else None
+
+    @property
+    def centre_known(self) -> bool:
+        return self._centre_of[2]
 
     @cached_property
     def held(self) -> bool:
@@ -285,20 +298,18 @@ class FullPlayer(Player):
         return modal_body(self._whole)
 
     def weight(self, gravity: float) -> FloatArray | None:
-        if self.mass is None or self.tip.direction is None:
+        if self.tip.body.mass is None or self.tip.direction is None:
             raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")
-        forces: FloatArray = gravity * self.mass * self._centre
+        forces: FloatArray = gravity * self.tip.body.mass * self._centre_of[0]
         return forces
 
     def pressed(self, x: FloatArray, bent: FloatArray) -> State:
         return self._whole.expand(self.modal.coordinates(x)), self._start
 
     @cached_property
-    def _centre(self) -> FloatArray:
-        if self.tip.direction is not None:
-            return np.ascontiguousarray(self.tip.body.com_functional(self.tip.direction))
-        static = static_mode(self.tip)
-        return static.m_phi / static.mass
+    def _centre_of(self) -> tuple[FloatArray, float, bool]:
+        """Functional of the centre of mass, mass, kg, and whether they are known."""
+        return centre_of(self.tip, lambda: static_mode(self.tip).phi)
 
     @property
     def undeformed(self) -> State:
@@ -350,7 +361,7 @@ class FullPlayer(Player):
             damping.beta,
             factors.for_core(),
             gravity,
-            self._centre,
+            np.ascontiguousarray(self._centre_of[0]),
             u,
             v,
         )
@@ -369,7 +380,7 @@ class FullPlayer(Player):
             np.zeros((self.ports, self.ports)),
             None,
             None if gravity is None else phi.T @ gravity,
-            phi.T @ self._centre,
+            phi.T @ self._centre_of[0],
             phi.T @ (mass @ u),
             phi.T @ (mass @ v),
         )
@@ -391,6 +402,10 @@ class InterfacePlayer(Player):
     @property
     def mass(self) -> float | None:
         return self.model.mass
+
+    @property
+    def centre_known(self) -> bool:
+        return True  # else the model is refused
 
     @cached_property
     def held(self) -> bool:

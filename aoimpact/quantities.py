@@ -36,7 +36,13 @@ class Named:
     names: tuple[str, ...]
 
     def __call__(self, result: Any) -> dict[str, float]:
-        return {name: _number(name, _look_up(result, name)) for name in self.names}
+        """Return them, each followed by its error, name + "_error", where models were chosen."""
+        kept = {}
+        for name in self.names:
+            kept[name] = _number(name, _look_up(result, name))
+            if name in result.error.numbers:
+                kept[f"{name}_error"] = result.error.numbers[name]
+        return kept
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,8 @@ def reduced_star(star: AOModel, gravity: float = 0.0) -> Reduced:
     assert origin is not None
     loads = origin.tip.b[:, None]
     if gravity:
-        loads = np.column_stack([loads, gravity * origin.mass * origin.centre])
+        weight = np.zeros_like(origin.centre) if star.weightless else origin.mass * origin.centre
+        loads = np.column_stack([loads, gravity * weight])
     stiffness = np.diag(np.concatenate([[star.k0 + star.k.sum()], star.k]))
     stiffness[0, 1:] = stiffness[1:, 0] = -star.k
     basis = np.column_stack([origin.static_mode - origin.shapes.sum(axis=1), origin.shapes])

@@ -270,6 +270,6 @@ def _model(
         k0=static.k0,
         m=found.m,
         k=found.k,
-        origin=origin_of(tip, static.mass, static.phi, found.shapes, label, solver=solver),
+        origin=origin_of(tip, static.phi, found.shapes, label, solver=solver),
         damping=tip.body.damping,
     )

@@ -6,6 +6,7 @@ measured along the direction of travel, from where the bodies were at t = 0.
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -91,7 +92,7 @@ class Result(Eventful):
 
     @property
     def error(self) -> ErrorEstimate:
-        """What is known of the error of the peak force."""
+        """What is known of the errors; ``error.numbers`` of each number by its name."""
         return self.run.error
 
     @property
@@ -154,29 +155,46 @@ class Result(Eventful):
     def rebound_velocity(self) -> float:
         """Velocity of the projectile's centre of mass after the last contact [m/s].
 
-        At the end of the record, if that is still in contact; the initial one without contact.
+        NaN without a rebound, if the bodies have not met or the record ends in contact, and where
+        the centre of mass is not known (see `BodyResult`).
         """
-        return self._parting[0]
+        return self.parting[0] if self._rebounds else math.nan
 
     @property
     def restitution(self) -> float:
         """Coefficient of restitution, by the centres of mass after the last contact.
 
         (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is held or
-        of infinite mass. −1 if the bodies have not met.
+        of infinite mass. NaN without a rebound, and where a centre of mass is not known.
         """
-        ours, theirs = self._parting
-        return ((0.0 if self.run.infos[1].fixed else theirs) - ours) / self.velocity
+        target = self.run.infos[1]
+        known = target.fixed or target.centre_known
+        return self.parting_speed / self.velocity if known and self._rebounds else math.nan
+
+    @property
+    def _rebounds(self) -> bool:
+        """Whether the projectile has a rebound that is known."""
+        parted = bool(self.events.contacts) and not self.in_contact_at_end
+        return parted and self.run.infos[0].centre_known
+
+    @property
+    def parting_speed(self) -> float:
+        """How fast the bodies part by `parting` [m/s]; a target that is held stays where it is."""
+        ours, theirs = self.parting
+        return (0.0 if self.run.infos[1].fixed else theirs) - ours
 
     @cached_property
-    def _parting(self) -> tuple[float, float]:
-        """Velocities of the centres of mass at the end of the last contact, or of the record."""
+    def parting(self) -> tuple[float, float]:
+        """Mean velocities of projectile and target, to compare runs by [m/s].
+
+        Those of `Run.mean_velocities` at the end of the last contact, or of the record.
+        """
         end = self.events.contacts[-1][1] if self.events.contacts else self.run.duration
         if self.run.recorder.dense:
             run, at = self.run.at([min(end, self.run.duration)]), 0
         else:
             run, at = self.run, min(int(np.searchsorted(self.t, end)), len(self.t) - 1)
-        ours, theirs = (body.centre_velocity[at] for body in run.bodies)
+        ours, theirs = run.mean_velocities[:, at]
         return float(ours), float(theirs)
 
     # ---------------------------------------------------------------------- output

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Protocol
@@ -16,6 +16,7 @@ from . import plot
 from .checks import finite_array
 from .errors import InputError, InputTypeError
 from .events import Events, FloatArray, find_events
+from .fit import warn_of_later_motion
 from .motion import (
     BodyEnergy,
     BodyInfo,
@@ -33,7 +34,7 @@ from .units import quantity
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Handle", "Recorder", "Run"]
+__all__ = ["Chosen", "Handle", "Recorder", "Run"]
 
 _CONTACT_ROWS, _BODY_ROWS = 4, 6
 
@@ -62,6 +63,30 @@ class Handle:
     def port(self, at: int) -> Handle:
         """Return the handle of another of its places of contact: `at` in the order of the tips."""
         return replace(self, at=at)
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """Models that were chosen for a quantity, and what is known of the run with them.
+
+    Attributes
+    ----------
+    models : tuple
+        In the order of the bodies.
+    quantity : str
+    rtol : float
+        How wrong it may be, relative.
+    error : float
+        How wrong it is from these models, estimated.
+    numbers : mapping of str to float
+        And each number that sums up the run.
+    """
+
+    models: tuple[Any, ...]
+    quantity: str
+    rtol: float
+    error: float
+    numbers: Mapping[str, float]
 
 
 class Recorder(Protocol):
@@ -129,10 +154,8 @@ class Run:
         The solver's own record, from which curves are read.
     time_error : float or None
         Of the peak force, relative, from integrating in time.
-    reduction_error : float or None
-        Of the quantity asked for, relative, where models were chosen for it.
-    models : tuple, or None
-        The bodies' models in the order of `add`, where `simulate` was left to choose them.
+    chosen : Chosen or None
+        How the bodies' models were chosen, where `simulate` was left to do so.
     asked : ndarray, shape (n,), or None
         The times asked for, s; the solver's own if None.
     """
@@ -140,8 +163,7 @@ class Run:
     plan: Plan
     recorder: Recorder
     time_error: float | None
-    reduction_error: float | None = None
-    models: tuple[Any, ...] | None = None
+    chosen: Chosen | None = None
     asked: FloatArray | None = None
 
     def __getstate__(self) -> dict[str, Any]:
@@ -154,6 +176,11 @@ class Run:
     def duration(self) -> float:
         """Length of the record, s."""
         return self.recorder.duration
+
+    @property
+    def models(self) -> tuple[Any, ...] | None:
+        """The bodies' models in the order of `add`, where `simulate` was left to choose them."""
+        return None if self.chosen is None else self.chosen.models
 
     @property
     def solver(self) -> str:
@@ -183,6 +210,7 @@ class Run:
                 player.label,
                 player.mass,
                 player.held,
+                player.centre_known,
                 partial(self.recorder.state, i),
                 player.ports,
                 partial(self.recorder.response, i),
@@ -258,14 +286,15 @@ class Run:
         info, first = self.infos[index], self._first[index]
         ports = self._rows[first + _BODY_ROWS : first + _BODY_ROWS + 2 * info.ports]
         coordinates, rates = info.state()
+        centre = self._rows[first : first + 2]
+        if not info.centre_known:
+            centre = np.full(centre.shape, np.nan)
         return BodyResult(
             label=info.label,
             mass=info.mass,
             held=info.held,
-            displacement=ports[0],
-            velocity=ports[1],
-            centre_displacement=self._rows[first],
-            centre_velocity=self._rows[first + 1],
+            centre_displacement=centre[0],
+            centre_velocity=centre[1],
             energy=self.energy.bodies[index] if self.energies else None,
             coordinates=coordinates,
             rates=rates,
@@ -273,7 +302,23 @@ class Run:
             port_velocities=ports[1::2],
             _times=self.t,
             _respond=info.response,
+            _doubt=None if self._asked_for_motion else partial(self._doubt, index),
         )
+
+    @property
+    def _asked_for_motion(self) -> bool:
+        return self.chosen is not None and "displacement" in self.chosen.quantity
+
+    def _doubt(self, index: int) -> None:
+        warn_of_later_motion(self.plan, self, index)
+
+    @property
+    def mean_velocities(self) -> FloatArray:
+        """Of the bodies' centres of mass, m/s, shape (bodies, n).
+
+        Where a centre is not known, the mean over the static mode: good to compare runs by.
+        """
+        return self._rows[[first + 1 for first in self._first[:-1]]]
 
     @cached_property
     def contacts(self) -> tuple[ContactResult, ...]:
@@ -341,10 +386,6 @@ class Run:
             )
         return replace(self, asked=wanted.astype(np.float64, copy=True))
 
-    def of_models(self, models: tuple[Any, ...], error: float) -> Run:
-        """Return the run as that of models that were chosen for it, with their estimated error."""
-        return replace(self, models=models, reduction_error=error)
-
     # ---------------------------------------------------------------------- events
 
     @property
@@ -372,7 +413,9 @@ class Run:
     @property
     def _driven(self) -> bool:
         """Whether a wall moves: it brings energy that is not counted."""
-        return any(info.wall and self.bodies[i].velocity.any() for i, info in enumerate(self.infos))
+        return any(
+            info.wall and self.bodies[i].port_velocities.any() for i, info in enumerate(self.infos)
+        )
 
     @cached_property
     def error(self) -> ErrorEstimate:
@@ -381,7 +424,11 @@ class Run:
         if self.energies and not self._driven:
             ledger = replace(self, asked=self.recorder.marks) if self.recorder.dense else self
             energy = energy_range(ledger.energy)
-        return ErrorEstimate(self.reduction_error, self.time_error, energy)
+        if (of := self.chosen) is None:
+            return ErrorEstimate(None, self.time_error, energy)
+        return ErrorEstimate(
+            of.error, self.time_error, energy, of.quantity, of.rtol, dict(of.numbers)
+        )
 
     # ---------------------------------------------------------------------- output
 
@@ -415,10 +462,13 @@ class Run:
             (f"body {i}", f"{info.label}{', held' if info.held else ''}")
             for i, info in enumerate(self.infos[:_SHOWN])
         ]
+        told = self.error.told
         for i, events in enumerate(self.events[:_SHOWN]):
-            peak = f"{quantity(events.peak_force, 'N', 5)} at {quantity(events.peak_time, 's')}"
+            peak = f"{quantity(events.peak_force, 'N', 5)}{told(f'contacts.{i}.peak_force')}"
+            peak += f" at {quantity(events.peak_time, 's')}{told(f'contacts.{i}.peak_time')}"
             count = len(events.contacts)
-            lines.append((f"contact {i}", f"{peak}, {count} times" if count else "none"))
+            times = f"{count} times{told(f'contacts.{i}.intervals')}"
+            lines.append((f"contact {i}", f"{peak}, {times}" if count else "none"))
         if max(len(self.infos), self.joints) > _SHOWN:
             lines.append(("…", f"{len(self.infos)} bodies and {self.joints} contacts in all"))
         lines.append(("solver", self.solver))

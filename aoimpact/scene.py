@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import uuid
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,7 @@ from .solve_newmark import solve_newmark
 from .solvers import Solver as LinearSolver
 from .sufficient import checked_linear_solver, sufficient
 
-__all__ = ["Scene", "Solver", "solve"]
+__all__ = ["Scene", "Solver", "checked_speed", "solve", "warn_of_centres"]
 
 FloatArray = npt.NDArray[np.float64]
 Solver = Adaptive | Newmark
@@ -288,8 +288,8 @@ class Scene:
         Warns
         -----
         AOImpactWarning
-            If gravity has no effect on a held star given by numbers, or a body's model was fitted
-            to quite another contact time.
+            If gravity has no effect on a held star given by numbers or without nodes, a body's
+            centre of mass is not known, or its model was fitted to quite another contact time.
         """
         length = checked_duration(duration)
         boolean("energies", energies)
@@ -304,9 +304,12 @@ class Scene:
             return self._sufficient(length, solver, energies, preload, quantity, rtol, linear)
         plan = self._plan(self._bodies, length, energies, preload)
         done = solve(plan, solver)
-        handles = (Handle(body) for body in range(len(self._players)))
-        warn_of_misfit(plan, done, [self._called(handle) for handle in handles])
+        warn_of_misfit(plan, done, self._every_name())
+        warn_of_centres(plan, self._every_name())
         return done
+
+    def _every_name(self) -> list[str]:
+        return [self._called(Handle(body)) for body in range(len(self._players))]
 
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
         """The plan with models in the place of bodies."""
@@ -318,10 +321,11 @@ class Scene:
             ]
             joints = [_between(joint, bodies, players) for joint in joints]
         for body in players:
-            if self.gravity and isinstance(body, StarPlayer) and _weightless(body):
+            if self.gravity and isinstance(body, StarPlayer) and body.model.weightless:
                 warn(
-                    f"gravity has no effect on {body.label}: what holds a star given by numbers is "
-                    "not known; make it by antioscillators(...) of a body with nodes"
+                    f"gravity has no effect on {body.label}: what holds a star given by numbers, "
+                    "or by matrices without nodes, is not known; make it by antioscillators(...) "
+                    "of a body with nodes"
                 )
         return Plan(
             tuple(players),
@@ -363,7 +367,9 @@ class Scene:
         done, found = sufficient(
             run, different, asked, rtol, solver, energies=energies, linear_solver=linear_solver
         )
-        return done.of_models(tuple(found.models[i] for i in which), found.error)
+        warn_of_centres(done.plan, self._every_name())
+        models = tuple(found.models[i] for i in which)
+        return replace(done, chosen=replace(found, models=models))
 
     def _refuse_overlap(self) -> None:
         for number, joint in enumerate(self._joints):
@@ -394,9 +400,23 @@ def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[Player]) -> 
     return joint._replace(law=effective_law(own_law(joint.law), ends), ends=ends)
 
 
-def _weightless(body: StarPlayer) -> bool:
-    star = body.model
-    return star.held and star.origin is None and not math.isinf(star.m0)
+def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
+    """Say which bodies' rebound is not known.
+
+    Parameters
+    ----------
+    plan : Plan
+    names : sequence of str
+        What to call the bodies.
+    """
+    for body, velocity, name in zip(plan.players, plan.velocities, names, strict=True):
+        if not body.centre_known and (velocity != 0.0 or not body.held):
+            warn(
+                f"{name}: the centre of mass of a body given by K and M alone is known only where "
+                "it is free and struck through it; the centre's displacement, its velocity and "
+                "what follows from it (rebound_velocity, restitution) are NaN: give the nodes as "
+                "well, FEModel(K=, M=, nodes=)"
+            )
 
 
 def checked_duration(duration: Any) -> float:

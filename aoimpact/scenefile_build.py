@@ -251,14 +251,17 @@ class Builder:
                     return self._yielding(table)
                 if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
                     raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
+                if "relative_radius" in table:
+                    raise InputError("relative_radius: it follows from the two surfaces of k")
                 one, two = table["k"]["between"]
-                table["k"] = Hertz.between(
+                surfaces = Hertz.between(
                     self._material(one["material"]),
                     one["radius"],
                     self._material(two["material"]),
                     two["radius"],
                     angle=table["k"].get("angle", 0.0),
-                ).k
+                )
+                table |= {"k": surfaces.k, "relative_radius": surfaces.relative_radius}
             law: ContactLaw = _made(LAWS, table)
             return law
 

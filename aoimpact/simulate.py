@@ -20,7 +20,7 @@ from .patchlaw import effective_law
 from .plan import Joint, Plan, normal_gap
 from .players import player
 from .result import Result
-from .scene import checked_duration, checked_speed, solve
+from .scene import checked_duration, checked_speed, solve, warn_of_centres
 from .solvers import Solver
 from .sufficient import checked_linear_solver, sufficient
 
@@ -67,11 +67,12 @@ def simulate(
     energies : bool, optional
         Whether to record energies as well.
     quantity : str or ContactPoint, optional
-        What matters: "force" (over the record), "peak_force", "impulse", "duration" (of the first
-        contact), "rebound", "projectile_displacement" or "target_displacement" (of the contact
-        coordinate, over the record), or a point of a body, for its displacement over the record.
-        Given this or `rtol`, finite-element bodies are reduced, and stars truncated, as far as that
-        allows; `Result.models` says to what.
+        What matters: "force" (over the record), "peak_force", "impulse", "contact_duration" (of the
+        first contact), "rebound_velocity", "projectile_displacement" or "target_displacement" (of
+        the contact coordinate, over the record), or a point of a body, for its displacement over
+        the record. Given this or `rtol`, finite-element bodies are
+        reduced, and stars truncated, as far as that allows; `Result.models` says to what. Only this
+        is right to `rtol`: `Result.error.numbers` says how wrong each other number may be.
     rtol : float, optional
         Its relative error, 1e-2 if left out; that of a history is its largest over the record,
         relative to the largest value.
@@ -92,8 +93,8 @@ def simulate(
     Warns
     -----
     AOImpactWarning
-        If the record ends in contact, the step is too large for any digit to be right, or a body's
-        model was fitted to quite another contact time.
+        If the record ends in contact, the step is too large for any digit to be right, a body's
+        centre of mass is not known, or its model was fitted to quite another contact time.
     """
     chosen = quantity is not None or rtol is not None
     linear = checked_linear_solver(linear_solver, chosen=chosen)
@@ -122,16 +123,17 @@ def simulate(
         energies=energies,
         linear_solver=linear,
     )
-    return replace(done, run=done.run.of_models(found.models, found.error))
+    return replace(done, run=replace(done.run, chosen=found))
 
 
 def _simulated(plan: Plan, solver: Adaptive | Newmark | None) -> Result:
     run = solve(plan, solver)
     if run.in_contact_at_end:
         warn(
-            f"the record of {run.duration:.4g} s ends in contact: rebound, impulse and the last "
-            "contact's end are those so far; take a longer duration"
+            f"the record of {run.duration:.4g} s ends in contact: impulse and the last contact's "
+            "end are those so far, and there is no rebound (NaN); take a longer duration"
         )
+    warn_of_centres(plan, _NAMES)
     return Result(
         run=run,
         velocity=plan.velocities[0],

@@ -43,6 +43,8 @@ class Origin:
         h with hᵀX the displacement of the centre of mass along the direction of travel.
     mass : float
         Of the whole body, kg; more than the static mass where part of it never feels the contact.
+    centre_known : bool
+        Whether these two are so; else the mean over the static mode and its mass stand for them.
     translates : bool
         Whether the body is free to translate along the direction of travel.
     solver : str
@@ -60,6 +62,7 @@ class Origin:
     oscillators: FloatArray
     centre: FloatArray
     mass: float
+    centre_known: bool
     translates: bool
     solver: str = ""
     contact_time: float | None = None
@@ -172,6 +175,12 @@ class AOModel(Frozen):
         return self.k0 > 0.0 or math.isinf(self.m0)
 
     @property
+    def weightless(self) -> bool:
+        """Whether its weight is not known: held, and given by numbers or without nodes."""
+        known = self.origin is not None and self.origin.centre_known
+        return self.held and not known and not math.isinf(self.m0)
+
+    @property
     def static_stiffness(self) -> float:
         """Force per static displacement of the contact, N/m: k0, eq. (11); infinite for a wall.
 
@@ -196,8 +205,16 @@ class AOModel(Frozen):
 
     @property
     def mass(self) -> float:
-        """Mass of the body, kg; of a star given by numbers, its static mass."""
+        """Mass of the body, kg; where that is not known, or there is no body, its static mass."""
         return self.static_mass if self.origin is None else self.origin.mass
+
+    @property
+    def centre_known(self) -> bool:
+        """Whether mass and centre of mass are known: not of a body of K and M hit off its centre.
+
+        A star given by numbers is its own body.
+        """
+        return self.origin is None or self.origin.centre_known
 
     @property
     def patch(self) -> Patch | None:

@@ -19,6 +19,7 @@ from .star import Origin
 
 __all__ = [
     "StaticMode",
+    "centre_of",
     "displacement",
     "elastic_compliance",
     "moves_rigidly",
@@ -32,6 +33,9 @@ FloatArray = npt.NDArray[np.float64]
 # rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
 # just told from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
 _MOVED = 1e-7
+
+# Of a motion that is 0 or 1 everywhere, what rounding of a null space leaves.
+_AS_ONE = 1e-6
 
 # A pass that leaves more than this of the last change shows motions too soft for passes.
 _SLOW = 0.5
@@ -188,7 +192,6 @@ def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray
 
 def origin_of(
     tip: ContactPoint,
-    mass: float,
     static: FloatArray,
     shapes: FloatArray,
     label: str,
@@ -197,24 +200,40 @@ def origin_of(
     solver: str = "",
     contact_time: float | None = None,
 ) -> Origin:
-    """Return what a star made from a body keeps of it; `mass`: of the static mode."""
-    if tip.direction is not None and tip.body.mass is not None:
-        centre, mass = tip.body.com_functional(tip.direction), tip.body.mass
-    else:
-        # Without nodes the mean over the static mode has to stand for the centre of mass.
-        centre = tip.body.M @ (static if vectors is None else vectors() @ static) / mass
+    """Return what a star made from a body keeps of it."""
+    centre = centre_of(tip, lambda: static if vectors is None else vectors() @ static)
     return Origin(
         label,
         tip,
         static,
         shapes,
-        centre,
-        mass,
+        *centre,
         translates(tip),
         solver,
         contact_time,
         vectors,
     )
+
+
+def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatArray, float, bool]:
+    """Return the centre of mass's functional, the body's mass, kg, and whether these are right.
+
+    Where nodes do not tell, the mean over the static mode stands for the centre, and its mass for
+    the body's. That is right if the mode is a translation: all that moves moves as the contact.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    phi : callable
+        Returns φ_st, shape (n_dofs,).
+    """
+    if tip.direction is not None and tip.body.mass is not None:
+        return tip.body.com_functional(tip.direction), tip.body.mass, True
+    static = phi()
+    momentum = tip.body.M @ static
+    mass = float(static @ momentum)
+    as_one = bool((np.abs(static * (1.0 - static)) <= _AS_ONE).all())
+    return momentum / mass, mass, as_one
 
 
 def translates(tip: ContactPoint) -> bool:

@@ -189,7 +189,7 @@ def _scipy_run(
 
 
 def _outcome(result: Result) -> Outcome:
-    return Outcome(result.peak_force, result.contact_duration, result.rebound_velocity)
+    return Outcome(result.peak_force, result.contact_duration, result.parting[0])
 
 
 def _simulation(scene: dict[str, Any], solver: Newmark | Adaptive) -> Callable[[], Outcome]:

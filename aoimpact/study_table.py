@@ -167,7 +167,7 @@ class WorkPrecision:
         return lines
 
 
-_HEADINGS = ("method", "setting", "time", "peak force", "duration", "rebound", "worst")
+_HEADINGS = ("method", "setting", "time", "peak force", "contact duration", "rebound", "worst")
 
 
 def _cells(row: Measurement) -> tuple[str, ...]:

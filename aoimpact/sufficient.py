@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from .adaptive import TIGHTEST, Adaptive
 from .checks import positive
 from .errors import InputError, held_warnings
 from .ladder import Models
-from .order import Asked, Orders, least_orders
+from .order import Asked, least_orders
+from .run import Chosen
 from .solvers import Solver, checked_solver
 
 __all__ = ["checked_linear_solver", "sufficient"]
@@ -24,6 +25,20 @@ _RTOL, _TIGHTEST = 1e-2, 1e-8
 _SHARE_OF_TIME, _MARGIN = 0.005, 0.95
 
 R = TypeVar("R")
+R_contra = TypeVar("R_contra", contravariant=True)
+
+
+class Wanted(Asked[R_contra], Protocol[R_contra]):
+    """What is asked for, and what else a run is summed up by."""
+
+    @property
+    def named(self) -> str:
+        """What it is, in words."""
+        ...
+
+    def errors(self, result: R_contra, /, *exact: R_contra) -> dict[str, float]:
+        """By how much each number that sums up a run may be wrong, by more and more exact ones."""
+        ...
 
 
 def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
@@ -48,14 +63,14 @@ def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
 def sufficient(
     run: Callable[[Models, Any, bool], R],
     bodies: Sequence[Any],
-    asked: Asked[R],
+    asked: Wanted[R],
     rtol: float | None,
     solver: Any,
     *,
     energies: bool,
     linear_solver: Solver = "auto",
-) -> tuple[R, Orders]:
-    """Run with models of the least order; return what they gave, and the orders.
+) -> tuple[R, Chosen]:
+    """Run with models of the least order; return what they gave, and what is known of them.
 
     Parameters
     ----------
@@ -63,7 +78,7 @@ def sufficient(
         Of models, one for each body, a solver, and whether to see energies.
     bodies : sequence
         As of `least_orders`.
-    asked : Asked
+    asked : Wanted
         Of the runs.
     rtol : float, optional
         Relative.
@@ -99,4 +114,8 @@ def sufficient(
         rtol=_MARGIN * tolerance - in_time,
         solver=linear_solver,
     )
-    return run(found.models, rule, energies), found
+    numbers = asked.errors(*found.runs) | (
+        {asked.named: found.error} if not asked.is_history else {}
+    )
+    chosen = Chosen(found.models, asked.named, tolerance, found.error, numbers)
+    return run(found.models, rule, energies), chosen

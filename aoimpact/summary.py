@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 from typing import TYPE_CHECKING
 
 from .units import quantity
@@ -25,12 +26,12 @@ def summary_rows(result: Seen) -> list[tuple[str, str]]:
         rows += [
             ("peak force", _force(result)),
             ("contact", _contact(result)),
-            ("impulse", quantity(result.impulse, "N s")),
+            ("impulse", quantity(result.impulse, "N s") + result.error.told("impulse")),
         ]
     rows += [
-        ("rebound velocity", f"{result.rebound_velocity:.5g} m/s"),
-        ("restitution", f"{result.restitution:.5g}"),
-        ("error of the peak", _error(result)),
+        ("rebound velocity", _rebound(result, "rebound_velocity", " m/s")),
+        ("restitution", _rebound(result, "restitution")),
+        ("error of the peak" if result.error.quantity is None else "asked for", _error(result)),
         ("solver", result.solver),
     ]
     made_by = [model.origin.solver for model in result.models or () if model.origin is not None]
@@ -61,19 +62,30 @@ def _body(result: Seen, which: str) -> str:
     return f"{body.label}, {mass}{', held' if body.held else ''}"
 
 
+def _rebound(result: Seen, name: str, unit: str = "") -> str:
+    value = getattr(result, name)
+    if not math.isnan(value):
+        return f"{value:.5g}{unit}{result.error.told(name)}"
+    return "none" if result.in_contact_at_end or not result.contacts else "not known"
+
+
 def _gap(result: Seen) -> str:
     return f", gap {quantity(result.gap, 'm')}" if result.gap else ""
 
 
 def _force(result: Seen) -> str:
-    return f"{quantity(result.peak_force, 'N', 5)} at {quantity(result.peak_time, 's')}"
+    told = result.error.told
+    force = f"{quantity(result.peak_force, 'N', 5)}{told('peak_force')}"
+    return f"{force} at {quantity(result.peak_time, 's')}{told('peak_time')}"
 
 
 def _contact(result: Seen) -> str:
     start = result.contacts[0][0]
-    text = f"{quantity(result.contact_duration, 's')} from {quantity(start, 's')}"
-    if len(result.contacts) > 1:
-        text += f", the first of {len(result.contacts)}"
+    told = result.error.told
+    text = f"{quantity(result.contact_duration, 's')}{told('contact_duration')}"
+    text += f" from {quantity(start, 's')}"
+    if len(result.contacts) > 1 or told("contacts"):
+        text += f", the first of {len(result.contacts)}{told('contacts')}"
     if result.in_contact_at_end:
         text += " (the record ends in contact)"
     return text
@@ -84,4 +96,7 @@ def _error(result: Seen) -> str:
         f"{name} {'not known' if value is None else f'{100.0 * value:.2g} %'}"
         for name, value in (("reduction", result.error.reduction), ("time", result.error.time))
     ]
-    return ", ".join(parts)
+    if result.error.quantity is None:
+        return ", ".join(parts)
+    asked = f"{result.error.quantity} to {100.0 * (result.error.rtol or 0.0):.2g} %; error: "
+    return asked.replace("_", " ") + ", ".join(parts)

@@ -45,15 +45,17 @@ def sweep(
     grid : mapping of str to sequence
         Values of each parameter; the last one varies fastest.
     keep : names or function, optional
-        Quantities for the columns, as of `simulate_many`; a function returns a number, or a dict of
-        numbers, of the same names for each result.
+        Quantities for the columns, as of `simulate_many`, with "restitution_error" and the like
+        beside them where models are chosen; a function returns a number, or a dict of numbers, of
+        the same names for each result.
     workers, checkpoint, progress : optional
         As of `simulate_many`. Cases are made in this process, one after the other.
 
     Returns
     -------
     SweepTable
-        One row a combination; NaN where a case failed, with its exception in ``.errors``.
+        One row a combination; NaN where a case failed, with its exception in ``.errors``, and
+        where there is no such number.
 
     Raises
     ------

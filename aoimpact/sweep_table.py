@@ -42,7 +42,8 @@ class SweepTable(Frozen):
     shape : tuple of int
         Numbers of values of the parameters: a column reshaped to it is an array over the grid.
     errors : dict of int to exception
-        Of the rows that failed; their quantities are NaN.
+        Of the rows that failed; their quantities are NaN. So is a number that there is not: the
+        restitution of bodies that have not parted.
     """
 
     data: npt.NDArray[Any]
@@ -190,9 +191,10 @@ def sweep_table(grid: Mapping[str, Sequence[Any]], values: Iterable[Any], keep: 
             errors[i] = value
             continue
         numbers = _numbers(value)
-        if not columns:
-            columns = {name: np.full(math.prod(shape), math.nan) for name in numbers}
-        if numbers.keys() != columns.keys():
+        if not columns or names is not None:  # errors are known of some cases only
+            for name in numbers:
+                columns.setdefault(name, np.full(math.prod(shape), math.nan))
+        elif numbers.keys() != columns.keys():
             raise InputError(
                 f"keep gave {', '.join(numbers)} for case {i} and {', '.join(columns)} before; it "
                 "must give the same names for every case"

@@ -21,7 +21,7 @@ def run(mass=1.0, velocity=1.0, duration=0.01, **options):
 
 @pytest.mark.parametrize(
     ("quantity", "power"),
-    [("peak_force", 0.5), ("impulse", 1.0), ("duration", 0.5)],
+    [("peak_force", 0.5), ("impulse", 1.0), ("contact_duration", 0.5)],
 )
 def test_numbers_scale_as_they_should(quantity, power):
     """Peak √(km) v, impulse 2mv, duration π√(m/k): of 1.21 kg against 1 kg."""
@@ -41,7 +41,7 @@ def test_histories_of_steps_are_compared_too():
 
 
 def test_rebound_is_relative_to_itself_unless_it_is_almost_nothing():
-    assert Answer("rebound").difference(run(velocity=1.1), run()) == pytest.approx(0.1)
+    assert Answer("rebound_velocity").difference(run(velocity=1.1), run()) == pytest.approx(0.1)
     # Equal masses: the projectile is stopped, and only its initial velocity is a measure.
     stopped = ao.simulate(
         projectile=ao.rigid(mass=1.0),
@@ -50,8 +50,8 @@ def test_rebound_is_relative_to_itself_unless_it_is_almost_nothing():
         velocity=1.0,
         duration=0.01,
     )
-    assert Answer("rebound").difference(stopped, stopped) == 0.0
-    assert Answer("rebound").difference(run(), stopped) == pytest.approx(10.0, rel=1e-6)
+    assert Answer("rebound_velocity").difference(stopped, stopped) == 0.0
+    assert Answer("rebound_velocity").difference(run(), stopped) == pytest.approx(10.0, rel=1e-6)
 
 
 def test_how_long_motion_matters():

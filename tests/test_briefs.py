@@ -36,6 +36,11 @@ def numbers_of(result: ao.Result) -> dict[str, float]:
     return own | {"error.time": result.error.time}
 
 
+def bits(numbers: dict[str, float] | None) -> dict[str, str]:
+    assert numbers is not None
+    return {name: value.hex() for name, value in numbers.items()}
+
+
 PLAIN = [
     case(),
     case(velocity=2.0, solver=ao.Adaptive(rtol=1e-6)),
@@ -56,13 +61,13 @@ PLAIN = [
 def test_every_plain_impact_has_the_numbers_of_simulate() -> None:
     together = brief_numbers(PLAIN, NAMES)
     for one, found in zip(PLAIN, together, strict=True):
-        assert found == numbers_of(ao.simulate(**one)), one
+        assert bits(found) == bits(numbers_of(ao.simulate(**one))), one
 
 
 def test_the_company_makes_no_difference() -> None:
-    alone = [brief_numbers([one], NAMES)[0] for one in PLAIN]
-    assert brief_numbers(PLAIN[::-1], NAMES)[::-1] == alone
-    assert brief_numbers(PLAIN * 3, NAMES) == alone * 3
+    alone = [bits(brief_numbers([one], NAMES)[0]) for one in PLAIN]
+    assert [bits(found) for found in brief_numbers(PLAIN[::-1], NAMES)[::-1]] == alone
+    assert [bits(found) for found in brief_numbers(PLAIN * 3, NAMES)] == alone * 3
 
 
 def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:

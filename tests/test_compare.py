@@ -38,7 +38,7 @@ def test_more_oscillators_are_nearer_to_the_full_model(table):
     assert force == sorted(force, reverse=True)
     assert table["AO(8)"].force < 0.01 + table.exact_error
     assert table["AO(8)"].impulse < 0.01
-    assert table["AO(8)"].duration < 0.01
+    assert table["AO(8)"].contact_duration < 0.01
 
 
 def test_modes_need_more(table):

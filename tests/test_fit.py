@@ -1,6 +1,7 @@
 """Models fitted to one blow and met by another: said where it matters, and only there."""
 
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from aoimpact.fit import unbalanced
 from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper_sphere import BALL_MASS
 
-from twelve import ALUMINIUM, FLOOR, STEEL, block, cube, law
+from twelve import ALUMINIUM, FLOOR, IMPACTS, STEEL, block, cube, law
 
 # Two impacts: on the paper's beam, which has modes of all periods, for 90 µs; and of two compact
 # blocks, whose slowest modes are faster than the blow of 130 µs.
@@ -114,6 +115,76 @@ def test_many_impacts_at_once_are_looked_at_too(tip):
         warnings.simplefilter("always")
         ao.simulate_many([case | {"target": fitted(tip, 10e-6)}], keep="peak_force")
     assert any("fitted to a contact" in str(one.message) for one in said)
+
+
+# ----------------------------------------------------------------------- what lasts, or comes again
+
+
+def cantilever(n, **fit):
+    """A ball on the tip of a cantilever: 82 µs of contact, and another blow after 340 µs."""
+    ball, tip, between, velocity, _ = IMPACTS["tip of a cantilever, for long"]()
+    star = (
+        ao.antioscillators(tip) if n is None else ao.antioscillators(tip, n, method="krylov", **fit)
+    )
+    return {"projectile": ball, "target": star, "law": between, "velocity": velocity}
+
+
+def test_a_contact_somewhat_longer_than_fitted_is_told_where_few_oscillators_miss_it():
+    right = ao.simulate(**cantilever(None), duration=9e-5)
+    with pytest.warns(ao.AOImpactWarning, match=r"fitted to a contact of 33 µs.*contact_time="):
+        short = ao.simulate(**cantilever(3, contact_time=33e-6), duration=2e-4)
+    assert abs(short.impulse / right.impulse - 1.0) > 0.15
+    for cured in (cantilever(3, contact_time=82e-6), cantilever(8, contact_time=33e-6)):
+        assert ao.simulate(**cured, duration=9e-5).impulse == pytest.approx(right.impulse, rel=0.01)
+
+
+@pytest.mark.parametrize("n", [3, 8])
+def test_later_contacts_are_told_where_what_is_between_is_not_known(n):
+    right = ao.simulate(**cantilever(None), duration=2e-3)
+    assert len(right.contacts) == 2
+    with pytest.warns(ao.AOImpactWarning, match=r"is touched again.*make it with duration=0\.000"):
+        wrong = ao.simulate(**cantilever(n, contact_time=82e-6), duration=2e-3)
+    assert abs(wrong.impulse / right.impulse - 1.0) > 0.1
+    cured = ao.simulate(**cantilever(12, contact_time=82e-6, duration=4.9e-4), duration=2e-3)
+    assert cured.impulse == pytest.approx(right.impulse, rel=1e-3)
+
+
+def test_displacement_after_the_contact_is_told_when_it_is_asked_for():
+    ball, tip, between, velocity, _ = IMPACTS["held plate"]()
+    strike = partial(ao.simulate, projectile=ball, law=between, velocity=velocity, duration=6e-4)
+    fit = partial(ao.antioscillators, tip, method="krylov", contact_time=96e-6)
+    right = strike(target=ao.antioscillators(tip))
+    hit = strike(target=fit(3))  # without a word: the force is right
+    assert hit.peak_force == pytest.approx(right.peak_force, rel=1e-2)
+    with pytest.warns(ao.AOImpactWarning, match=r"displacement and velocity.*duration=0\.0006"):
+        wrong = hit.target.displacement
+    true = right.at(hit.t).target.displacement
+    assert np.abs(wrong - true).max() > 0.15 * np.abs(true).max()
+    assert hit.at([5e-5]).target.displacement[0] == pytest.approx(
+        right.at([5e-5]).target.displacement[0], rel=0.05
+    )
+    cured = strike(target=fit(12, duration=6e-4))
+    true = right.at(cured.t).target.displacement
+    assert np.abs(cured.target.displacement - true).max() < 0.05 * np.abs(true).max()
+    chosen = strike(target=tip, quantity="target_displacement", rtol=0.05)
+    true = right.at(chosen.t).target.displacement
+    assert np.abs(chosen.target.displacement - true).max() < 0.05 * np.abs(true).max()
+
+
+def test_a_long_record_after_one_contact_is_no_reason(tip):
+    assert strike(fitted(tip, 90e-6)).contacts[-1][1] < 100e-6
+    hit = ao.simulate(
+        projectile=BALL, target=fitted(tip, 90e-6), law=LAW, velocity=1.0, duration=2e-3
+    )
+    assert len(hit.contacts) == 1
+
+
+def test_longer_contacts_of_many_impacts_are_looked_at_once_for_all():
+    few = cantilever(3, contact_time=33e-6) | {"duration": 2e-4}
+    enough = cantilever(8, contact_time=33e-6) | {"duration": 9e-5}
+    found = brief_numbers([few, enough], ["impulse"])
+    assert found[0] is None  # left to `simulate`
+    assert found[1] == {"impulse": ao.simulate(**enough).impulse}
 
 
 # ------------------------------------------------------------------------------ what is unbalanced

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from functools import cache
 from typing import Any
 
@@ -11,12 +12,13 @@ import pytest
 from aoimpact.adaptive import Adaptive
 from aoimpact.answer import Answer
 from aoimpact.contact import ContactPoint
-from aoimpact.errors import InputError, LawLimitError
+from aoimpact.errors import AOImpactError, InputError, LawLimitError
 from aoimpact.fem import FEModel
+from aoimpact.fingerprint import Fingerprints
 from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from aoimpact.laws import ContactLaw, Hertz, HuntCrossley, Linear, PatchLaw, PowerLaw
 from aoimpact.laws_plastic import Thornton
-from aoimpact.laws_viscous import KuwabaraKono
+from aoimpact.laws_viscous import KuwabaraKono, LankaraniNikravesh, Tsuji
 from aoimpact.material import Material
 from aoimpact.modes import modal
 from aoimpact.newmark import Newmark
@@ -258,3 +260,56 @@ def test_a_damped_law_that_is_too_steep_for_its_patch_is_refused(solver):
     patched = KuwabaraKono(LAW.k, 1e-3).within_patch(1.7e-9)
     with pytest.raises(LawLimitError, match="beyond"):
         patched.force(1e-5, 20.0)
+
+
+# ------------------------------------------------- what a law knows of its width is part of it
+
+WIDTH = 0.005
+KNOWING: list[Any] = [
+    lambda **more: Hertz(LAW.k, **more),
+    lambda **more: Thornton(LAW.k, 100.0, **more),
+    lambda **more: HuntCrossley(LAW.k, 0.1, **more),
+    lambda **more: HuntCrossley.from_restitution(LAW.k, 0.9, 1.0, **more),
+    lambda **more: LankaraniNikravesh(LAW.k, 0.9, 1.0, **more),
+    lambda **more: Tsuji.from_restitution(LAW.k, 0.9, 0.01, **more),
+    lambda **more: KuwabaraKono.from_restitution(LAW.k, 0.9, 1.0, 0.01, **more),
+]
+
+
+@pytest.mark.parametrize("make", KNOWING)
+def test_laws_that_part_between_patches_are_not_equal(make: Any) -> None:
+    """Beside a body without a patch, the contact's width alone bounds the indentation."""
+    plain, knowing = make(), make(relative_radius=WIDTH)
+    bodies = sphere("paper", 0.004), rigid(mass=1.0)
+    loose, bound = (effective_law(law, bodies) for law in (plain, knowing))
+    assert isinstance(loose, PatchLaw)
+    assert isinstance(bound, PatchLaw)
+    own = bound.limit + bound.compliance * bound.force(bound.limit)
+    assert np.sqrt(WIDTH * own) == pytest.approx(0.004, rel=1e-9)
+    assert loose.limit > 1.2 * bound.limit
+    assert plain != knowing
+    assert knowing == make(relative_radius=WIDTH)
+    assert hash(knowing) == hash(make(relative_radius=WIDTH))
+    assert Fingerprints().of(plain) != Fingerprints().of(knowing)
+    assert "relative_radius" not in repr(plain)
+    for copy in (pickle.loads(pickle.dumps(knowing)), eval(repr(knowing))):
+        assert copy == knowing
+        assert effective_law(copy, bodies) == effective_law(knowing, bodies)
+
+
+def test_laws_of_surfaces_know_their_width() -> None:
+    modulus = 105e9 / 0.91
+    for law in (
+        Hertz.between(STEEL, 0.01, STEEL, 0.01),
+        Thornton.between(STEEL, 0.01, STEEL, 0.01, yield_pressure=2e9),
+    ):
+        assert law.relative_radius == pytest.approx(WIDTH, rel=1e-15)
+        assert law.k == pytest.approx(4 / 3 * modulus * np.sqrt(WIDTH), rel=1e-14)
+    assert Hertz.between(STEEL, 0.01, STEEL, 0.01) != Hertz(LAW.k)
+
+
+@pytest.mark.parametrize("radius", [0.0, -1.0, float("nan"), "wide"])
+def test_a_width_that_is_none_is_refused(radius: Any) -> None:
+    for make in KNOWING:
+        with pytest.raises(AOImpactError, match="relative_radius"):
+            make(relative_radius=radius)

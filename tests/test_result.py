@@ -90,19 +90,21 @@ def test_contact_cut_off_gives_the_values_at_the_end() -> None:
     assert result.in_contact_at_end
     assert result.contacts == [(0.0, result.t[-1])]
     assert result.contact_duration == pytest.approx(0.75 * hit.duration)
-    assert result.rebound_velocity == result.projectile.centre_velocity[-1]
+    assert np.isnan(result.rebound_velocity)  # it has not rebounded
+    assert np.isnan(result.restitution)
+    assert "restitution        none" in repr(result)
     # Three quarters of a half sine carry (1 + cos 45°)/2 of its impulse.
     assert result.impulse == pytest.approx(0.5 * (1 + np.sqrt(0.5)) * hit.impulse, rel=1e-6)
 
 
-def test_without_contact_there_are_zeros_and_no_nan() -> None:
+def test_without_contact_there_are_zeros_and_no_rebound() -> None:
     hit = HalfSine(gap=1.0)
     result = hit.result(end=-1.0)
     assert result.contacts == []
     numbers = (result.peak_force, result.peak_time, result.contact_duration, result.impulse)
     assert numbers == (0.0, 0.0, 0.0, 0.0)
-    assert result.rebound_velocity == hit.velocity
-    assert result.restitution == -1.0
+    assert np.isnan(result.rebound_velocity)
+    assert np.isnan(result.restitution)
     assert not result.in_contact_at_end
     assert all(np.isfinite(array).all() for array in arrays_of(result))
     assert "none" in repr(result)

@@ -21,6 +21,7 @@ from scenes import BAR, ROW, STARS
 
 ROOT = Path(__file__).parent.parent
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
+CROSSED = ao.Hertz.between(ALU, (0.01, math.inf), ALU, 0.02, angle=0.5)
 EXAMPLE = ROOT / "examples" / "sphere_on_beam.toml"
 
 
@@ -124,15 +125,25 @@ def test_hertz_s_stiffness_of_two_surfaces(tmp_path: Path) -> None:
         (
             'type = "HuntCrossley", damping = 0.2, k = { between = [{ material = "alu", '
             'radius = [0.01, inf] }, { material = "alu", radius = 0.02 }], angle = 0.5 }',
-            ao.HuntCrossley(
-                ao.Hertz.between(ALU, (0.01, math.inf), ALU, 0.02, angle=0.5).k, damping=0.2
-            ),
+            ao.HuntCrossley(CROSSED.k, damping=0.2, relative_radius=CROSSED.relative_radius),
         ),
     ],
 )
 def test_every_law_by_its_parameters(law: str, same: Any, tmp_path: Path) -> None:
     text = BAR.replace('type = "Linear", k = 1e6', law)
     assert ao.read_scene(written(tmp_path, text)).case()["law"] == same
+
+
+def test_a_relative_radius_is_given_once(tmp_path: Path) -> None:
+    alone = 'type = "Thornton", k = 1e9, yield_force = 10, relative_radius = 0.01'
+    text = BAR.replace('type = "Linear", k = 1e6', alone)
+    law = ao.read_scene(written(tmp_path, text)).case()["law"]
+    assert law == ao.Thornton(1e9, 10.0, relative_radius=0.01)
+    surface = '{ material = "alu", radius = 1.0 }'
+    twice = f'type = "Hertz", relative_radius = 0.01, k = {{ between = [{surface}, {surface}] }}'
+    path = written(tmp_path, BAR.replace('type = "Linear", k = 1e6', twice))
+    with pytest.raises(ao.SceneFileError, match="relative_radius: it follows"):
+        ao.read_scene(path).case()
 
 
 def test_two_surfaces_have_hertz_s_power(tmp_path: Path) -> None:

@@ -1,0 +1,128 @@
+"""Bodies given by K and M alone: their rebound is what momentum says, or it is not known."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.briefs import brief_numbers
+from aoimpact.run_files import as_json, numbers
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+MESH = ao.box_mesh((0.2, 0.02, 0.02), (16, 2, 2), kind="hexahedron20")
+BAR = ao.FEModel.from_mesh(MESH, STEEL)
+BARE = ao.FEModel(K=BAR.K, M=BAR.M)
+OFF, CENTRAL = (0.175, 0.01, 0.0), (0.1, 0.01, 0.0)
+
+MODELS = {
+    "full": lambda tip: tip,
+    "eigen": lambda tip: ao.antioscillators(tip, 5),
+    "krylov": lambda tip: ao.antioscillators(tip, 5, method="krylov", contact_time=1e-4),
+    "modal": lambda tip: ao.modal(tip, 12),
+}
+
+
+def dof_at(point):
+    return 3 * int(np.argmin(np.linalg.norm(MESH.nodes - point, axis=1))) + 2
+
+
+def impact(**changes):
+    case = {
+        "target": ao.rigid(mass=math.inf),
+        "law": ao.Hertz(k=1e10),
+        "velocity": 1.0,
+        "duration": 6e-4,
+    }
+    return case | changes
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_off_centre_the_rebound_is_not_known_and_the_cure_works(model):
+    make = MODELS[model]
+    with pytest.warns(ao.AOImpactWarning, match="projectile: the centre of mass.*nodes="):
+        hit = ao.simulate(projectile=make(BARE.contact(dof=dof_at(OFF))), **impact())
+    assert np.isnan([hit.rebound_velocity, hit.restitution]).all()
+    assert np.isnan(hit.projectile.centre_velocity).all()
+    assert np.isnan(hit.projectile.centre_displacement).all()
+    assert hit.projectile.mass is None
+    assert "rebound velocity   not known" in repr(hit)
+    assert "mass not known" in repr(hit)
+    cured = ao.FEModel(K=BAR.K, M=BAR.M, nodes=MESH.nodes).contact(dof=dof_at(OFF))
+    known = ao.simulate(projectile=make(cured), **impact())
+    assert known.rebound_velocity == pytest.approx(1.0 - known.impulse / BAR.mass, rel=1e-6)
+    # A modal truncation may take either of two modes of one frequency.
+    assert known.impulse == pytest.approx(hit.impulse, rel=1e-5)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_struck_through_its_centre_the_body_moves_as_one(model):
+    hit = ao.simulate(projectile=MODELS[model](BARE.contact(dof=dof_at(CENTRAL))), **impact())
+    assert hit.projectile.mass == pytest.approx(BAR.mass, rel=1e-6)
+    assert hit.rebound_velocity == pytest.approx(1.0 - hit.impulse / BAR.mass, rel=1e-6)
+    assert hit.restitution == -hit.rebound_velocity
+
+
+def test_a_free_target_of_unknown_centre_leaves_the_restitution_open():
+    target = ao.antioscillators(BARE.contact(dof=dof_at(OFF)), 5)
+    ball = ao.rigid(mass=0.05)
+    with pytest.warns(ao.AOImpactWarning, match="target: the centre of mass"):
+        hit = ao.simulate(**impact(projectile=ball, target=target))
+    assert hit.rebound_velocity == pytest.approx(1.0 - hit.impulse / 0.05, rel=1e-6)
+    assert math.isnan(hit.restitution)
+
+
+def test_many_and_machines_hear_of_it():
+    case = impact(projectile=ao.antioscillators(BARE.contact(dof=dof_at(OFF)), 5))
+    names = ("restitution", "rebound_velocity", "impulse")
+    assert brief_numbers([case], names) == [None]
+    with pytest.warns(ao.AOImpactWarning, match="case 0: projectile: the centre of mass"):
+        [kept] = ao.simulate_many([case], keep=names)
+    assert np.isnan([kept["restitution"], kept["rebound_velocity"]]).all()
+    with pytest.warns(ao.AOImpactWarning, match="centre of mass"):
+        hit = ao.simulate(**case)
+    told = json.loads(as_json(numbers(hit, names)))["quantities"]
+    assert (told["restitution"], told["rebound_velocity"]) == (None, None)
+    assert told["impulse"] == hit.impulse
+
+
+def test_in_a_scene_the_centre_is_not_known_either():
+    scene = ao.Scene()
+    bar = scene.add(BARE.contact(dof=dof_at(OFF)), velocity=1.0, name="bar")
+    wall = scene.add(ao.rigid(mass=math.inf))
+    scene.connect(bar, wall, ao.Hertz(k=1e10))
+    with pytest.warns(ao.AOImpactWarning, match=r"body 0 \(bar\): the centre of mass"):
+        run = scene.simulate(duration=1e-4)
+    assert np.isnan(run[bar].centre_velocity).all()
+    assert np.isfinite(run[bar].velocity).all()
+
+
+def held_column():
+    """A beam held at one end; the same by its matrices alone."""
+    frame = ao.FEModel.from_mesh(MESH, STEEL, fixed=[("xmin", "xyz")])
+    return frame, ao.FEModel(K=frame.K, M=frame.M)
+
+
+def test_a_held_target_needs_no_centre(recwarn):
+    frame, bare = held_column()
+    tip = frame.contact(point=OFF, direction=(0, 0, 1))
+    other = bare.contact(dof=int(np.argmax(tip.b)))
+    ball = ao.rigid(mass=0.05)
+    hits = [
+        ao.simulate(**impact(projectile=ball, target=ao.antioscillators(one, 5)))
+        for one in (tip, other)
+    ]
+    assert not recwarn
+    assert hits[1].restitution == pytest.approx(hits[0].restitution, rel=1e-9)
+    assert np.isnan(hits[1].target.centre_velocity).all()
+
+
+def test_the_weight_of_a_held_body_without_nodes_is_not_made_up():
+    """Its static mode's mass under gravity is not its weight: none is taken, and that is said."""
+    star = ao.antioscillators(held_column()[1].contact(dof=100), 5)
+    scene = ao.Scene(gravity=9.81)
+    body = scene.add(star)
+    with pytest.warns(ao.AOImpactWarning, match="gravity has no effect on AO"):
+        run = scene.simulate(duration=1e-3)
+    assert not run[body].displacement.any()
