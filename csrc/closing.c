@@ -13,37 +13,41 @@ static const double HERTZ_SHARE = 0.4;
  * reaches, or where there is none, with a residual compliance; and at most. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
-/* Where the search for the deepest indentation begins, how it goes on up, and where it ends, logarithms: a
- * scale need not be sharp. A caller's law may end not far beyond what it is for, so that nobody may ask there. */
-static const double SHALLOW = -28.0, STRIDE = 0.35, SHARPNESS = 1e-3;
+/* Where the search for the deepest indentation begins, and how it goes on up, logarithms: a scale need not be
+ * sharp. A caller's law may end not far beyond what it is for, so that nobody may ask there. */
+static const double SHALLOW = -28.0, STRIDE = 0.35;
 
-/* Whether the law takes an energy, and what a steady force adds to it on the way, up to about this
- * indentation: by the force, since what a plastic law gives back is only a part of it. */
-static int takes(const aoi_law *law, const double *memory, double indentation, double energy,
-                 double force)
+/* The integral over a stretch of a force that goes from one value to another like a power of the indentation. */
+static double power_work(double here, double force, double next, double next_force)
 {
-    aoi_law_value value;
-    aoi_law_push(law, memory, indentation, 0.0, &value);
-    return !(HERTZ_SHARE * value.force * indentation < energy + force * indentation);
+    const double power = force > 0.0 ? log(next_force / force) / log(next / here) : 0.0;
+    return force > 0.0 && power > -1.0 && isfinite(power)
+               ? (next_force * next - force * here) / (power + 1.0)
+               : 0.5 * (force + next_force) * (next - here);
 }
 
-/* About the indentation at which it does. */
-static double deepest(const aoi_law *law, const double *memory, double energy, double force)
+/* About the indentation at which the law has taken an energy, and what a steady force has added to it on the way;
+ * at most so far, to where the motion would lead without the law. By the law's force, since what a plastic law gives
+ * back is only a part of its work; linear between the places where it is asked. */
+static double deepest(const aoi_law *law, const double *memory, double energy, double force, double most)
 {
-    double low = -700.0, high = SHALLOW; /* logarithms */
-    while (high < 100.0 && !takes(law, memory, exp(high), energy, force)) {
-        low = high;
-        high += STRIDE;
-    }
-    while (high - low > SHARPNESS) {
-        const double middle = 0.5 * (low + high);
-        if (takes(law, memory, exp(middle), energy, force)) {
-            high = middle;
-        } else {
-            low = middle;
+    double here = 0.0, lack = -energy, before = 0.0; /* its work less that energy and the steady force's work */
+    for (double log_next = SHALLOW; here < most; log_next += STRIDE) {
+        const double next = fmin(exp(log_next), most);
+        aoi_law_value value;
+        aoi_law_push(law, memory, next, 0.0, &value);
+        /* Of a force that rises like a power of the indentation, as Hertz's does, exactly. */
+        const double work = here > 0.0 ? power_work(here, before, next, value.force)
+                                       : HERTZ_SHARE * value.force * next;
+        const double gain = work - force * (next - here);
+        if (!(lack + gain < 0.0)) {
+            return lack + gain > 0.0 ? here + (next - here) * (-lack / gain) : next;
         }
+        lack += gain;
+        before = value.force;
+        here = next;
     }
-    return exp(high);
+    return most;
 }
 
 /* The compliance of both ports to a sudden force, 1/kg, and how far held bodies can swing by
@@ -70,13 +74,15 @@ static double rising(const aoi_adaptive *run, const aoi_contact_state *contact, 
                      const aoi_flight *pair)
 {
     const double jerk = aoi_flight_jerk(pair);
-    double time = run->end - pair->time;
+    const double left = run->end - pair->time;
+    double time = left;
     for (int side = 0; side < 2; side++) {
         time = fmin(time, aoi_modes_next_bend(pair->body[side], pair->time) - pair->time);
     }
     for (int i = 0; i < RISES && jerk > 0.0; i++) {
         const double acceleration = jerk * time;
-        const double reach = deepest(law, contact->memory, 0.0, acceleration / contact->mobility);
+        const double reach = deepest(law, contact->memory, 0.0, acceleration / contact->mobility,
+                                     0.5 * acceleration * left * left);
         time = fmin(time, sqrt(reach / acceleration));
     }
     return fmax(jerk * time, 0.0);
@@ -99,13 +105,13 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
     if (!(mobility > 0.0) || !(rate + acceleration > 0.0)) {
         return; /* what it will be the contacts beside it decide */
     }
-    double reach = deepest(law, contact->memory, 0.5 * rate * rate / mobility,
-                           acceleration / mobility);
+    const double left = run->end - aoi_run_now(run);
+    double reach = deepest(law, contact->memory, 0.5 * rate * rate / mobility, acceleration / mobility,
+                           left * (rate + 0.5 * acceleration * left));
     if (acceleration == 0.0) { /* under a soft law held bodies turn back by themselves */
         reach = fmin(reach, swing);
     }
     double time = reach / (rate + sqrt(acceleration * reach));
-    const double left = run->end - aoi_run_now(run);
     if (left < time) { /* what is seen of it before the record ends is all there is */
         time = left;
         reach = fmin(reach, left * (rate + 0.5 * acceleration * left));

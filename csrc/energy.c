@@ -1,5 +1,7 @@
 /* Where a body's energy is, and what loads and damping have done to it. */
+#include "path.h"
 #include "radau.h"
+#include "stages.h"
 
 #include <math.h>
 
@@ -25,8 +27,6 @@ static double energy_of(const aoi_modes *body, const double *x, const double *v)
     return kinetic + elastic;
 }
 
-enum { MOST_PANELS = 4096 };
-
 static double gravity_work(const aoi_modes *body, const double *x0, const double *x1)
 {
     double work = 0.0;
@@ -36,15 +36,14 @@ static double gravity_work(const aoi_modes *body, const double *x0, const double
     return work;
 }
 
-/* Work on the modes of loads that have the values of one time: force times displacement. */
-static double steady_work(const aoi_modes *body, double time, const double *x0, const double *x1)
+/* Loads of a time times displacements. */
+static double loaded(const aoi_modes *body, double time, const double *x)
 {
     double work = 0.0;
     for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
-        const double *shape = body->shape + p * body->n;
         double force, slope;
         aoi_modes_load(body, p, time, &force, &slope);
-        work += force * (aoi_vector_dot(body->n, shape, x1) - aoi_vector_dot(body->n, shape, x0));
+        work += force * aoi_vector_dot(body->n, body->shape + p * body->n, x);
     }
     return work;
 }
@@ -94,31 +93,48 @@ double aoi_system_snap(const aoi_system *system, size_t joint, double force)
 
 /* ---------------------------------------------------------------------------------- in flight */
 
-/* Work on the modes of rising loads over a stretch in which they do not bend: quadrature over its
- * oscillations. x, v are taken to its end. */
+/* What the loads' rise does in all to mode j: sum of slope and shape over the ports. */
+static double rise_on(const aoi_modes *body, size_t j, double time)
+{
+    double sum = 0.0;
+    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+        double load, slope;
+        aoi_modes_load(body, p, time, &load, &slope);
+        sum += slope * body->shape[p * body->n + j];
+    }
+    return sum;
+}
+
+/* A mode under loads that run straight for a time: force, its Legendre coefficients, set. */
+static aoi_path path_of(const aoi_modes *body, size_t j, double from, double length, double x, double v,
+                        double *force)
+{
+    double load, slope;
+    aoi_modes_drive(body, j, from, &load, &slope);
+    for (size_t k = 2; k < AOI_STAGES; k++) {
+        force[k] = 0.0;
+    }
+    force[1] = 0.5 * slope * length;
+    force[0] = load + force[1];
+    return (aoi_path){body->omega[j], body->decay ? body->decay[j] : 0.0, length, x, v, 1.0, force};
+}
+
+/* Work on the modes of rising loads over a stretch in which they do not bend. x, v are taken to its end. */
 static double rising_work(const aoi_modes *body, double from, double to, double *x, double *v)
 {
-    const double turns = body->omega[body->n - 1] * (to - from) / 4.0;
-    const size_t panels = 1 + (size_t)fmin(turns, MOST_PANELS);
-    const double length = (to - from) / (double)panels;
     double work = 0.0;
-    for (size_t panel = 0; panel < panels; panel++) {
-        double place = 0.0;
-        const double start = from + (double)panel * length;
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            const double here = start + length * place, next = start + length * aoi_radau_node[i];
-            aoi_modes_fly(body, here, next, x, v);
-            place = aoi_radau_node[i];
-            for (size_t p = 0; p < body->ports; p++) {
-                double displacement, velocity, load, slope;
-                aoi_modes_port(body, p, x, v, &displacement, &velocity);
-                aoi_modes_load(body, p, from, &load, &slope);
-                work += aoi_radau_to_legendre[0][i] * length * velocity *
-                        (load + slope * (next - from));
-            }
+    for (size_t j = 0; j < body->n; j++) {
+        const double rise = rise_on(body, j, from);
+        double force[AOI_STAGES], squared, moment;
+        if (rise != 0.0) {
+            const aoi_path path = path_of(body, j, from, to - from, x[j], v[j], force);
+            aoi_path_integrals(&path, &squared, &moment);
+            work += rise * moment;
         }
     }
-    return work;
+    work -= loaded(body, from, x);
+    aoi_modes_fly(body, from, to, x, v);
+    return work + loaded(body, from, x);
 }
 
 /* The same from bend to bend. */
@@ -145,7 +161,7 @@ void aoi_modes_flight_work(const aoi_modes *body, double from, double to, const 
     const double gained = energy_of(body, x1, v1) - energy_of(body, x0, v0);
     const int changing = loads_rise(body, from) || aoi_modes_next_bend(body, from) < to;
     if (!changing) {
-        *work = gravity_work(body, x0, x1) + steady_work(body, from, x0, x1);
+        *work = gravity_work(body, x0, x1) + loaded(body, from, x1) - loaded(body, from, x0);
     } else if (!body->decay) {
         *work = gained; /* nothing else can be where it comes from */
     } else {
@@ -161,48 +177,47 @@ void aoi_modes_flight_work(const aoi_modes *body, double from, double to, const 
 
 /* -------------------------------------------------------------------------- in a step of contact */
 
-/* Integrals over a part of a step: of contact force times velocity, of what rising loads add to those at
- * the start times velocity, and of f_load'^T R f_contact. */
+/* Integrals over a part of a step: what damping takes, and what rising loads add to those at the start. */
 typedef struct step_integrals {
-    double by_contact, rising, bent;
+    double lost, rising;
 } step_integrals;
 
-/* Adds port p's share at one place, x, v being there. */
-static void add_port(const aoi_modes *body, size_t p, double from, double h, double place, double weight,
-                     const double *force, const double *x, const double *v, step_integrals *sum)
+/* Adds mode j's share. */
+static void add_mode(const aoi_modes *body, size_t j, double from, double h, double place,
+                     const double *force, double x, double v, step_integrals *sum)
 {
-    double legendre[AOI_STAGES], ignored, displacement, velocity, load, slope;
+    const double rise = rise_on(body, j, from), decay = body->decay ? body->decay[j] : 0.0;
+    double push[AOI_STAGES] = {0.0}, whole[AOI_STAGES], squared, moment;
+    if (rise == 0.0 && decay == 0.0) {
+        return;
+    }
+    aoi_path path = path_of(body, j, from, h, x, v, whole);
+    path.place = place;
+    for (size_t p = 0; p < body->ports; p++) {
+        aoi_stages_add(body->push[p * body->n + j], force + p * AOI_STAGES, push);
+    }
     for (size_t k = 0; k < AOI_STAGES; k++) {
-        legendre[k] =
-            aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], force + p * AOI_STAGES);
+        whole[k] += aoi_stages_dot(aoi_radau_to_legendre[k], push);
     }
-    const double pressed = aoi_legendre_evaluate(AOI_STAGES, legendre, place, &ignored);
-    aoi_modes_port(body, p, x, v, &displacement, &velocity);
-    aoi_modes_load(body, p, from, &load, &slope);
-    sum->by_contact += weight * velocity * pressed;
-    sum->rising += weight * velocity * slope * place * h;
-    for (size_t q = 0; body->residual && q < body->ports; q++) {
-        aoi_modes_load(body, q, from, &load, &slope);
-        sum->bent += weight * slope * body->residual[q * body->ports + p] * pressed;
-    }
+    aoi_path_integrals(&path, &squared, &moment);
+    sum->lost += 2.0 * decay * body->inertia[j] * squared;
+    sum->rising += rise * moment;
 }
 
-static step_integrals integrate(const aoi_modes *body, double from, double h, double place,
-                                const double *force, const double *x0, const double *v0,
-                                double *scratch)
+/* The loads' rise times what the contact forces bend the residual compliance by. */
+static double bent_by(const aoi_modes *body, double from, double h, double place, const double *force)
 {
-    step_integrals sum = {0.0, 0.0, 0.0};
-    double *x = scratch, *v = scratch + body->n;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        const double part = place * aoi_radau_node[i];
-        for (size_t j = 0; j < body->n; j++) {
-            x[j] = x0[j];
-            v[j] = v0[j];
+    double sum = 0.0;
+    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+        const double *by = force + k % body->ports * AOI_STAGES;
+        double load, slope, legendre[AOI_STAGES], ignored;
+        aoi_modes_load(body, k / body->ports, from, &load, &slope);
+        for (size_t l = 0; l < AOI_STAGES; l++) {
+            legendre[l] = aoi_stages_dot(aoi_radau_to_legendre[l], by);
         }
-        aoi_modes_fly(body, from, from + part * h, x, v);
-        aoi_response_push(body, h, force, part, x, v);
-        for (size_t p = 0; p < body->ports; p++) {
-            add_port(body, p, from, h, part, aoi_radau_to_legendre[0][i] * place * h, force, x, v, &sum);
+        for (size_t i = 0; i < AOI_STAGES && slope != 0.0; i++) {
+            sum += aoi_radau_to_legendre[0][i] * place * h * slope * body->residual[k] *
+                   aoi_legendre_evaluate(AOI_STAGES, legendre, place * aoi_radau_node[i], &ignored);
         }
     }
     return sum;
@@ -210,15 +225,13 @@ static step_integrals integrate(const aoi_modes *body, double from, double h, do
 
 void aoi_modes_step_work(const aoi_modes *body, double from, double h, double place,
                          const double *force, const double *x0, const double *v0, const double *x1,
-                         const double *v1, double *scratch, double *work, double *dissipated)
+                         double *work, double *dissipated)
 {
-    step_integrals sum = {0.0, 0.0, 0.0};
-    if (body->decay || loads_rise(body, from)) {
-        sum = integrate(body, from, h, place, force, x0, v0, scratch);
+    step_integrals sum = {0.0, 0.0};
+    for (size_t j = 0; j < body->n && (body->decay || loads_rise(body, from)); j++) {
+        add_mode(body, j, from, h, place, force, x0[j], v0[j], &sum);
     }
-    *work = gravity_work(body, x0, x1) + steady_work(body, from, x0, x1) + sum.rising;
-    *dissipated = body->decay ? *work + sum.by_contact -
-                                    (energy_of(body, x1, v1) - energy_of(body, x0, v0))
-                              : 0.0;
-    *work += residual_work(body, from, from + place * h) - sum.bent;
+    *work = gravity_work(body, x0, x1) + loaded(body, from, x1) - loaded(body, from, x0) + sum.rising +
+            residual_work(body, from, from + place * h) - bent_by(body, from, h, place, force);
+    *dissipated = sum.lost;
 }

@@ -64,7 +64,7 @@ static void move_body(aoi_adaptive *run, size_t b, double h)
     const double *force = run->port_force + run->system->first_port[b] * AOI_STAGES;
     double *x = run->x + run->system->first[b], *v = run->v + run->system->first[b];
     const double now = aoi_run_now(run);
-    double *before = run->flight[0], *scratch = run->flight[0] + 2 * body->n, work, dissipated;
+    double *before = run->flight[0], work, dissipated;
     const int booked = aoi_body_has_ledger(body);
     for (size_t j = 0; booked && j < body->n; j++) {
         before[j] = x[j];
@@ -72,8 +72,7 @@ static void move_body(aoi_adaptive *run, size_t b, double h)
     }
     aoi_response_propagate(&run->response[b], body, now, force, x, v);
     if (booked) {
-        aoi_modes_step_work(body, now, h, 1.0, force, before, before + body->n, x, v, scratch, &work,
-                            &dissipated);
+        aoi_modes_step_work(body, now, h, 1.0, force, before, before + body->n, x, &work, &dissipated);
         run->body[b].work += work;
         run->body[b].dissipated += dissipated;
     }

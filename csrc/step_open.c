@@ -1,6 +1,7 @@
 /* Open contacts beside closed ones: whether they touch within a step. What the contact forces make of their
  * indentation is split into a polynomial and free oscillations, so that the search of flight.c, which steps over
  * no touch, sees all of it. */
+#include "path.h"
 #include "radau.h"
 #include "step.h"
 
@@ -8,24 +9,6 @@
 
 /* The search of a step looks at so many modes in all. */
 enum { MOST_LOOKS = 500000 };
-
-/* A mode that turns by more than this in a step (rad) follows forces as a polynomial and an oscillation; the
- * motion of a slower one is a polynomial to 1e-9 of what its force does. */
-static const double FAST = 1.5;
-
-/* The polynomial that solves x'' + 2 decay x' + omega^2 x = f over a time h, by Legendre coefficients. */
-static void follow(double omega, double decay, double h, const double *f, double *x)
-{
-    double above[2] = {0.0, 0.0}, slope_above[2] = {0.0, 0.0}; /* as in aoi_legendre_derive */
-    for (size_t k = AOI_STAGES; k-- > 0;) {
-        const double weight = 2.0 * (2.0 * (double)k + 1.0);
-        const double slope = weight * above[(k + 1) % 2] / h;
-        const double bend = weight * slope_above[(k + 1) % 2] / h;
-        x[k] = (f[k] - 2.0 * decay * slope - bend) / (omega * omega);
-        above[k % 2] += x[k];
-        slope_above[k % 2] += slope;
-    }
-}
 
 /* The forces that a mode feels, by Legendre coefficients; returns whether there are any. */
 static int forces_on(const aoi_adaptive *run, size_t b, size_t j, double *legendre)
@@ -52,7 +35,7 @@ static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sig
     const aoi_modes *body = &run->system->body[b];
     const aoi_response *response = &run->response[b];
     double force[AOI_STAGES], along[AOI_STAGES];
-    for (size_t j = body->n; j-- > 0 && body->omega[j] * h > FAST;) {
+    for (size_t j = body->n; j-- > 0 && body->omega[j] * h > AOI_PATH_FAST;) {
         const double share = sign * body->shape[port * body->n + j];
         const double squared = body->omega[j] * body->omega[j];
         const size_t at = j * AOI_STAGES;
@@ -60,7 +43,7 @@ static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sig
             continue;
         }
         double slope;
-        follow(body->omega[j], body->decay ? body->decay[j] : 0.0, h, force, along);
+        aoi_path_follow(body->omega[j], body->decay ? body->decay[j] : 0.0, h, force, along);
         const double here = aoi_legendre_evaluate(AOI_STAGES, along, 0.0, &slope), rate = slope / h;
         x[j] -= here;
         v[j] -= rate;

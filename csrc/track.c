@@ -410,7 +410,7 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
         aoi_modes_step_work(body, start, sampler->part * row[AOI_TRACK_LENGTH],
                             place_of(sampler, time) / sampler->part,
                             sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, x0, v0,
-                            state, state + body->n, scratch, &more, &lost);
+                            state, &more, &lost);
     } else {
         const double *bend = fly_to_bend(sampler, time, b, 1), *x = bend + BEND_STATE;
         aoi_modes_flight_work(body, bend[BEND_TIME], time, x, x + body->n, state, state + body->n, scratch,
