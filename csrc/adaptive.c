@@ -93,18 +93,6 @@ void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, si
 
 /* -------------------------------------------------------------------------------- the start */
 
-/* Indentations of bodies at rest, without contact forces; then with those of contacts at massless places. */
-static int share_overlaps(aoi_adaptive *run)
-{
-    for (size_t c = 0; c < run->system->joint_count; c++) {
-        double rate, acceleration;
-        aoi_flight pair;
-        aoi_pair_now(run, c, &pair);
-        aoi_flight_indentation(&pair, &run->contact[c].start, &rate, &acceleration);
-    }
-    return aoi_balance_at_rest(run);
-}
-
 /* Bodies that press on each other from the start. */
 static void start_closed(aoi_adaptive *run, size_t joint)
 {
@@ -202,7 +190,7 @@ static int begin_contacts(aoi_adaptive *run)
         run->contact[c] = (aoi_contact_state){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
         run->contact[c].peak_time = run->time;
     }
-    const int status = share_overlaps(run);
+    const int status = aoi_balance_at_start(run);
     aoi_watch_begin(run);
     for (size_t c = 0; c < run->system->joint_count && status == AOI_OK; c++) {
         if (run->contact[c].start > 0.0) {

@@ -72,13 +72,18 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates);
 /* Takes note of a contact's force now, which may be its largest. */
 void aoi_contact_note_peak(aoi_adaptive *run, size_t joint);
 
-/* Finds indentations and forces of contacts at places without mass, of bodies at rest, all others as they are.
- * Errors as aoi_coupled_solve. */
-int aoi_balance_at_rest(aoi_adaptive *run);
+/* Finds indentations at the start, and with them forces of contacts at places without mass: where the bodies rest
+ * under loads and contacts, or where laws of the rate let them be at once when the loads set in. Errors as
+ * aoi_coupled_solve. */
+int aoi_balance_at_start(aoi_adaptive *run);
 
 /* Finds rates and forces of such contacts after something has happened to one of them; within: a time in which
  * little happens. One that has only just touched opens again where the others draw it away. */
 void aoi_balance_at_once(aoi_adaptive *run, double within);
+
+/* The energy in residual compliances and in the laws of contacts at them, J; the work on each of these contacts
+ * takes note of its law's share: with sign -1 before something happens at once, with 1 after it. */
+double aoi_balance_book(aoi_adaptive *run, double sign);
 
 /* Lets the events up to a place at the very start of the step tried happen; 0 where that would go on for
  * ever: take a shorter step. */

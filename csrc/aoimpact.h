@@ -941,6 +941,7 @@ enum aoi_track_contact {
     AOI_TRACK_PIECE,
     AOI_TRACK_MEMORY,
     AOI_TRACK_WORK = AOI_TRACK_MEMORY + AOI_LAW_MEMORY,
+    AOI_TRACK_LOST,
     AOI_TRACK_FORCE,
     AOI_TRACK_INDENTATION = AOI_TRACK_FORCE + AOI_STAGES,
     AOI_TRACK_CONTACT_SIZE = AOI_TRACK_INDENTATION + AOI_STAGES + 1
@@ -995,6 +996,7 @@ typedef struct aoi_list {
 typedef struct aoi_adaptive {
     const aoi_system *system;
     double rtol, time, end;
+    int rested; /* the bodies have come to rest under loads and contacts; 0: those set in at time */
     double *x, *v;
     aoi_follower *body;
     aoi_contact_state *contact;
@@ -1061,10 +1063,6 @@ void aoi_modes_step_work(const aoi_modes *body, double from, double h, double pl
 /* Loads times what the contact forces of the moment bend the residual compliance at them, J. force: of
  * all kinds on the ports. Their work since a moment without contact has this in it. */
 double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force);
-
-/* The energy in the residual compliance between the bodies of a joint that is lost where a contact force
- * ends at once: what has no mass snaps back. */
-double aoi_system_snap(const aoi_system *system, size_t joint, double force);
 
 /* A track to be sampled, at times that ascend from one call to the next. The caller sets the first block;
  * work: doubles of aoi_sampler_size. */

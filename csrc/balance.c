@@ -85,17 +85,38 @@ static size_t list(aoi_adaptive *run, size_t joint, size_t count)
     return count + 1;
 }
 
-int aoi_balance_at_rest(aoi_adaptive *run)
+/* An indentation as the bodies were put, before the loads bend what is without mass. */
+static double placed(const aoi_adaptive *run, size_t joint)
 {
+    const aoi_joint *of = &run->system->joint[joint];
+    double indentation, rate, acceleration;
+    aoi_flight pair;
+    aoi_pair_now(run, joint, &pair);
+    aoi_flight_indentation(&pair, &indentation, &rate, &acceleration);
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair.body[side];
+        for (size_t q = 0; body->residual && q < body->ports; q++) {
+            aoi_modes_load(body, q, run->time, &rate, &acceleration);
+            indentation -= (side == 0 ? 1.0 : -1.0) * rate *
+                           body->residual[of->port[side] * body->ports + q];
+        }
+    }
+    return indentation;
+}
+
+int aoi_balance_at_start(aoi_adaptive *run)
+{
+    const double time = run->rested ? 0.0 : AT_ONCE * (run->end - run->time);
     size_t count = 0;
     for (size_t c = 0; c < run->system->joint_count; c++) {
+        run->contact[c].start = placed(run, c);
         count = list(run, c, count);
     }
     if (count == 0) {
         return AOI_OK;
     }
     aoi_coupled e = lay_out(count, run->span, run->collocation);
-    set_equations(run, 0.0, &e);
+    set_equations(run, time, &e);
     const int status = aoi_coupled_solve(&e, run->balanced);
     for (size_t i = 0; i < count && status == AOI_OK; i++) {
         run->contact[run->balanced[i].at[0]].start = e.indentation[i];
@@ -230,4 +251,20 @@ void aoi_balance_at_once(aoi_adaptive *run, double within)
             take(run, &of[i], least);
         }
     }
+}
+
+double aoi_balance_book(aoi_adaptive *run, double sign)
+{
+    double stored = 0.0;
+    for (size_t i = 0; i < run->closed.count; i++) {
+        const size_t joint = run->closed.at[i];
+        aoi_contact_state *contact = &run->contact[joint];
+        if (aoi_joint_bends(run, joint)) {
+            const double elastic =
+                aoi_law_potential(run->system->joint[joint].law, contact->memory, contact->start);
+            contact->work += sign * elastic;
+            stored += elastic + 0.5 * contact->bending * aoi_contact_bent(run, joint, 0);
+        }
+    }
+    return stored;
 }

@@ -86,11 +86,6 @@ double aoi_modes_bent_work(const aoi_modes *body, double time, const double *for
     return work;
 }
 
-double aoi_system_snap(const aoi_system *system, size_t joint, double force)
-{
-    return 0.5 * aoi_system_residual(system, joint) * force * force;
-}
-
 /* ---------------------------------------------------------------------------------- in flight */
 
 /* What the loads' rise does in all to mode j: sum of slope and shape over the ports. */

@@ -220,6 +220,7 @@ static void take_start(held *buffers, PyObject *x_in, PyObject *moving, PyObject
     const aoi_system *system = run->system;
     size_t all = system->first[system->body_count];
     const double *x = maybe(buffers, x_in, "x", &all);
+    run->rested = x != NULL;
     if (x) {
         memcpy(run->x, x, all * sizeof(double));
     }

@@ -212,7 +212,6 @@ static void happen(aoi_adaptive *run, size_t joint, double now)
     switch (contact->event) {
     case AOI_EVENT_OPEN:
         aoi_contact_open(run, joint);
-        contact->work += aoi_system_snap(run->system, joint, contact->force);
         contact->force = contact->bending = contact->force_rate = 0.0;
         contact->touches = 0;
         contact->free_until = now;
@@ -276,38 +275,24 @@ static void pass_time(aoi_adaptive *run, double h)
     run->elapsed = elapsed;
 }
 
-/* Whether a contact of this step ends with a pull at a massless place on which others press: what they do then,
- * at once, hangs on their laws, and is not known here. */
-static int snaps_beside_others(const aoi_adaptive *run, size_t joint)
+/* The contact that ends with a pull at a place without mass, which snaps back: what it does to the others there
+ * hangs on their laws. None: the number of stages. */
+static size_t snapping(const aoi_adaptive *run)
 {
-    const aoi_system *system = run->system;
-    int shared = 0;
-    for (int side = 0; side < 2; side++) {
-        const size_t b = system->joint[joint].body[side];
-        for (size_t i = system->first_joint[b]; i < system->first_joint[b + 1]; i++) {
-            const size_t other = system->joint_of[i];
-            shared |= system->body[b].residual && other != joint && run->contact[other].closed;
+    size_t s = 0;
+    for (; s < run->closed_count; s++) {
+        const size_t joint = run->stage[s].joint;
+        if (run->system->joint[joint].law->pulls && run->contact[joint].event == AOI_EVENT_OPEN &&
+            run->contact[joint].force < 0.0 && aoi_joint_bends(run, joint)) {
+            break;
         }
     }
-    return shared && system->joint[joint].law->pulls && run->contact[joint].force < 0.0 &&
-           run->contact[joint].event == AOI_EVENT_OPEN;
+    return s;
 }
 
-int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
+/* Lets the events at the end of a step happen. */
+static void events(aoi_adaptive *run, double later)
 {
-    const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
-    const int with_rates =
-        aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
-    *size = aoi_step_write(run, h, run->closed_count, row);
-    move_bodies(run, h, later);
-    for (size_t s = 0; s < run->closed_count; s++) {
-        const int status = move_contact(run, &run->stage[s], h, with_rates);
-        if (status != AOI_OK || snaps_beside_others(run, run->stage[s].joint)) {
-            return status != AOI_OK ? status : AOI_ERROR_TOLERANCE;
-        }
-    }
-    pass_time(run, h);
-    run->steps++;
     run->indentation_scale = run->impulse_scale = 0.0;
     for (size_t s = 0; s < run->stage_count; s++) {
         const size_t joint = run->stage[s].joint;
@@ -320,5 +305,33 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
             fmax(run->indentation_scale, run->contact[joint].indentation_scale);
         run->impulse_scale = fmax(run->impulse_scale, run->contact[joint].impulse_scale);
     }
+}
+
+int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
+{
+    const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
+    const int with_rates =
+        aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
+    *size = aoi_step_write(run, h, run->closed_count, row);
+    move_bodies(run, h, later);
+    for (size_t s = 0; s < run->closed_count; s++) {
+        const int status = move_contact(run, &run->stage[s], h, with_rates);
+        if (status != AOI_OK) {
+            return status;
+        }
+    }
+    pass_time(run, h);
+    run->steps++;
+    const size_t s = snapping(run);
+    if (s == run->closed_count) {
+        events(run, later);
+        return AOI_OK;
+    }
+    const double before = aoi_balance_book(run, -1.0);
+    events(run, later);
+    aoi_balance_at_once(run, h);
+    const double lost = before - aoi_balance_book(run, 1.0);
+    run->contact[run->stage[s].joint].work += lost;
+    row[*size - (run->closed_count - s) * AOI_TRACK_CONTACT_SIZE + AOI_TRACK_LOST] = lost;
     return AOI_OK;
 }

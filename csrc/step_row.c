@@ -23,6 +23,7 @@ static void write_contact(const aoi_contact_state *contact, const aoi_stage *sta
     of[AOI_TRACK_EDGE] = stage->edge;
     of[AOI_TRACK_PIECE] = stage->piece;
     of[AOI_TRACK_WORK] = contact->work;
+    of[AOI_TRACK_LOST] = 0.0;
     for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
         of[AOI_TRACK_MEMORY + i] = contact->memory[i];
     }

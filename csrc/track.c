@@ -372,7 +372,7 @@ static double between(const aoi_system *system, size_t c, const double *port_dis
            port_displacement[system->first_port[joint->body[1]] + joint->port[1]] - joint->gap;
 }
 
-/* What an open contact has lost, its force at the end too; computed once after each row of it. */
+/* What an open contact has lost, at its end too; computed once after each row of it. */
 static double lost_in(aoi_sampler *sampler, size_t c)
 {
     if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->joint[c].law)) {
@@ -381,7 +381,7 @@ static double lost_in(aoi_sampler *sampler, size_t c)
     if (isnan(sampler->settled[c])) {
         const double *of = sampler->track + sampler->contact_at[c];
         sampler->settled[c] = of[AOI_TRACK_WORK] + contact_work(sampler, c, 1.0) +
-                              aoi_system_snap(sampler->system, c, of[AOI_TRACK_FORCE + AOI_STAGES - 1]);
+                              of[AOI_TRACK_LOST];
     }
     return sampler->settled[c];
 }
