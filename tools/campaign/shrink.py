@@ -11,7 +11,6 @@ from dataclasses import replace
 
 from .case import Body, Case, Contact, Frame, Law
 
-
 # Share of its record that is left of a scene.
 _LEAST_DURATION = 0.05
 
