@@ -44,7 +44,8 @@ double aoi_event_tolerance(const aoi_adaptive *run, double scale);
  * a body rings, errors are known only roughly: whole octaves leave a margin. */
 static inline int aoi_level_from(const aoi_adaptive *run, double level)
 {
-    return run->grain * (int)ceil(level / run->grain);
+    const double least = level < AOI_DEEPEST_LEVEL ? level : AOI_DEEPEST_LEVEL; /* NaN is the deepest */
+    return run->grain * (int)ceil(fmax(least, AOI_HIGHEST_LEVEL) / run->grain);
 }
 
 /* Lists the contacts of the step that begins now and brings their bodies here. */
