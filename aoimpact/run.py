@@ -128,7 +128,7 @@ class Run:
     recorder : Recorder
         The solver's own record, from which curves are read.
     time_error : float or None
-        Of the peak force, relative, from integrating in time.
+        Of peak force and impulse, relative, from integrating in time.
     reduction_error : float or None
         Of the quantity asked for, relative, where models were chosen for it.
     models : tuple, or None
