@@ -18,7 +18,7 @@ from .case import Body, Case, Contact, Frame, Law, Load
 # Of the fastest frequency times the record: some 500 periods.
 MOST_RADIANS = 3000.0
 
-FAMILIES = {"pair": 0.2, "crowd": 0.45, "chain": 0.15, "pressed": 0.2}
+FAMILIES = {"pair": 0.18, "crowd": 0.42, "chain": 0.14, "pressed": 0.18, "ringing": 0.08}
 
 
 @dataclass(frozen=True)
@@ -306,6 +306,38 @@ def _pressed(rng: np.random.Generator, scales: _Scales) -> Case:
     return Case(tuple(bodies), tuple(contacts), tuple(loads), gravity, preload=preload)
 
 
+def _ringing(rng: np.random.Generator, scales: _Scales) -> Case:
+    """A light end that rings beside a wall while the heavy one is in a long contact.
+
+    Something small and hard has struck the end; the wall is about as far as it swings.
+    """
+    heavy, light = _rounded(scales.mass), _rounded(scales.mass * _decades(rng, -3.0, -0.5))
+    swings = 2.0 * math.pi / scales.time * _decades(rng, 0.7, 2.7)
+    omega = min(swings, 0.8 * MOST_RADIANS / scales.duration)
+    frame = Frame((heavy, light), (_rounded(light * omega**2),), (0.0, 0.0))
+    soft = Law("Hertz", {"k": _rounded(scales.force / scales.depth**1.5)})
+    tap = _rounded(light * rng.uniform(0.1, 1.0))
+    quick = scales.speed * _decades(rng, -1.0, 0.5)
+    # A contact of the tap as long as a part of a period of what it makes ring.
+    short = rng.uniform(0.1, 1.0) / omega
+    hard = _rounded(tap * quick / short / (quick * short) ** 1.5)
+    swing = 2.0 * tap / (tap + light) * quick / omega
+    wall = Law("Hertz", {"k": _rounded(hard * _decades(rng, -3.0, 0.5))})
+    drift = scales.speed * scales.time * _decades(rng, -2.0, 0.0)
+    bodies = (
+        frame,
+        Body(_rounded(scales.mass * _decades(rng, -1.0, 1.0)), velocity=_rounded(scales.speed)),
+        Body(tap, velocity=_rounded(quick)),
+        WALL,
+    )
+    contacts = (
+        Contact(1, 0, soft),
+        Contact(2, 0, Law("Hertz", {"k": hard}), 0.0, (0, 1)),
+        Contact(0, 3, wall, _rounded(swing * rng.uniform(0.7, 1.1) + drift), (1, 0)),
+    )
+    return Case(bodies, contacts)
+
+
 Function = tuple[tuple[float, ...], tuple[float, ...]]
 
 
@@ -353,4 +385,5 @@ _MAKERS: dict[str, Callable[[np.random.Generator, _Scales], Case]] = {
     "crowd": _crowd,
     "chain": _chain,
     "pressed": _pressed,
+    "ringing": _ringing,
 }

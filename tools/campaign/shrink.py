@@ -11,6 +11,9 @@ from dataclasses import replace
 
 from .case import Body, Case, Contact, Frame, Law
 
+# Share of its record that is left of a scene.
+_LEAST_DURATION = 0.05
+
 
 def shrink(case: Case, fails: Callable[[Case], bool], *, longest: float = 120.0) -> Case:
     """Return the smallest scene found that fails.
@@ -24,14 +27,14 @@ def shrink(case: Case, fails: Callable[[Case], bool], *, longest: float = 120.0)
     longest : float
         s to look for.
     """
-    end = clock.monotonic() + longest
+    end, least = clock.monotonic() + longest, _LEAST_DURATION * case.duration
     changed = True
     while changed:
         changed = False
         for smaller in _smaller(case):
             if clock.monotonic() > end:
                 return case
-            if smaller != case and fails(smaller):
+            if smaller != case and smaller.duration >= least and fails(smaller):
                 case, changed = smaller, True
                 break
     return case
