@@ -80,6 +80,8 @@ MUTANTS = [
     ("star.c", "u[i + 1] - u[0]", "u[i + 1] + u[0]"),
     ("star.c", "star->k0 * u[0] * u[0]", "0.0 * u[0]"),
     ("star.c", "mass += star->m[i] * gain * gain", "mass += star->m[i] * gain"),
+    ("star.c", "if (!isinf(mass))", "if (1)"),
+    ("star.c", "hypot(root, sqrt(star->m[i]) * gain)", "hypot(root, gain)"),
     ("star.c", "*m0 = 1.0 / inverse_mass", "*m0 = inverse_mass"),
     ("star.c", "1.0 / (antiresonance * slope)", "1.0 / slope"),
     ("star.c", "star->m[i] <= 0.0 ||", "star->m[i] < 0.0 ||"),
