@@ -154,8 +154,8 @@ class AOModel(Frozen):
         if not len(self.m) and not self.k0:
             if math.isfinite(self.m0) and not _LIGHTEST <= self.m0 <= _HEAVIEST:
                 raise InputError(
-                    f"m0, the mass, must be from {_LIGHTEST:g} to {_HEAVIEST:g} kg to be computed with, "
-                    f"got {self.m0:g}; math.inf is a wall"
+                    f"m0, the mass, must be from {_LIGHTEST:g} to {_HEAVIEST:g} kg to be "
+                    f"computed with, got {self.m0:g}; math.inf is a wall"
                 )
             return
         for name, unit in (("m0", "kg"), ("k0", "N/m"), ("m", "kg"), ("k", "N/m")):
