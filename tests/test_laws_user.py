@@ -301,4 +301,5 @@ def test_a_force_that_is_infinite_or_always_negative(solver):
     assert hit.peak_force == hit.impulse == law.force(1e-3) == 0.0
     assert hit.projectile.velocity[-1] == 1.0
     assert hit.target.velocity[-1] == 0.0
-    assert math.isnan(hit.rebound_velocity) and math.isnan(hit.restitution)
+    assert math.isnan(hit.rebound_velocity)
+    assert math.isnan(hit.restitution)
