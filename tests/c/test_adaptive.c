@@ -383,6 +383,210 @@ static void a_wave_catches_up_with_what_parts(void)
     }
 }
 
+/* A mass that hits a body in its first mode, and by a share of it in a fast second one, with which the port beside a
+ * wall moves; with the first, too, or not. */
+static plant struck_beside_a_wall(const aoi_law *law, double amplitude, double ringing, double felt, double moved)
+{
+    const double mass = 10.0;
+    plant p = {.bodies = 0};
+    add_rigid(&p, 1.0, 1.0);
+    part *body = &p.part[p.bodies++];
+    *body = (part){.n = 2, .ports = 2};
+    body->omega[1] = 2e6;
+    body->shape[0] = 1.0;
+    body->shape[1] = felt; /* the mode where it is struck */
+    body->shape[2] = moved;
+    body->shape[3] = 1.0;
+    body->inertia[0] = mass;
+    body->inertia[1] = ringing;
+    body->centre[0] = 1.0;
+    for (size_t q = 0; q < 2; q++) {
+        for (size_t j = 0; j < 2; j++) {
+            body->push[2 * q + j] = body->shape[2 * q + j] / body->inertia[j];
+        }
+    }
+    body->x[1] = amplitude;
+    add_wall(&p);
+    join(&p, 0, 0, 1, 0, 0.0, law);
+    return p;
+}
+
+/* When the second port first comes to a place, by a dense look at a run in which nothing is there; -1: never. */
+static double first_crossing(plant *p, double rtol, double end, double place, int looks)
+{
+    double state[4], before = 0.0;
+    must_go(p, rtol, end);
+    CHECK(open_sampler(p) == AOI_OK, "sampled");
+    for (int i = 1; i <= looks; i++) {
+        const double time = end * i / looks;
+        aoi_sampler_state(&p->sampler, time, 1, state);
+        const double over = p->part[1].shape[2] * state[0] + state[1] - place;
+        if (over >= 0.0) {
+            return time - end / looks * over / (over - before);
+        }
+        before = over;
+    }
+    return -1.0;
+}
+
+/* A fast mode touches a wall for less than any step of the contact that goes on beside it: by its free oscillation,
+ * or by that which the contact's force sets off. */
+static void a_touch_beside_a_contact_is_not_stepped_over(void)
+{
+    const aoi_law first[] = {hertz(1e9), law_named("kelvin_voigt", 2, 1e8, 4e3, 0.0)}, wall = hertz(1e2);
+    const double end = 4e-4, amplitude[] = {2e-5, 0.0}, mass[] = {1.0, 1e-8}, felt[] = {0.0, 1e-5};
+    const double moved[] = {1.0, 0.0}, gap[] = {2.1e-5, 2.6e-6}, period = PI * 1e-6;
+    for (int forced = 0; forced < 2; forced++) {
+        plant alone =
+            struck_beside_a_wall(&first[forced], amplitude[forced], mass[forced], felt[forced], moved[forced]);
+        const double wanted = first_crossing(&alone, 1e-11, end, gap[forced], 40000);
+        CHECK(wanted > 5.0 * period, "it comes to the wall late: at %g", wanted);
+        for (double rtol = 1e-4; rtol > 5e-13; rtol *= 1e-2) {
+            plant p =
+                struck_beside_a_wall(&first[forced], amplitude[forced], mass[forced], felt[forced], moved[forced]);
+            join(&p, 1, 1, 2, 0, gap[forced], &wall);
+            must_go(&p, rtol, end);
+            const double found = moment_of(&p, 1, AOI_TRACK_BEGINS);
+            CHECK(fabs(found - wanted) < 5e-3 * period, "forced %d, rtol %g: touch at %.12g, not %.12g", forced,
+                  rtol, found, wanted);
+            release(&p);
+        }
+        release(&alone);
+    }
+}
+
+/* A crest of 1e-6 less than the gap never touches, one of 1e-6 more does. */
+static void a_crest_beside_a_contact_touches_or_does_not(void)
+{
+    const aoi_law first = hertz(1e9), wall = hertz(1e2);
+    const double crest = 2e-5;
+    for (int above = 0; above < 2; above++) {
+        plant p = struck_beside_a_wall(&first, 0.0, 1.0, 0.0, 0.0);
+        p.part[1].v[1] = crest * p.part[1].omega[1];
+        join(&p, 1, 1, 2, 0, crest * (above ? 1.0 - 1e-6 : 1.0 + 1e-6), &wall);
+        must_go(&p, 1e-8, 2e-4);
+        const double touch = moment_of(&p, 1, AOI_TRACK_BEGINS), quarter = 0.5 * PI / p.part[1].omega[1];
+        CHECK((touch >= 0.0) == above && (p.contact[1].impulse > 0.0) == above, "above %d: touch at %g", above, touch);
+        CHECK(!above || near(touch, quarter, 2e-3), "at its crest: %g, not %g", touch, quarter);
+        release(&p);
+    }
+}
+
+/* A massless place on a spring, and two bodies that nothing stops, which push it, the second from a gap on. */
+static plant pushed_by_two(double V, double soft, double gap, const aoi_law *first, const aoi_law *second)
+{
+    plant p = {.bodies = 0};
+    part *platform = add_rigid(&p, 1e12, 0.0); /* as good as held */
+    platform->massless = 1;
+    platform->residual[0] = soft;
+    add_rigid(&p, 1e12, V);
+    add_rigid(&p, 1e12, V);
+    join(&p, 1, 0, 0, 0, 0.0, first);
+    join(&p, 2, 0, 0, 0, gap, second);
+    return p;
+}
+
+/* The largest differences between the contacts' forces and those wanted, at the times before touch and after, in
+ * shares of the largest. */
+typedef void forces_at(const void *data, double t, double *force);
+
+static double off_by(plant *p, double end, double touch, double near_touch, forces_at *wanted, const void *data)
+{
+    double record[64], worst[2] = {0.0, 0.0}, peak[2] = {0.0, 0.0}, force[2];
+    CHECK(open_sampler(p) == AOI_OK, "sampled");
+    for (int i = 0; i <= 500; i++) {
+        const double t = end * i / 500.0;
+        aoi_sampler_column(&p->sampler, t, 0, record, 1);
+        wanted(data, t, force);
+        for (int j = 0; j < 2 && fabs(t - touch) > near_touch; j++) {
+            worst[j] = fmax(worst[j], fabs(record[j * AOI_CONTACT_ROWS] - force[j]));
+            peak[j] = fmax(peak[j], force[j]);
+        }
+    }
+    return fmax(worst[0] / peak[0], worst[1] / peak[1]);
+}
+
+typedef struct pushes {
+    double V, n, k[2], c[2], soft, gap, touch, before, after;
+} pushes;
+
+/* k1 (V t - u)^n + k2 (V t - gap - u)^n = u / soft, each only where it presses. */
+static void forces_of_springs(const void *data, double t, double *force)
+{
+    const pushes *of = data;
+    double low = 0.0, high = of->V * t;
+    for (int i = 0; i < 100; i++) {
+        const double u = 0.5 * (low + high), past = of->V * t - of->gap - u;
+        force[0] = of->k[0] * pow(of->V * t - u, of->n);
+        force[1] = past > 0.0 ? of->k[1] * pow(past, of->n) : 0.0;
+        *(force[0] + force[1] > u / of->soft ? &low : &high) = u;
+    }
+}
+
+/* Laws without rate: the place is where all forces on it balance, whatever was before. */
+static void a_second_spring_takes_its_share_at_once(void)
+{
+    const double end = 1e-4, exponents[] = {1.0, 1.5, 2.5};
+    for (int e = 0; e < 3; e++) {
+        pushes of = {.V = 1.0, .n = exponents[e], .soft = 1e-8, .gap = 2e-5};
+        of.k[0] = pow(10.0, 4.0 + 4.0 * of.n);
+        of.k[1] = 1.5 * of.k[0];
+        const aoi_law laws[] = {law_named("power", 2, of.k[0], of.n, 0.0), law_named("power", 2, of.k[1], of.n, 0.0)};
+        for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
+            plant p = pushed_by_two(of.V, of.soft, of.gap, &laws[0], &laws[1]);
+            must_go(&p, rtol, end);
+            const double off = off_by(&p, end, 0.0, 0.0, forces_of_springs, &of);
+            CHECK(off < rtol, "n %g, rtol %g: forces off by %g", of.n, rtol, off);
+            release(&p);
+        }
+    }
+}
+
+/* u by (c1 + c2) u' + (k1 + k2 + 1 / soft) u = (k1 + k2) V t + (c1 + c2) V - k2 gap, from u at a time: a line and a
+ * decay. count: of the contacts that press. */
+static double crept(const pushes *of, int count, double from, double u, double t, double *rate)
+{
+    const double k = of->k[0] + (count > 1 ? of->k[1] : 0.0), c = of->c[0] + (count > 1 ? of->c[1] : 0.0);
+    const double stiff = k + 1.0 / of->soft, speed = k * of->V / stiff;
+    const double line = (c * (of->V - speed) - (count > 1 ? of->k[1] * of->gap : 0.0)) / stiff;
+    const double left = (u - line - speed * from) * exp(-stiff / c * (t - from));
+    *rate = speed - stiff / c * left;
+    return line + speed * t + left;
+}
+
+static void forces_of_dampers(const void *data, double t, double *force)
+{
+    const pushes *of = data;
+    const int second = t >= of->touch;
+    double rate;
+    const double u = crept(of, 1 + second, second ? of->touch : 0.0, second ? of->V * of->touch - of->gap : 0.0, t, &rate);
+    force[0] = of->k[0] * (of->V * t - u) + of->c[0] * (of->V - rate);
+    force[1] = second ? of->k[1] * (of->V * t - of->gap - u) + of->c[1] * (of->V - rate) : 0.0;
+}
+
+/* With dashpots the place goes on from where it was, and the forces on it jump. */
+static void a_second_damper_takes_its_share_at_once(void)
+{
+    const double end = 1e-4;
+    pushes of = {.V = 1.0, .k = {1e7, 3e7}, .c = {2e3, 5e3}, .soft = 1e-8, .gap = 2e-5};
+    const aoi_law laws[] = {law_named("kelvin_voigt", 2, of.k[0], of.c[0], 0.0),
+                            law_named("kelvin_voigt", 2, of.k[1], of.c[1], 0.0)};
+    double rate, late = end;
+    while (late - of.touch > 1e-15 * end) { /* V t - u comes to the gap */
+        const double middle = 0.5 * (of.touch + late);
+        *(of.V * middle - crept(&of, 1, 0.0, 0.0, middle, &rate) < of.gap ? &of.touch : &late) = middle;
+    }
+    for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
+        plant p = pushed_by_two(of.V, of.soft, of.gap, &laws[0], &laws[1]);
+        must_go(&p, rtol, end);
+        CHECK(near(moment_of(&p, 1, AOI_TRACK_BEGINS), of.touch, rtol), "rtol %g: touch at %.12g, not %.12g", rtol,
+              moment_of(&p, 1, AOI_TRACK_BEGINS), of.touch);
+        const double off = off_by(&p, end, of.touch, rtol * of.touch, forces_of_dampers, &of);
+        CHECK(off < 10.0 * rtol, "rtol %g: forces off by %g", rtol, off);
+        release(&p);
+    }
+}
+
 /* A law made so that a massless place between it and Hunt and Crossley's moves on evenly. */
 static void even_push(const aoi_law *law, const double *memory, int piece, double d, double rate,
                       aoi_law_value *value)
@@ -751,14 +955,17 @@ static void a_body_of_any_mass_runs_up_the_law(void)
 static void a_patch_has_its_limit(void)
 {
     const double k = 1e7, v = 1.0, deepest = pow(2.5 * v * v / (2.0 * k), 0.4);
-    for (int within = 0; within < 2; within++) {
+    for (int i = 0; i < 4; i++) { /* by so little as lies between the nodes of a step, too */
+        const int within = i % 2;
+        const double margin = i < 2 ? 1e-3 : 1e-6;
         aoi_law law = hertz(k);
-        law.limit = deepest * (within ? 1.001 : 0.999);
+        law.limit = deepest * (within ? 1.0 + margin : 1.0 - margin);
         plant p = {.bodies = 0};
         add_rigid(&p, 1.0, v);
         add_wall(&p);
         join_rigid(&p, 0, 1, 0.0, &law);
-        CHECK(go(&p, 1e-8, 0.1) == (within ? AOI_OK : AOI_ERROR_PATCH), "limit against deepest");
+        CHECK(go(&p, 1e-8, 0.1) == (within ? AOI_OK : AOI_ERROR_PATCH), "limit against deepest, margin %g",
+              margin);
         release(&p);
     }
 }
@@ -934,6 +1141,10 @@ int main(void)
     a_cradle_of_three();
     a_wave_reaches_a_damper();
     a_wave_catches_up_with_what_parts();
+    a_touch_beside_a_contact_is_not_stepped_over();
+    a_crest_beside_a_contact_touches_or_does_not();
+    a_second_spring_takes_its_share_at_once();
+    a_second_damper_takes_its_share_at_once();
     a_massless_place_between_two_contacts_moves_evenly();
     a_pull_ends_beside_what_presses();
     a_row_of_ringing_bodies();
