@@ -7,11 +7,6 @@ equation; where a dashpot acts, at a velocity that is a root of one.
 import math
 from dataclasses import dataclass
 
-import numpy as np
-import pytest
-import scipy.integrate
-import scipy.optimize
-
 import aoimpact as ao
 
 MASS, K = 1.0, 1e8  # of the oscillator behind the point
