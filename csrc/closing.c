@@ -61,7 +61,7 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
         aoi_law_push(law, memory, next, 0.0, &value);
         const double gain = power_work(here, before, next, value.force) - force * (next - here);
         if (!(gain < lack)) {
-            return here + (next - here) * (lack / gain);
+            return gain > 0.0 && gain < HUGE_VAL ? here + (next - here) * (lack / gain) : next;
         }
         lack -= gain;
         before = value.force;
