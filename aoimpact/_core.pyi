@@ -77,6 +77,7 @@ def newmark_scene(
     gamma: float,
     record: _F,
     energies: bool,
+    start_force: _F | None,
     /,
 ) -> None: ...
 def adaptive(

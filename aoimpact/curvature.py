@@ -6,6 +6,7 @@ K. L. Johnson, *Contact Mechanics* (1985), sections 4.1 and 4.2.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -38,6 +39,10 @@ def _curvature(name: str, radius: Any) -> float:
     number = real(name, radius, unit="m", infinite=True)
     if number == 0.0:
         raise InputError(f"{name} must not be 0 m; math.inf is flat, a negative radius is hollow")
+    if abs(number) < sys.float_info.min:
+        raise InputError(
+            f"{name} must be from {sys.float_info.min:.3g} m on in magnitude, got {number:g} m"
+        )
     return 1.0 / number
 
 

@@ -19,7 +19,14 @@ from .errors import InputError, InputTypeError, warn
 from .frozen import Frozen
 from .halfspace import warn_of_room
 from .material import Material
-from .matrices import check_mass, check_stiffness, motion_without_force, symmetric_pair
+from .matrices import (
+    LARGEST,
+    LEAST,
+    check_mass,
+    check_stiffness,
+    motion_without_force,
+    symmetric_pair,
+)
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .mesh import Mesh, read_mesh
 from .rigidity import every_motion, rigid_motions, unresisted_motions
@@ -154,7 +161,7 @@ class FEModel(Frozen):
             K, M = stiffness_mass(solid, material)
             momentum = M @ translations
             mass = float(momentum[:, 0] @ translations[:, 0])
-        _check_reach(mass, K, solid, material)
+        _check_reach(mass, K, M, solid, material)
         _warn_of_units(mass, solid.size)
         if len(free) < len(momentum):
             K, M, momentum = K[free][:, free], M[free][:, free], momentum[free]
@@ -396,9 +403,11 @@ def _checked_total(total: FloatArray) -> float:
     return mass
 
 
-def _check_reach(mass: float, K: Any, mesh: Mesh, material: Material) -> None:
+def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: Material) -> None:
     """Refuse what leaves the range of doubles, so that no nan or zero mass is computed with."""
-    if not (0.0 < mass < np.inf and np.isfinite(K.data).all() and K.data.any()):
+    stiffest = float(np.abs(K.data).max())  # nan and infinity fail the comparisons
+    lightest = float(M.diagonal().min())
+    if not (lightest > LEAST and mass < LARGEST and LEAST < stiffest < LARGEST):
         raise InputError(
             f"the body is {mesh.size:.3g} m long, of {material}: its mass ({mass:g} kg) or "
             "stiffness overflows or vanishes; give coordinates in metres and the material in Pa "

@@ -304,5 +304,7 @@ def checked_ports(tips: Sequence[ContactPoint], name: str = "tips") -> tuple[Con
     if not ports:
         raise InputError(f"{name} is empty: a body needs a place where it is touched")
     if any(tip.body is not ports[0].body for tip in ports):
-        raise InputError(f"{name} are on different bodies: make one model for each body")
+        raise InputError(
+            f"{name} has contact points on different bodies: make one model for each body"
+        )
     return ports

@@ -13,6 +13,8 @@ from .errors import InputError, InputTypeError, SingularError
 from .superlu import CHECKED_DOFS, Factorization, factorize
 
 __all__ = [
+    "LARGEST",
+    "LEAST",
     "check_entries",
     "check_mass",
     "check_stiffness",
@@ -38,7 +40,7 @@ _SMALL = 500
 _NEGATIVE = 1e-9
 
 # Stiffnesses, N/m, and masses, kg, whose products and ratios stay far from what doubles can hold.
-_LARGEST, _LEAST = 1e60, 1e-60
+LARGEST, LEAST = 1e60, 1e-60
 
 # Ratio of masses of which the smaller one is lost in the rounding of the other, with much to spare.
 _APART = 1e20
@@ -88,7 +90,7 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
     pair = _symmetric_csr("K", stiffness), _symmetric_csr("M", mass)
     for name, matrix, unit in (("K", pair[0], "N/m"), ("M", pair[1], "kg")):
         largest = float(np.abs(matrix.data).max(initial=0.0))
-        if largest > _LARGEST or 0.0 < largest < _LEAST:
+        if largest > LARGEST or 0.0 < largest < LEAST:
             raise InputError(
                 f"{name} has entries up to {largest:.3g} {unit}, whose products cannot be "
                 f"computed; give it in {unit}"
@@ -227,7 +229,7 @@ def check_mass(M: sp.csr_array) -> None:
             "condense such dofs out, or give them mass"
         )
     least = int(np.argmin(diagonal))
-    if diagonal[least] < _LEAST:
+    if diagonal[least] < LEAST:
         raise InputError(
             f"M must have mass on every dof, and M[{least}, {least}] = {diagonal[least]:g} kg is "
             "too little to be computed with; condense such dofs out, or give them mass"

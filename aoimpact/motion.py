@@ -321,8 +321,8 @@ class ErrorEstimate:
         Of the quantity that was asked for, from representing the bodies by fewer degrees of
         freedom.
     time : float or None
-        Of the peak force, and for `Adaptive` of all that it bounds, from integrating in time: an
-        estimate, or the tolerance that was kept.
+        Of peak force and impulse, and for `Adaptive` of all that it bounds, from integrating in
+        time: an estimate, or the tolerance that was kept.
     energy : float or None
         Range of the total energy over the record, relative to the largest kinetic and elastic
         energy in it: an independent check on the run, since no solver uses it.

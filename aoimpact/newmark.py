@@ -16,12 +16,15 @@ from .errors import ConvergenceError, InputError
 from .frozen import Frozen
 from .laws import ContactLaw
 
-__all__ = ["Contact", "CoreBody", "Load", "Newmark", "Record", "newmark_scene"]
+__all__ = ["Contact", "CoreBody", "Load", "Newmark", "Record", "newmark_scene", "steps_of"]
 
 FloatArray = npt.NDArray[np.float64]
 
 # A record larger than this is a mistake in dt more often than a wish.
 _MOST_BYTES = 4 * 2**30
+
+# A duration that is so near to a whole number of steps is one.
+_ROUNDING = 1e-12
 
 # AOI_CONTACT_ROWS, AOI_BODY_ROWS and AOI_PORT_ROWS of aoimpact.h.
 _CONTACT_ROWS, _BODY_ROWS, _PORT_ROWS = 4, 6, 2
@@ -34,16 +37,21 @@ class Newmark:
     Parameters
     ----------
     dt : float, optional
-        Time step, s. If not given, the step is halved until the estimated error of the peak force
-        is below `rtol`.
+        Largest time step, s. The step taken is the largest that makes a whole number of steps of
+        the record: `dt` itself where it does. If not given, the step is halved until the estimated
+        error is below `rtol`.
     beta, gamma : float, optional
         β > 0 and γ ≥ 1/2. The default, β = 1/4 and γ = 1/2 (average acceleration), is of second
         order, keeps the energy of a linear system and is stable for any step, as is every rule
         with 2β ≥ γ.
     rtol : float, optional
-        Relative error of the peak force to aim at when `dt` is not given.
+        Relative error of peak force and impulse of each contact to aim at when `dt` is not given;
+        of a contact with less than a hundredth of the largest, relative to that hundredth.
     estimate : bool, optional
-        Whether to run once more with twice the step, at half the cost again, to estimate the error.
+        Whether to run again with twice and four times the step, at three quarters of the cost, to
+        estimate that error. The estimate is some three times the error where forces are smooth,
+        and no less where touches, jumps and contact points without mass lower the order. Times of
+        touch and release are known to within a step's interpolation and are not part of it.
 
     Raises
     ------
@@ -109,6 +117,7 @@ def newmark_scene(
     dt: float,
     duration: float,
     energies: bool = True,
+    start_force: FloatArray | None = None,
 ) -> Record:
     """Run the core once: the least whole number of steps of `dt` that covers `duration`.
 
@@ -127,6 +136,9 @@ def newmark_scene(
         s.
     energies : bool, optional
         Whether to record them.
+    start_force : ndarray, shape (contacts,), optional
+        The contact forces at the start, N; by default what the laws give, which is wrong where a
+        contact point without mass meets a law that depends on the rate.
 
     Raises
     ------
@@ -135,15 +147,8 @@ def newmark_scene(
     ConvergenceError
         If the solution leaves the range of numbers; with the time.
     """
-    wanted = duration / dt * (1.0 - 1e-12)  # infinite where it leaves the range of doubles
     count = _rows(bodies, contacts)
-    needed = 8.0 * count * (wanted + 1.0)
-    if needed > _MOST_BYTES:
-        raise InputError(
-            f"dt={dt:g} s over duration={duration:g} s makes {wanted:.3g} steps and a record of "
-            f"{needed / 2**30:.3g} GiB: take a larger dt or a shorter duration"
-        )
-    steps = max(1, math.ceil(wanted))
+    steps = steps_of(dt, duration, count, f"dt={dt:g} s", "take a larger dt")
     rows = np.zeros((count, steps + 1))
     _core.newmark_scene(
         tuple(bodies),
@@ -154,6 +159,7 @@ def newmark_scene(
         rule.gamma,
         rows,
         energies,
+        start_force,
     )
     final = tuple((body[-2], body[-1]) for body in bodies)
     if not all(np.isfinite(values).all() for pair in final for values in pair):
@@ -161,7 +167,37 @@ def newmark_scene(
             f"Newmark step: the solution grew without bound (dt={dt:g} s, beta={rule.beta:g}, "
             f"gamma={rule.gamma:g}); take 2 beta >= gamma, or a smaller dt"
         )
-    return Record(dt * np.arange(steps + 1, dtype=np.float64), rows, final, dt)
+    t = dt * np.arange(steps + 1, dtype=np.float64)
+    if abs(t[-1] - duration) <= _ROUNDING * duration:
+        t[-1] = duration
+    return Record(t, rows, final, dt)
+
+
+def steps_of(dt: float, duration: float, rows: int, given: str, cure: str) -> int:
+    """Return the least number of steps of `dt` that covers `duration`, both in s.
+
+    Parameters
+    ----------
+    dt, duration : float
+        s.
+    rows : int
+        Of the record.
+    given, cure : str
+        What the caller asked for that led to `dt`, and what to ask for instead.
+
+    Raises
+    ------
+    InputError
+        If the record would not fit in memory.
+    """
+    steps = duration / dt * (1.0 - _ROUNDING)
+    needed = 8.0 * rows * (steps + 1.0)
+    if needed > _MOST_BYTES:
+        raise InputError(
+            f"{given} over duration={duration:g} s makes {steps:.3g} steps and a record of "
+            f"{needed / 2**30:.3g} GiB: {cure} or a shorter duration"
+        )
+    return max(1, math.ceil(steps))
 
 
 def _rows(bodies: Sequence[CoreBody], contacts: Sequence[Contact]) -> int:

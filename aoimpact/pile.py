@@ -25,6 +25,7 @@ __all__ = ["Bound", "End", "Pile"]
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.intp]
 
 # A body and one of its ports.
 End = tuple[int, int]
@@ -66,7 +67,7 @@ class Pile:
         return found
 
     @cached_property
-    def owner(self) -> npt.NDArray[np.intp]:
+    def owner(self) -> IntArray:
         """The body of each coordinate, shape (n,)."""
         modes = [np.full(body.n, number) for number, body in enumerate(self.bodies)]
         more = [np.full(len(stiffness), number) for number, stiffness, _ in self._massless]
@@ -86,7 +87,7 @@ class Pile:
         return np.concatenate([inertia > 0.0, np.ones(more, dtype=bool)])
 
     @cached_property
-    def _shapes(self) -> list[list[tuple[npt.NDArray[np.intp], FloatArray]]]:
+    def _shapes(self) -> list[list[tuple[IntArray, FloatArray]]]:
         """Of each body, pairs of coordinates, shape (n,), and their shapes (p, n)."""
         found = [
             [(np.arange(first, last), body.shape)]
@@ -152,10 +153,14 @@ class Pile:
         return found
 
     @cached_property
-    def _alone(self) -> list[npt.NDArray[np.intp]]:
+    def _alone(self) -> list[IntArray]:
         """Of each group of bodies in contact that nothing else holds, the loose coordinates."""
+        return self._unheld(np.ones(len(self.ends), dtype=bool))
+
+    def _unheld(self, joined: BoolArray) -> list[IntArray]:
+        """Of each group of bodies that these contacts join, and nothing holds, the loose ones."""
         count = len(self.bodies)
-        pairs = np.array([(a, b) for (a, _), (b, _) in self.ends], dtype=np.intp).reshape(-1, 2)
+        pairs = self._pairs[joined]
         graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2)
         groups, group = connected_components(graph, directed=False)
         held = np.zeros(groups, dtype=bool)
@@ -170,6 +175,36 @@ class Pile:
             for of, ends in enumerate(itertools.pairwise(starts))
             if not held[of]
         ]
+
+    def adrift(self, pressed: BoolArray, x: FloatArray) -> list[tuple[IntArray, FloatArray]]:
+        """Return what no force keeps in its place, and how it gets back to where it was put.
+
+        Parameters
+        ----------
+        pressed : ndarray, shape (contacts,)
+            Which contacts bear a force.
+        x : ndarray, shape (n,)
+            The coordinates.
+
+        Returns
+        -------
+        list of (where, way)
+            The loose coordinates of each group that nothing else holds, and the way of each, m.
+        """
+        inertia = np.concatenate([body.inertia for body in self.bodies])
+        groups = self._unheld(pressed)
+        found = [(of, np.full(len(of), -np.average(x[of], weights=inertia[of]))) for of in groups]
+        touched = set(self._pairs[pressed].ravel().tolist())
+        for number, body in enumerate(self.bodies):
+            if body.ports > 1 and number not in touched:
+                where = self.first[number] + np.flatnonzero(self._loose_of(number))
+                found.append((where, -x[where]))
+        return found
+
+    @cached_property
+    def _pairs(self) -> IntArray:
+        """The bodies of the contacts, shape (contacts, 2)."""
+        return np.array([(a, b) for (a, _), (b, _) in self.ends], dtype=np.intp).reshape(-1, 2)
 
     def _loose_of(self, body: int) -> BoolArray:
         ours: BoolArray = self.loose[self.first[body] : self.first[body + 1]]
@@ -242,8 +277,8 @@ class _Across:
     own: sp.csr_array
     give: sp.coo_array
     free: sp.coo_array
-    order: npt.NDArray[np.intp]
-    new: npt.NDArray[np.intp]
+    order: IntArray
+    new: IntArray
     pattern: tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]
 
 

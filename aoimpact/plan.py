@@ -19,12 +19,13 @@ from .motion import Drift
 from .players import Player, State
 from .preload import Pressed, equilibrium
 
-__all__ = ["CONTACT_ROWS", "Joint", "Load", "Plan", "normal_gap"]
+__all__ = ["BODY_ROWS", "CONTACT_ROWS", "PORT_ROWS", "Joint", "Load", "Plan", "normal_gap"]
 
 FloatArray = npt.NDArray[np.float64]
 
-# Rows of a record for each contact; its force is the first.
-CONTACT_ROWS = 4
+# Rows of a record for each contact, its force the first; for each body; and for each of its ports,
+# displacement and velocity.
+CONTACT_ROWS, BODY_ROWS, PORT_ROWS = 4, 6, 2
 
 
 def normal_gap(gap: float) -> float:
@@ -136,6 +137,12 @@ class Plan:
         """Where each body's modes begin among those of all; and how many these are."""
         return tuple(itertools.accumulate((body.n for body in self.modal), initial=0))
 
+    @cached_property
+    def first_rows(self) -> tuple[int, ...]:
+        """Where each body's rows begin in a record, after the contacts'; and their number."""
+        sizes = (BODY_ROWS + PORT_ROWS * player.ports for player in self.players)
+        return tuple(itertools.accumulate(sizes, initial=CONTACT_ROWS * len(self.joints)))
+
     @property
     def ends(self) -> tuple[tuple[int, int, int, int], ...]:
         """Bodies and ports of the contacts."""
@@ -201,6 +208,14 @@ class Plan:
         if not self.preload:
             return None
         return self.players[body].pressed(self.at_rest[body], self._rest[1][body])
+
+    def ports_at_rest(self, body: int) -> FloatArray | None:
+        """Return the ports of a preloaded body at the start, m, and their rates, m/s, (2, p)."""
+        if not self.preload:
+            return None
+        modal = self.modal[body]
+        places = modal.shape @ self.at_rest[body] + self._rest[1][body]
+        return np.array([places, modal.shape @ (self.velocities[body] * modal.moving)])
 
     # ------------------------------------------------------------------- the start
 

@@ -115,6 +115,7 @@ class Player(ABC):
         *,
         gravity: FloatArray | None = None,
         state: State | None = None,
+        ports: FloatArray | None = None,
     ) -> CoreBody:
         """Return the body as `newmark_scene` takes it.
 
@@ -127,15 +128,29 @@ class Player(ABC):
             Constant forces on the model's coordinates, N.
         state : (u, v), optional
             The model's coordinates and rates at the start; moving undeformed if not given.
+        ports : ndarray, shape (2, p), optional
+            Displacements of the ports just after the start, m, and their rates, m/s: of what has no
+            mass, the state does not tell them.
         """
         u, v = self.undeformed if state is None else state
-        return self._stepped(rule, dt, gravity, u.copy(), v.copy())
+        return self._stepped(rule, dt, gravity, u.copy(), v.copy(), ports)
 
     @abstractmethod
     def _stepped(
-        self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
+        self,
+        rule: Newmark,
+        dt: float,
+        gravity: FloatArray | None,
+        u: FloatArray,
+        v: FloatArray,
+        ports: FloatArray | None,
     ) -> CoreBody:
         """What `for_core` returns; u and v are written to."""
+
+    @property
+    def massless(self) -> bool:
+        """Whether a port moves at once with the force on it."""
+        return self.modal.residual is not None
 
     def coordinates(self, values: FloatArray) -> FloatArray:
         """Return the model's coordinates (or rates) from those that the core steps."""
@@ -204,13 +219,25 @@ class StarPlayer(Player):
             return None
         return star_modes(star)
 
+    @property
+    def massless(self) -> bool:
+        return self.model.m0 == 0.0
+
     def _stepped(
-        self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
+        self,
+        rule: Newmark,
+        dt: float,
+        gravity: FloatArray | None,
+        u: FloatArray,
+        v: FloatArray,
+        ports: FloatArray | None,
     ) -> CoreBody:
         star = self.model
         if self._modes is not None:
-            return _modal_core(self._modes, gravity, u, v)
+            return _modal_core(self._modes, gravity, u, v, ports)
         damping = star.damping if isinstance(star.damping, Rayleigh) else Rayleigh()
+        if ports is not None and self.massless:
+            u[0], v[0] = ports[:, 0]
         return (
             "star",
             star.m0,
@@ -231,23 +258,38 @@ class StarPlayer(Player):
 
 
 def _modal_core(
-    modes: StarModes, gravity: FloatArray | None, u: FloatArray, v: FloatArray
+    modes: StarModes,
+    gravity: FloatArray | None,
+    u: FloatArray,
+    v: FloatArray,
+    ports: FloatArray | None,
 ) -> CoreBody:
-    x = modes.project(u)
-    # Displaced at the start by more than its modes: something presses on a massless contact.
-    bent = u[:1] - modes.participation @ x if modes.residual else None
+    x, rates = modes.project(u), modes.project(v)
+    bent = None
+    if modes.residual:  # displaced by more than the modes are: something presses on the contact
+        at = np.array([u[:1], [modes.participation @ rates]]) if ports is None else ports
+        shape = modes.participation[None, :]
+        bent = _bending(np.array([[modes.residual]]), at, shape, x, rates)
     return (
         "modal",
         modes.omega,
         modes.decay,
         modes.participation,
         np.array([modes.residual]),
-        None if bent is None else bent / modes.residual,
+        bent,
         None if gravity is None else modes.force(gravity),
         modes.participation * modes.centre[0],
         x,
-        modes.project(v),
+        rates,
     )
+
+
+def _bending(
+    residual: FloatArray, ports: FloatArray, shape: FloatArray, x: FloatArray, v: FloatArray
+) -> FloatArray:
+    """The forces that displace ports by more than modes do, N, and their rates, N/s, (2, p)."""
+    beyond = ports.T - shape @ np.column_stack([x, v])
+    return np.ascontiguousarray(np.linalg.lstsq(residual, beyond)[0].T, dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -342,8 +384,18 @@ class FullPlayer(Player):
             )
         return modal(self.tip, body.n_dofs)
 
+    @property
+    def massless(self) -> bool:
+        return False
+
     def _stepped(
-        self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
+        self,
+        rule: Newmark,
+        dt: float,
+        gravity: FloatArray | None,
+        u: FloatArray,
+        v: FloatArray,
+        ports: FloatArray | None,
     ) -> CoreBody:
         body = self.tip.body
         if self._modes is not None:
@@ -435,16 +487,24 @@ class InterfacePlayer(Player):
         return x, self.velocity * self.modal.moving
 
     def _stepped(
-        self, rule: Newmark, dt: float, gravity: FloatArray | None, u: FloatArray, v: FloatArray
+        self,
+        rule: Newmark,
+        dt: float,
+        gravity: FloatArray | None,
+        u: FloatArray,
+        v: FloatArray,
+        ports: FloatArray | None,
     ) -> CoreBody:
-        modal = self.modal
+        modal, bent = self.modal, None
+        if modal.residual is not None and ports is not None:
+            bent = _bending(modal.residual, ports, modal.shape, u, v)
         return (
             "modal",
             modal.omega,
             np.zeros(modal.n) if modal.decay is None else modal.decay,
             modal.shape,
             np.zeros((self.ports, self.ports)) if modal.residual is None else modal.residual,
-            None,
+            bent,
             gravity,
             modal.centre,
             u,

@@ -216,6 +216,29 @@ class _Statics:
         rows = self.pile.directions[closed][:, self.pile.loose].toarray()
         return int(np.linalg.matrix_rank(rows)) < len(closed)
 
+    def least_moved(self, at: _Place) -> _Place:
+        """The same rest with what nothing presses as near to where it was put as the others let it.
+
+        Newton's steps drag along what is touched, open contacts too.
+        """
+        pressed = at.force > at.rounding + _SETTLED * self.size(at)
+        x, room, columns = at.x.copy(), np.maximum(-at.depth, 0.0), self.pile.directions.tocsc()
+        drifting = [
+            (where, way)
+            for where, way in self.pile.adrift(pressed, x)
+            if abs(self.load[where].sum()) <= _BALANCED * np.abs(self.load[where]).sum()
+        ]
+        # There and back: in a row the first to move makes room for the next.
+        for where, way in (*drifting, *reversed(drifting)):
+            closing = columns[:, where] @ way
+            nearer = closing > 0.0
+            share = (room[nearer] / closing[nearer]).min(initial=1.0)
+            x[where] += share * way
+            room -= share * closing
+            way *= 1.0 - share
+        moved = self.place(x)
+        return moved if self.settled(moved) else at
+
     def step(self, at: _Place, damping: float) -> FloatArray | None:
         """Newton's step, shorter the more it is damped; None if so little damping gives none."""
         bound = self.pile.bound(at.slope + damping * self.slopes, 1.0 + damping)
@@ -263,6 +286,7 @@ def equilibrium(
     first = statics.first
     at, unheld = _descend(statics, first)
     if statics.settled(at):
+        at = statics.least_moved(at)
         size = max(statics.size(at), _NEGLIGIBLE * statics.size(first))
         statics.check_rounding(at, at.slope, size)
         statics.check_depth(at)

@@ -39,13 +39,19 @@ def recall_tracked(plan: Plan, body: int, track: Track) -> Response | None:
     return _response(plan, body, motion, (first, blow), peak.peak_time)
 
 
-def recall_stepped(plan: Plan, body: int, rule: Newmark, record: Record) -> Response | None:
-    """Return the response of a body of a run with steps; None without finite elements."""
+def recall_stepped(
+    plan: Plan, body: int, rule: Newmark, record: Record, ports: FloatArray | None = None
+) -> Response | None:
+    """Return the response of a body of a run with steps; None without finite elements.
+
+    `ports` is where these were just after the start, as `Player.for_core` takes it.
+    """
     player = plan.players[body]
     full = isinstance(player, FullPlayer)
     if not full and _reduced(plan, body) is None:
         return None
-    core = player.for_core(rule, record.dt, gravity=plan.weight_of(body), state=plan.start_of(body))
+    gravity, state = plan.weight_of(body), plan.start_of(body)
+    core = player.for_core(rule, record.dt, gravity=gravity, state=state, ports=ports)
     forces = plan.port_forces(body, record.t, record.rows)
     motion = Driven(equations_of(core), rule, record.dt, forces, player.coordinates)
     blows, peak_time = _blows(plan, body, record)

@@ -153,7 +153,7 @@ class Run:
     recorder : Recorder
         The solver's own record, from which curves are read.
     time_error : float or None
-        Of the peak force, relative, from integrating in time.
+        Of peak force and impulse, relative, from integrating in time.
     chosen : Chosen or None
         How the bodies' models were chosen, where `simulate` was left to do so.
     asked : ndarray, shape (n,), or None

@@ -263,7 +263,8 @@ class Scene:
             Whether to record energies as well.
         preload : bool, optional
             Whether to start from rest under gravity and the loads at t = 0, bodies pressed on each
-            other, found by a static solve; velocities are then added.
+            other, found by a static solve; velocities are then added. What no force presses stays
+            where it was put, or moves aside as far as it must.
         quantity : str, Handle or ContactPoint, optional
             What matters: "force" (of every contact over the record), "peak_force" or "impulse" (of
             every contact), a handle, for the displacement of that contact coordinate over the
@@ -273,7 +274,7 @@ class Scene:
         rtol : float, optional
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
-            largest of all contacts.
+            largest of all contacts. A solver that does not keep it is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
             What solves for these reduced models, as `solver` of `antioscillators`.
 

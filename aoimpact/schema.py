@@ -92,6 +92,12 @@ class Number(Kind):
     def fits(self, value: Any) -> bool:
         return isinstance(value, (int, float)) and not isinstance(value, bool)
 
+    def inside(self, value: Any, place: Place, root: Root) -> Iterator[Problem]:
+        try:
+            float(value)
+        except OverflowError:
+            yield place, "must be finite, got an integer beyond 1.8e308"
+
 
 @dataclass(frozen=True)
 class Integer(Kind):

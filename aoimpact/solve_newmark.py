@@ -2,36 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from .errors import ConvergenceError, InputError, warn
-from .events import Events, FloatArray, find_peak
+from .events import Events, FloatArray
 from .laws import ContactLaw
-from .newmark import Newmark, Record, newmark_scene
+from .newmark import Newmark, Record, newmark_scene, steps_of
 from .patchlaw import check_width
-from .plan import CONTACT_ROWS, Plan
+from .plan import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, Plan
 from .recall import recall_stepped
 from .response import Response
 from .run import Run
+from .steperror import time_error
 
 __all__ = ["Recorded", "rigid_contact_time", "solve_newmark"]
 
 # The steps of a first attempt within a contact, when the caller leaves dt to us.
-_FIRST_STEPS = 100
+_FIRST_STEPS = 50
 
 _MOST_HALVINGS = 16
 
-# Above this relative change between two steps, second order is not in sight yet.
-_NOT_ASYMPTOTIC = 0.2
-
-# A law that gives more than this share of the peak at next to no indentation jumps there.
-_AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
-
-# Share of the peak force above which the force is compared between two steps.
-_AROUND_PEAK = 0.9
+# A step of next to no time, relative to one of the run: nothing that has mass moves.
+_INSTANT = 2.0**-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +42,8 @@ class Recorded:
         What was run.
     rule : Newmark
     record : Record
+    ports : sequence of ndarrays, shape (2, p), or None
+        Of each body, as in `Start`; empty where nothing depends on them.
     events, dense
         It locates none, and knows nothing between its steps.
     """
@@ -51,6 +51,7 @@ class Recorded:
     plan: Plan
     rule: Newmark
     record: Record
+    ports: Sequence[FloatArray | None] = ()
     events: ClassVar[tuple[Events, ...] | None] = None
     dense: ClassVar[bool] = False
 
@@ -85,11 +86,12 @@ class Recorded:
         return player.coordinates(u), player.coordinates(v)
 
     def response(self, body: int) -> Response | None:
-        return recall_stepped(self.plan, body, self.rule, self.record)
+        ports = self.ports[body] if self.ports else None
+        return recall_stepped(self.plan, body, self.rule, self.record, ports)
 
 
 def solve_newmark(plan: Plan, rule: Newmark) -> Run:
-    """Run a scene with fixed steps, estimating their error from a run with twice the step.
+    """Run a scene with fixed steps, estimating their error from runs with larger ones.
 
     Raises
     ------
@@ -111,7 +113,22 @@ def solve_newmark(plan: Plan, rule: Newmark) -> Run:
         )
     for i, joint in enumerate(plan.joints):
         check_width(joint.law, record.rows[CONTACT_ROWS * i + 1])
-    return Run(plan, Recorded(plan, rule, record), error)
+    return Run(plan, Recorded(plan, rule, record, run.start.ports), error)
+
+
+class Start(NamedTuple):
+    """What acts just after t = 0.
+
+    Attributes
+    ----------
+    forces : ndarray, shape (contacts,), or None
+        Contact forces, N; None where the laws tell them.
+    ports : sequence of ndarrays, shape (2, p), or None
+        Of each body its ports' displacements, m, and rates, m/s; None where the state tells them.
+    """
+
+    forces: FloatArray | None
+    ports: Sequence[FloatArray | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,9 +139,42 @@ class _Stepping:
     rule: Newmark
 
     def once(self, dt: float, *, energies: bool) -> Record:
+        """Run with steps of `dt` to the end of the record, or beyond it by less than a step."""
+        return self._run(dt, self.plan.duration, self.start, energies=energies)
+
+    @cached_property
+    def start(self) -> Start:
+        """What acts just after t = 0.
+
+        Where a contact point has no mass, the bodies' state does not tell it: the point's place, or
+        under a damper its velocity, follows from the balance of all forces. Two steps of next to no
+        time find that: the first makes the jump, if there is one, the second tells the rates.
+        """
+        plan = self.plan
+        rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.players))])
+        if not any(player.massless for player in plan.players):
+            return rest
+        instant = _INSTANT * (self.rule.dt or self.first_step())
+        early, late = self._run(instant, 2.0 * instant, rest, energies=False).rows.T[1:]
+        ports = []
+        for first, end in itertools.pairwise(plan.first_rows):
+            places, rates = late[first + BODY_ROWS : end].reshape(-1, PORT_ROWS).T
+            ports.append(np.stack([places - 2.0 * instant * rates, rates]))
+        contacts = slice(0, plan.first_rows[0], CONTACT_ROWS)
+        forces = 2.0 * early[contacts] - late[contacts]
+        pressed = np.minimum(early, late)[contacts] >= 0.0
+        return Start(np.where(pressed, np.maximum(forces, 0.0), forces), ports)
+
+    def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
         plan = self.plan
         bodies = [
-            player.for_core(self.rule, dt, gravity=plan.weight_of(i), state=plan.start_of(i))
+            player.for_core(
+                self.rule,
+                dt,
+                gravity=plan.weight_of(i),
+                state=plan.start_of(i),
+                ports=start.ports[i],
+            )
             for i, player in enumerate(plan.players)
         ]
         return newmark_scene(
@@ -133,35 +183,49 @@ class _Stepping:
             [(load.body, load.port, load.times, load.forces) for load in plan.loads],
             rule=self.rule,
             dt=dt,
-            duration=plan.duration,
+            duration=duration,
             energies=energies,
+            start_force=start.forces,
         )
 
     def with_step(self, dt: float) -> tuple[Record, float | None]:
-        """Run with a given step, and with twice that step for the error estimate."""
+        """Run with a step given, and with twice and four times that for the error estimate."""
+        steps = steps_of(dt, self.plan.duration, self.rows, f"dt={dt:g} s", "take a larger dt")
+        dt = self.plan.duration / steps
         record = self.once(dt, energies=self.plan.energies)
         if not self.rule.estimate:
             return record, None
-        return record, self.error(record, self.once(2.0 * dt, energies=False))
+        coarse, coarser = (self.once(more * dt, energies=False) for more in (2.0, 4.0))
+        return record, time_error(self.plan, record, coarse, coarser)
 
     def with_tolerance(self) -> tuple[Record, float]:
-        """Halve the step until two successive ones agree."""
-        dt = self.first_step()
-        coarse = self.once(dt, energies=False)
-        for _ in range(_MOST_HALVINGS):
-            dt *= 0.5
+        """Halve the step until three successive ones agree."""
+        rtol, length = self.rule.rtol, self.plan.duration
+        given, cure = f"Newmark(rtol={rtol:g})", "take a larger rtol"
+        steps = steps_of(self.first_step(), length, self.rows, given, cure)
+        before = [self.once(length / (more * steps), energies=False) for more in (1, 2)]
+        for halving in range(2, _MOST_HALVINGS + 2):
+            dt = length / (2**halving * steps)
+            steps_of(dt, length, self.rows, given, cure)
             fine = self.once(dt, energies=self.plan.energies)
-            error = self.error(fine, coarse)
-            if error <= self.rule.rtol:
+            error = time_error(self.plan, fine, before[1], before[0])
+            if error <= rtol:
                 return fine, error
-            coarse = fine
+            # Of the others only the forces are looked at: the rest is room for the next.
+            kept = fine.rows[: self.plan.first_rows[0]].copy()
+            before = [before[1], replace(fine, rows=kept)]
         raise ConvergenceError(
-            f"Newmark: with dt={dt:.3g} s the estimated error of the peak force is still "
-            f"{error:.2g}, above rtol={self.rule.rtol:g}; give dt, or a larger rtol"
+            f"Newmark: with dt={dt:.3g} s the estimated error is still "
+            f"{error:.2g}, above rtol={rtol:g}; give dt, or a larger rtol"
         )
 
+    @property
+    def rows(self) -> int:
+        """Of the record."""
+        return self.plan.first_rows[-1]
+
     def first_step(self) -> float:
-        """A hundredth of the shortest contact that rigid bodies would have."""
+        """A fiftieth of the shortest contact that rigid bodies would have."""
         plan, shortest = self.plan, self.plan.duration / 20.0
         if plan.fastest == 0.0:
             return shortest
@@ -171,16 +235,6 @@ class _Stepping:
             time = rigid_contact_time(joint.law, mass, plan.fastest)
             shortest = min(shortest, time / _FIRST_STEPS)
         return shortest
-
-    def error(self, fine: Record, coarse: Record) -> float:
-        """The largest of all contacts."""
-        return max(
-            (
-                max(step_error(fine, coarse, contact), touch_error(fine, joint.law, contact))
-                for contact, joint in enumerate(self.plan.joints)
-            ),
-            default=0.0,
-        )
 
 
 def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
@@ -195,46 +249,3 @@ def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
             f"law={law!r} with velocity={velocity:g} m/s: no contact time can be estimated "
             f"({error}); give dt"
         ) from None
-
-
-def step_error(fine: Record, coarse: Record, contact: int = 0) -> float:
-    """Richardson's estimate of the relative error of a peak force from steps dt and 2dt.
-
-    A third of the largest change of the force around its peak, not only of the peak itself: where
-    light masses ring, two peaks may agree by chance. Where the change is more than a fifth, second
-    order is not in sight, and no digit is claimed; nor where the first step ends the contact.
-    """
-    row = CONTACT_ROWS * contact
-    shared = min(len(coarse.t), (len(fine.t) + 1) // 2)
-    ours, theirs = fine.rows[row][: 2 * shared : 2], coarse.rows[row][:shared]
-    (peak, _), (coarse_peak, _) = find_peak(fine.t, fine.rows[row]), find_peak(coarse.t, theirs)
-    largest = max(peak, coarse_peak)
-    if largest == 0.0:
-        return 0.0
-    if fine.rows[row][0] == peak and not fine.rows[row][1:2].any():
-        return 1.0  # a damper's force at the touch, the same for every step, thrown back too far
-    around = np.maximum(ours, theirs) >= _AROUND_PEAK * largest
-    change = float(np.abs(ours - theirs)[around].max(initial=abs(peak - coarse_peak))) / largest
-    return change / 3.0 if change <= _NOT_ASYMPTOTIC else 1.0
-
-
-def touch_error(record: Record, law: ContactLaw, contact: int = 0) -> float:
-    """Bound the relative error of a peak force from touches at which the force jumps.
-
-    A step knows of a touch only at its end. Up to one step of the jump is then missing: as momentum
-    of the touch, and, where the jump is the peak, as what the force has lost since. Two runs may
-    miss the same, so their difference does not tell.
-    """
-    force, indentation = record.rows[CONTACT_ROWS * contact : CONTACT_ROWS * contact + 2]
-    first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
-    if len(first) == 0:
-        return 0.0
-    rate = (indentation[first] - indentation[first - 1]) / record.dt
-    jump = law.force(np.full(len(first), _AT_TOUCH * indentation.max()), rate)
-    peak, impulse = float(force.max()), record.dt * float(np.add.reduceat(force, first).max())
-    top = int(force.argmax())
-    if not (jump > _NO_JUMP * peak).any():
-        return 0.0
-    at_touch = top in first or top - 1 in first  # a first sample at rounding has no force yet
-    lost = abs(float(force[min(top + 1, len(force) - 1)]) - peak) if at_touch else 0.0
-    return min(1.0, max(2.0 * float(jump.max()) * record.dt / impulse, lost / peak))

@@ -121,9 +121,10 @@ class LinearSolver:
         """Return x as `solve` does, and what its residual was told by: K x and M x."""
         x, before = self.answer(rhs), np.inf
         for _ in range(_REFINEMENTS + 1):
-            kx, mx = self.pencil.K @ x, self.pencil.M @ x
-            residual = rhs - (kx + self.s2 * mx)
-            excess = self._excess(residual, rhs, x)
+            with np.errstate(over="ignore", invalid="ignore"):
+                kx, mx = self.pencil.K @ x, self.pencil.M @ x
+                residual = rhs - (kx + self.s2 * mx)
+                excess = self._excess(residual, rhs, x)
             if excess <= 1.0:
                 return x, kx, mx
             if not excess < 0.5 * before:
@@ -139,11 +140,10 @@ class LinearSolver:
 
     def _excess(self, residual: FloatArray, rhs: FloatArray, x: FloatArray) -> float:
         """The largest residual of all columns, over what is allowed; nan where x is too large."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            rounding = _ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
-            allowed = np.maximum(self.tolerance * np.linalg.norm(rhs, axis=0), rounding)
-            size = np.linalg.norm(residual, axis=0)
-            return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
+        rounding = _ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
+        allowed = np.maximum(self.tolerance * np.linalg.norm(rhs, axis=0), rounding)
+        size = np.linalg.norm(residual, axis=0)
+        return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
 
     def answer(self, rhs: FloatArray) -> FloatArray:
         """Return (K + s²M)⁻¹ `rhs` as the method gives it, its residual not looked at.

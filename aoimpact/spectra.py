@@ -24,6 +24,10 @@ DENSE_DOFS = 500
 # Eigenvalues closer than this, relative, are one multiple eigenvalue.
 EQUAL = 1e-9
 
+# Up to so many dofs dense matrices are quicker than an ARPACK that needs more restarts than these:
+# where the lowest eigenvalues lie close together, as if K and M had changed places.
+_DENSE_AT_WORST, _RESTARTS = 2000, 200
+
 # Of the first guess of s²: what is less is no elastic eigenvalue, but rounding.
 _LEAST_SHIFT = 1e-30
 
@@ -146,23 +150,39 @@ def lowest(
     if n <= count:
         return np.zeros(n), rigid[:, :n].copy()
     if dofs <= DENSE_DOFS or n > dofs // 5:
-        omega2, modes = la.eigh(K.toarray(), M.toarray(), subset_by_index=[0, n - 1])
-        omega2[:count] = 0.0
-        modes[:, :count] = rigid
-        return np.maximum(omega2, 0.0), modes
+        return _lowest_dense(K, M, n, rigid)
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     near = solver_at(_first_shift(K, M))
     if near.precondition is not None and known is not None:
         omega2, modes = davidson(K, M, near.precondition, n - count, away_from=rigid)
     else:
         base = shifted(K, M, rigid=known, invert=solver_at, first=near)
-        omega2, modes = lowest_sparse(
-            M, base.solve, base.s2, n - count, away_from=rigid, whole=False
-        )
+        try:
+            omega2, modes = lowest_sparse(
+                M,
+                base.solve,
+                base.s2,
+                n - count,
+                away_from=rigid,
+                whole=False,
+                restarts=_RESTARTS if dofs <= _DENSE_AT_WORST else None,
+            )
+        except ConvergenceError:
+            if dofs > _DENSE_AT_WORST:
+                raise
+            return _lowest_dense(K, M, n, rigid)
     return (
         np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
         np.column_stack([rigid, modes])[:, :n],
     )
+
+
+def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:
+    omega2, modes = la.eigh(K.toarray(), M.toarray(), subset_by_index=[0, n - 1])
+    count = rigid.shape[1]
+    omega2[:count] = 0.0
+    modes[:, :count] = rigid
+    return np.maximum(omega2, 0.0), modes
 
 
 def lowest_sparse(
@@ -174,6 +194,7 @@ def lowest_sparse(
     away_from: FloatArray,
     start: FloatArray | None = None,
     whole: bool = True,
+    restarts: int | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the `n` lowest eigenpairs of a space from its inverse operator, by ARPACK.
 
@@ -200,19 +221,25 @@ def lowest_sparse(
     whole : bool, optional
         Whether the last eigenvalue is wanted with all its members, of which there may be as many as
         dofs.
+    restarts : int, optional
+        After which ARPACK gives up; ten for each dof if left out.
 
     Returns
     -------
     omega2, modes : ndarrays, shapes (n or more,), (dofs, n or more)
+
+    Raises
+    ------
+    ConvergenceError
     """
     margin = EQUAL if whole else -EQUAL
     first = np.random.default_rng(2).standard_normal(M.shape[0]) if start is None else start
-    omega2, modes = _arnoldi(M, solve, s2, n, away_from, first)
+    omega2, modes = _arnoldi(M, solve, s2, n, away_from, first, restarts)
     if start is not None:
         return omega2, modes
     while True:
         deflated = np.column_stack([away_from, modes])
-        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, first)
+        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, first, restarts)
         highest = omega2[n - 1] * (1.0 + margin)
         if next_omega2[0] > highest:
             within = omega2 <= max(highest, omega2[n - 1])
@@ -230,6 +257,7 @@ def _arnoldi(
     n: int,
     deflated: FloatArray,
     start: FloatArray,
+    restarts: int | None,
 ) -> tuple[FloatArray, FloatArray]:
     dofs = M.shape[0]
     m_deflated = M @ deflated
@@ -251,6 +279,7 @@ def _arnoldi(
             OPinv=operator,
             which="LM",
             v0=inverse(M @ start),
+            maxiter=restarts,
             ncv=min(dofs, max(2 * n + 1, 20)),
         )
     except spla.ArpackError as error:

@@ -25,6 +25,9 @@ FloatArray = npt.NDArray[np.float64]
 # Masses, kg, and stiffnesses, N/m, beside each other: their ratios squared are numbers.
 _LARGEST, _LEAST = 1e100, 1e-100
 
+# Of a rigid body, kg: its weight, momentum and energy are numbers.
+_HEAVIEST, _LIGHTEST = 1e200, 1e-200
+
 
 @dataclass(frozen=True, eq=False)
 class Origin:
@@ -152,6 +155,11 @@ class AOModel(Frozen):
     def _check_reach(self) -> None:
         """Refuse masses and springs whose ratios squared leave the range of doubles."""
         if not len(self.m) and not self.k0:
+            if math.isfinite(self.m0) and not _LIGHTEST <= self.m0 <= _HEAVIEST:
+                raise InputError(
+                    f"m0, the mass, must be from {_LIGHTEST:g} to {_HEAVIEST:g} kg to be "
+                    f"computed with, got {self.m0:g}; math.inf is a wall"
+                )
             return
         for name, unit in (("m0", "kg"), ("k0", "N/m"), ("m", "kg"), ("k", "N/m")):
             values = np.atleast_1d(getattr(self, name))

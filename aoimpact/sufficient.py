@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 from .adaptive import TIGHTEST, Adaptive
 from .checks import positive
-from .errors import InputError, held_warnings
+from .errors import ConvergenceError, InputError, held_warnings
 from .ladder import Models
+from .newmark import Newmark
 from .order import Asked, least_orders
-from .run import Chosen
+from .result import Result
+from .run import Chosen, Run
 from .solvers import Solver, checked_solver
 
 __all__ = ["checked_linear_solver", "sufficient"]
@@ -20,11 +24,11 @@ __all__ = ["checked_linear_solver", "sufficient"]
 _RTOL, _TIGHTEST = 1e-2, 1e-8
 
 # Shares of the tolerance: what time integration takes of peak forces and times (a history that
-# rings errs by twenty times as much), and what is used of it at all, since the search's estimates
-# are no bounds.
-_SHARE_OF_TIME, _MARGIN = 0.005, 0.95
+# rings errs by twenty times as much), what fixed steps take, which cost more the smaller it is, and
+# what is used of it at all, since the search's estimates are no bounds.
+_SHARE_OF_TIME, _SHARE_OF_STEPS, _MARGIN = 0.005, 0.2, 0.95
 
-R = TypeVar("R")
+R = TypeVar("R", Result, Run)
 R_contra = TypeVar("R_contra", contravariant=True)
 
 
@@ -90,9 +94,9 @@ def sufficient(
     Raises
     ------
     InputError, InputTypeError
-        If `rtol` is out of range.
+        If `rtol` is out of range, or the solver is not to tell its error.
     ConvergenceError
-        If no models that were looked at are good enough.
+        If no models that were looked at are good enough, or the solver that was given is not.
     """
     tolerance = positive("rtol", _RTOL if rtol is None else rtol)
     if not _TIGHTEST <= tolerance < 1.0:
@@ -100,8 +104,9 @@ def sufficient(
             f"rtol must be from {_TIGHTEST:g} to below 1, got {tolerance:g}: models of fewer "
             "degrees of freedom are compared to no more digits"
         )
-    in_time = max(_SHARE_OF_TIME * tolerance, TIGHTEST)
-    rule = Adaptive(rtol=in_time) if solver is None else solver
+    steps = isinstance(solver, Newmark)
+    in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
+    rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time)
 
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
@@ -118,4 +123,39 @@ def sufficient(
         {asked.named: found.error} if not asked.is_history else {}
     )
     chosen = Chosen(found.models, asked.named, tolerance, found.error, numbers)
-    return run(found.models, rule, energies), chosen
+    done = run(found.models, rule, energies)
+    _refuse_coarse(rule, done, found.error, tolerance, in_time)
+    return done, chosen
+
+
+def _rule(solver: Any, in_time: float) -> Any:
+    """Return the solver that was given, with steps that may be chosen fine enough."""
+    if not isinstance(solver, Newmark):
+        return solver
+    if solver.dt is None:
+        return replace(solver, rtol=min(solver.rtol, in_time))
+    if not solver.estimate:
+        raise InputError(
+            f"solver=Newmark(dt={solver.dt:g}, estimate=False) leaves the error of its steps "
+            "unknown, and a tolerance is asked for: leave estimate=False out, or give models and "
+            "no rtol"
+        )
+    return solver
+
+
+def _refuse_coarse(
+    rule: Any, done: Result | Run, in_models: float, tolerance: float, in_time: float
+) -> None:
+    """Refuse a run whose time integration leaves more error than is allowed."""
+    error = (done.run if isinstance(done, Result) else done).time_error
+    if error is None or error + in_models <= tolerance:
+        return
+    if isinstance(rule, Newmark) and rule.dt is not None:
+        finer = rule.dt * min(0.5, math.sqrt(in_time / error))
+        cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
+    else:
+        cure = f"take {type(rule).__name__}(rtol={in_time:.1g})"
+    raise ConvergenceError(
+        f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about {error:.2g} of the "
+        f"peak force or the impulse, and that of the models, {in_models:.2g}, are more; {cure}"
+    )

@@ -49,7 +49,7 @@ def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray
         body[-1][:] = body[-2][:] = 0.0
         first = ball.for_core(rule, DT)
         contacts = ((0, 0, 1, 0, law, 0.0),)
-        _core.newmark_scene((first, body), contacts, (), DT, 0.25, 0.5, record, energies)
+        _core.newmark_scene((first, body), contacts, (), DT, 0.25, 0.5, record, energies, None)
         return record
 
     return run

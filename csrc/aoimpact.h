@@ -510,8 +510,9 @@ typedef struct aoi_rayleigh {
 } aoi_rayleigh;
 
 /* How a body starts. u, v: its coordinates' initial values; centre: their weights in the centre of
- * mass; gravity: a constant force on each [N], or NULL; force: what is on the ports of a body in modes
- * already [N], or NULL. All are kept by the body but u, v and force. */
+ * mass; gravity: a constant force on each [N], or NULL; force: what has bent the residual compliance of a
+ * body in modes [N], then how fast that changes [N/s], 2 ports in all, or NULL: nothing. All are kept by
+ * the body but u, v and force. */
 typedef struct aoi_start {
     const double *u, *v, *centre, *gravity, *force;
 } aoi_start;
@@ -626,8 +627,9 @@ typedef struct aoi_load {
 double aoi_load_at(aoi_load *load, double time);
 
 /* The caller sets the first block: bodies started by one rule with step dt, contacts, loads, whether
- * energies are recorded (their rows are left alone otherwise); work: aoi_scene_size(scene) doubles,
- * first_port: body_count + 1. */
+ * energies are recorded (their rows are left alone otherwise); start_force: the contact forces at the
+ * start [N], or NULL: what the laws give, which is wrong where a contact point without mass meets a law
+ * that depends on the rate; work: aoi_scene_size(scene) doubles, first_port: body_count + 1. */
 typedef struct aoi_scene {
     size_t body_count, contact_count, load_count;
     aoi_body *const *body;
@@ -635,6 +637,7 @@ typedef struct aoi_scene {
     aoi_load *load;
     double dt;
     int energies;
+    const double *start_force;
     double *work;
     size_t *first_port;
 

@@ -28,10 +28,11 @@ static double compliance_between(const aoi_system *system, size_t joint, size_t 
 }
 
 /* In the work space of aoi_collocation_solve, which is larger. */
-static aoi_coupled lay_out(size_t count, size_t span, double *work)
+static aoi_coupled lay_out(const aoi_adaptive *run, size_t count)
 {
-    aoi_coupled e = {.count = count, .band = span};
-    const size_t entries = count * (2 * span + 1);
+    aoi_coupled e = {.count = count, .band = run->span < count ? run->span : count - 1};
+    const size_t entries = count * (2 * e.band + 1);
+    double *work = run->collocation;
     e.compliance = aoi_work_take(&work, entries);
     e.rate_compliance = aoi_work_take(&work, entries);
     e.free = aoi_work_take(&work, count);
@@ -115,7 +116,7 @@ int aoi_balance_at_start(aoi_adaptive *run)
     if (count == 0) {
         return AOI_OK;
     }
-    aoi_coupled e = lay_out(count, run->span, run->collocation);
+    aoi_coupled e = lay_out(run, count);
     set_equations(run, time, &e);
     const int status = aoi_coupled_solve(&e, run->balanced);
     for (size_t i = 0; i < count && status == AOI_OK; i++) {
@@ -135,7 +136,7 @@ static const double DRAWN = 1e-3;
 
 static double comes(const aoi_adaptive *run, size_t count)
 {
-    double largest = 0.0;
+    double largest = run->force_scale;
     for (size_t i = 0; i < count; i++) {
         largest = fmax(largest, run->contact[run->balanced[i].at[0]].peak_force);
     }
@@ -154,8 +155,9 @@ static int lets_go(const aoi_contact_state *contact, const aoi_law *law, double 
 }
 
 /* Whether a contact that has just touched parts again, since others move what has no mass there. */
-static int is_drawn_away(const aoi_contact_state *contact, const aoi_contact *from, double least)
+static int is_drawn_away(const aoi_adaptive *run, const aoi_contact *from, double least)
 {
+    const aoi_contact_state *contact = &run->contact[from->at[0]];
     return contact->begins && contact->start <= aoi_law_rest(from->law, contact->memory) &&
            from->force <= least && from->rate < -DRAWN * contact->rate_scale;
 }
@@ -177,9 +179,11 @@ static void take(aoi_adaptive *run, const aoi_contact *from, double least)
 {
     aoi_contact_state *contact = &run->contact[from->at[0]];
     const aoi_law *law = from->law;
-    const double rest = aoi_law_rest(law, contact->memory), before = contact->start_rate;
+    const double before = contact->start_rate;
     aoi_law_value value;
-    contact->start = contact->begins ? fmax(contact->start, rest) : from->indentation;
+    contact->start = contact->begins && law->depends_on_rate
+                         ? fmax(contact->start, aoi_law_rest(law, contact->memory))
+                         : from->indentation;
     contact->start_rate = from->rate;
     if (law->turns && contact->piece != AOI_SLACK) {
         turn(law, before, contact);
@@ -225,7 +229,7 @@ void aoi_balance_at_once(aoi_adaptive *run, double within)
     if (count == 0) {
         return;
     }
-    aoi_coupled e = lay_out(count, run->span < count ? run->span : count - 1, run->collocation);
+    aoi_coupled e = lay_out(run, count);
     if (step(run, AT_ONCE * within, &e) != AOI_OK) {
         return; /* the step itself begins with a worse guess */
     }
@@ -244,7 +248,7 @@ void aoi_balance_at_once(aoi_adaptive *run, double within)
     }
     const double least = comes(run, count);
     for (size_t i = 0; i < count; i++) {
-        if (is_drawn_away(&run->contact[of[i].at[0]], &of[i], least)) {
+        if (is_drawn_away(run, &of[i], least)) {
             aoi_contact_open(run, of[i].at[0]);
             aoi_watch_add(run, of[i].at[0]);
         } else {

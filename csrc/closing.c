@@ -170,6 +170,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t joint)
     run->unbalanced = 1;
     contact->begins = 1;
     contact->slack = 0.0;
+
     contact->start = fmax(here, rest); /* exactly: what is left off here would add up */
     contact->start_rate = rate;
     contact->last_length = contact->since_touch = contact->edge = 0.0;

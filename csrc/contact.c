@@ -6,7 +6,7 @@
 #include <math.h>
 
 /* A few from a near guess; far above the root of a steep law, Newton only takes off a share 1/n. */
-enum { MOST_ITERATIONS = 2000 };
+enum { FEW_ITERATIONS = 50, MOST_ITERATIONS = 2000 };
 
 /* By how much the terms of a force are larger than it where digits are lost. */
 static const double CANCELS = 16.0;
@@ -30,6 +30,15 @@ static double excess_at(const search *s, double x, aoi_law_value *value)
     const aoi_contact_equation *e = s->equation;
     aoi_law_push(s->law, s->memory, x, rate_at(s, x), value);
     return x - e->indentation_free + e->compliance * value->force;
+}
+
+/* What rounding may leave of that: of an indentation far below the free one, and of a rate that a damper
+ * has all but stopped, the last digits are not known. */
+static double rounding_at(const search *s, const aoi_law_value *value)
+{
+    const aoi_contact_equation *e = s->equation;
+    const double stopped = e->compliance * value->damping * e->rate_free;
+    return 4.0 * DBL_EPSILON * (fabs(e->indentation_free) + fabs(stopped));
 }
 
 /* The force there, where its derivatives are of no use. */
@@ -115,7 +124,8 @@ static int find_root(const search *s, double low, double high, double *force, do
         if (!(fabs(newton) <= enough || (next > low && next < high))) {
             next = 0.5 * (low + high);
         }
-        const int there = fabs(newton) <= enough || fabs(next - x) <= enough || excess == 0.0;
+        const int there = fabs(newton) <= enough || fabs(next - x) <= enough || excess == 0.0 ||
+                          (i >= FEW_ITERATIONS && fabs(excess) <= rounding_at(s, &value));
         x = next;
         if (there) {
             *force = force_found(s, x);

@@ -111,7 +111,7 @@ static aoi_path path_of(const aoi_modes *body, size_t j, double from, double len
     }
     force[1] = 0.5 * slope * length;
     force[0] = load + force[1];
-    return (aoi_path){body->omega[j], body->decay ? body->decay[j] : 0.0, length, x, v, 1.0, force};
+    return (aoi_path){body->omega[j], body->decay ? body->decay[j] : 0.0, length, x, v, 1.0, force, 1};
 }
 
 /* Work on the modes of rising loads over a stretch in which they do not bend. x, v are taken to its end. */
@@ -188,6 +188,7 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
     }
     aoi_path path = path_of(body, j, from, h, x, v, whole);
     path.place = place;
+    path.straight = 0;
     for (size_t p = 0; p < body->ports; p++) {
         aoi_stages_add(body->push[p * body->n + j], force + p * AOI_STAGES, push);
     }

@@ -144,8 +144,6 @@ static int modal_begin(aoi_body *body, const double *force)
         }
         part(body, A)[j] = push;
     }
-    memcpy(force_of(body), force, ports * sizeof(double));
-    memcpy(force_of(body) + ports, force, ports * sizeof(double));
     return AOI_OK;
 }
 
@@ -212,8 +210,10 @@ int aoi_body_start_modal(aoi_body *body, const aoi_modal *modal, const aoi_newma
                        step,             {0}};
     memcpy(part(body, X), start->u, n * sizeof(double));
     memcpy(part(body, V), start->v, n * sizeof(double));
-    for (size_t p = 0; p < 2 * ports; p++) { /* looked at before they are known */
-        force_of(body)[p] = start->force ? start->force[p % ports] : 0.0;
+    for (size_t p = 0; p < ports; p++) {
+        force_of(body)[p] = start->force ? start->force[p] : 0.0;
+        force_of(body)[ports + p] =
+            start->force ? start->force[p] - step.dt * start->force[ports + p] : 0.0;
     }
     return modal_prepare(body, compliance, rate_compliance);
 }

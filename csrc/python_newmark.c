@@ -79,7 +79,8 @@ static int take_modal(held *buffers, PyObject *tuple, player *one, const aoi_new
     modal->ports = ports;
     aoi_start start = take_start(buffers, tuple, n, one);
     if (item(tuple, 5) != Py_None) {
-        start.force = doubles(buffers, item(tuple, 5), "force", &ports);
+        size_t both = 2 * ports;
+        start.force = doubles(buffers, item(tuple, 5), "force", &both);
     }
     one->work = take_work(buffers, buffers->failed ? 0 : aoi_body_modal_size(n, ports));
     one->step_cost = 40.0 + 4.0 * (double)(n * (1 + ports));
@@ -289,14 +290,14 @@ static int run_in_chunks(cast *all, double *record, size_t columns, size_t *done
 
 PyObject *newmark_scene(PyObject *self, PyObject *args)
 {
-    PyObject *bodies, *contacts, *loads, *record_out;
+    PyObject *bodies, *contacts, *loads, *record_out, *start_force;
     held buffers = {.failed = 0};
     cast all = {.step_cost = 40.0};
     aoi_newmark rule;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!O!dddOp", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
+    if (!PyArg_ParseTuple(args, "O!O!O!dddOpO", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
                           &PyTuple_Type, &loads, &rule.dt, &rule.beta, &rule.gamma, &record_out,
-                          &all.scene.energies)) {
+                          &all.scene.energies, &start_force)) {
         return NULL;
     }
     aoi_scene *scene = &all.scene;
@@ -307,6 +308,10 @@ PyObject *newmark_scene(PyObject *self, PyObject *args)
     scene->body_count = (size_t)PyTuple_Size(bodies);
     scene->contact_count = (size_t)PyTuple_Size(contacts);
     scene->load_count = (size_t)PyTuple_Size(loads);
+    if (start_force != Py_None) {
+        size_t count = scene->contact_count;
+        scene->start_force = doubles(&buffers, start_force, "start_force", &count);
+    }
     buffers.failed = buffers.failed || !cast_allocate(&all);
     if (!buffers.failed) {
         status = cast_take(&buffers, &all, bodies, contacts, loads, &rule);

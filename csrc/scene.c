@@ -191,7 +191,7 @@ static int contact_begin(const aoi_scene *scene, aoi_contact *contact)
         at = DBL_MIN;
     }
     aoi_law_push(law, contact->memory, at, contact->rate, &value);
-    contact->force = value.force;
+    contact->force = scene->start_force ? scene->start_force[contact - scene->contact] : value.force;
     if (isnan(value.force)) {
         return AOI_ERROR_LAW;
     }

@@ -59,16 +59,24 @@ void aoi_star_energy(const aoi_star *star, const double *u, const double *v, dou
     *elastic = 0.5 * twice_elastic;
 }
 
-/* 1 / r^2 of the natural mode at origin + offset: its modal mass with the contact displaced by 1. */
-static double natural_mode_mass(const aoi_star *star, const double *antiresonance, double origin,
-                                double offset)
+/* r of the natural mode at origin + offset: 1 over the root of its modal mass with the contact displaced
+ * by 1. The squares of that may leave the range of numbers where their roots do not. */
+static double natural_mode_share(const aoi_star *star, const double *antiresonance, double origin,
+                                 double offset)
 {
-    double mass = star->m0;
+    double mass = star->m0, root = sqrt(star->m0);
     for (size_t i = 0; i < star->n; i++) {
         const double gain = antiresonance[i] / ((antiresonance[i] - origin) - offset);
         mass += star->m[i] * gain * gain;
     }
-    return mass;
+    if (!isinf(mass)) {
+        return 1.0 / sqrt(mass);
+    }
+    for (size_t i = 0; i < star->n; i++) {
+        const double gain = antiresonance[i] / ((antiresonance[i] - origin) - offset);
+        root = hypot(root, sqrt(star->m[i]) * gain);
+    }
+    return 1.0 / root;
 }
 
 int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
@@ -102,7 +110,7 @@ int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participatio
         }
         const double origin = nearest < n ? pole[nearest] : 0.0;
         omega2[j] = origin + offset;
-        participation[j] = 1.0 / sqrt(natural_mode_mass(star, pole, origin, offset));
+        participation[j] = natural_mode_share(star, pole, origin, offset);
         if (!isfinite(omega2[j]) || !isfinite(participation[j]) || !(participation[j] > 0.0)) {
             return AOI_ERROR_NOT_FINITE;
         }

@@ -38,12 +38,13 @@ static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sig
     for (size_t j = body->n; j-- > 0 && body->omega[j] * h > AOI_PATH_FAST;) {
         const double share = sign * body->shape[port * body->n + j];
         const double squared = body->omega[j] * body->omega[j];
+        const double decay = body->decay ? body->decay[j] : 0.0;
         const size_t at = j * AOI_STAGES;
-        if (share == 0.0 || !forces_on(run, b, j, force)) {
+        if (share == 0.0 || decay > body->omega[j] || !forces_on(run, b, j, force)) {
             continue;
         }
         double slope;
-        aoi_path_follow(body->omega[j], body->decay ? body->decay[j] : 0.0, h, force, along);
+        aoi_path_follow(body->omega[j], decay, h, force, along);
         const double here = aoi_legendre_evaluate(AOI_STAGES, along, 0.0, &slope), rate = slope / h;
         x[j] -= here;
         v[j] -= rate;

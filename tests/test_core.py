@@ -90,7 +90,7 @@ def scene_arguments(projectile: Any, target: Any, steps: int = 9, dt: float = 1e
     record = np.zeros((count, steps + 1))
     contacts = ((0, 0, 1, 0, law(), 0.0),)
     loads = ((0, 0, np.array([0.0, 1.0]), np.array([1.0, 2.0])),)
-    return [(projectile, target), contacts, loads, dt, 0.25, 0.5, record, True]
+    return [(projectile, target), contacts, loads, dt, 0.25, 0.5, record, True, None]
 
 
 def zeros(*sizes: int) -> list[Any]:
@@ -641,7 +641,7 @@ def test_buffers_are_given_back(name: str) -> None:
     rest = ("star", 1.0, 0.0, doubles(), doubles(), 0.0, 0.0, None, *map(doubles, (1.0, 0.0, 0.0)))
     note = doubles(0.0, 0.0, 0.0)
     contacts = ((0, 0, 1, 0, (name, (1e9,), 0.0, math.inf, note, None), 0.0),)
-    arguments = (ball, rest), contacts, (), 1e-5, 0.25, 0.5, record, True
+    arguments = (ball, rest), contacts, (), 1e-5, 0.25, 0.5, record, True, None
     if name == "hertz":
         _core.newmark_scene(*arguments)
         assert max(record[:10]) > 0.0

@@ -593,3 +593,12 @@ def test_contact_is_a_place_on_the_body() -> None:
     assert tip.body is body
     assert tip.b @ body.translation((0, 0, -1)) == pytest.approx(1.0, rel=1e-15)
     assert body.contact(dof=5).b[5] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("E", "rho"), [(210e9, 1e-70), (210e9, 1e70), (1e-70, 7800.0), (1e80, 1.0)]
+)
+def test_materials_beyond_reach_of_products_are_refused(E, rho):
+    mesh = box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
+    with pytest.raises(InputError, match="overflows or vanishes"):
+        FEModel.from_mesh(mesh, Material(E=E, nu=0.3, rho=rho))

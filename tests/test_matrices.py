@@ -174,3 +174,22 @@ def test_equal_eigenvalues_by_the_hundred_take_no_call_of_arpack_each() -> None:
     start = time.perf_counter()
     assert body.frequencies(3) == pytest.approx([0.5 / np.pi] * 3)
     assert time.perf_counter() - start < 5.0
+
+
+def test_frequencies_close_together_do_not_keep_arpack_for_ever() -> None:
+    """K and M of a chain with places changed: ω_j² = 1/(1 - cos(jπ/601)), closest when low."""
+    n = 600
+    M = sp.diags_array([-0.5, 1.0, -0.5], offsets=[-1, 0, 1], shape=(n, n))
+    start = time.perf_counter()
+    found = ao.FEModel(K=sp.eye_array(n), M=M).frequencies(3)
+    assert time.perf_counter() - start < 8.0
+    angles = np.pi * np.arange(n, n - 3, -1) / (n + 1)
+    expected = np.sqrt(1.0 / (1.0 - np.cos(angles))) / (2.0 * np.pi)
+    assert found == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_solution_beyond_the_range_of_numbers_is_said_without_warnings() -> None:
+    body = ao.FEModel(K=np.diag([1e-300, 1.0]), M=np.diag([1e19, 1.0]))
+    with pytest.raises(ao.ConvergenceError, match="singular or nearly so"):
+        body.inverse(0.0).solve(np.ones(2))

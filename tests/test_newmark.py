@@ -473,3 +473,153 @@ def test_a_damper_that_stops_the_bodies_within_a_step_is_said() -> None:
     hit = ao.simulate(**scene, solver=ao.Newmark(dt=1e-9))  # an eighth of m/c
     assert hit.error.time < 0.1
     assert hit.projectile.velocity[-1] == pytest.approx(0.5, rel=1e-2)
+
+
+# --------------------------------------------------- contact points without mass, at the start
+
+
+def dampers_in_series(k: float, c: float, mass: float, spring: float, t: np.ndarray) -> np.ndarray:
+    """A mass at 1 m/s under k δ + c δ̇ against a massless point on a spring, while they touch.
+
+    The spring's force makes the rate of the indentation, and with it the velocity of the point.
+    """
+
+    def slope(_, y):
+        u, x, v = y
+        return [v - (spring * u - k * (x - u)) / c, v, -spring * u / mass]
+
+    span = 0.0, float(t[-1])
+    found = scipy.integrate.solve_ivp(
+        slope, span, [0.0, 0.0, 1.0], method="Radau", rtol=1e-10, atol=1e-14, t_eval=t
+    )
+    return spring * found.y[0]
+
+
+@pytest.mark.parametrize("damping", [None, ao.ModalDamping(0.0)])
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("dt", [1e-7, 1e-6, 1e-5])
+def test_dampers_in_touch_with_a_massless_point_begin_as_its_springs_allow(damping, count, dt):
+    """Masses of 1, 2 … kg under laws as strong move as one; and so heavy a body stands still."""
+    k, c, spring, still = 1e6, 3000.0, 1e4, 1e9
+    shares = np.arange(1.0, count + 1.0)
+    scene = ao.Scene()
+    point = scene.add(ao.AOModel(m0=0.0, m=[still], k=[spring], damping=damping))
+    for share in shares:
+        ball = scene.add(ao.rigid(mass=share), velocity=1.0)
+        scene.connect(ball, point, ao.KelvinVoigt(share * k, share * c))
+    run = scene.simulate(duration=0.01, solver=ao.Newmark(dt=dt))
+    all_of_them = shares.sum()
+    right = dampers_in_series(all_of_them * k, all_of_them * c, all_of_them, spring, run.t)
+    for contact, share in zip(run.contacts, shares, strict=True):
+        force = contact.force * all_of_them / share
+        np.testing.assert_allclose(force, right, atol=20.0 * dt * right.max())  # first order
+        assert abs(force[0]) < 1e-8 * right.max()
+    assert run.error.time < 1e-3
+
+
+@pytest.mark.parametrize("damping", [None, ao.ModalDamping(0.0)])
+def test_a_load_on_a_massless_point_is_carried_by_the_damper_that_it_touches(damping):
+    c, load = 1000.0, 50.0
+    scene = ao.Scene()
+    body = scene.add(ao.AOModel(m0=0.0, m=[1.0], k=[1e5], damping=damping))
+    scene.connect(body, scene.add(ao.rigid(mass=math.inf)), ao.KelvinVoigt(1e6, c))
+    scene.apply(body, force=load)
+    run = scene.simulate(duration=1e-3, solver=ao.Newmark(dt=1e-6))
+    assert run.contacts[0].force[0] == pytest.approx(load, rel=1e-4)
+    assert run[body].displacement[0] == pytest.approx(0.0, abs=1e-9)
+    assert run[body].velocity[0] == pytest.approx(load / c, rel=2e-2)
+
+
+@pytest.mark.parametrize("damping", [None, ao.ModalDamping(0.0)])
+def test_a_load_on_a_free_massless_point_has_moved_it_at_the_start(damping):
+    scene = ao.Scene()
+    body = scene.add(ao.AOModel(m0=0.0, m=[1.0], k=[1e5], damping=damping), velocity=2.0)
+    scene.apply(body, force=([0.0, 1.0], [50.0, 1050.0]))
+    run = scene.simulate(duration=1e-3, solver=ao.Newmark(dt=1e-5))
+    assert run[body].displacement[0] == pytest.approx(50.0 / 1e5, rel=1e-5)
+    assert run[body].velocity[0] == pytest.approx(2.0 + 1000.0 / 1e5, rel=1e-4)
+
+
+# ------------------------------------------------------------------ the end of the record
+
+
+@pytest.mark.filterwarnings("ignore:the record of")
+@pytest.mark.parametrize("solver", [{"dt": 3e-6}, {"rtol": 1e-3}, {"rtol": 1e-5}])
+@pytest.mark.parametrize("duration", [1e-4, 1.37e-4, 2.1e-4])
+def test_a_contact_that_the_record_cuts_is_as_exact_as_claimed(solver, duration):
+    scene = {
+        "projectile": ao.rigid(mass=1.0),
+        "target": ao.rigid(mass=2.0),
+        "law": ao.Hertz(k=1e9),
+        "velocity": 1.0,
+        "duration": duration,
+    }
+    hit = ao.simulate(**scene, solver=ao.Newmark(**solver))
+    exact = ao.simulate(**scene, solver=ao.Adaptive(rtol=1e-10))
+    assert hit.t[-1] == hit.run.duration == duration
+    assert hit.t[1] <= solver.get("dt", 1.0)
+    np.testing.assert_allclose(np.diff(hit.t), hit.t[1], rtol=1e-9)
+    assert abs(hit.peak_force / exact.peak_force - 1.0) <= hit.error.time
+    assert abs(hit.impulse / exact.impulse - 1.0) <= hit.error.time
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"duration": 1e99, "solver": ao.Newmark(dt=1e-5)}, "dt=1e-05 s over duration=1e.99 s"),
+        ({"duration": 1e99, "solver": ao.Newmark()}, r"Newmark\(rtol=0.001\) over duration=1e.99"),
+        pytest.param(
+            {
+                "target": ao.AOModel(m0=1e-9, k0=1e2, m=[1.0], k=[1e3]),
+                "duration": 100.0,
+                "solver": ao.Newmark(rtol=1e-6),
+            },
+            r"Newmark\(rtol=1e-06\) over duration=100 s .* take a larger rtol or a shorter",
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_a_record_too_long_names_what_was_given(options, message):
+    ball = ao.rigid(mass=1.0)
+    scene = {"projectile": ball, "target": ball, "law": ao.Hertz(1e9), "velocity": 1.0} | options
+    with pytest.raises(ao.InputError, match=message):
+        ao.simulate(**scene)
+
+
+# ------------------------------------------------------------------ a tolerance that is asked for
+
+
+def ringing_pair(solver):
+    return ao.simulate(
+        projectile=ao.rigid(mass=MASS),
+        target=ringing_star(),
+        law=HERTZ,
+        velocity=1.0,
+        duration=400e-6,
+        quantity="peak_force",
+        rtol=1e-3,
+        solver=solver,
+    )
+
+
+def test_a_step_that_does_not_keep_the_tolerance_is_refused_and_the_cure_works():
+    with pytest.raises(ao.ConvergenceError, match=r"rtol=0\.001 is not kept") as refused:
+        ringing_pair(ao.Newmark(dt=1e-6))
+    finer = float(str(refused.value).split("take dt=")[1].split()[0])
+    exact = ringing_pair(None)
+    for solver in (ao.Newmark(dt=finer), ao.Newmark()):
+        hit = ringing_pair(solver)
+        assert hit.error.time + hit.error.reduction <= 1e-3
+        assert hit.peak_force == pytest.approx(exact.peak_force, rel=1.1e-3)
+
+
+def test_a_scene_keeps_or_refuses_its_tolerance_too():
+    scene = ao.Scene()
+    ball = scene.add(ao.rigid(mass=MASS), velocity=1.0)
+    scene.connect(ball, scene.add(ringing_star()), HERTZ)
+    with pytest.raises(ao.ConvergenceError, match="take dt="):
+        scene.simulate(duration=100e-6, rtol=1e-3, solver=ao.Newmark(dt=1e-6))
+    with pytest.raises(ao.ConvergenceError, match="take Adaptive"):
+        scene.simulate(duration=100e-6, rtol=1e-6, solver=ao.Adaptive(rtol=1e-2))
+    with pytest.raises(ao.InputError, match=r"estimate=False\) leaves the error"):
+        scene.simulate(duration=100e-6, rtol=1e-3, solver=ao.Newmark(dt=1e-8, estimate=False))

@@ -281,3 +281,45 @@ def test_a_light_body_that_falls_beside_a_heavy_one_at_rest_is_named():
     scene.connect(ceiling, light, ao.Hertz(k=1e9))
     with pytest.raises(ao.ConvergenceError, match="on body 1"):
         at_rest(scene)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_what_nothing_presses_stays_where_it_was_put(way):
+    """Springs in series, k0 and a law's, move as the load tells; a body off them does not."""
+    scene = ao.Scene()
+    spring, pressed = scene.add(ao.AOModel(m0=0.1, k0=1e3)), scene.add(BODY)
+    coming = scene.add(ao.rigid(mass=0.02), velocity=0.2 * way)
+    for one, other, gap in ((pressed, spring, 0.0), (coming, pressed, 1e-3)):
+        ends = (one, other) if way > 0.0 else (other, one)
+        scene.connect(*ends, ao.Linear(k=1e4), gap=gap)
+    scene.apply(pressed, force=4.0 * way)
+    run = scene.simulate(duration=1e-9, preload=True)
+    places = [run[body].displacement[0] for body in (spring, pressed, coming)]
+    assert places == pytest.approx([4e-3 * way, 4.4e-3 * way, 0.0], rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_row_that_is_in_the_way_is_pushed_no_farther_than_it_must(order):
+    """A spring goes 1 mm; of bodies 0.2 mm apart each gives 0.2 mm less than the one before."""
+    scene = ao.Scene()
+    spring, row = scene.add(ao.AOModel(m0=1.0, k0=1e6)), [scene.add(BODY) for _ in range(5)]
+    for one, other in itertools.pairwise([spring, *row[::order]]):
+        scene.connect(one, other, ao.Hertz(k=1e9), gap=2e-4)
+    scene.apply(spring, force=1e3)
+    run = scene.simulate(duration=1e-9, preload=True)
+    places = [run[spring].displacement[0], *(run[body].displacement[0] for body in row[::order])]
+    assert places == pytest.approx([1e-3, 8e-4, 6e-4, 4e-4, 2e-4, 0.0], rel=1e-9, abs=1e-15)
+
+
+def test_a_free_beam_that_is_not_in_reach_stays_where_it_was_put():
+    body = ao.FEModel.from_mesh(ao.box_mesh((0.3, 0.02, 0.02), (6, 1, 1)), STEEL)
+    down = (0.0, 0.0, -1.0)
+    tips = [body.contact(point=(x, 0.01, 0.02), direction=down) for x in (0.05, 0.25)]
+    scene = ao.Scene()
+    beam, pressed, wall = scene.add(ao.interface(tips, 8)), scene.add(BODY), scene.add(WALL)
+    scene.connect(pressed, wall, ao.Linear(k=1e3))
+    scene.connect(beam.port(0), pressed, ao.Hertz(k=1e9), gap=1e-3)
+    scene.apply(pressed, force=10.0)
+    run = scene.simulate(duration=1e-9, preload=True)
+    assert run[pressed].displacement[0] == pytest.approx(1e-2, rel=1e-9)
+    assert np.abs(run[beam].port_displacements).max() == 0.0

@@ -199,9 +199,9 @@ def test_what_belongs_elsewhere_is_refused(three):
 
 def test_several_places_are_on_one_body():
     one, other = beam((6, 1, 1), "hexahedron"), beam((6, 1, 1), "hexahedron")
-    with pytest.raises(ao.InputError, match="tips are on different bodies"):
+    with pytest.raises(ao.InputError, match="body has contact points on different bodies"):
         ao.Scene().add([*tips_of(one), *tips_of(other)])
-    with pytest.raises(ao.InputError, match="tips is empty"):
+    with pytest.raises(ao.InputError, match="body is empty"):
         ao.Scene().add([])
     with pytest.raises(ao.InputTypeError, match="build a Scene"):
         ao.simulate(

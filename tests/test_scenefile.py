@@ -572,7 +572,7 @@ def test_a_place_is_swept_once_whatever_it_is_called(tmp_path: Path) -> None:
         ('["peak_force"]', "[]", "keep", "sweep.keep: names nothing"),
         ("[sweep]", "[sweep]\nworkers = 0", "workers", "sweep.workers: must be at least 1, got 0"),
         (SWEPT, "\n[sweep]\nover = {}\n", "over = {}", "nothing to sweep over"),
-        ("1e8, to", f"{10**400}, to", "law.k", "from must be finite"),
+        ("1e8, to", f"{10**400}, to", "law.k", "from: must be finite"),
         ("law.k", "impact.velocity", "impact.velocity", "is in the same place as 'velocity'"),
         ("bodies.beam.m0", "impact.law", "impact.law", "is in the same place as 'law.k'"),
     ],
@@ -650,3 +650,15 @@ def test_what_no_reader_of_toml_stands_is_refused_with_the_file(tmp_path: Path, 
 def test_what_is_no_path_is_refused(path: Any) -> None:
     with pytest.raises(ao.InputTypeError, match="path must be a path"):
         ao.read_scene(path)
+
+
+def test_an_integer_beyond_floats_is_refused_where_it_stands(tmp_path: Path) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(
+        "[bodies]\na = { mass = 1" + 400 * "0" + " }\n[impact]\nprojectile = 'a'\ntarget = 'a'\n"
+        "velocity = 1.0\nduration = 0.01\nlaw = { k = 1e9, type = 'Hertz' }\n"
+    )
+    with pytest.raises(
+        ao.SceneFileError, match=r"a\.toml:2:7: bodies\.a\.mass: must be finite, got an integer"
+    ):
+        ao.read_scene(file)

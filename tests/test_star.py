@@ -209,3 +209,9 @@ def test_modes_of_stars_over_two_hundred_decades():
         assert (np.diff(omega2) >= 0.0).all()
         assert math.fsum(m0 * shares**2) == pytest.approx(1.0, rel=1e-9)
         assert math.fsum(k0 / omega2 * shares**2) == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("mass", [1e308, 5e-324])
+def test_rigid_masses_beyond_the_range_of_numbers_are_refused(mass):
+    with pytest.raises(ao.InputError, match=r"the mass, must be from .* math\.inf is a wall"):
+        ao.rigid(mass)

@@ -367,6 +367,26 @@ static void what_is_solved_is_solved(void)
           "bodies that do not give way");
 }
 
+/* The rate that a damper leaves has lost its first digits: the search ends where rounding does. */
+static void a_damper_that_stops_nearly_all_is_solved(void)
+{
+    const double parameter[] = {1e6, 3000.0}, compliance = 1e-4;
+    aoi_law law;
+    CHECK(aoi_law_create(&law, "kelvin_voigt", 2, parameter) == AOI_OK, "a dashpot");
+    for (int j = 1; j <= 2000; j++) {
+        const double step = 1e-7, free_end = step * j, rate = free_end / step;
+        for (int i = 0; i < 6; i++) {
+            const aoi_contact_equation equation = {free_end, compliance, rate, compliance / step,
+                                                   free_end * pow(10.0, -i)};
+            double force = -1.0, x = -1.0;
+            const int status = aoi_contact_solve(&law, NULL, &equation, &force, &x);
+            CHECK(status == AOI_OK, "step %d, guess %d: status %d", j, i, status);
+            CHECK(fabs(x + compliance * force - free_end) < 1e-15 * (free_end + 0.3 * rate),
+                  "the equation holds to the rate's rounding");
+        }
+    }
+}
+
 int main(void)
 {
     power_laws_of_any_size();
@@ -380,5 +400,6 @@ int main(void)
     what_is_not_finite_is_said();
     an_infinite_slope_ends_no_search();
     what_is_solved_is_solved();
+    a_damper_that_stops_nearly_all_is_solved();
     return check_report();
 }

@@ -134,7 +134,7 @@ static void the_ledger_closes(void)
 {
     static modes m;
     uint64_t seed = 9;
-    double before[PORTS] = {1e3, -500.0}, row[AOI_BODY_ROWS + AOI_PORT_ROWS * PORTS];
+    double before[PORTS] = {0.0, 0.0}, row[AOI_BODY_ROWS + AOI_PORT_ROWS * PORTS];
     double last[AOI_BODY_ROWS + AOI_PORT_ROWS * PORTS], work = 0.0, worst = 0.0;
     modes_random(&m, MOST, PORTS, &seed);
     m.residual[0] = m.residual[3] = 2e-9;
@@ -234,7 +234,7 @@ static void what_cannot_be_is_refused(void)
 static void what_presses_at_the_start_has_bent_the_residual(void)
 {
     static modes m;
-    const double f[] = {100.0, -40.0};
+    const double f[] = {100.0, -40.0, 2e6, -3e6}, none[PORTS] = {0.0, 0.0}; /* N, then N/s */
     double row[AOI_BODY_ROWS + PORTS * AOI_PORT_ROWS];
     memset(&m, 0, sizeof m);
     m.residual[0] = 3e-7;
@@ -247,8 +247,13 @@ static void what_presses_at_the_start_has_bent_the_residual(void)
     for (size_t p = 0; p < PORTS; p++) {
         const double wanted = m.residual[2 * p] * f[0] + m.residual[2 * p + 1] * f[1];
         CHECK(near(row[AOI_BODY_ROWS + AOI_PORT_ROWS * p], wanted, 1e-15), "port %zu", p);
-        CHECK(row[AOI_BODY_ROWS + AOI_PORT_ROWS * p + 1] == 0.0, "port %zu rests", p);
+        const double rate = m.residual[2 * p] * f[2] + m.residual[2 * p + 1] * f[3];
+        CHECK(near(row[AOI_BODY_ROWS + AOI_PORT_ROWS * p + 1], rate, 1e-9), "rate of port %zu", p);
     }
+    CHECK(m.body.begin(&m.body, none) == AOI_OK, "begins");
+    const double place = row[AOI_BODY_ROWS];
+    m.body.observe(&m.body, 0, row, 1);
+    CHECK(row[AOI_BODY_ROWS] == place, "it is where the state says, whatever the forces are now");
 }
 
 int main(void)

@@ -290,6 +290,20 @@ static void out_of_range_or_stopped(void)
           "nor the third oscillator");
 }
 
+/* Two oscillators whose frequencies and masses are so far apart that their modes' masses, with the contact
+ * displaced by 1, are no numbers. */
+static void shares_whose_squares_vanish(void)
+{
+    const double m[] = {1e90, 1e-20}, k[] = {1e-39, 1e60};
+    const aoi_star star = {2, 1e-22, 1e74, m, k};
+    double omega2[3], r[3], work[2];
+    size_t modes;
+    CHECK(aoi_star_to_modal(&star, omega2, r, &modes, work, NULL) == AOI_OK && modes == 3, "three modes");
+    /* At rest but for the heavy one: the contact moves by k_1 / (k0 + k_1) = 1e-113 of its way. */
+    CHECK(near(omega2[0], 1e-129, 1e-13) && near(r[0], 1e-45 * 1e-113, 1e-13), "r of 1e-158, not %g", r[0]);
+    CHECK(near(1e-22 * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]), 1.0, 1e-13), "sum r^2 = 1/m0");
+}
+
 int main(void)
 {
     uint64_t seed = 2;
@@ -314,5 +328,6 @@ int main(void)
     modes_that_cannot_be();
     energies_of_a_star();
     out_of_range_or_stopped();
+    shares_whose_squares_vanish();
     return check_report();
 }

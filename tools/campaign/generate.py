@@ -307,14 +307,16 @@ def _pressed(rng: np.random.Generator, scales: _Scales) -> Case:
 
 
 def _ringing(rng: np.random.Generator, scales: _Scales) -> Case:
-    """A light end that rings beside a wall while the heavy one is in a long contact.
+    """Light ends that ring, one beside a wall, while the heavy middle is in a long contact.
 
-    Something small and hard has struck the end; the wall is about as far as it swings.
+    Something small and hard has struck them, from opposite sides: so the middle stays at rest in
+    what they do, and the contact there does not feel it. The wall is about as far as they swing.
     """
     heavy, light = _rounded(scales.mass), _rounded(scales.mass * _decades(rng, -3.0, -0.5))
     swings = 2.0 * math.pi / scales.time * _decades(rng, 0.7, 2.7)
     omega = min(swings, 0.8 * MOST_RADIANS / scales.duration)
-    frame = Frame((heavy, light), (_rounded(light * omega**2),), (0.0, 0.0))
+    stiffness = _rounded(light * omega**2)
+    frame = Frame((light, heavy, light), (stiffness, stiffness), (0.0, 0.0, 0.0))
     soft = Law("Hertz", {"k": _rounded(scales.force / scales.depth**1.5)})
     tap = _rounded(light * rng.uniform(0.1, 1.0))
     quick = scales.speed * _decades(rng, -1.0, 0.5)
@@ -328,12 +330,15 @@ def _ringing(rng: np.random.Generator, scales: _Scales) -> Case:
         frame,
         Body(_rounded(scales.mass * _decades(rng, -1.0, 1.0)), velocity=_rounded(scales.speed)),
         Body(tap, velocity=_rounded(quick)),
+        Body(tap, velocity=-_rounded(quick)),
         WALL,
     )
+    struck = Law("Hertz", {"k": hard})
     contacts = (
-        Contact(1, 0, soft),
-        Contact(2, 0, Law("Hertz", {"k": hard}), 0.0, (0, 1)),
-        Contact(0, 3, wall, _rounded(swing * rng.uniform(0.7, 1.1) + drift), (1, 0)),
+        Contact(1, 0, soft, 0.0, (0, 1)),
+        Contact(2, 0, struck, 0.0, (0, 0)),
+        Contact(0, 3, struck, 0.0, (2, 0)),
+        Contact(0, 4, wall, _rounded(swing * rng.uniform(0.7, 1.1) + drift), (0, 0)),
     )
     return Case(bodies, contacts)
 

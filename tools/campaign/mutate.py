@@ -90,7 +90,11 @@ def _number(rng: random.Random, content: bytes, other: bytes) -> bytes:
 
 def _nudge(rng: random.Random, content: bytes, other: bytes) -> bytes:
     """A whole number that is off by little, or by a digit."""
-    found = [one for one in _NUMBER.finditer(content) if one.group().lstrip(b"-+").isdigit()]
+    found = [
+        one
+        for one in _NUMBER.finditer(content)
+        if one.group().lstrip(b"-+").isdigit() and len(one.group()) < 20
+    ]
     if not found:
         return content
     one = rng.choice(found)

@@ -271,11 +271,14 @@ def _soon(scene: ao.SceneFile) -> bool:
     long, is not malformed."""
     table = scene.data[scene.kind]
     bodies = _numbers([scene.data["bodies"], scene.data.get("materials", {})])
+    members = table.get("bodies", [])
     how = _numbers([table.get("contacts", []), table.get("law", {}), table.get("solver", {})])
     duration = table["duration"]
+    speeds = _numbers([table.get("velocity", 0.0), *(m.get("velocity", 0.0) for m in members)])
     return (
         all(x <= 0.0 or 1e-9 <= x <= 1e13 or math.isinf(x) for x in bodies + how)
         and all(x >= 1e-7 for x in _numbers([table.get("solver", {}).get("dt", 1.0)]))
+        and all(x <= 1e5 for x in speeds)
         and (duration <= 0.1 or (duration >= 1e15 and scene.kind == "impact"))
     )
 

@@ -30,7 +30,7 @@ static aoi_start take_start(input *in, size_t n, size_t ports)
         start.gravity = take_array(in, n, take_signed);
     }
     if (take_byte(in) % 8 == 0) {
-        start.force = take_array(in, ports, take_signed);
+        start.force = take_array(in, 2 * ports, take_signed);
     }
     return start;
 }
