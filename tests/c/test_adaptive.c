@@ -561,7 +561,8 @@ static void forces_of_dampers(const void *data, double t, double *force)
     const pushes *of = data;
     const int second = t >= of->touch;
     double rate;
-    const double u = crept(of, 1 + second, second ? of->touch : 0.0, second ? of->V * of->touch - of->gap : 0.0, t, &rate);
+    const double start = second ? of->touch : 0.0, there = second ? of->V * start - of->gap : 0.0;
+    const double u = crept(of, 1 + second, start, there, t, &rate);
     force[0] = of->k[0] * (of->V * t - u) + of->c[0] * (of->V - rate);
     force[1] = second ? of->k[1] * (of->V * t - of->gap - u) + of->c[1] * (of->V - rate) : 0.0;
 }
@@ -683,6 +684,65 @@ static void a_faster_one_takes_all_the_force(void)
                   record[AOI_CONTACT_ROWS], there / of.soft);
         }
         release(&p);
+    }
+}
+
+/* Pressed by a load that fades: its peak is the start's. */
+static void a_pressed_body_that_is_let_go_has_its_peak_at_the_start(void)
+{
+    const double load = 100.0, k = 1e6;
+    for (int i = 0; i < 2; i++) {
+        const aoi_law law = i == 0 ? linear(k) : hertz(1e8);
+        plant p = {.bodies = 0};
+        part *ball = add_rigid(&p, 1.0, 0.0);
+        ball->x[0] = i == 0 ? load / k : pow(load / 1e8, 2.0 / 3.0);
+        ball->load_count = 2;
+        ball->load_time[1] = 1e-3;
+        ball->load_force[0] = load;
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        must_go(&p, 1e-3, 2e-3);
+        CHECK(near(p.contact[0].peak_force, load, 1e-12), "law %d: %.15g N", i, p.contact[0].peak_force);
+        CHECK(p.contact[0].peak_time == 0.0, "law %d: at %g", i, p.contact[0].peak_time);
+        release(&p);
+    }
+}
+
+static double deepest_asked;
+
+static double saturating(double indentation, double rate)
+{
+    const double high = pow(indentation, 8.0);
+    (void)rate;
+    deepest_asked = fmax(deepest_asked, indentation);
+    return 1e3 * high / (high + 1e-40);
+}
+
+/* A caller's law that saturates is not asked where the motion does not lead, however steady and strong the push. */
+static void a_law_is_asked_no_deeper_than_the_motion_may_lead(void)
+{
+    aoi_user_law user = {.given = {1, 0, 0, 0}};
+    user.function[AOI_USER_FORCE] = saturating;
+    for (double push = 450.0; push < 1e4; push *= 1.5) {
+        for (int rises = 0; rises < 2; rises++) {
+            const double end = rises ? 1e-3 : 2e-3;
+            aoi_law law;
+            CHECK(aoi_law_create_user(&law, &user, 0, 0) == AOI_OK, "made");
+            plant p = {.bodies = 0};
+            part *ball = add_rigid(&p, 1.0, 0.0);
+            ball->load_count = 2;
+            ball->load_time[1] = end;
+            ball->load_force[0] = rises ? 0.0 : push;
+            ball->load_force[1] = push;
+            add_wall(&p);
+            join_rigid(&p, 0, 1, 0.0, &law);
+            deepest_asked = 0.0;
+            must_go(&p, 1e-6, end);
+            const double free = push * end * end * (rises ? 1.0 / 6.0 : 0.5); /* without the law */
+            CHECK(deepest_asked <= (rises ? 3.0 : 1.0) * free * 1.01, "%g N, rises %d: asked at %g m, goes to %g m",
+                  push, rises, deepest_asked, p.x[0]);
+            release(&p);
+        }
     }
 }
 
@@ -1244,6 +1304,8 @@ int main(void)
     a_crest_beside_a_contact_touches_or_does_not();
     a_second_spring_takes_its_share_at_once();
     a_second_damper_takes_its_share_at_once();
+    a_pressed_body_that_is_let_go_has_its_peak_at_the_start();
+    a_law_is_asked_no_deeper_than_the_motion_may_lead();
     a_force_that_jumps_has_its_peak_there();
     a_load_sets_in_on_a_dashpot();
     a_faster_one_takes_all_the_force();
