@@ -284,6 +284,35 @@ static void a_jump_holds_its_bodies_just_touching(void)
     CHECK(q.force[1] == 0.0 && q.indentation[1] < 0.0, "the other contact stays open");
 }
 
+static void behind_a_gap(const aoi_law *law, const double *memory, int piece, double d, double rate,
+                         aoi_law_value *value)
+{
+    (void)memory;
+    (void)piece;
+    (void)rate;
+    value->force = d > 1.0 ? law->parameter[0] * (d - 1.0) : 0.0;
+    value->stiffness = d > 1.0 ? law->parameter[0] : 0.0;
+    value->damping = 0.0;
+}
+
+/* F = k (d - 1), d = z - C F: stiff springs end so near the gap that d has few digits of their force. */
+static void stiff_forces_behind_a_gap_keep_their_digits(void)
+{
+    const double k = 1e12, gives = 1.0;
+    make(2, 1);
+    for (size_t i = 0; i < 2; i++) {
+        CHECK(aoi_law_create(&q.law[i], "linear", 1, &k) == AOI_OK, "a spring");
+        q.law[i].force = behind_a_gap;
+        *entry(q.compliance, i, i) = gives;
+        q.free[i] = 1.5 + 0.25 * (double)i;
+    }
+    CHECK(aoi_coupled_solve(&q.e, q.contact) == AOI_OK, "stiff springs");
+    for (size_t i = 0; i < 2; i++) {
+        const double expected = k * (q.free[i] - 1.0) / (1.0 + k * gives);
+        CHECK(near(q.force[i], expected, 1e-12), "force %.15g, not %.15g", q.force[i], expected);
+    }
+}
+
 static void spoilt(const aoi_law *law, const double *memory, int piece, double d, double rate,
                    aoi_law_value *value)
 {
@@ -328,6 +357,7 @@ int main(void)
     a_push_goes_through_the_whole_row();
     two_springs_are_one_of_twice_the_stiffness();
     a_jump_holds_its_bodies_just_touching();
+    stiff_forces_behind_a_gap_keep_their_digits();
     failures_are_named();
     return check_report();
 }

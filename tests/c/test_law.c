@@ -706,6 +706,11 @@ static void what_no_law_is_made_of(void)
     CHECK(aoi_law_create_table(&law, 3, table) == AOI_ERROR_ARGUMENT,
           "energies that are not the force's integral");
     table[10] = 500.0;
+    /* The energies of these are right. */
+    const double falls[] = {0.0, 1.0, 2.0, 0.0, 1e3, 500.0, 0.0, 0.0, 0.0, 0.0, 500.0, 1250.0};
+    const double stays[] = {0.0, 1.0, 1.0, 0.0, 1e3, 1e3, 1e3, 1e3, 1e3, 0.0, 500.0, 500.0};
+    CHECK(aoi_law_create_table(&law, 3, falls) == AOI_ERROR_ARGUMENT, "a force that falls");
+    CHECK(aoi_law_create_table(&law, 3, stays) == AOI_ERROR_ARGUMENT, "two forces at one indentation");
     const double nan = (double)NAN, compliance[] = {-1.0, nan, HUGE_VAL, 0.0, 0.0, 0.0};
     const double limit[] = {1.0, 1.0, 1.0, 0.0, -1.0, nan};
     for (size_t i = 0; i < 6; i++) {

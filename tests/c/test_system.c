@@ -88,10 +88,34 @@ static void places_that_do_not_fit_are_refused(void)
     CHECK(checked_with(NULL, 0) == AOI_ERROR_ARGUMENT, "a law that cannot be used");
 }
 
+/* A body of two ports and one of one. */
+static void a_joint_is_between_two_bodies(void)
+{
+    static const double zero[1] = {0.0}, ones[2] = {1.0, 1.0}, residual[4] = {1e-9, 2e-9, 2e-9, 5e-9};
+    static const size_t first[] = {0, 1, 2}, first_port[] = {0, 2, 3};
+    const double k = 1e6;
+    aoi_law law;
+    CHECK(aoi_law_create(&law, "linear", 1, &k) == AOI_OK, "a law");
+    aoi_modes body[2];
+    for (size_t b = 0; b < 2; b++) {
+        body[b] = (aoi_modes){.n = 1, .ports = 2 - b, .omega = zero, .shape = ones, .push = ones,
+                              .inertia = ones, .centre = ones};
+    }
+    body[0].residual = residual;
+    aoi_joint joint = {{0, 1}, {1, 0}, 0.0, &law};
+    const aoi_system system = {.body_count = 2, .joint_count = 1, .body = body, .first = first,
+                               .first_port = first_port, .joint = &joint};
+    CHECK(aoi_system_check(&system) == AOI_OK, "of different bodies");
+    CHECK(aoi_system_residual(&system, 0) == 5e-9, "what its ports give way");
+    joint = (aoi_joint){{0, 0}, {0, 1}, 0.0, &law};
+    CHECK(aoi_system_check(&system) == AOI_ERROR_ARGUMENT, "of a body with itself");
+}
+
 int main(void)
 {
     every_body_knows_its_joints();
     the_most_modes_of_any_body();
     places_that_do_not_fit_are_refused();
+    a_joint_is_between_two_bodies();
     return check_report();
 }
