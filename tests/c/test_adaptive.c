@@ -155,6 +155,32 @@ static void a_damped_force_is_right_at_its_start(void)
     }
 }
 
+/* Every step hands on the law's force, the first one too, whose end its polynomial misses by some 1e-3. */
+static void each_step_ends_with_the_force_of_the_law(void)
+{
+    const aoi_law laws[] = {hertz(1e9), law_named("tsuji", 2, 1e9, 50.0, 0.0),
+                            law_named("kuwabara_kono", 2, 1e9, 1e-5, 0.0),
+                            law_named("hunt_crossley", 3, 1e9, 0.3, 1.5)};
+    for (int i = 0; i < 4; i++) {
+        const double end = 1e-4;
+        plant p = {.bodies = 0};
+        int status, steps = 0;
+        add_rigid(&p, 0.1, 1.0);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &laws[i]);
+        for (status = begin(&p, 1e-4, end); status == AOI_OK && p.run.time < end; steps++) {
+            size_t used, rows;
+            aoi_law_value value;
+            status = aoi_adaptive_run(&p.run, TRACK_ROOM, 1, p.track, p.index, &used, &rows);
+            aoi_law_push(&laws[i], p.contact[0].memory, p.contact[0].start, p.contact[0].start_rate, &value);
+            CHECK(near(p.contact[0].force, value.force, 1e-9), "law %d, step %d: %.12g, not %.12g", i, steps,
+                  p.contact[0].force, value.force);
+        }
+        CHECK(status == AOI_OK && steps > 2, "law %d: status %d, %d steps", i, status, steps);
+        release(&p);
+    }
+}
+
 /* How often a tip on a spring and a mass begins to press a wall, by Runge and Kutta's method. */
 static int presses(const aoi_law *law, double tip, double mass, double k, double v, double end)
 {
@@ -1142,6 +1168,7 @@ int main(void)
     the_first_moments_are_exact_relative_to_themselves();
     a_linear_contact_is_half_a_sine();
     a_damped_force_is_right_at_its_start();
+    each_step_ends_with_the_force_of_the_law();
     a_force_that_comes_back_is_seen();
     a_short_record_has_its_own_scale();
     a_massless_contact_is_a_spring_in_series();
