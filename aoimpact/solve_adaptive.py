@@ -169,14 +169,16 @@ def _refuse_gain(plan: Plan, track: Track) -> None:
 
 
 def _first_track(plan: Plan, rtol: float) -> Track:
-    """The run itself; under a law that scatters it would not end: a long one has that checked."""
+    """The run itself; under a law that scatters it would not end, or end by chance."""
     if not any(isinstance(joint.law, UserLaw) for joint in plan.joints):
         return _track(plan, rtol)
     try:
-        return _track(plan, rtol, _LONG)
+        track = _track(plan, rtol, _LONG)
     except ConvergenceError:
         refuse_rough(plan, rtol)
-    return _track(plan, rtol)
+        return _track(plan, rtol)
+    refuse_rough(plan, rtol)
+    return track
 
 
 def _confirmed(plan: Plan, first: Track, rtol: float, touches: int) -> tuple[Track, float | None]:

@@ -36,7 +36,7 @@ static const double TRUSTED = 0.1;
 
 int aoi_is_at_start(const aoi_adaptive *run, double after, double h)
 {
-    return after < AT_START * h || !(run->elapsed + after > run->elapsed);
+    return after < fmax(AT_START, aoi_event_tolerance(run, 1.0)) * h || !(run->elapsed + after > run->elapsed);
 }
 
 /* The length of a step of the run's level. */
@@ -429,7 +429,7 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
     if (growth > TRUSTED && attempt->place < 1.0) {
         const double after = attempt->place * attempt->h;
         const int at_start = aoi_is_at_start(run, after, attempt->h);
-        if (at_start && aoi_step_at_start(run, fmax(attempt->place, AT_START))) {
+        if (at_start && aoi_step_at_start(run, fmax(attempt->place, aoi_event_tolerance(run, 1.0)))) {
             return prepare(run, limit);
         }
         if (!at_start && (*trims)++ < MOST_TRIMS) {

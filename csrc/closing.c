@@ -15,7 +15,7 @@ static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
 /* Where the search for the deepest indentation begins, and how it goes on up, logarithms: a scale need not be
  * sharp. A caller's law may end not far beyond what it is for, so that nobody may ask there. */
-static const double SHALLOW = -28.0, STRIDE = 0.35;
+static const double SHALLOW = -28.0, STRIDE = 0.35, SHARPNESS = 1e-3;
 
 /* The integral over a stretch of a force that goes from one value to another like a power of the indentation. */
 static double power_work(double here, double force, double next, double next_force)
@@ -26,24 +26,44 @@ static double power_work(double here, double force, double next, double next_for
                : 0.5 * (force + next_force) * (next - here);
 }
 
+/* Where in a stretch from nothing a force that rises like Hertz's has taken an energy, and a steady force's work. */
+static double shallow(const aoi_law *law, const double *memory, double energy, double force, double high)
+{
+    double low = -700.0;
+    high = log(high);
+    while (high - low > SHARPNESS) {
+        const double middle = 0.5 * (low + high), here = exp(middle);
+        aoi_law_value value;
+        aoi_law_push(law, memory, here, 0.0, &value);
+        if (HERTZ_SHARE * value.force * here < energy + force * here) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return exp(high);
+}
+
 /* About the indentation at which the law has taken an energy, and what a steady force has added to it on the way;
  * at most so far, to where the motion would lead without the law. By the law's force, since what a plastic law gives
  * back is only a part of its work; linear between the places where it is asked. */
 static double deepest(const aoi_law *law, const double *memory, double energy, double force, double most)
 {
-    double here = 0.0, lack = -energy, before = 0.0; /* its work less that energy and the steady force's work */
-    for (double log_next = SHALLOW; here < most; log_next += STRIDE) {
-        const double next = fmin(exp(log_next), most);
-        aoi_law_value value;
+    double here = fmin(exp(SHALLOW), most);
+    aoi_law_value value;
+    aoi_law_push(law, memory, here, 0.0, &value);
+    double lack = energy + force * here - HERTZ_SHARE * value.force * here, before = value.force;
+    if (!(lack > 0.0)) {
+        return shallow(law, memory, energy, force, here);
+    }
+    while (here < most) {
+        const double next = fmin(here * exp(STRIDE), most);
         aoi_law_push(law, memory, next, 0.0, &value);
-        /* Of a force that rises like a power of the indentation, as Hertz's does, exactly. */
-        const double work = here > 0.0 ? power_work(here, before, next, value.force)
-                                       : HERTZ_SHARE * value.force * next;
-        const double gain = work - force * (next - here);
-        if (!(lack + gain < 0.0)) {
-            return lack + gain > 0.0 ? here + (next - here) * (-lack / gain) : next;
+        const double gain = power_work(here, before, next, value.force) - force * (next - here);
+        if (!(gain < lack)) {
+            return gain > 0.0 && gain < HUGE_VAL ? here + (next - here) * (lack / gain) : next;
         }
-        lack += gain;
+        lack -= gain;
         before = value.force;
         here = next;
     }

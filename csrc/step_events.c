@@ -158,6 +158,17 @@ static void turn_now(const aoi_stage *stage, double tolerance, aoi_contact_state
     }
 }
 
+/* Whether a contact at a place without mass has let go but for rounding: steps as short as what is left of it would
+ * see rates that are rounding. */
+static int is_over(const aoi_adaptive *run, const aoi_stage *stage, double rest, double tolerance)
+{
+    const aoi_contact_state *contact = &run->contact[stage->joint];
+    const double least = aoi_event_tolerance(run, aoi_step_force_scale(run, stage, 0.0));
+    return aoi_joint_bends(run, stage->joint) && !contact->begins && stage->start - rest <= tolerance &&
+           stage->start_rate < 0.0 && stage->indentation[0] - rest < stage->start - rest &&
+           fabs(stage->start_force) <= least;
+}
+
 void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
 {
     const aoi_law *law = aoi_step_law(run, stage);
@@ -167,6 +178,10 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
     const double tolerance = aoi_event_tolerance(run, scale);
     double values[AOI_STAGES + 1];
     line_up(stage->start, stage->indentation, 1.0, -rest, values);
+    if (is_over(run, stage, rest, tolerance)) {
+        aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
+        return;
+    }
     leaves(values, tolerance, AOI_EVENT_OPEN, contact, attempt);
     if (law->depends_on_rate && !law->pulls) {
         force_events(run, stage, attempt);

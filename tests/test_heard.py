@@ -122,6 +122,16 @@ def forces() -> Call:
     return lambda: _core.track_forces(*arguments, times, found)
 
 
+def touch() -> Call:
+    """Two modes that beat, seldom so far that they touch the wall."""
+    bodies = body(1e6 * numbers(1.0, 1.0 + 1e-9)), body(np.zeros(1))
+    joints = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
+    moving = np.zeros(2), np.zeros(1)
+    return lambda: _core.adaptive(
+        bodies, joints, 1e-6, 1e3, numbers(0.6, -0.6, 0.0), moving, (0.0, 0.0), sys.maxsize
+    )
+
+
 def briefs() -> Call:
     cases = 500
     stock = body(np.zeros(1)), body(np.linspace(0.0, 1e6, 300))
@@ -175,7 +185,7 @@ def masses() -> Call:
 
 
 LONG = [law, receptance, modal_receptance, to_modal, from_modal, krylov]
-LONG += [sample, states, forces, briefs, factors, masses]
+LONG += [sample, states, forces, touch, briefs, factors, masses]
 
 
 def seconds_deaf(call: Call, after: float) -> float:

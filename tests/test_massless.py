@@ -6,6 +6,13 @@ equation; where a dashpot acts, at a velocity that is a root of one.
 
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.linalg
+import scipy.optimize
 
 import aoimpact as ao
 
@@ -55,3 +62,160 @@ CASES = {
     "Tsuji, linear": (tsuji(1e10, 0.3), linear(1e8, GAP)),
     "linear, Tsuji": (linear(1e8), tsuji(1e10, 0.3, GAP)),
 }
+
+
+class Reference:
+    """Balls a and b push the massless point of an oscillator: x, v of a, b and it, impulses, place.
+
+    Contacts act from their touch to where their force vanishes; in these scenes none comes back.
+    While a dashpot acts, the state has y = d^(p+1) of its contact: smooth where it begins.
+    """
+
+    def __init__(self, pushes: tuple[Push, Push]) -> None:
+        self.pushes = pushes
+        self.state = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+        self.on: list[int] = []
+        self.over: list[int] = []
+        self.peak, self.touch, self.end = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]
+
+    def damped(self) -> int | None:
+        return next((i for i in self.on if self.pushes[i].c > 0.0), None)
+
+    def springs(self, u: float, x: np.ndarray) -> float:
+        there = [(self.pushes[i], x[i] - self.pushes[i].gap - u) for i in self.on]
+        return sum(push.k * max(d, 0.0) ** push.n for push, d in there)
+
+    def place(self, x: np.ndarray, y: float | None) -> float:
+        first = self.damped()
+        if first is not None and y is not None:
+            push = self.pushes[first]
+            return x[first] - push.gap - max(y, 0.0) ** (1.0 / (push.p + 1.0))
+        high = max((x[i] - self.pushes[i].gap for i in self.on), default=x[2])
+        if high <= x[2]:
+            return x[2]
+        return scipy.optimize.brentq(
+            lambda u: self.springs(u, x) - K * (u - x[2]), x[2], high, xtol=1e-20, rtol=1e-15
+        )
+
+    def forces(self, state: np.ndarray) -> tuple[float, float, list[float]]:
+        """The point's place, dy/dt and the forces."""
+        x, v, y = state[:3], state[3:6], state[8] if len(state) > 8 else None
+        u, first = self.place(x, y), self.damped()
+        d = [x[i] - push.gap - u for i, push in enumerate(self.pushes)]
+        left = K * (u - x[2]) - self.springs(u, x)  # for the dashpots
+        dash = {i: self.pushes[i].c * max(d[i], 0.0) ** self.pushes[i].p for i in self.on}
+        dash = {i: c for i, c in dash.items() if self.pushes[i].c > 0.0}
+        share = dict.fromkeys(dash, left)
+        if len(dash) > 1:
+            w = (sum(c * v[i] for i, c in dash.items()) - left) / sum(dash.values())
+            share = {i: c * (v[i] - w) for i, c in dash.items()}
+        force = [0.0, 0.0]
+        for i in self.on:
+            force[i] = self.pushes[i].k * max(d[i], 0.0) ** self.pushes[i].n + share.get(i, 0.0)
+        if first is None:
+            return u, 0.0, force
+        push = self.pushes[first]
+        return u, (push.p + 1.0) * share[first] / push.c, force
+
+    def slope(self, t: float, state: np.ndarray) -> np.ndarray:
+        u, rise, force = self.forces(state)
+        pulled = K * (u - state[2]) / MASS
+        slope = [*state[3:6], -force[0], -force[1], pulled, *force, rise]
+        return np.array(slope[: len(state)])
+
+    def depth(self, i: int, state: np.ndarray) -> float:
+        return state[i] - self.pushes[i].gap - self.forces(state)[0]
+
+    def left(self, i: int, state: np.ndarray) -> float:
+        """Positive while a contact acts, or does not yet."""
+        if i not in self.on:
+            return -self.depth(i, state)
+        return self.forces(state)[2][i] if self.pushes[i].c > 0.0 else self.depth(i, state)
+
+    def event(self, i: int, start: float) -> Any:
+        def event(t: float, state: np.ndarray) -> float:
+            return self.left(i, state) + (i in self.on and t < start + 1e-9)
+
+        event.terminal, event.direction, event.contact = True, -1, i  # type: ignore[attr-defined]
+        return event
+
+    def run(self) -> "Reference":
+        time, self.on = 0.0, [0]
+        while self.on and time < END:
+            state = self.state[:8]
+            if (first := self.damped()) is not None:
+                u = self.place(state[:3], None) if time == 0.0 else self.u
+                d = max(state[first] - self.pushes[first].gap - u, 0.0)
+                state = np.append(state, d ** (self.pushes[first].p + 1.0))
+            events = [self.event(i, time) for i in (0, 1) if i not in self.over]
+            found = scipy.integrate.solve_ivp(
+                self.slope, (time, END), state, "DOP853", events=events, dense_output=True,
+                rtol=1e-11, atol=1e-16, max_step=2e-6,
+            )  # fmt: skip
+            for t in np.linspace(time, found.t[-1], 1000):
+                force = self.forces(found.sol(t))[2]
+                self.peak = [max(*both) for both in zip(self.peak, force, strict=True)]
+            time, self.state = found.t[-1], found.y[:, -1]
+            self.u = self.forces(self.state)[0]
+            for event, at in zip(events, found.t_events, strict=True):
+                if len(at) and event.contact in self.on:
+                    self.on.remove(event.contact)
+                    self.over.append(event.contact)
+                    self.end[event.contact] = time
+                elif len(at):
+                    self.on.append(event.contact)
+                    self.touch[event.contact] = time
+        return self
+
+
+def struck(pushes, m0=0.0, rtol=RTOL, end=END):
+    scene = ao.Scene()
+    point = scene.add(ao.AOModel(m0=m0, m=[MASS], k=[K]))
+    for push in pushes:
+        ball = scene.add(ao.rigid(mass=1.0), velocity=1.0)
+        scene.connect(ball, point, push.law, gap=push.gap)
+    return scene.simulate(duration=end, solver=ao.Adaptive(rtol=rtol))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_two_contacts_on_a_massless_point(name):
+    run, other = struck(CASES[name]), Reference(CASES[name]).run()
+    assert run.error.energy < 1e-6
+    for i, events in enumerate(run.events):
+        assert events.peak_force == pytest.approx(other.peak[i], rel=1e-6)
+        assert events.impulse == pytest.approx(other.state[6 + i], rel=1e-6)
+        assert events.contacts == (pytest.approx((other.touch[i], other.end[i]), rel=1e-6),)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-6])
+def test_a_constant_load_that_sets_in_on_a_point_held_by_a_dashpot(gap):
+    """x' = v, m v' = k (u - x), c u' = k (x - u) + load - k_c (u - gap): linear, from u = gap."""
+    m, k, load, stiffness, c = 1.0, 1e6, 100.0, 2e6, 300.0
+    scene = ao.Scene()
+    body = scene.add(ao.AOModel(m0=0.0, m=[m], k=[k]), velocity=0.1)
+    wall = scene.add(ao.rigid(mass=math.inf))
+    scene.connect(body, wall, ao.KelvinVoigt(stiffness, c), gap=gap)
+    scene.apply(body, force=load)
+    run = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=RTOL))
+    matrix = np.zeros((4, 4))
+    matrix[0, 1] = 1.0
+    matrix[1, :3] = [-k / m, 0.0, k / m]
+    matrix[2] = [k / c, 0.0, -(k + stiffness) / c, (load + stiffness * gap) / c]
+    start = np.array([0.0, 0.1, gap, 1.0])
+    states = np.array([scipy.linalg.expm(matrix * t) @ start for t in run.t[::4]])
+    wanted = k * (states[:, 0] - states[:, 2]) + load
+    assert wanted.min() > 0.0
+    assert run.contacts[0].force[0] == pytest.approx(load - k * gap, rel=1e-9)
+    np.testing.assert_allclose(run.contacts[0].force[::4], wanted, rtol=1e-7)
+
+
+def test_a_pull_that_ends_beside_a_contact():
+    """A dashpot that pulls lets go of a point without mass on which a ball still presses."""
+    beside = linear(1e6), Push(ao.KelvinVoigt(1e8, 3e3, end="indentation"), 1e8)
+    runs = [struck(beside, m0, rtol=1e-9, end=1.2e-3) for m0 in (0.0, 1e-7)]
+    pull = runs[0].events[1].contacts[0]
+    assert runs[0].contacts[1].force.min() < -100.0
+    assert runs[0].at([pull[1] * (1 + 1e-6)]).contacts[0].force[0] > 100.0
+    assert [run.error.energy < 1e-7 for run in runs] == [True, True]
+    for one, other in zip(runs[0].events, runs[1].events, strict=True):
+        assert one.impulse == pytest.approx(other.impulse, rel=1e-5)

@@ -541,17 +541,17 @@ static double off_by(plant *p, double end, double touch, double near_touch, forc
 }
 
 typedef struct pushes {
-    double V, n, k[2], c[2], soft, gap, touch, before, after;
+    double V, n, k[2], c[2], soft, over, gap, touch; /* over: so far the first presses from the start */
 } pushes;
 
-/* k1 (V t - u)^n + k2 (V t - gap - u)^n = u / soft, each only where it presses. */
+/* k1 (over + V t - u)^n + k2 (V t - gap - u)^n = u / soft, each only where it presses. */
 static void forces_of_springs(const void *data, double t, double *force)
 {
     const pushes *of = data;
-    double low = 0.0, high = of->V * t;
+    double low = 0.0, high = of->over + of->V * t;
     for (int i = 0; i < 100; i++) {
         const double u = 0.5 * (low + high), past = of->V * t - of->gap - u;
-        force[0] = of->k[0] * pow(of->V * t - u, of->n);
+        force[0] = of->k[0] * pow(of->over + of->V * t - u, of->n);
         force[1] = past > 0.0 ? of->k[1] * pow(past, of->n) : 0.0;
         *(force[0] + force[1] > u / of->soft ? &low : &high) = u;
     }
@@ -561,15 +561,17 @@ static void forces_of_springs(const void *data, double t, double *force)
 static void a_second_spring_takes_its_share_at_once(void)
 {
     const double end = 1e-4, exponents[] = {1.0, 1.5, 2.5};
-    for (int e = 0; e < 3; e++) {
-        pushes of = {.V = 1.0, .n = exponents[e], .soft = 1e-8, .gap = 2e-5};
+    for (int e = 0; e < 6; e++) {
+        pushes of = {.V = 1.0, .n = exponents[e % 3], .soft = 1e-8, .over = e < 3 ? 0.0 : 3e-5};
+        of.gap = e < 3 ? 2e-5 : 1e-6;
         of.k[0] = pow(10.0, 4.0 + 4.0 * of.n);
         of.k[1] = 1.5 * of.k[0];
         const aoi_law laws[] = {law_named("power", 2, of.k[0], of.n, 0.0), law_named("power", 2, of.k[1], of.n, 0.0)};
         for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
             plant p = pushed_by_two(of.V, of.soft, of.gap, &laws[0], &laws[1]);
+            p.joint[0].gap = -of.over;
             must_go(&p, rtol, end);
-            const double off = off_by(&p, end, 0.0, 0.0, forces_of_springs, &of);
+            const double off = off_by(&p, end, -1.0, 0.0, forces_of_springs, &of);
             CHECK(off < rtol, "n %g, rtol %g: forces off by %g", of.n, rtol, off);
             release(&p);
         }
@@ -593,9 +595,20 @@ static void forces_of_dampers(const void *data, double t, double *force)
     const pushes *of = data;
     const int second = t >= of->touch;
     double rate;
-    const double u = crept(of, 1 + second, second ? of->touch : 0.0, second ? of->V * of->touch - of->gap : 0.0, t, &rate);
+    const double start = second ? of->touch : 0.0, there = second ? of->V * start - of->gap : 0.0;
+    const double u = crept(of, 1 + second, start, there, t, &rate);
     force[0] = of->k[0] * (of->V * t - u) + of->c[0] * (of->V - rate);
     force[1] = second ? of->k[1] * (of->V * t - of->gap - u) + of->c[1] * (of->V - rate) : 0.0;
+}
+
+/* When a first dashpot has pushed the place over the gap; crept() is at touch then. */
+static void find_touch(pushes *of, double end, int beyond)
+{
+    double rate, late = end;
+    while (late - of->touch > 1e-15 * end) {
+        const double middle = 0.5 * (of->touch + late), u = crept(of, 1, 0.0, 0.0, middle, &rate);
+        *((beyond ? u : of->V * middle - u) < of->gap ? &of->touch : &late) = middle;
+    }
 }
 
 /* With dashpots the place goes on from where it was, and the forces on it jump. */
@@ -605,11 +618,7 @@ static void a_second_damper_takes_its_share_at_once(void)
     pushes of = {.V = 1.0, .k = {1e7, 3e7}, .c = {2e3, 5e3}, .soft = 1e-8, .gap = 2e-5};
     const aoi_law laws[] = {law_named("kelvin_voigt", 2, of.k[0], of.c[0], 0.0),
                             law_named("kelvin_voigt", 2, of.k[1], of.c[1], 0.0)};
-    double rate, late = end;
-    while (late - of.touch > 1e-15 * end) { /* V t - u comes to the gap */
-        const double middle = 0.5 * (of.touch + late);
-        *(of.V * middle - crept(&of, 1, 0.0, 0.0, middle, &rate) < of.gap ? &of.touch : &late) = middle;
-    }
+    find_touch(&of, end, 0);
     for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
         plant p = pushed_by_two(of.V, of.soft, of.gap, &laws[0], &laws[1]);
         must_go(&p, rtol, end);
@@ -618,6 +627,156 @@ static void a_second_damper_takes_its_share_at_once(void)
         const double off = off_by(&p, end, of.touch, rtol * of.touch, forces_of_dampers, &of);
         CHECK(off < 10.0 * rtol, "rtol %g: forces off by %g", rtol, off);
         release(&p);
+    }
+}
+
+/* A dashpot beyond a gap brakes the place: its force is largest where it begins, c2 u' with (c1 + c2) u' = c1 V +
+ * k1 (V t - u) - u / soft. */
+static void a_force_that_jumps_has_its_peak_there(void)
+{
+    const double end = 1e-4;
+    pushes of = {.V = 1.0, .k = {1e5, 1e5}, .c = {2e3, 5e3}, .soft = 1e-8, .gap = 1e-5};
+    const aoi_law laws[] = {law_named("kelvin_voigt", 2, of.k[0], of.c[0], 0.0),
+                            law_named("kelvin_voigt", 2, of.k[1], of.c[1], 0.0)};
+    find_touch(&of, end, 1);
+    const double push = of.c[0] * of.V + of.k[0] * (of.V * of.touch - of.gap) - of.gap / of.soft;
+    const double peak = of.c[1] * push / (of.c[0] + of.c[1]);
+    CHECK(of.touch < 0.9 * end && peak > 0.0, "it comes there");
+    for (double rtol = 1e-4; rtol > 5e-9; rtol *= 1e-2) {
+        plant p = pushed_by_two(of.V, of.soft, of.gap, &laws[0], &laws[1]);
+        p.joint[1] = (aoi_joint){{0, 2}, {0, 0}, of.gap, &laws[1]};
+        p.part[2].v[0] = 0.0;
+        must_go(&p, rtol, end);
+        CHECK(near(p.contact[1].peak_force, peak, 10.0 * rtol), "rtol %g: peak %.12g, not %.12g", rtol,
+              p.contact[1].peak_force, peak);
+        CHECK(near(p.contact[1].peak_time, of.touch, 10.0 * rtol), "rtol %g: at %.12g, not %.12g", rtol,
+              p.contact[1].peak_time, of.touch);
+        release(&p);
+    }
+}
+
+/* A load that sets in at once on a place held by a dashpot beyond a gap: u is at the gap at once, and c u' =
+ * load - u / soft - k (u - gap). */
+static void a_load_sets_in_on_a_dashpot(void)
+{
+    const double soft = 1e-8, k = 3e7, c = 5e3, load = 4e3, end = 1e-4, fall = (1.0 / soft + k) / c;
+    const aoi_law law = law_named("kelvin_voigt", 2, k, c, 0.0);
+    for (int apart = 0; apart < 2; apart++) {
+        const double gap = apart ? 1e-5 : 0.0, rest = (load + k * gap) / (1.0 / soft + k);
+        plant p = {.bodies = 0};
+        part *place = add_rigid(&p, 1e12, 0.0);
+        place->massless = 1;
+        place->residual[0] = soft;
+        place->load_count = 1;
+        place->load_force[0] = load;
+        add_wall(&p);
+        join_rigid(&p, 0, 1, gap, &law);
+        must_go(&p, 1e-8, end);
+        CHECK(near(p.contact[0].peak_force, load - gap / soft, 1e-8), "it begins with %.12g N, not %.12g",
+              p.contact[0].peak_force, load - gap / soft);
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        for (int i = 0; i <= 100; i++) {
+            double record[32];
+            const double t = end * i / 100.0, u = rest + (gap - rest) * exp(-fall * t);
+            aoi_sampler_column(&p.sampler, t, 0, record, 1);
+            CHECK(fabs(record[0] - (load - u / soft)) < 1e-7 * load, "t %g: %.12g N, not %.12g", t, record[0],
+                  load - u / soft);
+        }
+        release(&p);
+    }
+}
+
+/* A faster body that comes from behind draws the place away from a first one, whose force is cut at once. */
+static void a_faster_one_takes_all_the_force(void)
+{
+    const double end = 4e-5, fast = 4.0;
+    pushes of = {.V = 1.0, .k = {1e5, 1e5}, .c = {2e3, 5e3}, .soft = 1e-8, .gap = 5e-5};
+    const aoi_law laws[] = {law_named("kelvin_voigt", 2, of.k[0], of.c[0], 0.0),
+                            law_named("kelvin_voigt", 2, of.k[1], of.c[1], 0.0)};
+    double rate, touch = 0.0, late = end;
+    while (late - touch > 1e-15 * end) {
+        const double middle = 0.5 * (touch + late);
+        *(fast * middle - crept(&of, 1, 0.0, 0.0, middle, &rate) < of.gap ? &touch : &late) = middle;
+    }
+    const double u = fast * touch - of.gap, after = fast - u / of.soft / of.c[1];
+    CHECK(of.c[0] * (of.V - after) + of.k[0] * (of.V * touch - u) < 0.0, "the first would pull");
+    const double stiff = of.k[1] + 1.0 / of.soft, speed = of.k[1] * fast / stiff;
+    const double line = (of.c[1] * (fast - speed) - of.k[1] * of.gap) / stiff;
+    for (double rtol = 1e-4; rtol > 5e-9; rtol *= 1e-2) {
+        plant p = pushed_by_two(of.V, of.soft, of.gap, &laws[0], &laws[1]);
+        p.part[2].v[0] = fast;
+        must_go(&p, rtol, touch + 2e-6);
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        for (int i = 1; i <= 20; i++) {
+            double record[64];
+            const double t = touch + 1e-7 * i;
+            const double there =
+                line + speed * t + (u - line - speed * touch) * exp(-stiff / of.c[1] * (t - touch));
+            aoi_sampler_column(&p.sampler, t, 0, record, 1);
+            CHECK(record[0] == 0.0, "rtol %g: the first has let go: %g N", rtol, record[0]);
+            CHECK(near(record[AOI_CONTACT_ROWS], there / of.soft, 10.0 * rtol), "rtol %g: %.12g N, not %.12g", rtol,
+                  record[AOI_CONTACT_ROWS], there / of.soft);
+        }
+        release(&p);
+    }
+}
+
+/* Pressed by a load that fades: its peak is the start's. */
+static void a_pressed_body_that_is_let_go_has_its_peak_at_the_start(void)
+{
+    const double load = 100.0, k = 1e6;
+    for (int i = 0; i < 2; i++) {
+        const aoi_law law = i == 0 ? linear(k) : hertz(1e8);
+        plant p = {.bodies = 0};
+        part *ball = add_rigid(&p, 1.0, 0.0);
+        ball->x[0] = i == 0 ? load / k : pow(load / 1e8, 2.0 / 3.0);
+        ball->load_count = 2;
+        ball->load_time[1] = 1e-3;
+        ball->load_force[0] = load;
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        must_go(&p, 1e-3, 2e-3);
+        CHECK(near(p.contact[0].peak_force, load, 1e-12), "law %d: %.15g N", i, p.contact[0].peak_force);
+        CHECK(p.contact[0].peak_time == 0.0, "law %d: at %g", i, p.contact[0].peak_time);
+        release(&p);
+    }
+}
+
+static double deepest_asked;
+
+static double saturating(double indentation, double rate)
+{
+    const double high = pow(indentation, 8.0);
+    (void)rate;
+    deepest_asked = fmax(deepest_asked, indentation);
+    return 1e3 * high / (high + 1e-40);
+}
+
+/* A caller's law that saturates is not asked where the motion does not lead, however steady and strong the push. */
+static void a_law_is_asked_no_deeper_than_the_motion_may_lead(void)
+{
+    aoi_user_law user = {.given = {1, 0, 0, 0}};
+    user.function[AOI_USER_FORCE] = saturating;
+    for (double push = 450.0; push < 1e4; push *= 1.5) {
+        for (int rises = 0; rises < 2; rises++) {
+            const double end = rises ? 1e-3 : 2e-3;
+            aoi_law law;
+            CHECK(aoi_law_create_user(&law, &user, 0, 0) == AOI_OK, "made");
+            plant p = {.bodies = 0};
+            part *ball = add_rigid(&p, 1.0, 0.0);
+            ball->load_count = 2;
+            ball->load_time[1] = end;
+            ball->load_force[0] = rises ? 0.0 : push;
+            ball->load_force[1] = push;
+            add_wall(&p);
+            join_rigid(&p, 0, 1, 0.0, &law);
+            deepest_asked = 0.0;
+            must_go(&p, 1e-6, end);
+            const double free = push * end * end * (rises ? 1.0 / 6.0 : 0.5); /* without the law */
+            CHECK(deepest_asked <= (rises ? 3.0 : 1.0) * free * 1.01, "%g N, rises %d: asked at %g m, goes to %g m",
+                  push, rises, deepest_asked, p.x[0]);
+            release(&p);
+        }
     }
 }
 
@@ -1180,6 +1339,11 @@ int main(void)
     a_crest_beside_a_contact_touches_or_does_not();
     a_second_spring_takes_its_share_at_once();
     a_second_damper_takes_its_share_at_once();
+    a_pressed_body_that_is_let_go_has_its_peak_at_the_start();
+    a_law_is_asked_no_deeper_than_the_motion_may_lead();
+    a_force_that_jumps_has_its_peak_there();
+    a_load_sets_in_on_a_dashpot();
+    a_faster_one_takes_all_the_force();
     a_massless_place_between_two_contacts_moves_evenly();
     a_pull_ends_beside_what_presses();
     a_row_of_ringing_bodies();

@@ -1,5 +1,6 @@
 /* Free flight: its closed form, and that no touch is stepped over, however briefly it lasts. */
 #include "plant.h"
+#include "radau.h"
 
 enum { STRIDES = 1000000 };
 
@@ -340,6 +341,49 @@ static void the_one_with_less_drag_catches_up(void)
           pair.time);
 }
 
+/* Side by side at rest, within rounding of the gap, until a load that rises from nothing draws one away. */
+static void a_load_that_draws_away_from_touch_costs_nothing(void)
+{
+    for (int i = 0; i < 6; i++) {
+        plant p = {.bodies = 0};
+        part *ball = add_rigid(&p, 2.0, 0.0);
+        ball->omega[0] = i % 2 ? 300.0 : 0.0;
+        ball->load_count = 2;
+        ball->load_time[1] = 0.1;
+        ball->load_force[1] = -5.0;
+        add_wall(&p);
+        p.part[1].x[0] = 1.0;
+        aoi_flight pair = pair_of(&p, i < 2 ? -1.0 : -1.0 + (i < 4 ? 1.0 : -1.0) * 0.5 * DBL_EPSILON);
+        int touches = -1;
+        CHECK(aoi_flight_next_touch(&pair, 0.3, 1000, &touches) == AOI_OK && touches == 0, "case %d: it goes", i);
+    }
+}
+
+/* What contact forces make of an indentation has its share in all derivatives: of a cosine. */
+static void a_forced_part_moves_with_the_rest(void)
+{
+    double values[AOI_STAGES + 1] = {0.3};
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        values[i + 1] = 0.3 * cos(2.0 * aoi_radau_node[i]);
+    }
+    aoi_forced forced;
+    aoi_forced_fit(1.0, 0.5, values, &forced);
+    plant p = thrown(0.0, 0.0);
+    aoi_flight pair = pair_of(&p, 0.1);
+    pair.forced = &forced;
+    for (int i = 1; i < 10; i++) { /* cos(4 (t - 1)) */
+        double indentation, rate, acceleration;
+        const double at = 0.2 * i;
+        pair.time = 1.0 + at / 4.0;
+        aoi_flight_indentation(&pair, &indentation, &rate, &acceleration);
+        CHECK(fabs(indentation - (0.3 * cos(at) - 0.1)) < 1e-7, "itself at %g: %g", at, indentation);
+        CHECK(fabs(rate + 1.2 * sin(at)) < 1e-5, "its rate at %g: %g", at, rate);
+        CHECK(fabs(acceleration + 4.8 * cos(at)) < 1e-3, "its acceleration at %g: %g", at, acceleration);
+        CHECK(fabs(aoi_flight_jerk(&pair) - 19.2 * sin(at)) < 0.05, "its jerk at %g: %g", at, aoi_flight_jerk(&pair));
+        CHECK(fabs(acceleration) <= forced.bend, "no larger than its bound");
+    }
+}
+
 int main(void)
 {
     a_thrown_ball_lands_where_it_must();
@@ -349,6 +393,8 @@ int main(void)
     a_damped_crest_is_lower();
     a_load_that_rises_pushes_a_ball_against_the_wall();
     a_load_that_begins_at_touch_presses();
+    a_load_that_draws_away_from_touch_costs_nothing();
+    a_forced_part_moves_with_the_rest();
     the_third_derivative_is_the_slope_of_the_second();
     a_stiff_mass_creeps_up_with_its_load();
     residual_compliance_creeps_up_with_its_load();

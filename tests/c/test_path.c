@@ -36,9 +36,9 @@ static double squared_speed(const aoi_modes *body, double h, double place, const
 static void damping_takes_its_power_along_the_motion(void)
 {
     const double h = 1e-3, turns[] = {0.0, 0.5, 1.49, 1.51, 3.0, 30.0, 1000.0, 1e5}, places[] = {1.0, 0.37};
-    const double damped[] = {1e-4, 0.3, 1.4};
+    const double damped[] = {1e-4, 0.3, 1.4, 4.0}, within[] = {1e-10, 1e-10, 1e-10, 2e-8};
     uint64_t seed = 29;
-    for (size_t i = 0; i < 24; i++) {
+    for (size_t i = 0; i < 32; i++) {
         const double omega = turns[i % 8] / h, decay = damped[i / 8] / h;
         plant p = {.bodies = 0};
         part *of = add_mode(&p, omega, decay);
@@ -60,8 +60,8 @@ static void damping_takes_its_power_along_the_motion(void)
             aoi_modes_fly(p.body, 0.0, place * h, &x1, &v1);
             aoi_response_push(p.body, h, force, place, &x1, &v1);
             aoi_modes_step_work(p.body, 0.0, h, place, force, &x0, &v0, &x1, &work, &lost);
-            CHECK(near(lost, wanted, 1e-10), "omega h %g, decay h %g, to %g: %.12g J lost, not %.12g (%g)", turns[i % 8],
-                  damped[i / 8], place, lost, wanted, lost / wanted - 1.0);
+            CHECK(near(lost, wanted, within[i / 8]), "omega h %g, decay h %g, to %g: %.12g J lost, not %.12g (%g)",
+                  turns[i % 8], damped[i / 8], place, lost, wanted, lost / wanted - 1.0);
             CHECK(work == 0.0, "neither gravity nor a load");
         }
     }
@@ -83,7 +83,8 @@ static void a_rising_load_works_over_many_periods(void)
         lay_out(&p);
         const double lag = 2.0 * decay / (omega * omega), swing = sqrt(omega * omega - decay * decay);
         /* a cos + b sin, from x = v = 0 */
-        const double a = rate / stiffness * lag, b = (decay * a - rate / stiffness) / swing, left = exp(-decay * end);
+        const double a = rate / stiffness * lag, b = (decay * a - rate / stiffness) / swing;
+        const double left = exp(-decay * end);
         const double cosine = cos(swing * end), sine = sin(swing * end);
         const double x = rate / stiffness * (end - lag) + left * (a * cosine + b * sine);
         const double v = rate / stiffness + left * ((b * swing - decay * a) * cosine - (a * swing + decay * b) * sine);
@@ -96,8 +97,8 @@ static void a_rising_load_works_over_many_periods(void)
         aoi_modes_flight_work(p.body, 0.0, end, &x0, &v0, &x1, &v1, scratch, &work, &lost);
         CHECK(near(work, wanted, 1e-9), "decay %g: %.15g J, not %.15g", decay, work, wanted);
         const double energy = 0.5 * mass * v * v + 0.5 * stiffness * x * x;
-        CHECK(fabs(lost - (wanted - energy)) < 1e-10 * wanted && lost >= -1e-14 * wanted, "decay %g: %g J lost", decay,
-              lost);
+        CHECK(fabs(lost - (wanted - energy)) < 1e-10 * wanted && lost >= -1e-14 * wanted, "decay %g: %g J lost",
+              decay, lost);
         release(&p);
     }
 }

@@ -1,0 +1,91 @@
+"""How runs begin: pressed contacts that are let go, and bodies at rest that a load pulls apart."""
+
+import math
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+WALL = ao.rigid(mass=math.inf)
+LOAD = 100.0
+BODIES = {
+    "rigid": ao.rigid(mass=1.0),
+    "star": ao.AOModel(m0=1.0, m=[1.0], k=[1e5]),
+    "massless": ao.AOModel(m0=0.0, m=[1.0], k=[1e5]),
+}
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-8])
+@pytest.mark.parametrize("law", [ao.Hertz(1e8), ao.Linear(1e6), ao.KelvinVoigt(1e6, 10.0)])
+@pytest.mark.parametrize("body", BODIES)
+def test_a_pressed_contact_that_is_let_go_has_its_peak_at_the_start(body, law, rtol):
+    scene = ao.Scene()
+    pressed, wall = scene.add(BODIES[body]), scene.add(WALL)
+    scene.connect(pressed, wall, law)
+    scene.apply(pressed, force=([0.0, 1e-3], [LOAD, 0.0]))
+    run = scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=rtol), preload=True)
+    assert run.events[0].peak_force == pytest.approx(LOAD, rel=1e-9)
+    assert run.events[0].peak_time < 1e-11
+    assert run.contacts[0].force[0] == pytest.approx(LOAD, rel=rtol)
+
+
+M, K = 1.0, 1e5
+FREE, SPRUNG = ao.rigid(mass=M), ao.AOModel(m0=M, k0=K)
+RATE, RISE, END = 100.0, 1e-2, 2e-2
+
+
+def cubic(t, mass):
+    return np.where(t > 0.0, RATE * np.maximum(t, 0.0) ** 3 / (6.0 * mass), 0.0)
+
+
+def swing(t, mass, k):
+    omega = math.sqrt(k / mass)
+    return np.where(t > 0.0, RATE / k * (t - np.sin(omega * t) / omega), 0.0)
+
+
+# Of a load RATE t for all times; what ends the rise is the same, later and the other way.
+PARTED = {
+    "rigid | sprung": (FREE, SPRUNG, lambda t: swing(t, M, K)),
+    "wall | sprung": (WALL, SPRUNG, lambda t: swing(t, M, K)),
+    "rigid | rigid": (FREE, FREE, lambda t: cubic(t, M)),
+    "sprung | sprung": (SPRUNG, SPRUNG, lambda t: swing(t, M, K)),
+    "rigid | free star": (
+        FREE,
+        ao.AOModel(m0=M, m=[M], k=[K]),
+        lambda t: cubic(t, 2 * M) + 0.5 * swing(t, M, 2 * K),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PARTED)
+def test_a_load_that_rises_from_nothing_pulls_touching_bodies_apart(name):
+    one, other, moved = PARTED[name]
+    scene = ao.Scene()
+    left, right = scene.add(one), scene.add(other)
+    scene.connect(left, right, ao.Hertz(1e9), gap=0.0)
+    scene.apply(right, force=([0.0, RISE], [0.0, RATE * RISE]))
+    run = scene.simulate(duration=END)
+    assert run.events[0].contacts == ()
+    assert run.events[0].peak_force == 0.0
+    assert len(run.t) < 1000
+    wanted = moved(run.t) - moved(run.t - RISE)
+    np.testing.assert_allclose(run[right].displacement, wanted, atol=1e-11 * wanted.max())
+    np.testing.assert_array_equal(run[left].displacement, 0.0)
+
+
+@pytest.mark.parametrize("push", [450.0, 700.0])
+def test_a_law_that_saturates_is_asked_no_deeper_than_the_motion_may_lead(push):
+    asked = [0.0]
+
+    def force(d, rate):
+        asked[0] = max(asked[0], float(np.max(d)))
+        return 1e3 * d**8 / (d**8 + 1e-40)
+
+    scene = ao.Scene()
+    body, wall = scene.add(ao.rigid(mass=1.0)), scene.add(WALL)
+    scene.connect(body, wall, ao.UserLaw(force), gap=1e-6)
+    scene.apply(body, force=push)
+    run = scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=1e-6))
+    went = run.contacts[0].indentation.max()
+    assert 1e-5 < went < asked[0] < 2.0 * went
