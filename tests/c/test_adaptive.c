@@ -155,6 +155,26 @@ static void a_damped_force_is_right_at_its_start(void)
     }
 }
 
+/* How deep a ball will go under k d^(3/2) is known from the touch on: 2/5 k d^(5/2) = m v^2 / 2. */
+static void how_deep_it_will_be_is_known_at_the_touch(void)
+{
+    const double mass = 0.1, k = 1e9, speed[] = {1e-15, 1e-13, 1e-3, 1.0, 1.1, 1.3, 10.0};
+    const aoi_law law = hertz(k);
+    for (size_t i = 0; i < sizeof speed / sizeof speed[0]; i++) {
+        const double depth = pow(1.25 * mass * speed[i] * speed[i] / k, 0.4), end = 10.0 * depth / speed[i];
+        plant p = {.bodies = 0};
+        size_t used, rows;
+        add_rigid(&p, mass, speed[i]);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        CHECK(begin(&p, 1e-4, end) == AOI_OK, "it begins");
+        CHECK(aoi_adaptive_run(&p.run, TRACK_ROOM, 2, p.track, p.index, &used, &rows) == AOI_OK, "it touches");
+        CHECK(near(p.contact[0].indentation_scale, depth, 0.03), "at %g m/s: %g m, not %g", speed[i],
+              p.contact[0].indentation_scale, depth);
+        release(&p);
+    }
+}
+
 /* Every step hands on the law's force, the first one too, whose end its polynomial misses by some 1e-3. */
 static void each_step_ends_with_the_force_of_the_law(void)
 {
@@ -1327,6 +1347,7 @@ int main(void)
     the_first_moments_are_exact_relative_to_themselves();
     a_linear_contact_is_half_a_sine();
     a_damped_force_is_right_at_its_start();
+    how_deep_it_will_be_is_known_at_the_touch();
     each_step_ends_with_the_force_of_the_law();
     a_force_that_comes_back_is_seen();
     a_short_record_has_its_own_scale();
