@@ -131,11 +131,7 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
     if (acceleration == 0.0) { /* under a soft law held bodies turn back by themselves */
         reach = fmin(reach, swing);
     }
-    double time = reach / (rate + sqrt(acceleration * reach));
-    if (left < time) { /* what is seen of it before the record ends is all there is */
-        time = left;
-        reach = fmin(reach, left * (rate + 0.5 * acceleration * left));
-    }
+    const double time = reach / (rate + sqrt(acceleration * reach));
     aoi_law_push(law, contact->memory, reach, rate, &value);
     if (!(reach > 0.0) || !isfinite(3.0 * time) || !(time > 0.0) || !isfinite(value.force)) {
         return;

@@ -63,6 +63,9 @@ static int full_predict(aoi_body *body, double *displacement, double *velocity)
     const aoi_newmark_step *step = &body->step;
     const size_t n = full->K.n;
     double *u = part(body, U), *v = part(body, V), *a = part(body, A), *free_a = part(body, FREE_A);
+    if (aoi_work_stops(full->pause)) {
+        return AOI_ERROR_STOPPED;
+    }
     if (is_damped(full)) {
         memcpy(part(body, SECOND), v, n * sizeof(double));
     }

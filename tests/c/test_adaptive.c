@@ -155,6 +155,52 @@ static void a_damped_force_is_right_at_its_start(void)
     }
 }
 
+/* How deep a ball will go under k d^(3/2) is known from the touch on: 2/5 k d^(5/2) = m v^2 / 2. */
+static void how_deep_it_will_be_is_known_at_the_touch(void)
+{
+    const double mass = 0.1, k = 1e9, speed[] = {1e-15, 1e-13, 1e-3, 1.0, 1.1, 1.3, 10.0};
+    const aoi_law law = hertz(k);
+    for (size_t i = 0; i < sizeof speed / sizeof speed[0]; i++) {
+        const double depth = pow(1.25 * mass * speed[i] * speed[i] / k, 0.4), end = 10.0 * depth / speed[i];
+        plant p = {.bodies = 0};
+        size_t used, rows;
+        add_rigid(&p, mass, speed[i]);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &law);
+        CHECK(begin(&p, 1e-4, end) == AOI_OK, "it begins");
+        CHECK(aoi_adaptive_run(&p.run, TRACK_ROOM, 2, p.track, p.index, &used, &rows) == AOI_OK, "it touches");
+        CHECK(near(p.contact[0].indentation_scale, depth, 0.03), "at %g m/s: %g m, not %g", speed[i],
+              p.contact[0].indentation_scale, depth);
+        release(&p);
+    }
+}
+
+/* Every step hands on the law's force, the first one too, whose end its polynomial misses by some 1e-3. */
+static void each_step_ends_with_the_force_of_the_law(void)
+{
+    const aoi_law laws[] = {hertz(1e9), law_named("tsuji", 2, 1e9, 50.0, 0.0),
+                            law_named("kuwabara_kono", 2, 1e9, 1e-5, 0.0),
+                            law_named("hunt_crossley", 3, 1e9, 0.3, 1.5)};
+    for (int i = 0; i < 4; i++) {
+        const double end = 1e-4;
+        plant p = {.bodies = 0};
+        int status, steps = 0;
+        add_rigid(&p, 0.1, 1.0);
+        add_wall(&p);
+        join_rigid(&p, 0, 1, 0.0, &laws[i]);
+        for (status = begin(&p, 1e-4, end); status == AOI_OK && p.run.time < end; steps++) {
+            size_t used, rows;
+            aoi_law_value value;
+            status = aoi_adaptive_run(&p.run, TRACK_ROOM, 1, p.track, p.index, &used, &rows);
+            aoi_law_push(&laws[i], p.contact[0].memory, p.contact[0].start, p.contact[0].start_rate, &value);
+            CHECK(near(p.contact[0].force, value.force, 1e-9), "law %d, step %d: %.12g, not %.12g", i, steps,
+                  p.contact[0].force, value.force);
+        }
+        CHECK(status == AOI_OK && steps > 2, "law %d: status %d, %d steps", i, status, steps);
+        release(&p);
+    }
+}
+
 /* How often a tip on a spring and a mass begins to press a wall, by Runge and Kutta's method. */
 static int presses(const aoi_law *law, double tip, double mass, double k, double v, double end)
 {
@@ -191,12 +237,11 @@ static int presses(const aoi_law *law, double tip, double mass, double k, double
 }
 
 /* While bodies part, a tip that rings makes a law that may not pull come back for moments. */
-static void a_force_that_comes_back_is_seen(void)
+static void comes_back(double tip, double mass, double k, double v, double end, const aoi_law *law)
 {
-    const double tip = 1.15e-4, mass = 0.535, k = 2.72e7, v = 0.0071, end = 1e-3, sum = tip + mass;
-    const aoi_law law = law_named("hunt_crossley", 3, 1.47e10, 208.0, 1.5);
-    const int wanted = presses(&law, tip, mass, k, v, end);
-    CHECK(wanted > 3, "it presses %d times", wanted);
+    const double sum = tip + mass;
+    const int wanted = presses(law, tip, mass, k, v, end);
+    CHECK(wanted > 3, "a tip of %g kg presses %d times", tip, wanted);
     for (double rtol = 1e-4; rtol > 1e-12; rtol *= 0.3) {
         plant p = {.bodies = 0};
         part *ball = add_rigid(&p, sum, v);
@@ -206,7 +251,7 @@ static void a_force_that_comes_back_is_seen(void)
         ball->push[1] = 1.0 / tip;
         ball->inertia[1] = tip * mass / sum;
         add_wall(&p);
-        join_rigid(&p, 0, 1, 0.0, &law);
+        join_rigid(&p, 0, 1, 0.0, law);
         must_go(&p, rtol, end);
         int count = 0;
         for (size_t r = 0; r < p.rows; r++) {
@@ -214,9 +259,18 @@ static void a_force_that_comes_back_is_seen(void)
             const double *of = row + (size_t)row[AOI_TRACK_SIZE] - AOI_TRACK_CONTACT_SIZE;
             count += row[AOI_TRACK_CONTACTS] > 0.0 && of[AOI_TRACK_BEGINS] > 0.0;
         }
-        CHECK(count == wanted, "rtol %g: it presses %d times, not %d", rtol, count, wanted);
+        CHECK(count == wanted, "tip %g, rtol %g: it presses %d times, not %d", tip, rtol, count,
+              wanted);
         release(&p);
     }
+}
+
+static void a_force_that_comes_back_is_seen(void)
+{
+    const aoi_law soon = law_named("hunt_crossley", 3, 1.47e10, 208.0, 1.5);
+    const aoi_law later = law_named("hunt_crossley", 3, 5.158e9, 9.41, 1.5);
+    comes_back(1.15e-4, 0.535, 2.72e7, 0.0071, 1e-3, &soon);
+    comes_back(3.488e-4, 0.1218, 7.24e7, 0.9128, 4.772e-4, &later);
 }
 
 /* A record that ends long before the force does anything to the mass: d = v t, F = k d^n, and the impulse is
@@ -1293,6 +1347,8 @@ int main(void)
     the_first_moments_are_exact_relative_to_themselves();
     a_linear_contact_is_half_a_sine();
     a_damped_force_is_right_at_its_start();
+    how_deep_it_will_be_is_known_at_the_touch();
+    each_step_ends_with_the_force_of_the_law();
     a_force_that_comes_back_is_seen();
     a_short_record_has_its_own_scale();
     a_massless_contact_is_a_spring_in_series();
