@@ -456,7 +456,7 @@ def test_a_mirror_image_stays_one():
         scene.connect(one, other, HERTZ)
     run = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=1e-9))
     out = velocities(run, balls)
-    # Rounding says which of two touches at one time comes first; what that does is the error of a step.
+    # Rounding says which of two touches at one time comes first, to the error of a step.
     assert np.abs(out + out[::-1]).max() < 1e-2 * 1e-9
     assert abs(run[balls[2]].displacement).max() < 1e-2 * 1e-9 * 1e-5
     assert [len(c.intervals) for c in run.contacts] == [

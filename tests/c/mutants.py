@@ -448,7 +448,6 @@ MUTANTS = [
     ("path.c", "path->decay * time > STRONG", "0"),
     ("path.c", "work += weight * v *", "work += 0.5 * weight * v *"),
     ("closing.c", "next, value.force) - force * (next - here);", "next, value.force);"),
-    ("closing.c", "fmin(here * exp(STRIDE), most)", "here * exp(STRIDE)"),
 ]
 
 
