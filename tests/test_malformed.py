@@ -20,7 +20,7 @@ def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
     done = subprocess.run(
         [*command, "--seed", "20261122"],
         cwd=TOOLS,
-        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.fspath(TOOLS)},
         capture_output=True,
         text=True,
         check=False,

@@ -128,6 +128,7 @@ static inline aoi_adaptive take_run(input *in, const aoi_system *system)
     run.body = take_bytes(in, system->body_count, sizeof *run.body);
     run.contact = take_bytes(in, system->joint_count, sizeof *run.contact);
     run.stage = take_bytes(in, system->joint_count, sizeof *run.stage);
+    run.balanced = take_bytes(in, system->joint_count, sizeof *run.balanced);
     run.response = take_bytes(in, system->body_count, sizeof *run.response);
     run.work = take_room(in, work);
     run.lists = take_bytes(in, lists, sizeof *run.lists);
