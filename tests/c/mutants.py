@@ -430,7 +430,6 @@ MUTANTS = [
     ("flight.c", "*rate = forced_at(pair, 1)", "*rate = 0.0"),
     ("closing.c", "value.force) - force * (next - here)", "value.force)"),
     ("closing.c", "here -= aoi_contact_bent(run, joint, 0);", ""),
-    ("closing.c", "rate -= aoi_contact_bent(run, joint, 1);", ""),
     ("closing.c", "    run->unbalanced = 1;\n", ""),
     ("step_end.c", "law->limit < HUGE_VAL &&", "0 &&"),
     ("energy.c", "2.0 * decay * body->inertia[j] * squared", "decay * body->inertia[j] * squared"),
