@@ -149,13 +149,18 @@ class Reference:
                 state = np.append(state, d ** (self.pushes[first].p + 1.0))
             events = [self.event(i, time) for i in (0, 1) if i not in self.over]
             found = scipy.integrate.solve_ivp(
-                self.slope, (time, END), state, "DOP853", events=events, dense_output=True,
-                rtol=1e-11, atol=1e-16, max_step=2e-6,
+                self.slope, (time, END), state, "DOP853", events=events,
+                t_eval=np.linspace(time, END, 5001), rtol=1e-11, atol=1e-16, max_step=2e-6,
             )  # fmt: skip
-            for t in np.linspace(time, found.t[-1], 1000):
-                force = self.forces(found.sol(t))[2]
+            ends = [
+                (at[-1], y[-1])
+                for at, y in zip(found.t_events, found.y_events, strict=True)
+                if len(at)
+            ]
+            time, self.state = max(ends, key=lambda end: end[0]) if ends else (END, found.y[:, -1])
+            for state in (*found.y.T, self.state):
+                force = self.forces(state)[2]
                 self.peak = [max(*both) for both in zip(self.peak, force, strict=True)]
-            time, self.state = found.t[-1], found.y[:, -1]
             self.u = self.forces(self.state)[0]
             for event, at in zip(events, found.t_events, strict=True):
                 if len(at) and event.contact in self.on:
