@@ -7,7 +7,6 @@
 
 enum {
     LEAST_RISE = 2, /* of levels at once */
-    MOST_LOOKS = 500000,
     MOST_TRIMS = 12,
     MOST_IDLE = 1000
 };
@@ -272,7 +271,7 @@ static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *cop
         copy += 2 * n;
     }
     limit = is_simple(pair.body[0]) && is_simple(pair.body[1]) ? run->end : limit;
-    const size_t most = 1 + MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
+    const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
     const int status = aoi_flight_next_touch(&pair, limit, most, &contact->touches);
     contact->free_until = pair.time;
     aoi_watch_add(run, joint);

@@ -15,6 +15,9 @@ enum {
     AOI_NO_LEVEL = 1000
 };
 
+/* The search for a touch looks at so many modes in all, some tenth of a second, before it hands over. */
+enum { AOI_MOST_LOOKS = 500000 };
+
 /* What may happen to a contact within a step. */
 enum aoi_event {
     AOI_EVENT_NONE = 0,

@@ -80,8 +80,8 @@ static void state_at(const aoi_path *path, double share, double *x, double *v)
     }
 }
 
-/* The integrals by quadrature. Where damping is strong, that of v^2 by what the force does and the mode keeps: what
- * dies away at once is hardly seen by the force. */
+/* The integrals by quadrature. Where damping is strong, that of v^2 by what the force does and the mode keeps:
+ * what dies away at once is hardly seen by the force. */
 static void by_quadrature(const aoi_path *path, double *squared, double *moment)
 {
     const double time = path->place * path->h;

@@ -7,9 +7,6 @@
 
 #include <math.h>
 
-/* The search of a step looks at so many modes in all. */
-enum { MOST_LOOKS = 500000 };
-
 /* The forces that a mode feels, by Legendre coefficients; returns whether there are any. */
 static int forces_on(const aoi_adaptive *run, size_t b, size_t j, double *legendre)
 {
@@ -112,7 +109,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *atte
     take_pair(run, stage->joint, attempt->h, &pair, &forced);
     pair.gap += rest + slack;
     aoi_flight_indentation(&pair, &start, &start_rate, &ignored);
-    const size_t most = 1 + MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
+    const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
     if (aoi_flight_next_touch(&pair, now + attempt->h, most, &touches) != AOI_OK) {
         attempt->growth = fmin(attempt->growth, 0.5); /* it is as close as that for all of so long a step */
         return;
