@@ -18,7 +18,6 @@ import numpy.typing as npt
 from . import _core
 from .adaptive import Adaptive
 from .errors import held_warnings
-from .fit import fitted_times, knows
 from .laws import UserLaw
 from .modalbody import ModalBody
 from .modes import ModalModel
@@ -26,6 +25,7 @@ from .plan import normal_gap
 from .scene import FASTEST, LONGEST, SLOWEST
 from .simulate import plan_impact
 from .star import AOModel
+from .validity import fitted_times, knows
 
 __all__ = ["BRIEF", "brief_numbers"]
 

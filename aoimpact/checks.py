@@ -36,6 +36,7 @@ __all__ = [
     "real",
     "sequence",
     "unit_vector",
+    "writable_folder",
 ]
 
 # Coordinates, m, beyond which squares of distances are no numbers.
@@ -322,3 +323,25 @@ def _shape_text(shape: Sequence[int | None]) -> str:
 
 def _short(value: Any) -> str:
     return reprlib.repr(value)
+
+
+def writable_folder(path: str | os.PathLike[str]) -> Path:
+    """Make a folder, or find that it is there, and that files can be made in it.
+
+    Raises
+    ------
+    InputError
+        If not.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        trial = folder / ".aoimpact"
+        trial.touch()
+        trial.unlink()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"cannot write to the folder {str(folder)!r}: {reason}; give another one"
+        ) from None
+    return folder

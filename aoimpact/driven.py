@@ -12,35 +12,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
-from .newmark import CoreBody, Newmark
+from .newmark import Newmark
+from .stepped import Equations
 from .superlu import factorize
 
-__all__ = ["Driven", "Equations", "equations_of"]
+__all__ = ["Driven"]
 
 FloatArray = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Equations:
-    """M ü + C u̇ + K u = B f, from u0 and v0.
-
-    Attributes
-    ----------
-    K, M, C : scipy.sparse arrays, shape (n, n)
-    B : ndarray, shape (n, p)
-        The ports; under gravity the weight, N, after them.
-    u0, v0 : ndarrays, shape (n,)
-        At t = 0, m and m/s.
-    """
-
-    K: Any
-    M: Any
-    C: Any
-    B: FloatArray
-    u0: FloatArray
-    v0: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,36 +108,3 @@ def _at_start(body: Equations, forces: FloatArray) -> FloatArray:
     if left.any():
         a[heavy] = factorize(body.M[heavy][:, heavy], what="M").solve(left[heavy])
     return a
-
-
-def equations_of(body: CoreBody) -> Equations:
-    """Return the equations of a body from what `newmark_scene` takes of it."""
-    kind, *parts = body
-    u0, v0 = parts[-2].copy(), parts[-1].copy()
-    if kind == "star":
-        m0, k0, m, k, alpha, beta, gravity = parts[:7]
-        K, M = _arrowhead(k0, k), sp.diags_array(np.concatenate([[m0], m])).tocsr()
-        B, C = np.eye(1, len(m) + 1), alpha * M + beta * K
-    elif kind == "modal":
-        omega, decay, B, _, _, gravity = parts[:6]
-        K, M = sp.diags_array(omega**2).tocsr(), sp.eye_array(len(omega), format="csr")
-        C = sp.diags_array(2.0 * decay).tocsr()
-    else:
-        K, M = (_sparse(matrix) for matrix in parts[:2])
-        B, alpha, beta, _, gravity = parts[2:7]
-        C = alpha * M + beta * K
-    ports = B.reshape(-1, len(u0)).T
-    loads = ports if gravity is None else np.column_stack([ports, gravity])
-    return Equations(K, M, C, loads, u0, v0)
-
-
-def _arrowhead(k0: float, k: FloatArray) -> sp.csr_array:
-    stiffness = sp.diags_array(np.concatenate([[k0 + k.sum()], k])).tolil()
-    stiffness[0, 1:] = -k
-    stiffness[1:, 0] = -k
-    return stiffness.tocsr()
-
-
-def _sparse(rows: tuple[Any, ...]) -> sp.csr_array:
-    start, indices, values = rows
-    return sp.csr_array((values, indices, start))

@@ -23,7 +23,7 @@ from .quantities import Keep, Named, keeper
 from .simulate import simulate
 from .workers import Workers
 
-__all__ = ["KEYWORDS", "REQUIRED", "Failed", "SceneCase", "iterate_many", "simulate_many"]
+__all__ = ["KEYWORDS", "REQUIRED", "Failed", "iterate_many", "simulate_many"]
 
 _PARAMETERS = inspect.signature(simulate).parameters
 KEYWORDS = tuple(_PARAMETERS)
@@ -245,17 +245,6 @@ class _Job:
             except Exception as error:
                 value = _portable(error)
         return value, tuple(messages)
-
-
-@dataclass(frozen=True)
-class SceneCase:
-    """A scene whose run is given more than its duration."""
-
-    scene: Any
-    keywords: dict[str, Any]
-
-    def simulate(self, *, duration: float) -> Any:
-        return self.scene.simulate(duration=duration, **self.keywords)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,6 @@ __all__ = [
     "BodyInfo",
     "BodyResult",
     "ContactResult",
-    "Drift",
     "Energy",
     "ErrorEstimate",
 ]
@@ -126,35 +125,6 @@ class BodyInfo:
     def fixed(self) -> bool:
         """Whether it cannot fly off: held by supports, or a wall."""
         return self.held or self.wall
-
-
-@dataclass(frozen=True)
-class Drift:
-    """What a reduced body leaves out: mass that moves on, untouched, with the whole of the body.
-
-    Attributes
-    ----------
-    share : float
-        Of the centre of mass's motion.
-    mass : float
-        kg.
-    velocity, acceleration : float
-        m/s, m/s².
-    """
-
-    share: float
-    mass: float
-    velocity: float
-    acceleration: float
-
-    def add(self, rows: FloatArray, t: FloatArray) -> None:
-        """Add it to the rows of a body."""
-        way = t * (self.velocity + 0.5 * self.acceleration * t)
-        speed = self.velocity + self.acceleration * t
-        rows[0] += self.share * way
-        rows[1] += self.share * speed
-        rows[2] += 0.5 * self.mass * speed**2
-        rows[5] += self.mass * self.acceleration * way
 
 
 @dataclass(frozen=True, eq=False)

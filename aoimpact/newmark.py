@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +14,10 @@ from .checks import boolean, positive, real
 from .errors import ConvergenceError, InputError
 from .frozen import Frozen
 from .laws import ContactLaw
+from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
+from .stepped import SteppedBody
 
-__all__ = ["Contact", "CoreBody", "Load", "Newmark", "Record", "newmark_scene", "steps_of"]
+__all__ = ["Contact", "Load", "Newmark", "Record", "newmark_scene", "steps_of"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -25,9 +26,6 @@ _MOST_BYTES = 4 * 2**30
 
 # A duration that is so near to a whole number of steps is one.
 _ROUNDING = 1e-12
-
-# AOI_CONTACT_ROWS, AOI_BODY_ROWS and AOI_PORT_ROWS of aoimpact.h.
-_CONTACT_ROWS, _BODY_ROWS, _PORT_ROWS = 4, 6, 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +78,6 @@ class Newmark:
             raise InputError(f"rtol must be below 1, got {self.rtol:g}")
 
 
-CoreBody = tuple[Any, ...]  # as python_newmark.c says; its last two arrays are u and v
 Contact = tuple[int, int, int, int, ContactLaw, float]  # body, port, body, port, law, gap
 Load = tuple[int, int, FloatArray, FloatArray]  # body, port, times, forces
 
@@ -94,7 +91,7 @@ class Record(Frozen):
     t : ndarray, shape (times,)
         s.
     rows : ndarray, shape (rows, times)
-        As aoimpact.h says over ``AOI_CONTACT_ROWS``: 4 for each contact, then 6 and 2 for each port
+        As aoimpact.h says over ``AOICONTACT_ROWS``: 4 for each contact, then 6 and 2 for each port
         of each body.
     final : tuple of (u, v)
         Each body's coordinates and rates at the end, as the core steps them.
@@ -109,7 +106,7 @@ class Record(Frozen):
 
 
 def newmark_scene(
-    bodies: Sequence[CoreBody],
+    bodies: Sequence[SteppedBody],
     contacts: Sequence[Contact],
     loads: Sequence[Load] = (),
     *,
@@ -123,9 +120,8 @@ def newmark_scene(
 
     Parameters
     ----------
-    bodies : sequence of tuples
-        From ``for_core`` of each body, for this rule and `dt`. Their u and v, the initial state,
-        are overwritten by the final one.
+    bodies : sequence of SteppedBody
+        Their u and v, the initial state, are overwritten by the final one.
     contacts : sequence of (body, port, body, port, law, gap)
         δ = u of the first port - u of the second - gap; ordered so that those that share a body are
         near each other.
@@ -151,7 +147,7 @@ def newmark_scene(
     steps = steps_of(dt, duration, count, f"dt={dt:g} s", "take a larger dt")
     rows = np.zeros((count, steps + 1))
     _core.newmark_scene(
-        tuple(bodies),
+        tuple(body.for_core(dt, rule.beta, rule.gamma) for body in bodies),
         tuple((a, p, b, q, law.for_core(), gap) for a, p, b, q, law, gap in contacts),
         tuple(loads),
         dt,
@@ -161,7 +157,7 @@ def newmark_scene(
         energies,
         start_force,
     )
-    final = tuple((body[-2], body[-1]) for body in bodies)
+    final = tuple((body.u, body.v) for body in bodies)
     if not all(np.isfinite(values).all() for pair in final for values in pair):
         raise ConvergenceError(
             f"Newmark step: the solution grew without bound (dt={dt:g} s, beta={rule.beta:g}, "
@@ -200,12 +196,7 @@ def steps_of(dt: float, duration: float, rows: int, given: str, cure: str) -> in
     return max(1, math.ceil(steps))
 
 
-def _rows(bodies: Sequence[CoreBody], contacts: Sequence[Contact]) -> int:
+def _rows(bodies: Sequence[SteppedBody], contacts: Sequence[Contact]) -> int:
     """Rows of the record."""
-    ports = sum(_ports(body) for body in bodies)
-    return _CONTACT_ROWS * len(contacts) + _BODY_ROWS * len(bodies) + _PORT_ROWS * ports
-
-
-def _ports(body: CoreBody) -> int:
-    functionals = {"star": None, "modal": body[3], "full": body[3]}[body[0]]
-    return 1 if functionals is None else functionals.size // len(body[-1])
+    ports = sum(body.ports for body in bodies)
+    return CONTACT_ROWS * len(contacts) + BODY_ROWS * len(bodies) + PORT_ROWS * ports

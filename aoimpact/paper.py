@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from tqdm import tqdm
 
 from . import paper_beam, paper_sphere
-from .errors import InputError
+from .checks import writable_folder
 from .paper_beam import BeamStudy
 from .paper_figures import BEAM_FIGURES, SPHERE_FIGURES, figure_mesh
 from .paper_sphere import MESH_SIZES, MeshCase, SphereStudy, mesh_case
@@ -65,28 +65,6 @@ def reproduce(out: str | os.PathLike[str], *, progress: bool = True) -> Reproduc
         files.append(folder / f"{name}.png")
         figure.savefig(files[-1])
     return Reproduction(tables, tuple(files))
-
-
-def writable_folder(path: str | os.PathLike[str]) -> Path:
-    """Make a folder, or find that it is there, and that files can be made in it.
-
-    Raises
-    ------
-    InputError
-        If not.
-    """
-    folder = Path(path)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        trial = folder / ".aoimpact"
-        trial.touch()
-        trial.unlink()
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(
-            f"cannot write to the folder {str(folder)!r}: {reason}; give another one"
-        ) from None
-    return folder
 
 
 def paper_tables(

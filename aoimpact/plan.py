@@ -15,17 +15,13 @@ import numpy.typing as npt
 
 from .laws import ContactLaw, PatchLaw, Tabulated
 from .modalbody import ModalBody
-from .motion import Drift
 from .players import Player, State
 from .preload import Pressed, equilibrium
+from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
 
-__all__ = ["BODY_ROWS", "CONTACT_ROWS", "PORT_ROWS", "Joint", "Load", "Plan", "normal_gap"]
+__all__ = ["Drift", "Joint", "Load", "Plan", "normal_gap"]
 
 FloatArray = npt.NDArray[np.float64]
-
-# Rows of a record for each contact, its force the first; for each body; and for each of its ports,
-# displacement and velocity.
-CONTACT_ROWS, BODY_ROWS, PORT_ROWS = 4, 6, 2
 
 
 def normal_gap(gap: float) -> float:
@@ -92,6 +88,35 @@ class Load:
     port: int
     times: FloatArray
     forces: FloatArray
+
+
+@dataclass(frozen=True)
+class Drift:
+    """What a reduced body leaves out: mass that moves on, untouched, with the whole of the body.
+
+    Attributes
+    ----------
+    share : float
+        Of the centre of mass's motion.
+    mass : float
+        kg.
+    velocity, acceleration : float
+        m/s, m/s².
+    """
+
+    share: float
+    mass: float
+    velocity: float
+    acceleration: float
+
+    def add(self, rows: FloatArray, t: FloatArray) -> None:
+        """Add it to the rows of a body."""
+        way = t * (self.velocity + 0.5 * self.acceleration * t)
+        speed = self.velocity + self.acceleration * t
+        rows[0] += self.share * way
+        rows[1] += self.share * speed
+        rows[2] += 0.5 * self.mass * speed**2
+        rows[5] += self.mass * self.acceleration * way
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,15 +19,13 @@ from .contact import ContactPoint
 from .damping import ModalDamping, Rayleigh
 from .errors import InputError, InputTypeError
 from .interface import InterfaceModel, checked_ports, whole_interface
-from .matrices import core_rows
 from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
-from .newmark import CoreBody, Newmark
 from .reduction import antioscillators
 from .star import AOModel
 from .starmodes import StarModes, star_modes
 from .statics import centre_of, moves_rigidly, static_mode, translates
-from .superlu import factorize
+from .stepped import SteppedBody, SteppedFull, SteppedModes, SteppedStar
 
 __all__ = ["FullPlayer", "InterfacePlayer", "Player", "StarPlayer", "player"]
 
@@ -95,35 +93,30 @@ class Player(ABC):
     @property
     @abstractmethod
     def undeformed(self) -> State:
-        """The state, as `for_core` takes it, that moves as a whole."""
+        """The state, as `stepped` takes it, that moves as a whole."""
 
     @abstractmethod
     def weight(self, gravity: float) -> FloatArray | None:
-        """Return the forces of gravity, m/s², on the coordinates that `for_core` takes them for."""
+        """Return the forces of gravity, m/s², on the coordinates that `stepped` takes them for."""
 
     @abstractmethod
     def pressed(self, x: FloatArray, bent: FloatArray) -> State:
-        """Return the state, as `for_core` takes it, moving from modes `x` with its velocity.
+        """Return the state, as `stepped` takes it, moving from modes `x` with its velocity.
 
         `bent`, shape (p,), is what the modes leave out of the displacements of massless ports, m.
         """
 
-    def for_core(
+    def stepped(
         self,
-        rule: Newmark,
-        dt: float,
         *,
         gravity: FloatArray | None = None,
         state: State | None = None,
         ports: FloatArray | None = None,
-    ) -> CoreBody:
-        """Return the body as `newmark_scene` takes it.
+    ) -> SteppedBody:
+        """Return the body as a run with fixed steps takes it.
 
         Parameters
         ----------
-        rule : Newmark
-        dt : float
-            s.
         gravity : ndarray, optional
             Constant forces on the model's coordinates, N.
         state : (u, v), optional
@@ -133,19 +126,17 @@ class Player(ABC):
             mass, the state does not tell them.
         """
         u, v = self.undeformed if state is None else state
-        return self._stepped(rule, dt, gravity, u.copy(), v.copy(), ports)
+        return self._stepped(gravity, u.copy(), v.copy(), ports)
 
     @abstractmethod
     def _stepped(
         self,
-        rule: Newmark,
-        dt: float,
         gravity: FloatArray | None,
         u: FloatArray,
         v: FloatArray,
         ports: FloatArray | None,
-    ) -> CoreBody:
-        """What `for_core` returns; u and v are written to."""
+    ) -> SteppedBody:
+        """What `stepped` returns; u and v are written to."""
 
     @property
     def massless(self) -> bool:
@@ -225,31 +216,27 @@ class StarPlayer(Player):
 
     def _stepped(
         self,
-        rule: Newmark,
-        dt: float,
         gravity: FloatArray | None,
         u: FloatArray,
         v: FloatArray,
         ports: FloatArray | None,
-    ) -> CoreBody:
+    ) -> SteppedBody:
         star = self.model
         if self._modes is not None:
             return _modal_core(self._modes, gravity, u, v, ports)
         damping = star.damping if isinstance(star.damping, Rayleigh) else Rayleigh()
         if ports is not None and self.massless:
             u[0], v[0] = ports[:, 0]
-        return (
-            "star",
-            star.m0,
-            star.k0,
-            star.m,
-            star.k,
-            damping.alpha,
-            damping.beta,
-            gravity,
-            np.ascontiguousarray(star.centre_weights),
-            u,
-            v,
+        return SteppedStar(
+            m0=star.m0,
+            k0=star.k0,
+            m=star.m,
+            k=star.k,
+            damping=damping,
+            gravity=gravity,
+            centre=np.ascontiguousarray(star.centre_weights),
+            u=u,
+            v=v,
         )
 
     def coordinates(self, values: FloatArray) -> FloatArray:
@@ -263,24 +250,23 @@ def _modal_core(
     u: FloatArray,
     v: FloatArray,
     ports: FloatArray | None,
-) -> CoreBody:
+) -> SteppedBody:
     x, rates = modes.project(u), modes.project(v)
     bent = None
     if modes.residual:  # displaced by more than the modes are: something presses on the contact
         at = np.array([u[:1], [modes.participation @ rates]]) if ports is None else ports
         shape = modes.participation[None, :]
         bent = _bending(np.array([[modes.residual]]), at, shape, x, rates)
-    return (
-        "modal",
-        modes.omega,
-        modes.decay,
-        modes.participation,
-        np.array([modes.residual]),
-        bent,
-        None if gravity is None else modes.force(gravity),
-        modes.participation * modes.centre[0],
-        x,
-        rates,
+    return SteppedModes(
+        omega=modes.omega,
+        decay=modes.decay,
+        shape=modes.participation,
+        residual=np.array([modes.residual]),
+        bent=bent,
+        gravity=None if gravity is None else modes.force(gravity),
+        centre=modes.participation * modes.centre[0],
+        u=x,
+        v=rates,
     )
 
 
@@ -367,10 +353,6 @@ class FullPlayer(Player):
         return self.velocity * static_mode(self.tip).phi
 
     @cached_property
-    def _matrices(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        return core_rows(self.tip.body.K), core_rows(self.tip.body.M)
-
-    @cached_property
     def _modes(self) -> ModalModel | None:
         """All natural modes, where damping is given by them."""
         body = self.tip.body
@@ -390,51 +372,42 @@ class FullPlayer(Player):
 
     def _stepped(
         self,
-        rule: Newmark,
-        dt: float,
         gravity: FloatArray | None,
         u: FloatArray,
         v: FloatArray,
         ports: FloatArray | None,
-    ) -> CoreBody:
+    ) -> SteppedBody:
         body = self.tip.body
         if self._modes is not None:
             return self._in_modes(self._modes, gravity, u, v)
         damping = body.damping if isinstance(body.damping, Rayleigh) else Rayleigh()
-        of_mass = 1.0 + damping.alpha * rule.gamma * dt
-        of_stiffness = rule.beta * dt**2 + damping.beta * rule.gamma * dt
-        matrix = of_mass * body.M + of_stiffness * body.K
-        factors = factorize(matrix, what="M + γ dt C + β dt² K")
-        return (
-            "full",
-            *self._matrices,
-            np.ascontiguousarray([tip.b for tip in self.model]),
-            damping.alpha,
-            damping.beta,
-            factors.for_core(),
-            gravity,
-            np.ascontiguousarray(self._centre_of[0]),
-            u,
-            v,
+        return SteppedFull(
+            K=body.K,
+            M=body.M,
+            B=np.ascontiguousarray([tip.b for tip in self.model]),
+            damping=damping,
+            gravity=gravity,
+            centre=np.ascontiguousarray(self._centre_of[0]),
+            u=u,
+            v=v,
         )
 
     def _in_modes(
         self, modes: ModalModel, gravity: FloatArray | None, u: FloatArray, v: FloatArray
-    ) -> CoreBody:
+    ) -> SteppedBody:
         phi, mass = modes.modes, self.tip.body.M
         omega = modes.angular_frequencies
         damping = self.tip.body.damping
-        return (
-            "modal",
-            omega,
-            np.zeros_like(omega) if damping is None else damping.decay(omega),
-            np.ascontiguousarray([tip.b @ phi for tip in self.model]),
-            np.zeros((self.ports, self.ports)),
-            None,
-            None if gravity is None else phi.T @ gravity,
-            phi.T @ self._centre_of[0],
-            phi.T @ (mass @ u),
-            phi.T @ (mass @ v),
+        return SteppedModes(
+            omega=omega,
+            decay=np.zeros_like(omega) if damping is None else damping.decay(omega),
+            shape=np.ascontiguousarray([tip.b @ phi for tip in self.model]),
+            residual=np.zeros((self.ports, self.ports)),
+            bent=None,
+            gravity=None if gravity is None else phi.T @ gravity,
+            centre=phi.T @ self._centre_of[0],
+            u=phi.T @ (mass @ u),
+            v=phi.T @ (mass @ v),
         )
 
     def coordinates(self, values: FloatArray) -> FloatArray:
@@ -488,27 +461,25 @@ class InterfacePlayer(Player):
 
     def _stepped(
         self,
-        rule: Newmark,
-        dt: float,
         gravity: FloatArray | None,
         u: FloatArray,
         v: FloatArray,
         ports: FloatArray | None,
-    ) -> CoreBody:
+    ) -> SteppedBody:
         modal, bent = self.modal, None
         if modal.residual is not None and ports is not None:
             bent = _bending(modal.residual, ports, modal.shape, u, v)
-        return (
-            "modal",
-            modal.omega,
-            np.zeros(modal.n) if modal.decay is None else modal.decay,
-            modal.shape,
-            np.zeros((self.ports, self.ports)) if modal.residual is None else modal.residual,
-            bent,
-            gravity,
-            modal.centre,
-            u,
-            v,
+        none = np.zeros((self.ports, self.ports))
+        return SteppedModes(
+            omega=modal.omega,
+            decay=np.zeros(modal.n) if modal.decay is None else modal.decay,
+            shape=modal.shape,
+            residual=none if modal.residual is None else modal.residual,
+            bent=bent,
+            gravity=gravity,
+            centre=modal.centre,
+            u=u,
+            v=v,
         )
 
 

@@ -6,18 +6,22 @@ import numpy as np
 import numpy.typing as npt
 
 from .adaptive import Track
-from .driven import Driven, equations_of
+from .driven import Driven
 from .events import find_peak
 from .interface import InterfaceModel
 from .newmark import Newmark, Record
-from .plan import CONTACT_ROWS, Plan
+from .plan import Plan
 from .players import FullPlayer
+from .recorder import Recorder
 from .recovery import PACE, Recovery
 from .reduced import Reduced, reduced_interface, reduced_star
 from .response import Flight, Motion, Response
+from .rows import CONTACT_ROWS
+from .solve_adaptive import Sampled
+from .solve_newmark import Recorded
 from .tracked import Tracked
 
-__all__ = ["recall_stepped", "recall_tracked"]
+__all__ = ["response_of"]
 
 FloatArray = npt.NDArray[np.float64]
 Span = tuple[float, float]
@@ -26,8 +30,26 @@ Span = tuple[float, float]
 _FADING = 0.75
 
 
-def recall_tracked(plan: Plan, body: int, track: Track) -> Response | None:
-    """Return the response of a body of an adaptive run; None without finite elements."""
+def response_of(plan: Plan, recorder: Recorder, body: int) -> Response | None:
+    """Return what all of a body did in a run; None without finite elements.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was run.
+    recorder : Recorder
+        The run.
+    body : int
+        Its number in the plan.
+    """
+    if isinstance(recorder, Sampled):
+        return _of_track(plan, body, recorder.track)
+    assert isinstance(recorder, Recorded)
+    ports = recorder.ports[body] if recorder.ports else None
+    return _of_steps(plan, body, recorder.rule, recorder.record, ports)
+
+
+def _of_track(plan: Plan, body: int, track: Track) -> Response | None:
     ours = [of for of, joint in zip(track.events, plan.joints, strict=True) if joint.touches(body)]
     peak = max(ours, key=lambda of: of.peak_force, default=None)
     motion = Tracked(track, plan, body)
@@ -39,21 +61,18 @@ def recall_tracked(plan: Plan, body: int, track: Track) -> Response | None:
     return _response(plan, body, motion, (first, blow), peak.peak_time)
 
 
-def recall_stepped(
+def _of_steps(
     plan: Plan, body: int, rule: Newmark, record: Record, ports: FloatArray | None = None
 ) -> Response | None:
-    """Return the response of a body of a run with steps; None without finite elements.
-
-    `ports` is where these were just after the start, as `Player.for_core` takes it.
-    """
+    """Of a run with fixed steps; `ports`: where these were just after the start."""
     player = plan.players[body]
     full = isinstance(player, FullPlayer)
     if not full and _reduced(plan, body) is None:
         return None
     gravity, state = plan.weight_of(body), plan.start_of(body)
-    core = player.for_core(rule, record.dt, gravity=gravity, state=state, ports=ports)
+    equations = player.stepped(gravity=gravity, state=state, ports=ports).equations
     forces = plan.port_forces(body, record.t, record.rows)
-    motion = Driven(equations_of(core), rule, record.dt, forces, player.coordinates)
+    motion = Driven(equations, rule, record.dt, forces, player.coordinates)
     blows, peak_time = _blows(plan, body, record)
     if isinstance(player, FullPlayer):
         return Response(player.tip.body, motion, None, None, peak_time)

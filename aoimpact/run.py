@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,21 +22,20 @@ from .motion import (
     BodyInfo,
     BodyResult,
     ContactResult,
-    Drift,
     Energy,
     ErrorEstimate,
 )
-from .plan import Plan
-from .response import Response
+from .plan import Drift, Plan
+from .recall import response_of
+from .recorder import Recorder
+from .rows import BODY_ROWS, CONTACT_ROWS
 from .table import run_columns, write_csv
 from .units import quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Chosen", "Handle", "Recorder", "Run"]
-
-_CONTACT_ROWS, _BODY_ROWS = 4, 6
+__all__ = ["Chosen", "Handle", "Run"]
 
 
 @dataclass(frozen=True)
@@ -87,57 +86,6 @@ class Chosen:
     rtol: float
     error: float
     numbers: Mapping[str, float]
-
-
-class Recorder(Protocol):
-    """A run of a solver that can be read at times."""
-
-    @property
-    def solver(self) -> str:
-        """How time was integrated."""
-        ...
-
-    @property
-    def duration(self) -> float:
-        """Length of the record, s."""
-        ...
-
-    @property
-    def times(self) -> FloatArray: ...
-    @property
-    def marks(self) -> FloatArray:
-        """Times at which the run itself is most exact: the ends of its steps."""
-        ...
-
-    @property
-    def events(self) -> tuple[Events, ...] | None:
-        """Of each contact, where the solver locates them."""
-        ...
-
-    @property
-    def dense(self) -> bool:
-        """Whether it can be read at any times."""
-        ...
-
-    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        """Return the record at times, shape (rows, n), for the caller to write on.
-
-        Four rows a contact (force, indentation, energies stored and lost), six a body and two a
-        port of it, as the core lays them out.
-        """
-        ...
-
-    def forces(self, times: FloatArray) -> FloatArray:
-        """Return the contact forces at times, shape (contacts, n), N: of the record, these rows."""
-        ...
-
-    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
-        """Return a body's own coordinates and their rates at the end of the record."""
-        ...
-
-    def response(self, body: int) -> Response | None:
-        """Make all that a body does be known; None if it has no finite elements."""
-        ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -213,7 +161,7 @@ class Run:
                 player.centre_known,
                 partial(self.recorder.state, i),
                 player.ports,
-                partial(self.recorder.response, i),
+                partial(response_of, self.plan, self.recorder, i),
             )
             for i, player in enumerate(self.plan.players)
         )
@@ -249,7 +197,7 @@ class Run:
     def forces(self) -> FloatArray:
         """Of all contacts, N, shape (contacts, n); made without the motions, which cost more."""
         if "_rows" in self.__dict__:
-            return self._rows[: _CONTACT_ROWS * self.joints : _CONTACT_ROWS]
+            return self._rows[: CONTACT_ROWS * self.joints : CONTACT_ROWS]
         forces = self.recorder.forces(self.t)
         forces.flags.writeable = False
         return forces
@@ -257,8 +205,8 @@ class Run:
     @cached_property
     def _first(self) -> tuple[int, ...]:
         """First rows of the bodies."""
-        sizes = (_BODY_ROWS + 2 * info.ports for info in self.infos)
-        return tuple(itertools.accumulate(sizes, initial=_CONTACT_ROWS * self.joints))
+        sizes = (BODY_ROWS + 2 * info.ports for info in self.infos)
+        return tuple(itertools.accumulate(sizes, initial=CONTACT_ROWS * self.joints))
 
     @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
@@ -279,12 +227,12 @@ class Run:
         return self.bodies[index]
 
     def _velocity(self, body: int, port: int) -> FloatArray:
-        velocity: FloatArray = self._rows[self._first[body] + _BODY_ROWS + 2 * port + 1]
+        velocity: FloatArray = self._rows[self._first[body] + BODY_ROWS + 2 * port + 1]
         return velocity
 
     def _body(self, index: int) -> BodyResult:
         info, first = self.infos[index], self._first[index]
-        ports = self._rows[first + _BODY_ROWS : first + _BODY_ROWS + 2 * info.ports]
+        ports = self._rows[first + BODY_ROWS : first + BODY_ROWS + 2 * info.ports]
         coordinates, rates = info.state()
         centre = self._rows[first : first + 2]
         if not info.centre_known:
@@ -325,7 +273,8 @@ class Run:
         """The contacts, in the order of `connect`."""
         found = []
         for joint in range(self.joints):
-            force, indentation, elastic, dissipated = self._rows[4 * joint : 4 * joint + 4]
+            at = CONTACT_ROWS * joint
+            force, indentation, elastic, dissipated = self._rows[at : at + CONTACT_ROWS]
             found.append(
                 ContactResult(
                     force,
@@ -398,7 +347,7 @@ class Run:
     def _found(self) -> tuple[Events, ...]:
         found = []
         for joint in range(self.joints):
-            force, indentation = self._rows[4 * joint], self._rows[4 * joint + 1]
+            force, indentation = self._rows[CONTACT_ROWS * joint : CONTACT_ROWS * joint + 2]
             first, port, second, other = self.plan.joints[joint].ends_at
             rate = self._velocity(first, port) - self._velocity(second, other)
             found.append(find_events(self.t, force, indentation, rate))
@@ -491,8 +440,8 @@ def _energy(rows: FloatArray, joints: int, first: Sequence[int]) -> Energy:
     kinetic = sum((body.kinetic for body in bodies), nothing)
     elastic = sum((body.elastic for body in bodies), nothing)
     work = sum((body.work for body in bodies), nothing)
-    contact = sum((rows[4 * joint + 2] for joint in range(joints)), nothing)
-    dissipated = sum((rows[4 * joint + 3] for joint in range(joints)), nothing)
+    contact = sum((rows[CONTACT_ROWS * joint + 2] for joint in range(joints)), nothing)
+    dissipated = sum((rows[CONTACT_ROWS * joint + 3] for joint in range(joints)), nothing)
     dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
     total = kinetic + elastic + contact + dissipated - work
     return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)

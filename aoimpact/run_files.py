@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from .checks import writable_folder
 from .motion import BodyResult
-from .paper import writable_folder
 from .quantities import keeper
 from .result import Result
 from .run import Run

@@ -30,7 +30,7 @@ from .solve_newmark import solve_newmark
 from .solvers import Solver as LinearSolver
 from .sufficient import checked_linear_solver, sufficient
 
-__all__ = ["Scene", "Solver", "checked_speed", "solve", "warn_of_centres"]
+__all__ = ["Scene", "SceneCase", "Solver", "checked_speed", "solve", "warn_of_centres"]
 
 FloatArray = npt.NDArray[np.float64]
 Solver = Adaptive | Newmark
@@ -461,10 +461,21 @@ def solve(plan: Plan, solver: Solver | None) -> Run:
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
     try:
         if isinstance(solver, Adaptive):
-            return solve_adaptive(plan, solver)
-        return solve_newmark(plan, solver)
+            return Run(plan, *solve_adaptive(plan, solver))
+        return Run(plan, *solve_newmark(plan, solver))
     except LawLimitError as error:
         joint = next(joint for joint in plan.joints if joint.patched)
         masses = (plan.players[body].static_mass for body in (joint.first, joint.second))
         mass = 1.0 / sum(1.0 / mass for mass in masses)
         raise wide_enough(error, joint.law, joint.ends, mass, plan.fastest) from None
+
+
+@dataclass(frozen=True)
+class SceneCase:
+    """A scene whose run is given more than its duration."""
+
+    scene: Any
+    keywords: dict[str, Any]
+
+    def simulate(self, *, duration: float) -> Any:
+        return self.scene.simulate(duration=duration, **self.keywords)

@@ -20,13 +20,12 @@ from .fem import FEModel
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from .interface import interface
 from .laws import ContactLaw, Hertz, Thornton
-from .many import SceneCase
 from .material import Material
 from .mesh import Mesh, read_mesh
 from .modes import modal
 from .reduction import antioscillators
 from .run import Handle
-from .scene import Scene
+from .scene import Scene, SceneCase
 from .scenefile_schema import BY_RESTITUTION, LAWS, SOLVERS
 from .star import AOModel, rigid
 

@@ -15,10 +15,7 @@ from .errors import ConvergenceError, warn
 from .events import Events
 from .laws import UserLaw
 from .plan import Plan
-from .recall import recall_tracked
-from .response import Response
 from .roughness import refuse_rough
-from .run import Run
 
 __all__ = ["Sampled", "solve_adaptive"]
 
@@ -106,12 +103,9 @@ class Sampled:
         x, v = (np.frombuffer(of)[ours] for of in (self.track.x, self.track.v))
         return modal.coordinates(x), modal.coordinates(v)
 
-    def response(self, body: int) -> Response | None:
-        return recall_tracked(self.plan, body, self.track)
 
-
-def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
-    """Run a scene to a tolerance.
+def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[Sampled, float | None]:
+    """Run a scene to a tolerance; return the run and its relative error, if known.
 
     From the second touch of a contact on, errors grow with each; then tighter runs tell how far,
     until one is as exact as asked.
@@ -134,7 +128,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> Run:
     touches = most_touches(track)
     if touches > 1:
         track, error = _confirmed(plan, track, rule.rtol, touches)
-    return Run(plan, Sampled(plan, track, rule), error)
+    return Sampled(plan, track, rule), error
 
 
 def _refuse_gain(plan: Plan, track: Track) -> None:

@@ -15,10 +15,8 @@ from .events import Events, FloatArray
 from .laws import ContactLaw
 from .newmark import Newmark, Record, newmark_scene, steps_of
 from .patchlaw import check_width
-from .plan import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, Plan
-from .recall import recall_stepped
-from .response import Response
-from .run import Run
+from .plan import Plan
+from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
 from .steperror import time_error
 
 __all__ = ["Recorded", "rigid_contact_time", "solve_newmark"]
@@ -79,19 +77,15 @@ class Recorded:
         return self.record.rows.copy()
 
     def forces(self, times: FloatArray) -> FloatArray:
-        return self.record.rows[: 4 * len(self.plan.joints) : 4].copy()
+        return self.record.rows[: self.plan.first_rows[0] : CONTACT_ROWS].copy()
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         player, (u, v) = self.plan.players[body], self.record.final[body]
         return player.coordinates(u), player.coordinates(v)
 
-    def response(self, body: int) -> Response | None:
-        ports = self.ports[body] if self.ports else None
-        return recall_stepped(self.plan, body, self.rule, self.record, ports)
 
-
-def solve_newmark(plan: Plan, rule: Newmark) -> Run:
-    """Run a scene with fixed steps, estimating their error from runs with larger ones.
+def solve_newmark(plan: Plan, rule: Newmark) -> tuple[Recorded, float | None]:
+    """Run a scene with fixed steps; return the run and its error, from runs with larger steps.
 
     Raises
     ------
@@ -113,7 +107,7 @@ def solve_newmark(plan: Plan, rule: Newmark) -> Run:
         )
     for i, joint in enumerate(plan.joints):
         check_width(joint.law, record.rows[CONTACT_ROWS * i + 1])
-    return Run(plan, Recorded(plan, rule, record, run.start.ports), error)
+    return Recorded(plan, rule, record, run.start.ports), error
 
 
 class Start(NamedTuple):
@@ -168,9 +162,7 @@ class _Stepping:
     def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
         plan = self.plan
         bodies = [
-            player.for_core(
-                self.rule,
-                dt,
+            player.stepped(
                 gravity=plan.weight_of(i),
                 state=plan.start_of(i),
                 ports=start.ports[i],

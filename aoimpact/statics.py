@@ -14,8 +14,8 @@ from . import _core
 from .contact import Body, ContactPoint
 from .errors import InputTypeError, SingularError
 from .fromdynamic import static_by_dynamic
+from .origin import Origin
 from .solvers import SOLVERS, LinearSolver, linear_solver
-from .star import Origin
 
 __all__ = [
     "StaticMode",

@@ -14,7 +14,8 @@ import numpy as np
 
 from .events import FloatArray, find_impulse, find_peak
 from .newmark import Record
-from .plan import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, Plan
+from .plan import Plan
+from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
 
 __all__ = ["time_error"]
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from .checks import writable_folder
 from .laws import Hertz
 from .material import Material
-from .paper import writable_folder
 from .star import AOModel, rigid
 from .study import WorkPrecision, work_precision
 

@@ -12,9 +12,10 @@ from typing import Any
 
 from .checks import nearest, sequence
 from .errors import InputError, InputTypeError
-from .many import KEYWORDS, REQUIRED, Failed, SceneCase, iterate_many
+from .many import KEYWORDS, REQUIRED, Failed, iterate_many
 from .memory import require
 from .quantities import QUANTITIES, Named, keeper
+from .scene import SceneCase
 from .scenefile import SceneFile, read_scene
 from .sweep_table import SweepTable, sweep_table
 

@@ -113,7 +113,7 @@ def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
 
         def run(dt: float = dt, rule: ao.Newmark = rule) -> None:
             newmark_scene(
-                [player.for_core(rule, dt) for player in players],
+                [player.stepped() for player in players],
                 [(0, 0, 1, 0, scene["law"], 0.0)],
                 rule=rule,
                 dt=dt,

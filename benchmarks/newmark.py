@@ -40,14 +40,14 @@ ROWS = 4 + 2 * 8  # of a contact and two bodies with a port each
 
 def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray]:
     """Return a run of the core alone: a rigid sphere on `target`, at rest again each time."""
-    rule = ao.Newmark(dt=DT)
-    ball, body = StarPlayer(ao.rigid(mass=MASS), VELOCITY), target.for_core(rule, DT)
+    ball, target_body = StarPlayer(ao.rigid(mass=MASS), VELOCITY), target.stepped()
+    u, v, body = target_body.u, target_body.v, target_body.for_core(DT, 0.25, 0.5)
     law = ao.Hertz(k=HERTZ).for_core()
     record = np.zeros((ROWS, steps + 1))
 
     def run() -> np.ndarray:
-        body[-1][:] = body[-2][:] = 0.0
-        first = ball.for_core(rule, DT)
+        u[:] = v[:] = 0.0
+        first = ball.stepped().for_core(DT, 0.25, 0.5)
         contacts = ((0, 0, 1, 0, law, 0.0),)
         _core.newmark_scene((first, body), contacts, (), DT, 0.25, 0.5, record, energies, None)
         return record

@@ -95,7 +95,7 @@ def test_bad_damping_is_named(make, message):
 def let_go(bodies, duration, dt, start):
     """Displacement of each body's contact after a start `start` m away, alone."""
     rule = Newmark(dt=dt)
-    cores = [body.for_core(rule, dt, state=(u, np.zeros_like(u))) for body, u in bodies]
+    cores = [body.stepped(state=(u, np.zeros_like(u))) for body, u in bodies]
     record = newmark_scene(cores, [], rule=rule, dt=dt, duration=duration)
     return record, [record.rows[8 * i + 6] for i in range(len(bodies))]
 
@@ -152,7 +152,7 @@ def test_a_large_full_model_with_damping_of_its_modes_says_what_to_do():
     K, M = beam(1600, fixed=[0])
     tip = ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01)).contact(dof=7)
     with pytest.raises(ao.InputError, match="give Rayleigh"):
-        player("target", tip, 0.0).for_core(Newmark(dt=1e-3), 1e-3)
+        player("target", tip, 0.0).stepped()
 
 
 @pytest.mark.parametrize("damping", [ao.Rayleigh(alpha=300.0, beta=2e-6), ao.ModalDamping(0.05)])

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact.damping import ModalDamping, Rayleigh
-from aoimpact.driven import Driven, Equations, equations_of
+from aoimpact.driven import Driven, Equations
 from aoimpact.players import player
 
 from slender import beam
@@ -88,8 +88,8 @@ def test_a_body_goes_through_the_states_of_its_run(which: str) -> None:
     one = player("body", body, 0.0)
     forces = np.zeros((one.ports, len(run.t)))
     forces[0] = run.contacts[0].force + np.interp(run.t, *pulses)
-    core = one.for_core(rule, dt, ports=run.recorder.ports[target.body])
-    driven = Driven(equations_of(core), rule, dt, forces, one.coordinates)
+    core = one.stepped(ports=run.recorder.ports[target.body])
+    driven = Driven(core.equations, rule, dt, forces, one.coordinates)
     u, v = driven.observed(None, run.t[-1:])
     found, size = run[target], np.abs(run[target].coordinates).max()
     np.testing.assert_allclose(u[:, 0], found.coordinates, atol=1e-9 * size)
@@ -102,7 +102,7 @@ def test_rows_are_products_with_the_coordinates() -> None:
     body, rule = full(), ao.Newmark(dt=1e-3, estimate=False)
     one = player("body", body, 0.0)
     forces = np.sin(np.linspace(0.0, 3.0, 101))[None]
-    driven = Driven(equations_of(one.for_core(rule, 1e-3)), rule, 1e-3, forces, one.coordinates)
+    driven = Driven(one.stepped().equations, rule, 1e-3, forces, one.coordinates)
     t = np.array([0.0123, 0.05, 0.1])
     for seen, whole in zip(
         driven.observed(sp.csr_array(body.b[None]), t), driven.observed(None, t), strict=True
@@ -112,7 +112,7 @@ def test_rows_are_products_with_the_coordinates() -> None:
 
 def test_equations_of_a_star_have_its_receptance() -> None:
     body = star(0.01)
-    equations = equations_of(player("body", body, 0.0).for_core(ao.Newmark(dt=1e-5), 1e-5))
+    equations = player("body", body, 0.0).stepped().equations
     K, M, B = equations.K.toarray(), equations.M.toarray(), equations.B[:, 0]
     for omega in (10.0, 3e3, 1e5):
         seen = B @ np.linalg.solve(K - omega**2 * M, B)

@@ -9,9 +9,9 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact.briefs import brief_numbers
-from aoimpact.fit import unbalanced
 from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper_sphere import BALL_MASS
+from aoimpact.validity import unbalanced
 
 from twelve import ALUMINIUM, FLOOR, IMPACTS, STEEL, block, cube, law
 

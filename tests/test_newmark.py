@@ -1,6 +1,7 @@
 """Newmark's rule: its order, what it conserves, and that every kind of body steps alike."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scipy.special import gamma
 import aoimpact as ao
 from aoimpact.newmark import Newmark, newmark_scene
 from aoimpact.players import StarPlayer, player
+from aoimpact.stepped import SteppedModes
 
 from slender import beam, rod
 
@@ -208,8 +210,7 @@ def test_the_final_state_is_that_of_the_last_step():
 def row_of_balls(count, dt, duration, law=HERTZ, velocity=1.0):
     rule = Newmark(dt=dt)
     balls = [
-        StarPlayer(ao.rigid(mass=MASS), velocity if i == 0 else 0.0).for_core(rule, dt)
-        for i in range(count)
+        StarPlayer(ao.rigid(mass=MASS), velocity if i == 0 else 0.0).stepped() for i in range(count)
     ]
     contacts = [(i, 0, i + 1, 0, law, 0.0) for i in range(count - 1)]
     record = newmark_scene(balls, contacts, rule=rule, dt=dt, duration=duration)
@@ -263,21 +264,21 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     dt, zero = 2e-3, np.zeros(K.shape[0])
     rule, law = Newmark(dt=dt), ao.Hertz(k=1e4)
     tip = ao.FEModel(K=K, M=M).contact(dof=5)
-    core = list(player("target", tip, 0.0).for_core(rule, dt))
-    core[3] = b
-    modal = (
-        "modal",
-        np.sqrt(omega2),
-        zero,
-        b @ phi,
-        np.zeros((2, 2)),
-        None,
-        None,
-        phi.T @ core[-3],
+    full_body = replace(player("target", tip, 0.0).stepped(), B=b)
+    in_modes = SteppedModes(
+        omega=np.sqrt(omega2),
+        decay=zero,
+        shape=b @ phi,
+        residual=np.zeros((2, 2)),
+        bent=None,
+        gravity=None,
+        centre=phi.T @ full_body.centre,
+        u=np.zeros_like(zero),
+        v=np.zeros_like(zero),
     )
     runs = []
-    for body in (tuple(core), (*modal, np.zeros_like(zero), np.zeros_like(zero))):
-        balls = [StarPlayer(ao.rigid(mass=0.1), v).for_core(rule, dt) for v in (0.1, 0.2)]
+    for body in (full_body, in_modes):
+        balls = [StarPlayer(ao.rigid(mass=0.1), v).stepped() for v in (0.1, 0.2)]
         contacts = [(0, 0, 2, 0, law, 0.0), (1, 0, 2, 1, law, 0.01)]
         loads = [(2, 1, np.array([0.0, 1.0]), np.array([0.0, 0.05]))]
         runs.append(newmark_scene([*balls, body], contacts, loads, rule=rule, dt=dt, duration=4.0))
@@ -293,9 +294,9 @@ def test_everything_at_once_balances():
     rule = Newmark(dt=dt)
     damped = ao.AOModel(m0=2e-3, k0=3e5, m=[0.01], k=[4e6], damping=ao.Rayleigh(beta=1e-6))
     bodies = [
-        StarPlayer(ao.rigid(mass=0.05), 1.0).for_core(rule, dt, gravity=np.array([0.5])),
-        StarPlayer(ringing_star(), 0.0).for_core(rule, dt, gravity=np.array([0.0, 1.0, 2.0, 3.0])),
-        StarPlayer(damped, 0.0).for_core(rule, dt),
+        StarPlayer(ao.rigid(mass=0.05), 1.0).stepped(gravity=np.array([0.5])),
+        StarPlayer(ringing_star(), 0.0).stepped(gravity=np.array([0.0, 1.0, 2.0, 3.0])),
+        StarPlayer(damped, 0.0).stepped(),
     ]
     law = ao.Linear(k=1e6)
     contacts = [(0, 0, 1, 0, law, 0.0), (1, 0, 2, 0, law, 1e-6), (0, 0, 2, 0, law, 2e-5)]

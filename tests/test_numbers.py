@@ -9,6 +9,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.run_files import as_json, numbers, rows
+from aoimpact.scene import SceneCase
 
 from twelve import IMPACTS
 
@@ -116,7 +117,7 @@ def test_in_a_scene_the_numbers_of_each_contact_have_theirs():
     assert true > 0.05
     assert run.error.numbers["contacts.0.peak_force"] <= 1e-2
     kept = ao.simulate_many(
-        [(ao.many.SceneCase(scene, {"quantity": "peak_force"}), duration)],
+        [(SceneCase(scene, {"quantity": "peak_force"}), duration)],
         keep="contacts.0.impulse",
     )
     assert kept[0]["contacts.0.impulse_error"] == run.error.numbers["contacts.0.impulse"]

@@ -14,6 +14,7 @@ import scipy.optimize
 
 import aoimpact as ao
 from aoimpact import paper, paper_beam, paper_sphere
+from aoimpact.checks import writable_folder
 from aoimpact.paper_figures import figure_5, figure_6, figure_8
 from aoimpact.paper_table import Row, Table, markdown, write_comparison
 
@@ -338,11 +339,11 @@ def test_folder_that_cannot_be_written_is_refused_before_the_work(tmp_path: Path
     with pytest.raises(ao.InputError, match="cannot write"):
         paper.reproduce(tmp_path / "file" / "below")
     with pytest.raises(ao.InputError, match="cannot write"):
-        paper.writable_folder("nul\0name" if os.name == "nt" else "/proc/aoimpact")
+        writable_folder("nul\0name" if os.name == "nt" else "/proc/aoimpact")
 
 
 def test_folder_is_left_as_it_was(tmp_path: Path) -> None:
-    folder = paper.writable_folder(tmp_path / "new" / "deep")
+    folder = writable_folder(tmp_path / "new" / "deep")
     assert folder.is_dir()
     assert not list(folder.iterdir())
 
