@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _core
+from .arrays import FloatArray
 from .band import IntArray, narrow_order
 from .checks import positive
 from .errors import InputError
@@ -22,7 +22,6 @@ from .events import Events
 
 __all__ = ["TIGHTEST", "Adaptive", "Track", "adaptive_run"]
 
-FloatArray = npt.NDArray[np.float64]
 CoreBody = tuple[Any, ...]  # as ModalBody.for_core makes it
 CoreJoint = tuple[int, int, int, int, float, tuple[Any, ...]]
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .adaptive import FloatArray, Track
+from .adaptive import Track
+from .arrays import FloatArray
 
 __all__ = ["difference", "most_touches"]
 

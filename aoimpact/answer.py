@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from .arrays import FloatArray
 from .checks import choice
 from .contact import ContactPoint
 from .errors import InputError, warn
-from .events import FloatArray
 from .result import Result
 from .run import Handle, Run
 

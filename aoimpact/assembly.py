@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from .arrays import FloatArray
 from .elements import ReferenceElement, cofactors, jacobians, reference_element
 from .material import Material
 from .mesh import Mesh
@@ -22,8 +23,6 @@ from .progress import bar
 
 __all__ = ["stiffness_mass"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Elements are taken so many at a time that the largest temporary stays in this size, bytes.
 _BATCH = 16e6

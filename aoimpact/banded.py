@@ -15,12 +15,12 @@ import numpy.typing as npt
 import scipy.linalg as la
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from .arrays import FloatArray
 from .errors import SingularError
 from .superlu import check_condition
 
 __all__ = ["NARROW", "inverse"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Dofs in a cut (`mean_width`) up to which this takes half of SuperLU's time or less: measured on
 # beams of 8- and 20-node hexahedra, .3 of it at 150 to 170, and on a plate, as long at 760.

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray, IntArray
 from .errors import InputError, InputTypeError
 
 __all__ = [
@@ -41,9 +41,6 @@ __all__ = [
 
 # Coordinates, m, beyond which squares of distances are no numbers.
 _FARTHEST = 1e100
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 
 def _unit(unit: str) -> str:

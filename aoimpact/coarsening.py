@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from . import _core
+from .arrays import FloatArray, IntArray
 from .elements import reference_element
 from .mesh import Mesh
 from .smoother import diagonal_blocks
 
 __all__ = ["QUADRATIC", "aggregated", "corner_interpolation"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Elements of second order, and those of first order on their corners.
 QUADRATIC = {

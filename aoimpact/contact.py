@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from .arrays import FloatArray, IntArray
 from .checks import choice, integer, nonnegative, place, plain, positive, unit_vector
 from .damping import Damping
 from .errors import InputError, InputTypeError, warn
@@ -26,8 +27,6 @@ from .touch import Touch, automatic_radius, check_pressing, touched, warn_if_coa
 
 __all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # A point closer to a node than this fraction of the body's size is that node.
 _AT_NODE = 1e-6

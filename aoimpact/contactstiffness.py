@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from .assembly import stiffness_mass
 from .contact import ContactPoint
@@ -17,7 +16,6 @@ from .mesh import Mesh
 
 __all__ = ["contact_stiffness"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # ν above which λ is taken as it is there. The half-space's (1 - ν)/G goes on almost as before; λ
 # grows without bound, and with it bᵀKb: at .49 by a factor of four.

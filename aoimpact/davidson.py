@@ -6,15 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg as la
 
+from .arrays import FloatArray
 from .errors import ConvergenceError
 from .progress import bar
 
 __all__ = ["davidson"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # r·T r / ω² of a pair that has converged: the relative error of its ω², with T about (K + s²M)⁻¹;
 # that of the mode is the root of it.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray, IntArray
 from .checks import nonnegative
 from .elements import reference_element
 from .errors import InputTypeError
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["outlines", "plot_deformed"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Unless told otherwise, the largest displacement is drawn as this share of the body's size.
 _SHOWN = 0.1

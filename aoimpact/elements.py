@@ -12,16 +12,15 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import roots_jacobi
 from skfem import element as skfem_element
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefHex, RefLine, RefTet, RefTri
 
+from .arrays import FloatArray, IntArray
+
 __all__ = ["KINDS", "ReferenceElement", "Rule", "cofactors", "jacobians", "reference_element"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 _TET = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 _HEX = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))

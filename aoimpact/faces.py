@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray, IntArray
 from .elements import ReferenceElement, reference_element
 
 __all__ = ["ReferenceFace", "reference_faces"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Outward normals of the reference cells' sides, by the number of corners.
 _NORMALS = {

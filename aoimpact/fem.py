@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .arrays import FloatArray, IntArray
 from .assembly import stiffness_mass
 from .checks import finite_array, integer, nonnegative, unit_vector
 from .contact import ContactPoint, contact_point
@@ -37,8 +38,6 @@ from .surface import Surface, boundary
 
 __all__ = ["FEModel"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Heavier or longer than this, a body's coordinates are more likely in millimetres.
 _HEAVY, _LONG = 1e5, 100.0

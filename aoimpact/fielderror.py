@@ -18,14 +18,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg as la
 
+from .arrays import FloatArray
 from .recovery import Recovery
 
 __all__ = ["FieldError", "History"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Of the largest mass over stiffness: what is less belongs to coordinates without inertia.
 _NO_INERTIA = 1e-12

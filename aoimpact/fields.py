@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from . import deformed, vtu
+from .arrays import FloatArray
 from .checks import choice, integer
 from .contact import Body
 from .errors import InputError, warn
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Field", "Probe", "solid", "warn_if_wrong"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Relative errors of fields that nobody should have to look for.
 _BADLY_WRONG = 0.3

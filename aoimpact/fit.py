@@ -9,9 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-import numpy.typing as npt
-
 from .errors import warn
 from .events import Events
 from .units import quantity
@@ -23,7 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["warn_of_later_motion", "warn_of_misfit"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # And at which later contacts do: on five bodies that ring between two to four contacts the impulse
 # was wrong by .02 to .45 above 6e-5, and by less than .001 below 2e-5.

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from . import pardiso
+from .arrays import FloatArray
 from .coarsening import QUADRATIC, corner_interpolation
 from .contact import Body
 from .errors import SingularError
@@ -25,7 +25,6 @@ from .superlu import check_condition, factorize
 
 __all__ = ["static_by_dynamic"]
 
-FloatArray = npt.NDArray[np.float64]
 Operator = Callable[[FloatArray], FloatArray]
 
 # ‖b - Kx‖/‖b‖ in the end. The error of bᵀx goes with its square: 4e-9 at most of what was measured

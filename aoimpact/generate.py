@@ -10,6 +10,7 @@ from itertools import permutations, product
 import numpy as np
 import numpy.typing as npt
 
+from .arrays import FloatArray, IntArray
 from .checks import choice, finite_array, integer, positive, sequence
 from .elements import KINDS, ReferenceElement, reference_element
 from .errors import InputError
@@ -17,8 +18,6 @@ from .mesh import Mesh, read_mesh
 
 __all__ = ["box_mesh", "paper_sphere_mesh", "sphere_mesh"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 _GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .arrays import FloatArray
 from .checks import finite_array, integer
 from .contact import Body, ContactPoint
 from .damping import Damping
@@ -31,8 +32,6 @@ __all__ = [
     "interface",
     "whole_interface",
 ]
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

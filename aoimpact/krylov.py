@@ -14,10 +14,10 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg as la
 
 from . import _core
+from .arrays import FloatArray
 from .checks import integer, positive
 from .contact import ContactPoint
 from .contactstiffness import contact_stiffness
@@ -47,7 +47,6 @@ __all__ = [
     "shortest_contact_time",
 ]
 
-FloatArray = npt.NDArray[np.float64]
 
 # s T of the shift for a blow of duration T. On the paper's beam 8 to 14 are alike, a third of it
 # and three times as much need two more oscillators for the same force. A spread of shifts was

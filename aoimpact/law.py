@@ -12,13 +12,13 @@ import numpy.typing as npt
 import scipy.optimize
 
 from . import _core
+from .arrays import FloatArray
 from .checks import finite_array, positive
 from .errors import InputError, InputTypeError
 from .rebound import integrated_restitution
 
 __all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # What for_core gives; opaque to all but the binding.
 CoreLaw = tuple[Any, ...]

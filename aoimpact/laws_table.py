@@ -10,13 +10,12 @@ import numpy as np
 import numpy.typing as npt
 import scipy.interpolate
 
+from .arrays import FloatArray
 from .checks import finite_array
 from .errors import InputError
 from .law import ContactLaw
 
 __all__ = ["Tabulated"]
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray, IntArray
 from .checks import plain
 from .elements import ReferenceElement, reference_element
 from .errors import InputError
@@ -12,8 +12,6 @@ from .mesh import Mesh
 
 __all__ = ["node_at", "weights_at"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # A point closer to a node than this fraction of the body's size is that node.
 _AT_NODE = 1e-6

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import scipy.linalg as la
 import scipy.sparse as sp
 
+from .arrays import FloatArray
 from .errors import InputError, InputTypeError, SingularError
 from .superlu import CHECKED_DOFS, Factorization, factorize
 
@@ -24,7 +25,6 @@ __all__ = [
     "symmetric_pair",
 ]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Entries that the core's int32 offsets can count.
 _MOST_ENTRIES = 2**31 - 1

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
+from .arrays import FloatArray, IntArray
 from .errors import SingularError
 from .rigidity import motions_at
 from .spectra import DENSE_DOFS
@@ -25,8 +25,6 @@ from .surface import Surface
 
 __all__ = ["Mechanism", "mechanism_in", "mechanism_of", "refuse_mechanism"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
 _MOVED = 1e-10

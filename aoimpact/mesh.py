@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+from .arrays import FloatArray, IntArray
 from .checks import choice, finite_array, node_ids, positive
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
 from .errors import InputError, InputTypeError, MeshError, warn
@@ -23,8 +23,6 @@ from .meshfile import load, named_nodes
 
 __all__ = ["Mesh", "read_mesh"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # det J below this fraction of the cube of the element's size: no volume to speak of.
 _FLAT = 1e-12

@@ -17,6 +17,7 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 
+from .arrays import IntArray
 from .checks import file_path
 from .elements import KINDS
 from .errors import MemoryLimitError, MeshError, MissingFileError
@@ -24,7 +25,6 @@ from .meshguard import bounded, bounded_text
 
 __all__ = ["load", "named_nodes"]
 
-IntArray = npt.NDArray[np.int64]
 
 # meshio's names of kinds of cells: a shape and its number of nodes.
 _KIND = re.compile(r"(vertex|line|triangle|quad|tetra|hexahedron|wedge|pyramid)\d*")

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .errors import InputError
 from .interface import InterfaceModel
 from .star import AOModel
@@ -21,7 +21,6 @@ from .starmodes import StarModes, star_modes
 
 __all__ = ["ModalBody", "modal_body"]
 
-FloatArray = npt.NDArray[np.float64]
 State = tuple[FloatArray, FloatArray]
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _core
+from .arrays import FloatArray
 from .checks import integer
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError
@@ -21,7 +21,6 @@ from .statics import origin_of
 
 __all__ = ["ModalModel", "modal"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Modes and oscillators with less than this share of the whole do not feel the contact.
 _SILENT = 1e-13

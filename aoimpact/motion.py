@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .arrays import FloatArray
 from .errors import InputError
-from .events import Eventful, Events, FloatArray
+from .events import Eventful, Events
 from .fields import Field, Probe
 from .frozen import Frozen
 from .response import Response

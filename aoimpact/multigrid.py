@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from .arrays import FloatArray
 from .coarsening import QUADRATIC, aggregated, corner_interpolation
 from .errors import ConvergenceError, SingularError
 from .fill import factor_entries
@@ -28,7 +29,6 @@ from .superlu import factorize
 
 __all__ = ["Multigrid", "bytes_needed"]
 
-FloatArray = npt.NDArray[np.float64]
 Single = npt.NDArray[np.float32]
 
 # λ_max of what is smoothed over λ_min of that: wider than isotropic elements need (8), for elements

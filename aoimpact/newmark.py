@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _core
+from .arrays import FloatArray
 from .checks import boolean, positive, real
 from .errors import ConvergenceError, InputError
 from .frozen import Frozen
@@ -19,7 +19,6 @@ from .stepped import SteppedBody
 
 __all__ = ["Contact", "Load", "Newmark", "Record", "newmark_scene", "steps_of"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # A record larger than this is a mistake in dt more often than a wish.
 _MOST_BYTES = 4 * 2**30

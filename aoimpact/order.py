@@ -13,8 +13,8 @@ from itertools import combinations
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .contact import ContactPoint
 from .errors import AOImpactError, ConvergenceError, InputError
 from .krylov import own_contact_time
@@ -23,7 +23,6 @@ from .solvers import Solver
 
 __all__ = ["Orders", "first_guess", "least_orders"]
 
-FloatArray = npt.NDArray[np.float64]
 R = TypeVar("R")
 R_contra = TypeVar("R_contra", contravariant=True)
 

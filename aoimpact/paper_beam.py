@@ -11,8 +11,9 @@ from functools import cached_property
 
 import numpy as np
 
+from .arrays import FloatArray
 from .contact import ContactPoint
-from .events import FloatArray, find_impulse
+from .events import find_impulse
 from .fem import FEModel
 from .generate import box_mesh
 from .laws import Hertz

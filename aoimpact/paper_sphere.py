@@ -11,8 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
+from .arrays import FloatArray
 from .contact import ContactPoint
-from .events import FloatArray
 from .fem import FEModel
 from .generate import paper_sphere_mesh, sphere_mesh
 from .laws import Hertz

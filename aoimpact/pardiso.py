@@ -7,15 +7,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .errors import InputError, MemoryLimitError, SingularError
 from .fill import mean_width
 from .superlu import check_condition
 
 __all__ = ["Factors", "inverse", "is_installed"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Dofs in a cut above which nested dissection halves the work and the memory of the factors. Below,
 # minimum degree gives as few entries, and looks for them a third as long.

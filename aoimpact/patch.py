@@ -11,17 +11,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import roots_jacobi
 
+from .arrays import FloatArray, IntArray
 from .errors import InputError
 from .material import Material
 from .surface import Place, Surface, plane_of
 
 __all__ = ["Patch", "Spread", "free_radius", "half_space_compliance", "spread"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
 # Kinks of the shape functions between faces are what limits it; see tests/test_patch.py.

@@ -13,15 +13,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .errors import InputError, LawLimitError
 from .law import ContactLaw, PatchLaw
 from .patch import Patch
 
 __all__ = ["check_width", "effective_law", "own_law", "wide_enough"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # The share c dF/dδ to aim at where a patch was too small; for Hertz's contact of radius a within
 # patches of radius r it is 1.2 a/r, so the contact is then half as wide as the patch.

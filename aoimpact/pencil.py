@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from .arrays import FloatArray
 from .fill import mean_width
 
 __all__ = ["Pencil"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Beside any stiffness nothing, and yet stored.
 _ALMOST_ZERO = 1e-300

@@ -19,11 +19,11 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 from scipy.sparse.csgraph import connected_components
 
+from .arrays import FloatArray
 from .modalbody import ModalBody
 
 __all__ = ["Bound", "End", "Pile"]
 
-FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
 

@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .laws import ContactLaw, PatchLaw, Tabulated
 from .modalbody import ModalBody
 from .players import Player, State
@@ -20,8 +20,6 @@ from .preload import Pressed, equilibrium
 from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
 
 __all__ = ["Drift", "Joint", "Load", "Plan", "normal_gap"]
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def normal_gap(gap: float) -> float:

@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .contact import ContactPoint
 from .damping import ModalDamping, Rayleigh
 from .errors import InputError, InputTypeError
@@ -29,7 +29,6 @@ from .stepped import SteppedBody, SteppedFull, SteppedModes, SteppedStar
 
 __all__ = ["FullPlayer", "InterfacePlayer", "Player", "StarPlayer", "player"]
 
-FloatArray = npt.NDArray[np.float64]
 State = tuple[FloatArray, FloatArray]
 
 # All modes of a body of that many dofs take some ten seconds and a third of a GiB.

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from .arrays import FloatArray
 from .axes import given_axes
 from .checks import choice
-from .events import FloatArray
 from .patchlaw import own_law
 from .table import body_names
 from .units import Scale, scale_for, scale_of

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .errors import ConvergenceError, InputError, LawLimitError
 from .laws import ContactLaw
 from .modalbody import ModalBody
@@ -22,7 +22,6 @@ from .springs import Springs
 
 __all__ = ["Pressed", "equilibrium"]
 
-FloatArray = npt.NDArray[np.float64]
 
 _MOST_STEPS = 2000
 

@@ -10,10 +10,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 import scipy.integrate
 import scipy.optimize
 import scipy.special
+
+from .arrays import FloatArray
 
 __all__ = [
     "hunt_crossley_damping",
@@ -27,7 +28,6 @@ __all__ = [
     "swing_restitution",
 ]
 
-FloatArray = npt.NDArray[np.float64]
 
 _RTOL = 3e-14  # the tightest that the integrator takes
 _RTOL_ROOT = 4.0 * np.finfo(float).eps  # and the root finder

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from .adaptive import Track
+from .arrays import FloatArray
 from .driven import Driven
 from .events import find_peak
 from .interface import InterfaceModel
@@ -23,7 +23,6 @@ from .tracked import Tracked
 
 __all__ = ["response_of"]
 
-FloatArray = npt.NDArray[np.float64]
 Span = tuple[float, float]
 
 # The share of a blow after which the body is left to itself: its force fades.

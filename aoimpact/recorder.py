@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-import numpy.typing as npt
-
+from .arrays import FloatArray
 from .events import Events
 
 __all__ = ["Recorder"]
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class Recorder(Protocol):

@@ -21,14 +21,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .reduced import Reduced
 from .solvers import LinearSolver
 
 __all__ = ["PACE", "Recovery"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # s T for a contact of duration T. Measured on beams struck at midspan and at the tip, held and
 # free: between 3 and 20 errors hardly change, below they grow where slow modes are left out.

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .contact import Body
 from .interface import InterfaceModel
 from .star import AOModel
 
 __all__ = ["Reduced", "reduced_interface", "reduced_star"]
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
 from . import _core
+from .arrays import FloatArray
 from .checks import choice, integer
 from .contact import ContactPoint
 from .errors import InputError, InputTypeError, SingularError, warn
@@ -24,7 +25,6 @@ from .statics import StaticMode, origin_of, static_mode
 
 __all__ = ["antioscillators"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # LAPACK on the whole pencil: a second up to here, minutes and gigabytes beyond there.
 _DENSE_QUICK = 1500

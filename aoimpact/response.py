@@ -7,9 +7,9 @@ from functools import cached_property, partial
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
+from .arrays import FloatArray, IntArray
 from .checks import finite_array, unit_vector
 from .contact import Body
 from .errors import InputError
@@ -22,8 +22,6 @@ from .supports import selected_nodes
 
 __all__ = ["Flight", "Motion", "Response"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # Times of a blow at which is looked what a model misses of it.
 _BLOW = 24

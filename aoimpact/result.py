@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import plot
-from .events import Eventful, Events, FloatArray
+from .arrays import FloatArray
+from .events import Eventful, Events
 from .motion import BodyEnergy, BodyInfo, BodyResult, Energy, ErrorEstimate
 from .run import Run
 from .summary import summary_html, summary_text

@@ -6,14 +6,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg as la
 from scipy.sparse.csgraph import connected_components
 
+from .arrays import FloatArray
+
 __all__ = ["every_motion", "motions_at", "rigid_motions", "unresisted_motions"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # |K r|_i of a rigid motion, over K_ii max |r|. Rounding of a mesh's own K gives some 1e-15, a K
 # printed with ten digits 1e-10; a spring to the ground gives its share of the stiffness at its dof.

@@ -13,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import plot
+from .arrays import FloatArray
 from .checks import finite_array
 from .errors import InputError, InputTypeError
-from .events import Events, FloatArray, find_events
+from .events import Events, find_events
 from .fit import warn_of_later_motion
 from .motion import (
     BodyEnergy,

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from .adaptive import Adaptive
 from .answer import scene_answer
@@ -32,7 +31,6 @@ from .sufficient import checked_linear_solver, sufficient
 
 __all__ = ["Scene", "SceneCase", "Solver", "checked_speed", "solve", "warn_of_centres"]
 
-FloatArray = npt.NDArray[np.float64]
 Solver = Adaptive | Newmark
 
 # Squares and energies of speeds beyond these overflow, or vanish.

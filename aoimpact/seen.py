@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-from .events import FloatArray
+from .arrays import FloatArray
 from .motion import BodyResult, ContactResult, Energy, ErrorEstimate
 
 __all__ = ["Seen", "SeenRun"]

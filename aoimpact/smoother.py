@@ -9,11 +9,11 @@ import numpy.typing as npt
 import scipy.linalg as la
 
 from . import _core
+from .arrays import FloatArray
 from .errors import SingularError
 
 __all__ = ["Smoother", "diagonal_blocks"]
 
-FloatArray = npt.NDArray[np.float64]
 Single = npt.NDArray[np.float32]
 
 # Steps before and after each correction: one fewer takes half as many iterations again, one more

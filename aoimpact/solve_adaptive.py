@@ -9,8 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from .adaptive import TIGHTEST, Adaptive, FloatArray, Track, adaptive_run
+from .adaptive import TIGHTEST, Adaptive, Track, adaptive_run
 from .agreement import difference, most_touches
+from .arrays import FloatArray
 from .errors import ConvergenceError, warn
 from .events import Events
 from .laws import UserLaw

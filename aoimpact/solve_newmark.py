@@ -10,8 +10,9 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from .arrays import FloatArray
 from .errors import ConvergenceError, InputError, warn
-from .events import Events, FloatArray
+from .events import Events
 from .laws import ContactLaw
 from .newmark import Newmark, Record, newmark_scene, steps_of
 from .patchlaw import check_width

@@ -12,9 +12,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from . import banded, pardiso
+from .arrays import FloatArray
 from .checks import choice
 from .errors import ConvergenceError, InputTypeError
 from .fill import entries_by_width
@@ -37,7 +37,6 @@ __all__ = [
     "within_band",
 ]
 
-FloatArray = npt.NDArray[np.float64]
 Inverse = Callable[[FloatArray], FloatArray]
 
 # What `solver=` may be: a name, or a function that takes the sparse matrix K + s²M and returns one

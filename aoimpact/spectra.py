@@ -6,17 +6,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
+from .arrays import FloatArray
 from .davidson import davidson
 from .errors import ConvergenceError
 from .solvers import LinearSolver, Pencil, linear_solver
 
 __all__ = ["DENSE_DOFS", "EQUAL", "lowest", "lowest_sparse", "null_space", "shifted"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Up to here LAPACK on the whole pencil is quicker than setting up an iteration.
 DENSE_DOFS = 500

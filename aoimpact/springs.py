@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .arrays import FloatArray
 from .laws import ContactLaw, UserLaw
 
 __all__ = ["Springs"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Depths, m, from which on and up to where a law's stiffness under a load is looked for; by which
 # strides, and by which in a user's law, which is not asked much deeper than it will be.

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .arrays import FloatArray
 from .checks import finite_array, integer, nonnegative, positive
 from .damping import Damping, damping_or_none
 from .errors import InputError, SingularError
@@ -20,7 +21,6 @@ from .patch import Patch
 
 __all__ = ["AOModel", "rigid"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Masses, kg, and stiffnesses, N/m, beside each other: their ratios squared are numbers.
 _LARGEST, _LEAST = 1e100, 1e-100

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg as la
 import scipy.sparse as sp
 
 from . import _core
+from .arrays import FloatArray
 from .contact import Body, ContactPoint
 from .errors import InputTypeError, SingularError
 from .fromdynamic import static_by_dynamic
@@ -28,7 +28,6 @@ __all__ = [
     "translates",
 ]
 
-FloatArray = npt.NDArray[np.float64]
 
 # rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
 # just told from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.

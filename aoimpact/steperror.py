@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .events import FloatArray, find_impulse, find_peak
+from .arrays import FloatArray
+from .events import find_impulse, find_peak
 from .newmark import Record
 from .plan import Plan
 from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS

@@ -7,16 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
+from .arrays import FloatArray
 from .damping import Rayleigh
 from .matrices import core_rows
 from .superlu import factorize
 
 __all__ = ["Equations", "SteppedBody", "SteppedFull", "SteppedModes", "SteppedStar"]
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class Equations(NamedTuple):

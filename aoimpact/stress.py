@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
+from .arrays import FloatArray, IntArray
 from .checks import choice
 from .elements import ReferenceElement, cofactors, jacobians, reference_element
 from .material import Material
@@ -24,8 +24,6 @@ from .mesh import Mesh
 
 __all__ = ["COMPONENTS", "Stress", "corner_element", "gauss_stress", "nodal_stress", "stress_rows"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # VTK's order of a symmetric tensor.
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")

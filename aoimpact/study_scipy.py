@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.integrate
 
+from .arrays import FloatArray
 from .errors import ConvergenceError, InputError
 from .laws import ContactLaw, Hertz, Linear, PatchLaw, PowerLaw
 from .patchlaw import own_law
@@ -23,7 +23,6 @@ from .star import AOModel
 
 __all__ = ["METHODS", "OdeScene", "Outcome", "ode_scene"]
 
-FloatArray = npt.NDArray[np.float64]
 Slope = Callable[[float, FloatArray], FloatArray]
 Event = Callable[[float, FloatArray], float]
 ForceLaw = Callable[[float], tuple[float, float]]

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from . import _core
+from .arrays import FloatArray
 from .errors import SingularError
 
 __all__ = ["CHECKED_DOFS", "Factorization", "check_condition", "factorize"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # 1/condition below which a factorised matrix is taken for singular: the rounding of its entries
 # alone could have made it so.

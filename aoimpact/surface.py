@@ -10,14 +10,13 @@ import numpy.typing as npt
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
+from .arrays import FloatArray, IntArray
 from .elements import reference_element
 from .faces import reference_faces
 from .mesh import Mesh
 
 __all__ = ["Place", "Surface", "boundary", "plane_of"]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # A curved side may bulge this much beyond the ball around its nodes.
 _BULGE = 1.2

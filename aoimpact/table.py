@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arrays import FloatArray
 from .checks import file_path
 from .errors import InputError
-from .events import FloatArray
 
 if TYPE_CHECKING:
     from .motion import BodyResult

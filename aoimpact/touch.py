@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .checks import plain
 from .elements import reference_element
 from .errors import InputError, warn
@@ -24,8 +24,6 @@ __all__ = [
     "warn_if_coarse",
 ]
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 # A point this far off the surface, as a fraction of the size of the face there, still means the
 # surface: linear elements cut the corners of a round body by about so much. Beyond the smaller

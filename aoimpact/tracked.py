@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from .adaptive import Track
+from .arrays import FloatArray
 from .plan import Plan
 
 __all__ = ["Tracked"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # The forces' rates are central differences over this share of the shortest contact: a smooth force
 # has moved far more than its rounding there, and its curve not yet bent.

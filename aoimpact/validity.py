@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .contact import ContactPoint
 from .interface import InterfaceModel
 from .krylov import SHIFT_TIMES_DURATION
@@ -16,7 +16,6 @@ from .star import AOModel
 
 __all__ = ["fitted_time", "fitted_times", "knows", "unbalanced"]
 
-FloatArray = npt.NDArray[np.float64]
 
 # Factor by which a contact may be shorter than what was fitted before it is looked at: measured on
 # twelve impacts with three and eight oscillators, down to there the force is hardly worse.

@@ -9,15 +9,13 @@ from xml.sax.saxutils import quoteattr
 
 import meshio
 import numpy as np
-import numpy.typing as npt
 
+from .arrays import FloatArray
 from .checks import file_path
 from .errors import InputError
 from .mesh import Mesh
 
 __all__ = ["write_series"]
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def write_series(
