@@ -39,12 +39,12 @@ from peers import (
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.adaptive import adaptive_run
-from aoimpact.newmark import newmark_scene
-from aoimpact.plan import Joint, Plan
-from aoimpact.players import StarPlayer, player
-from aoimpact.study_scipy import Outcome
-from aoimpact.units import quantity
+from aoimpact.base.units import quantity
+from aoimpact.integrate.adaptive import adaptive_run
+from aoimpact.integrate.newmark import newmark_scene
+from aoimpact.scene.bodies import StarPlayer, player
+from aoimpact.scene.plan import Joint, Plan
+from aoimpact.study.scipy_solvers import Outcome
 
 
 def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 import aoimpact as ao
-from aoimpact.solve_newmark import rigid_contact_time
-from aoimpact.study_scenes import SCENES
-from aoimpact.study_scipy import OdeScene, Outcome, ode_scene
+from aoimpact.integrate.fixed_steps import rigid_contact_time
+from aoimpact.study.scenes import SCENES
+from aoimpact.study.scipy_solvers import OdeScene, Outcome, ode_scene
 
 
 @dataclass(frozen=True)

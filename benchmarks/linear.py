@@ -19,9 +19,9 @@ from collections.abc import Callable
 import numpy as np
 
 import aoimpact as ao
-from aoimpact import pardiso
-from aoimpact.multigrid import Multigrid
-from aoimpact.pencil import Pencil
+from aoimpact.linalg import pardiso
+from aoimpact.linalg.multigrid import Multigrid
+from aoimpact.linalg.pencil import Pencil
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from aoimpact.units import quantity
+from aoimpact.base.units import quantity
 
 
 def best_times(

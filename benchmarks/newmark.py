@@ -27,11 +27,11 @@ from measuring import Line, best_times, print_table
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.assembly import stiffness_mass
-from aoimpact.paper_beam import ALUMINIUM, beam_model
-from aoimpact.players import FullPlayer, StarPlayer
-from aoimpact.solvers import factorize
-from aoimpact.study_scenes import beam_star
+from aoimpact.fem.assembly import stiffness_mass
+from aoimpact.linalg.solvers import factorize
+from aoimpact.paper.beam import ALUMINIUM, beam_model
+from aoimpact.scene.bodies import FullPlayer, StarPlayer
+from aoimpact.study.scenes import beam_star
 
 MASS, HERTZ, VELOCITY = 0.0326725636, 1e10, 1.0
 DT, STEPS = 2e-6, 10_000

@@ -14,7 +14,7 @@ import numpy as np
 from cases import Case, Run, best_time, error_of, tolerances
 
 import aoimpact as ao
-from aoimpact.study_scipy import Outcome
+from aoimpact.study.scipy_solvers import Outcome
 
 HERE = Path(__file__).parent
 

@@ -27,12 +27,12 @@ import numpy as np
 from measuring import Line, best_times, print_table
 
 import aoimpact as ao
-from aoimpact import pardiso
-from aoimpact.answer import Answer
-from aoimpact.errors import held_warnings
-from aoimpact.paper_beam import ALUMINIUM
-from aoimpact.paper_sphere import BALL_MASS, LAW, RADIUS, STEEL
-from aoimpact.superlu import factorize
+from aoimpact.accuracy.answer import Answer
+from aoimpact.base.errors import held_warnings
+from aoimpact.linalg import pardiso
+from aoimpact.linalg.superlu import factorize
+from aoimpact.paper.beam import ALUMINIUM
+from aoimpact.paper.sphere import BALL_MASS, LAW, RADIUS, STEEL
 
 CONTACT_TIME = 80e-6
 

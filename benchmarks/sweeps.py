@@ -22,7 +22,7 @@ import numpy as np
 from measuring import Line, best_times, print_table
 
 import aoimpact as ao
-from aoimpact.study_scenes import pair
+from aoimpact.study.scenes import pair
 
 NAMES = ("peak_force", "contact_duration", "rebound_velocity")
 CASES, FEW = 4000, 100

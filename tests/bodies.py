@@ -7,8 +7,8 @@ from itertools import permutations, product
 import numpy as np
 import numpy.typing as npt
 
-from aoimpact.generate import box_mesh
-from aoimpact.mesh import Mesh
+from aoimpact.mesh.generate import box_mesh
+from aoimpact.mesh.mesh import Mesh
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import aoimpact as ao
-from aoimpact.newmark import Record
-from aoimpact.result import Result
-from aoimpact.run import Run
-from aoimpact.simulate import plan_impact
-from aoimpact.solve_newmark import Recorded
+from aoimpact.impact.simulate import plan_impact
+from aoimpact.integrate.fixed_steps import Recorded
+from aoimpact.integrate.newmark import Record
+from aoimpact.results.result import Result
+from aoimpact.results.run import Run
 
 FloatArray = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.agreement import difference, most_touches
-from aoimpact.solve_adaptive import Sampled
+from aoimpact.integrate.agreement import difference, most_touches
+from aoimpact.integrate.to_tolerance import Sampled
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
 WALL = ao.rigid(mass=math.inf)
@@ -136,7 +136,7 @@ def test_a_ball_on_a_swinging_table_is_chaos_and_called_so():
 
 def test_one_contact_costs_one_run(monkeypatch):
     """And so does one with touches that carry next to nothing."""
-    from aoimpact import solve_adaptive
+    from aoimpact.integrate import to_tolerance as solve_adaptive
 
     made = []
     run_once = solve_adaptive.adaptive_run

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.answer import QUANTITIES, Answer, answer
+from aoimpact.accuracy.answer import QUANTITIES, Answer, answer
 
 
 def run(mass=1.0, velocity=1.0, duration=0.01, **options):

@@ -19,11 +19,11 @@ import skfem
 from bodies import distorted_box, interior, rigid_motions
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
-from aoimpact.assembly import stiffness_mass
-from aoimpact.elements import KINDS, reference_element
-from aoimpact.generate import box_mesh, sphere_mesh
-from aoimpact.material import Material
-from aoimpact.mesh import Mesh, read_mesh
+from aoimpact.fem.assembly import stiffness_mass
+from aoimpact.fem.material import Material
+from aoimpact.mesh.elements import KINDS, reference_element
+from aoimpact.mesh.generate import box_mesh, sphere_mesh
+from aoimpact.mesh.mesh import Mesh, read_mesh
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -238,7 +238,7 @@ def test_order_of_elements_does_not_matter() -> None:
 def test_many_elements_are_taken_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     mesh = distorted_box("hexahedron20")
     whole = stiffness_mass(mesh, MATERIAL)
-    monkeypatch.setattr("aoimpact.assembly._BATCH", 1.0)
+    monkeypatch.setattr("aoimpact.fem.assembly._BATCH", 1.0)
     for one, other in zip(whole, stiffness_mass(mesh, MATERIAL), strict=True):
         assert one.data == pytest.approx(other.data, rel=1e-12, abs=1e-14 * abs(one).max())
 

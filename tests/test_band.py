@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.band import narrow_order
+from aoimpact.integrate.band import narrow_order
 
 
 def pile(order):

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact import banded
+from aoimpact.linalg import banded
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 

@@ -10,8 +10,9 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.briefs import BRIEF, brief_numbers
-from aoimpact.study_scenes import beam_star, pair
+from aoimpact.batch.briefs import BRIEF, brief_numbers
+from aoimpact.reduction.modalbody import modal_body
+from aoimpact.study.scenes import beam_star, pair
 
 NAMES = tuple(sorted(BRIEF))
 
@@ -119,7 +120,7 @@ def test_what_is_no_case_is_left_to_simulate() -> None:
 
 
 def test_the_core_takes_no_places_out_of_stock() -> None:
-    ball = ao.modalbody.modal_body(BALL)
+    ball = modal_body(BALL)
     stock = (ball.for_core(),), (ball.moving,), (HERTZ.for_core(),)
     numbers, answers = np.array([[1.0, 0.0, 1e-3, 1e-6]]), np.empty((1, 10))
     for which in ([0, 1, 0], [0, 0, 1], [-1, 0, 0]):

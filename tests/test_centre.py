@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.briefs import brief_numbers
-from aoimpact.run_files import as_json, numbers
+from aoimpact.batch.briefs import brief_numbers
+from aoimpact.cli.files import as_json, numbers
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 MESH = ao.box_mesh((0.2, 0.02, 0.02), (16, 2, 2), kind="hexahedron20")

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import aoimpact as ao
-from aoimpact.checkpoint import Checkpoint
-from aoimpact.fingerprint import DIGEST_SIZE
+from aoimpact.batch.checkpoint import Checkpoint
+from aoimpact.batch.fingerprint import DIGEST_SIZE
 
 
 def key(i: int) -> bytes:
@@ -93,7 +93,7 @@ def test_another_process_is_kept_out(tmp_path: Path) -> None:
         code = 1
         try:
             # As another program would: nothing is known here of what the parent has open.
-            from aoimpact import checkpoint
+            from aoimpact.batch import checkpoint
 
             checkpoint._open_here.clear()
             Checkpoint(path)

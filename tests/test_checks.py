@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from aoimpact.checks import (
+from aoimpact.base.checks import (
     boolean,
     choice,
     finite_array,
@@ -18,7 +18,7 @@ from aoimpact.checks import (
     real,
     unit_vector,
 )
-from aoimpact.errors import InputError, InputTypeError
+from aoimpact.base.errors import InputError, InputTypeError
 
 PLAIN = np.arange(6.0).reshape(2, 3)
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.study_scenes import beam_star, pair
+from aoimpact.study.scenes import beam_star, pair
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ import math
 import pytest
 
 import aoimpact as ao
-from aoimpact.__main__ import main
+from aoimpact.cli.main import main
 
 from scenes import BAR
 from twelve import ALUMINIUM, ENDS, STEEL, beam, cube, law

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aoimpact.elements import KINDS
-from aoimpact.errors import AOImpactWarning, InputError, InputTypeError
-from aoimpact.fem import FEModel
-from aoimpact.generate import box_mesh, paper_sphere_mesh
-from aoimpact.material import Material
+from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError
+from aoimpact.fem.material import Material
+from aoimpact.fem.model import FEModel
+from aoimpact.mesh.elements import KINDS
+from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 BLOCK = box_mesh((0.04, 0.02, 0.02), (4, 2, 2))  # nodes 10 mm apart

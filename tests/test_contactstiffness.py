@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.contactstiffness import contact_stiffness
-from aoimpact.generate import box_mesh
+from aoimpact.mesh.generate import box_mesh
+from aoimpact.reduction.contactstiffness import contact_stiffness
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 

@@ -23,9 +23,10 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact import _core, errors
-from aoimpact.modalbody import modal_body
-from aoimpact.superlu import factorize
+from aoimpact import _core
+from aoimpact.base import errors
+from aoimpact.linalg.superlu import factorize
+from aoimpact.reduction.modalbody import modal_body
 
 HEADER = Path(__file__).parent.parent / "csrc" / "aoimpact.h"
 REFUSALS = (TypeError, ValueError, BufferError)
@@ -895,7 +896,8 @@ except KeyboardInterrupt:
 LONG_RUN = """
 import numpy as np, scipy.sparse
 import aoimpact as ao
-from aoimpact import _core, newmark
+from aoimpact import _core
+from aoimpact.integrate import newmark
 
 class Announced:
     def __getattr__(self, name):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.newmark import Newmark, newmark_scene
-from aoimpact.players import StarPlayer, player
+from aoimpact.integrate.newmark import Newmark, newmark_scene
+from aoimpact.scene.bodies import StarPlayer, player
 
 from slender import beam
 

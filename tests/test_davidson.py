@@ -9,9 +9,9 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 import aoimpact as ao
-from aoimpact.davidson import davidson
-from aoimpact.generate import box_mesh, sphere_mesh
-from aoimpact.spectra import lowest
+from aoimpact.linalg.davidson import davidson
+from aoimpact.linalg.spectra import lowest
+from aoimpact.mesh.generate import box_mesh, sphere_mesh
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
@@ -88,6 +88,6 @@ def test_a_poor_preconditioner_cuts_the_basis_back_and_gets_there():
 
 
 def test_what_does_not_converge_is_told(ball, monkeypatch):
-    monkeypatch.setattr("aoimpact.davidson._MOST_STEPS", 2)
+    monkeypatch.setattr("aoimpact.linalg.davidson._MOST_STEPS", 2)
     with pytest.raises(ao.ConvergenceError, match="2 of 2 modes of 6171 dofs did not converge"):
         by_multigrid(ball, 8)

@@ -11,8 +11,8 @@ import pytest
 from bodies import distorted_box
 
 import aoimpact as ao
-from aoimpact.deformed import outlines, plot_deformed
-from aoimpact.elements import KINDS
+from aoimpact.fields.deformed import outlines, plot_deformed
+from aoimpact.mesh.elements import KINDS
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

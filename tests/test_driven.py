@@ -9,9 +9,9 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.damping import ModalDamping, Rayleigh
-from aoimpact.driven import Driven, Equations
-from aoimpact.players import player
+from aoimpact.fem.damping import ModalDamping, Rayleigh
+from aoimpact.fields.driven import Driven, Equations
+from aoimpact.scene.bodies import player
 
 from slender import beam
 

@@ -15,11 +15,11 @@ import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aoimpact.errors import AOImpactWarning, InputError, InputTypeError, MeshError
-from aoimpact.fem import FEModel
-from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from aoimpact.material import Material
-from aoimpact.mesh import Mesh
+from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError, MeshError
+from aoimpact.fem.material import Material
+from aoimpact.fem.model import FEModel
+from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from aoimpact.mesh.mesh import Mesh
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.fingerprint import DIGEST_SIZE, Fingerprints
+from aoimpact.batch.fingerprint import DIGEST_SIZE, Fingerprints
 
 STAR = {"m0": 0.1, "k0": 1e5, "m": [0.2, 0.3], "k": [1e6, 2e6]}
 
@@ -91,7 +91,7 @@ def test_a_thing_inside_itself_ends() -> None:
 
 def test_the_same_in_another_process() -> None:
     code = (
-        "import aoimpact as ao; from aoimpact.fingerprint import Fingerprints;"
+        "import aoimpact as ao; from aoimpact.batch.fingerprint import Fingerprints;"
         "print(Fingerprints().of({'b': {'y', 'x', 'z'}, 'a': ao.Hertz(k=2.0)}).hex())"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

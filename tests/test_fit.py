@@ -8,10 +8,10 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.briefs import brief_numbers
-from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
-from aoimpact.paper_sphere import BALL_MASS
-from aoimpact.validity import unbalanced
+from aoimpact.batch.briefs import brief_numbers
+from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
+from aoimpact.paper.sphere import BALL_MASS
+from aoimpact.reduction.validity import unbalanced
 
 from twelve import ALUMINIUM, FLOOR, IMPACTS, STEEL, block, cube, law
 

@@ -8,10 +8,11 @@ import pytest
 import scipy.sparse.linalg
 
 import aoimpact as ao
-from aoimpact import fromdynamic, pardiso
-from aoimpact.fromdynamic import static_by_dynamic
-from aoimpact.generate import box_mesh
-from aoimpact.solvers import solutions_worth
+from aoimpact.fem import fromdynamic
+from aoimpact.fem.fromdynamic import static_by_dynamic
+from aoimpact.linalg import pardiso
+from aoimpact.linalg.solvers import solutions_worth
+from aoimpact.mesh.generate import box_mesh
 
 from slender import rod
 

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from aoimpact.elements import KINDS, cofactors, jacobians, reference_element
-from aoimpact.errors import InputError, InputTypeError
-from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from aoimpact.mesh import Mesh
+from aoimpact.base.errors import InputError, InputTypeError
+from aoimpact.mesh.elements import KINDS, cofactors, jacobians, reference_element
+from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from aoimpact.mesh.mesh import Mesh
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 
-from aoimpact.errors import AOImpactWarning, InputError
-from aoimpact.fem import FEModel
-from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from aoimpact.halfspace import PatchCheck, check_patch
-from aoimpact.material import Material
-from aoimpact.statics import elastic_compliance
-from aoimpact.touch import room
+from aoimpact.base.errors import AOImpactWarning, InputError
+from aoimpact.fem.halfspace import PatchCheck, check_patch
+from aoimpact.fem.material import Material
+from aoimpact.fem.model import FEModel
+from aoimpact.fem.statics import elastic_compliance
+from aoimpact.fem.touch import room
+from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 BALL = FEModel.from_mesh(paper_sphere_mesh(), STEEL)

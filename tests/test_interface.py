@@ -5,8 +5,8 @@ import pytest
 import scipy.linalg as la
 
 import aoimpact as ao
-from aoimpact.damping import Rayleigh
-from aoimpact.generate import box_mesh
+from aoimpact.fem.damping import Rayleigh
+from aoimpact.mesh.generate import box_mesh
 
 from slender import beam, rod
 

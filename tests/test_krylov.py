@@ -6,11 +6,12 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact import memory, pardiso, solvers
-from aoimpact.generate import box_mesh
-from aoimpact.krylov import Subspace
-from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
-from aoimpact.paper_sphere import BALL_MASS
+from aoimpact.base import memory
+from aoimpact.linalg import pardiso, solvers
+from aoimpact.mesh.generate import box_mesh
+from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
+from aoimpact.paper.sphere import BALL_MASS
+from aoimpact.reduction.krylov import Subspace
 
 from slender import beam, in_a_row, rod
 

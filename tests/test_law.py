@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rigid_pair import on_a_wall
 
 import aoimpact as ao
-from aoimpact.law import PatchLaw
+from aoimpact.laws.law import PatchLaw
 
 K, C = 1.0878566e10, 3e-10  # of steel balls of 10 mm, of a patch of some 4 mm
 

@@ -7,8 +7,8 @@ import pytest
 from bodies import distorted_box
 
 import aoimpact as ao
-from aoimpact.elements import KINDS
-from aoimpact.locate import weights_at
+from aoimpact.mesh.elements import KINDS
+from aoimpact.mesh.locate import weights_at
 
 
 @pytest.mark.parametrize("kind", KINDS)

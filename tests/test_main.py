@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact import paper
-from aoimpact.__main__ import main
-from aoimpact.paper_table import Row, Table
+from aoimpact.cli.main import main
+from aoimpact.paper import reproduction as paper
+from aoimpact.paper.table import Row, Table
 
 from scenes import BAR, ROW
 

@@ -20,8 +20,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.checkpoint import Checkpoint
-from aoimpact.study_scenes import beam_star, pair
+from aoimpact.batch.checkpoint import Checkpoint
+from aoimpact.study.scenes import beam_star, pair
 
 NAMES = ("peak_force", "peak_time", "contact_duration", "impulse", "rebound_velocity")
 
@@ -253,7 +253,7 @@ def test_a_second_run_computes_nothing(tmp_path: Path, monkeypatch: pytest.Monke
     def never(**_: Any) -> None:
         raise AssertionError("computed again")
 
-    monkeypatch.setattr("aoimpact.many.simulate", never)
+    monkeypatch.setattr("aoimpact.batch.many.simulate", never)
     for workers in (1, 2):
         assert same(ao.simulate_many(cases, workers, keep=NAMES, checkpoint=path), first)
 

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact.errors import AOImpactError, InputError, InputTypeError
-from aoimpact.material import Material
+from aoimpact.base.errors import AOImpactError, InputError, InputTypeError
+from aoimpact.fem.material import Material
 
 moduli = st.floats(1e3, 1e13)
 ratios = st.floats(-0.99, 0.499)

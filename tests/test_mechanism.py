@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact import mechanism
-from aoimpact.generate import box_mesh
+from aoimpact.fem import mechanism
+from aoimpact.mesh.generate import box_mesh
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 KINDS = ("hexahedron", "hexahedron20", "hexahedron27", "tetra", "tetra10", "wedge")

@@ -15,18 +15,18 @@ import numpy.typing as npt
 import pytest
 from bodies import distorted_box
 
-from aoimpact.assembly import stiffness_mass
-from aoimpact.elements import KINDS, reference_element
-from aoimpact.errors import (
+from aoimpact.base.errors import (
     AOImpactWarning,
     InputError,
     InputTypeError,
     MemoryLimitError,
     MeshError,
 )
-from aoimpact.generate import box_mesh
-from aoimpact.material import Material
-from aoimpact.mesh import Mesh, read_mesh
+from aoimpact.fem.assembly import stiffness_mass
+from aoimpact.fem.material import Material
+from aoimpact.mesh.elements import KINDS, reference_element
+from aoimpact.mesh.generate import box_mesh
+from aoimpact.mesh.mesh import Mesh, read_mesh
 
 MESHES = Path(__file__).parent / "meshes"
 UNIT = Material(E=1.0, nu=0.3, rho=1.0)

@@ -8,12 +8,12 @@ import scipy.sparse as sp
 from bodies import distorted_box
 
 import aoimpact as ao
-from aoimpact.coarsening import aggregated, corner_interpolation
-from aoimpact.generate import box_mesh, sphere_mesh
-from aoimpact.multigrid import Multigrid
-from aoimpact.pencil import Pencil
-from aoimpact.rigidity import rigid_motions
-from aoimpact.smoother import Smoother
+from aoimpact.linalg.coarsening import aggregated, corner_interpolation
+from aoimpact.linalg.multigrid import Multigrid
+from aoimpact.linalg.pencil import Pencil
+from aoimpact.linalg.smoother import Smoother
+from aoimpact.mesh.generate import box_mesh, sphere_mesh
+from aoimpact.mesh.rigidity import rigid_motions
 
 from slender import rod
 
@@ -256,7 +256,7 @@ def test_what_is_not_coupled_has_no_coarse_level():
 
 
 def test_too_few_iterations_are_told(monkeypatch):
-    monkeypatch.setattr("aoimpact.multigrid._MOST_ITERATIONS", 3)
+    monkeypatch.setattr("aoimpact.linalg.multigrid._MOST_ITERATIONS", 3)
     body = held_bar((40, 3, 3))
     with pytest.raises(ao.ConvergenceError, match=r"reached .* in 3 iterations, 1e-08 was asked"):
         Multigrid(pencil_of(body, SHIFT), 1e-8).solve(load_on(body))

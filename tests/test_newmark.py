@@ -11,9 +11,9 @@ import scipy.optimize
 from scipy.special import gamma
 
 import aoimpact as ao
-from aoimpact.newmark import Newmark, newmark_scene
-from aoimpact.players import StarPlayer, player
-from aoimpact.stepped import SteppedModes
+from aoimpact.integrate.newmark import Newmark, newmark_scene
+from aoimpact.scene.bodies import StarPlayer, player
+from aoimpact.scene.stepped import SteppedModes
 
 from slender import beam, rod
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.run_files import as_json, numbers, rows
-from aoimpact.scene import SceneCase
+from aoimpact.cli.files import as_json, numbers, rows
+from aoimpact.impact.scene import SceneCase
 
 from twelve import IMPACTS
 

@@ -11,18 +11,18 @@ import numpy.typing as npt
 import pytest
 from bodies import ball_of_octants
 
-from aoimpact.contact import ContactPoint
-from aoimpact.errors import AOImpactWarning
-from aoimpact.fem import FEModel
-from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from aoimpact.halfspace import check_patch
+from aoimpact.base.errors import AOImpactWarning
+from aoimpact.fem.contact import ContactPoint
+from aoimpact.fem.halfspace import check_patch
+from aoimpact.fem.material import Material
+from aoimpact.fem.model import FEModel
+from aoimpact.impact.simulate import simulate
 from aoimpact.laws import Hertz
-from aoimpact.material import Material
-from aoimpact.mesh import Mesh
-from aoimpact.reduction import antioscillators
-from aoimpact.result import Result
-from aoimpact.simulate import simulate
-from aoimpact.star import AOModel, rigid
+from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from aoimpact.mesh.mesh import Mesh
+from aoimpact.reduction.reduction import antioscillators
+from aoimpact.reduction.star import AOModel, rigid
+from aoimpact.results.result import Result
 
 pytestmark = pytest.mark.slow
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.errors import held_warnings
-from aoimpact.ladder import KrylovLadder, StarLadder
-from aoimpact.order import least_orders
+from aoimpact.accuracy.hierarchy import KrylovLadder, StarLadder
+from aoimpact.accuracy.order import least_orders
+from aoimpact.base.errors import held_warnings
 
 from slender import rod
 

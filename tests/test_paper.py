@@ -13,10 +13,12 @@ import scipy.integrate
 import scipy.optimize
 
 import aoimpact as ao
-from aoimpact import paper, paper_beam, paper_sphere
-from aoimpact.checks import writable_folder
-from aoimpact.paper_figures import figure_5, figure_6, figure_8
-from aoimpact.paper_table import Row, Table, markdown, write_comparison
+from aoimpact.base.checks import writable_folder
+from aoimpact.paper import beam as paper_beam
+from aoimpact.paper import reproduction as paper
+from aoimpact.paper import sphere as paper_sphere
+from aoimpact.paper.figures import figure_5, figure_6, figure_8
+from aoimpact.paper.table import Row, Table, markdown, write_comparison
 
 
 @pytest.fixture(scope="module")

@@ -11,14 +11,14 @@ import pytest
 import scipy.integrate
 from bodies import distorted_box
 
-from aoimpact.elements import KINDS
-from aoimpact.errors import InputError
-from aoimpact.fem import FEModel
-from aoimpact.generate import box_mesh, sphere_mesh
-from aoimpact.material import Material
-from aoimpact.patch import half_space_compliance, spread
-from aoimpact.solvers import LinearSolver
-from aoimpact.surface import boundary
+from aoimpact.base.errors import InputError
+from aoimpact.fem.material import Material
+from aoimpact.fem.model import FEModel
+from aoimpact.fem.patch import half_space_compliance, spread
+from aoimpact.linalg.solvers import LinearSolver
+from aoimpact.mesh.elements import KINDS
+from aoimpact.mesh.generate import box_mesh, sphere_mesh
+from aoimpact.mesh.surface import boundary
 
 FloatArray = npt.NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])

@@ -9,24 +9,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aoimpact.adaptive import Adaptive
-from aoimpact.answer import Answer
-from aoimpact.contact import ContactPoint
-from aoimpact.errors import AOImpactError, InputError, LawLimitError
-from aoimpact.fem import FEModel
-from aoimpact.fingerprint import Fingerprints
-from aoimpact.generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from aoimpact.accuracy.answer import Answer
+from aoimpact.base.errors import AOImpactError, InputError, LawLimitError
+from aoimpact.batch.fingerprint import Fingerprints
+from aoimpact.fem.contact import ContactPoint
+from aoimpact.fem.material import Material
+from aoimpact.fem.model import FEModel
+from aoimpact.impact.simulate import simulate
+from aoimpact.integrate.adaptive import Adaptive
+from aoimpact.integrate.newmark import Newmark
 from aoimpact.laws import ContactLaw, Hertz, HuntCrossley, Linear, PatchLaw, PowerLaw
-from aoimpact.laws_plastic import Thornton
-from aoimpact.laws_viscous import KuwabaraKono, LankaraniNikravesh, Tsuji
-from aoimpact.material import Material
-from aoimpact.modes import modal
-from aoimpact.newmark import Newmark
-from aoimpact.patchlaw import effective_law, own_law
-from aoimpact.reduction import antioscillators
-from aoimpact.result import Result
-from aoimpact.simulate import simulate
-from aoimpact.star import AOModel, rigid
+from aoimpact.laws.patchlaw import effective_law, own_law
+from aoimpact.laws.plastic import Thornton
+from aoimpact.laws.viscous import KuwabaraKono, LankaraniNikravesh, Tsuji
+from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from aoimpact.reduction.modes import modal
+from aoimpact.reduction.reduction import antioscillators
+from aoimpact.reduction.star import AOModel, rigid
+from aoimpact.results.result import Result
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 LAW = Hertz.between(STEEL, 0.01, STEEL, 0.01)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rigid_pair import rebound
 
 import aoimpact as ao
-from aoimpact.rebound import (
+from aoimpact.laws.rebound import (
     hunt_crossley_damping,
     hunt_crossley_restitution,
     integrated_restitution,

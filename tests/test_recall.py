@@ -10,9 +10,9 @@ import numpy.typing as npt
 import pytest
 
 import aoimpact as ao
-from aoimpact.damping import ModalDamping, Rayleigh
-from aoimpact.paper_beam import LAW, beam_model
-from aoimpact.stress import nodal_stress
+from aoimpact.fem.damping import ModalDamping, Rayleigh
+from aoimpact.fields.stress import nodal_stress
+from aoimpact.paper.beam import LAW, beam_model
 
 FloatArray = npt.NDArray[np.float64]
 

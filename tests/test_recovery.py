@@ -13,8 +13,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.recovery import Recovery
-from aoimpact.reduced import reduced_interface, reduced_star
+from aoimpact.fields.recovery import Recovery
+from aoimpact.fields.reduced import reduced_interface, reduced_star
 
 FloatArray = npt.NDArray[np.float64]
 

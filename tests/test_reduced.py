@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.reduced import Reduced, reduced_interface, reduced_star
+from aoimpact.fields.reduced import Reduced, reduced_interface, reduced_star
 
 
 def tip(x: float = 0.2, body: ao.FEModel | None = None) -> ao.ContactPoint:

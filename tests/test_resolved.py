@@ -10,14 +10,14 @@ import pytest
 import resolved
 from resolved import Impact, Solid
 
-from aoimpact.fem import FEModel
-from aoimpact.generate import box_mesh, paper_sphere_mesh
+from aoimpact.fem.material import Material
+from aoimpact.fem.model import FEModel
+from aoimpact.impact.simulate import simulate
 from aoimpact.laws import Hertz
-from aoimpact.material import Material
-from aoimpact.mesh import Mesh
-from aoimpact.paper_sphere import RESOLVED_DURATION, RESOLVED_FORCE
-from aoimpact.reduction import antioscillators
-from aoimpact.simulate import simulate
+from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh
+from aoimpact.mesh.mesh import Mesh
+from aoimpact.paper.sphere import RESOLVED_DURATION, RESOLVED_FORCE
+from aoimpact.reduction.reduction import antioscillators
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.roughness import scatter
+from aoimpact.integrate.roughness import scatter
 
 K, MASS = 1e10, 0.0327
 # m v² / 2 = 2/5 k δ^2.5 at 1 m/s.

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact import scenefile_schema
-from aoimpact.run_files import as_json, rows
-from aoimpact.schema import Chosen, Either, Kind, Listed, Named, Table, Tree, Variants
-from aoimpact.sweep import sweep_file
+from aoimpact.batch.sweep import sweep_file
+from aoimpact.cli.files import as_json, rows
+from aoimpact.scenefile import names as scenefile_schema
+from aoimpact.scenefile.schema import Chosen, Either, Kind, Listed, Named, Table, Tree, Variants
 
 from scenes import BAR, ROW, STARS
 

@@ -6,10 +6,11 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 import aoimpact as ao
-from aoimpact import memory, pardiso, solvers
-from aoimpact.fill import factor_entries, mean_width
-from aoimpact.generate import box_mesh, sphere_mesh
-from aoimpact.solvers import LinearSolver, Pencil, linear_solver
+from aoimpact.base import memory
+from aoimpact.linalg import pardiso, solvers
+from aoimpact.linalg.fill import factor_entries, mean_width
+from aoimpact.linalg.solvers import LinearSolver, Pencil, linear_solver
+from aoimpact.mesh.generate import box_mesh, sphere_mesh
 
 from slender import rod
 

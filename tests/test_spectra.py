@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from aoimpact.spectra import lowest, null_space
+from aoimpact.linalg.spectra import lowest, null_space
 
 from slender import beam, in_a_row, rod
 

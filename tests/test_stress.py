@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import aoimpact as ao
-from aoimpact.elements import KINDS
-from aoimpact.stress import COMPONENTS, Stress, gauss_stress, nodal_stress, stress_rows
-from aoimpact.superlu import factorize
+from aoimpact.fields.stress import COMPONENTS, Stress, gauss_stress, nodal_stress, stress_rows
+from aoimpact.linalg.superlu import factorize
+from aoimpact.mesh.elements import KINDS
 
 FloatArray = npt.NDArray[np.float64]
 

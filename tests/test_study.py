@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.__main__ import main
-from aoimpact.study import Reference, work_precision
-from aoimpact.study_scenes import SCENES, beam_star
-from aoimpact.study_scipy import Outcome, ode_scene
+from aoimpact.cli.main import main
+from aoimpact.study.scenes import SCENES, beam_star
+from aoimpact.study.scipy_solvers import Outcome, ode_scene
+from aoimpact.study.work_precision import Reference, work_precision
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 MASS = 0.1
@@ -192,7 +192,7 @@ def test_text_html_csv_and_figure(tmp_path):
 
 
 def test_what_fails_is_a_row_that_says_so(monkeypatch):
-    monkeypatch.setattr("aoimpact.study._LONGEST", 0.0)
+    monkeypatch.setattr("aoimpact.study.work_precision._LONGEST", 0.0)
     table = study(scipy=["RK45"])
     assert all("took too long" in row.failure for row in table.rows)
     assert table.reference.independent is None
@@ -244,7 +244,7 @@ def test_the_scenes_give_the_published_forces():
 
 
 def test_command_prints_and_writes(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("aoimpact.study_scenes._STEPS", {"pair": (1e-6,), "beam": (2e-6,)})
+    monkeypatch.setattr("aoimpact.study.scenes._STEPS", {"pair": (1e-6,), "beam": (2e-6,)})
     assert main(["study", "--scene", "pair", "--out", str(tmp_path)]) == 0
     text = capsys.readouterr().out
     assert "AO(1) on AO(1)" in text

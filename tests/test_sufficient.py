@@ -9,13 +9,13 @@ import pytest
 import scipy.linalg as la
 
 import aoimpact as ao
-from aoimpact.answer import QUANTITIES, Answer
-from aoimpact.errors import held_warnings
-from aoimpact.krylov import KrylovSpace
-from aoimpact.paper_beam import LAW, LENGTH, WIDTH, beam_model
-from aoimpact.paper_sphere import BALL_MASS, RADIUS
-from aoimpact.paper_sphere import LAW as SPHERES_LAW
-from aoimpact.paper_sphere import STEEL as SPHERE_STEEL
+from aoimpact.accuracy.answer import QUANTITIES, Answer
+from aoimpact.base.errors import held_warnings
+from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
+from aoimpact.paper.sphere import BALL_MASS, RADIUS
+from aoimpact.paper.sphere import LAW as SPHERES_LAW
+from aoimpact.paper.sphere import STEEL as SPHERE_STEEL
+from aoimpact.reduction.krylov import KrylovSpace
 
 from twelve import ALUMINIUM, ENDS, IMPACTS, STEEL, beam, box, cube, law
 

@@ -11,11 +11,11 @@ from bodies import distorted_box
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
-from aoimpact.elements import KINDS
-from aoimpact.fem import FEModel
-from aoimpact.generate import box_mesh, sphere_mesh
-from aoimpact.material import Material
-from aoimpact.surface import Surface, boundary
+from aoimpact.fem.material import Material
+from aoimpact.fem.model import FEModel
+from aoimpact.mesh.elements import KINDS
+from aoimpact.mesh.generate import box_mesh, sphere_mesh
+from aoimpact.mesh.surface import Surface, boundary
 
 FloatArray = npt.NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])

@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact.toml_lines import spot_of, toml_spots
+from aoimpact.scenefile.toml_lines import spot_of, toml_spots
 
 TEXT = '''\
 # a comment with [brackets] and a = 1

@@ -8,10 +8,10 @@ import scipy.sparse as sp
 from scipy.integrate import solve_ivp
 
 import aoimpact as ao
-from aoimpact.plan import Joint, Load, Plan
-from aoimpact.players import player
-from aoimpact.solve_adaptive import Sampled, solve_adaptive
-from aoimpact.tracked import Tracked
+from aoimpact.fields.tracked import Tracked
+from aoimpact.integrate.to_tolerance import Sampled, solve_adaptive
+from aoimpact.scene.bodies import player
+from aoimpact.scene.plan import Joint, Load, Plan
 
 BALL = ao.AOModel(m0=0.02, m=[0.4], k=[5e7])
 HELD = ao.AOModel(m0=0.01, k0=1e5, m=[0.1, 0.2], k=[1e6, 1e7])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from aoimpact.units import quantity, scale_for, scale_of
+from aoimpact.base.units import quantity, scale_for, scale_of
 
 
 @pytest.mark.parametrize(

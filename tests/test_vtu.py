@@ -11,8 +11,8 @@ import pytest
 from bodies import distorted_box
 
 import aoimpact as ao
-from aoimpact.elements import KINDS
-from aoimpact.vtu import write_series
+from aoimpact.fields.vtu import write_series
+from aoimpact.mesh.elements import KINDS
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -1,0 +1,158 @@
+"""A run with the least models that give the answer asked for, to the tolerance asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Protocol, TypeVar
+
+from ..base import ConvergenceError, InputError, held_warnings, positive
+from ..integrate import TIGHTEST, Adaptive, Newmark
+from ..linalg import Solver, checked_solver
+from ..results import Chosen, Result, Run
+from .hierarchy import Models
+from .order import Asked, least_orders
+
+__all__ = ["checked_linear_solver", "sufficient"]
+
+# What is asked for where nothing is said, and the tightest that models are searched for: to their
+# last digits they agree only by being the whole bodies.
+_RTOL, _TIGHTEST = 1e-2, 1e-8
+
+# Shares of the tolerance: what time integration takes of peak forces and times (a history that
+# rings errs by twenty times as much), what fixed steps take, which cost more the smaller it is, and
+# what is used of it at all, since the search's estimates are no bounds.
+_SHARE_OF_TIME, _SHARE_OF_STEPS, _MARGIN = 0.005, 0.2, 0.95
+
+R = TypeVar("R", Result, Run)
+R_contra = TypeVar("R_contra", contravariant=True)
+
+
+class Wanted(Asked[R_contra], Protocol[R_contra]):
+    """What is asked for, and what else a run is summed up by."""
+
+    @property
+    def named(self) -> str:
+        """What it is, in words."""
+        ...
+
+    def errors(self, result: R_contra, /, *exact: R_contra) -> dict[str, float]:
+        """By how much each number that sums up a run may be wrong, by more and more exact ones."""
+        ...
+
+
+def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
+    """Return the linear solver for models that are chosen, and refuse one where none are.
+
+    Parameters
+    ----------
+    solver : str, callable or None
+    chosen : bool
+        Whether a quantity or a tolerance was given, for which models are made.
+    """
+    if solver is None:
+        return "auto"
+    if not chosen:
+        raise InputError(
+            f"linear_solver={solver!r} is for models that are made for a tolerance: give quantity "
+            "or rtol as well, or make them by antioscillators(tip, n, solver=...)"
+        )
+    return checked_solver(solver, name="linear_solver")
+
+
+def sufficient(
+    run: Callable[[Models, Any, bool], R],
+    bodies: Sequence[Any],
+    asked: Wanted[R],
+    rtol: float | None,
+    solver: Any,
+    *,
+    energies: bool,
+    linear_solver: Solver = "auto",
+) -> tuple[R, Chosen]:
+    """Run with models of the least order; return what they gave, and what is known of them.
+
+    Parameters
+    ----------
+    run : callable
+        Of models, one for each body, a solver, and whether to see energies.
+    bodies : sequence
+        As of `least_orders`.
+    asked : Wanted
+        Of the runs.
+    rtol : float, optional
+        Relative.
+    solver : Adaptive or Newmark, optional
+    energies : bool
+    linear_solver : str or callable, optional
+        See `FEModel.inverse`.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If `rtol` is out of range, or the solver is not to tell its error.
+    ConvergenceError
+        If no models that were looked at are good enough, or the solver that was given is not.
+    """
+    tolerance = positive("rtol", _RTOL if rtol is None else rtol)
+    if not _TIGHTEST <= tolerance < 1.0:
+        raise InputError(
+            f"rtol must be from {_TIGHTEST:g} to below 1, got {tolerance:g}: models of fewer "
+            "degrees of freedom are compared to no more digits"
+        )
+    steps = isinstance(solver, Newmark)
+    in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
+    rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time)
+
+    def trial(models: Models) -> R:
+        with held_warnings():  # those of the models taken come with the last run
+            return run(models, rule, False)
+
+    found = least_orders(
+        bodies,
+        run=trial,
+        asked=asked,
+        rtol=_MARGIN * tolerance - in_time,
+        solver=linear_solver,
+    )
+    numbers = asked.errors(*found.runs) | (
+        {asked.named: found.error} if not asked.is_history else {}
+    )
+    chosen = Chosen(found.models, asked.named, tolerance, found.error, numbers)
+    done = run(found.models, rule, energies)
+    _refuse_coarse(rule, done, found.error, tolerance, in_time)
+    return done, chosen
+
+
+def _rule(solver: Any, in_time: float) -> Any:
+    """Return the solver that was given, with steps that may be chosen fine enough."""
+    if not isinstance(solver, Newmark):
+        return solver
+    if solver.dt is None:
+        return replace(solver, rtol=min(solver.rtol, in_time))
+    if not solver.estimate:
+        raise InputError(
+            f"solver=Newmark(dt={solver.dt:g}, estimate=False) leaves the error of its steps "
+            "unknown, and a tolerance is asked for: leave estimate=False out, or give models and "
+            "no rtol"
+        )
+    return solver
+
+
+def _refuse_coarse(
+    rule: Any, done: Result | Run, in_models: float, tolerance: float, in_time: float
+) -> None:
+    """Refuse a run whose time integration leaves more error than is allowed."""
+    error = (done.run if isinstance(done, Result) else done).time_error
+    if error is None or error + in_models <= tolerance:
+        return
+    if isinstance(rule, Newmark) and rule.dt is not None:
+        finer = rule.dt * min(0.5, math.sqrt(in_time / error))
+        cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
+    else:
+        cure = f"take {type(rule).__name__}(rtol={in_time:.1g})"
+    raise ConvergenceError(
+        f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about {error:.2g} of the "
+        f"peak force or the impulse, and that of the models, {in_models:.2g}, are more; {cure}"
+    )

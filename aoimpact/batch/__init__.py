@@ -1,0 +1,7 @@
+"""Many impacts: workers, checkpoints, sweeps."""
+
+from .many import iterate_many, simulate_many
+from .sweep import sweep, sweep_file
+from .sweep_table import SweepTable
+
+__all__ = ["SweepTable", "iterate_many", "simulate_many", "sweep", "sweep_file"]

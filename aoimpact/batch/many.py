@@ -1,0 +1,284 @@
+"""Many impacts: in order, on every core, streamed, and restarted where they were killed."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import pickle
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
+from contextlib import ExitStack
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..accuracy import Keep, Named, keeper
+from ..base import AOImpactError, InputError, InputTypeError, boolean, held_warnings, nearest, warn
+from ..impact import simulate
+from .briefs import BRIEF, brief_numbers
+from .checkpoint import Checkpoint
+from .fingerprint import Fingerprints
+from .workers import Workers
+
+__all__ = ["KEYWORDS", "REQUIRED", "Failed", "iterate_many", "simulate_many"]
+
+_PARAMETERS = inspect.signature(simulate).parameters
+KEYWORDS = tuple(_PARAMETERS)
+REQUIRED = tuple(name for name in KEYWORDS if _PARAMETERS[name].default is inspect.Parameter.empty)
+
+# What became of a case: the result, what was kept of it or its exception; and its warnings.
+Outcome = tuple[Any, tuple[str, ...]]
+
+
+def simulate_many(
+    cases: Iterable[Any],
+    workers: Any = 1,
+    *,
+    keep: Any = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    progress: bool = True,
+) -> list[Any]:
+    """Simulate many cases; a case that fails is its exception and stops nobody else.
+
+    Parameters
+    ----------
+    cases : iterable
+        Dicts of `simulate`'s keywords, or pairs (scene, duration).
+    workers : int or executor, optional
+        Threads (the core runs without Python's lock), or anything with ``.map``: executors of
+        concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
+        to the last bit whoever computes them.
+    keep : names or function, optional
+        What to keep of each case instead of its result, which holds whole histories: names of
+        numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, with the
+        "impulse_error" of each where models are chosen (`ErrorEstimate.numbers`); or a function
+        of the result, which other processes must be able to import. Plain impacts of two stars
+        asked for names alone run many in one call of the core.
+    checkpoint : path, optional
+        A file to keep finished cases in: the same call goes on where an earlier one was stopped or
+        killed. Cases are recognised by their content, so that those changed since are computed
+        anew. It is a pickle: use no file of someone you do not trust.
+    progress : bool, optional
+        Whether to show a progress bar on a terminal when it takes longer than a second.
+
+    Returns
+    -------
+    list
+        In the order of the cases: results, or what was kept of them, or exceptions.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If there are no cases, or an argument other than a case makes no sense.
+    WorkerError
+        If a worker is lost, or cannot be given its cases.
+
+    Warns
+    -----
+    AOImpactWarning
+        Once, at the end, if cases had warnings.
+    """
+    return list(iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress))
+
+
+def iterate_many(
+    cases: Iterable[Any],
+    workers: Any = 1,
+    *,
+    keep: Any = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    progress: bool = True,
+) -> Iterator[Any]:
+    """As `simulate_many`, yielding one after the other: a stream that never is in memory at once.
+
+    `cases` may be a generator; only what the workers are busy with, a few tasks of a tenth of a
+    second each, is drawn from it ahead of what has been yielded.
+
+    Parameters
+    ----------
+    cases, workers, keep, checkpoint, progress
+        As of `simulate_many`.
+
+    Yields
+    ------
+    Result, Run, or what is kept of them
+        In the order of the cases; for a failed case its exception.
+
+    Raises
+    ------
+    InputError, InputTypeError, WorkerError
+        As from `simulate_many`.
+    """
+    scalar = isinstance(cases, np.ndarray) and cases.ndim == 0
+    if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable) or scalar:
+        raise InputTypeError(
+            "cases must be a list (or generator) of dicts of simulate's keywords, or of pairs "
+            f"(scene, duration), got {type(cases).__name__}"
+        )
+    if isinstance(cases, Sized) and len(cases) == 0:
+        raise InputError(_EMPTY)
+    boolean("progress", progress)
+    job = _Job(keeper(keep))
+    return _iterate(cases, Workers(workers), job, checkpoint, progress)
+
+
+def _iterate(
+    cases: Iterable[Any],
+    workers: Workers,
+    job: _Job,
+    checkpoint: str | os.PathLike[str] | None,
+    progress: bool,
+) -> Iterator[Any]:
+    count, warned, first = 0, 0, ""
+    with ExitStack() as stack:
+        store = None if checkpoint is None else stack.enter_context(Checkpoint(checkpoint))
+        total = len(cases) if isinstance(cases, Sized) else None
+        bar = stack.enter_context(_bar(total, progress))
+        for value, messages in _outcomes(cases, workers, job, store):
+            if messages:
+                first = first or f"case {count}: {messages[0]}"
+                warned += 1
+            count += 1
+            bar.update()
+            yield value
+    if count == 0:
+        raise InputError(_EMPTY)
+    if warned:
+        warn(first + (f" ({warned - 1} more of {count} cases warn)" if warned > 1 else ""))
+
+
+_EMPTY = "cases is empty: there is nothing to simulate"
+
+
+def _bar(total: int | None, progress: bool) -> Any:
+    from tqdm import tqdm
+
+    hidden = None if progress else True  # None: but on a terminal
+    return tqdm(total=total, disable=hidden, delay=1.0, unit="case", leave=False)
+
+
+class _Item(NamedTuple):
+    """A case on its way, the digest that it is kept by, and whether it is there already."""
+
+    case: Any
+    digest: bytes = b""
+    known: bool = False
+
+
+def _outcomes(
+    cases: Iterable[Any], workers: Workers, job: _Job, store: Checkpoint | None
+) -> Iterator[Outcome]:
+    if store is None:
+        for _, made in workers.run(_Task(job), map(_Item, cases), None):
+            yield from made
+        return
+    kept = store
+
+    def keep_all(batch: Sequence[_Item], made: Sequence[Outcome | None]) -> None:
+        for item, outcome in zip(batch, made, strict=True):
+            _keep(kept, item, outcome)
+
+    items = _recognised(cases, job, store)
+    # Threads of ours put each case away themselves; what others have done comes back in batches.
+    task, finished = (_Task(job, store), None) if workers.local else (_Task(job), keep_all)
+    for batch, made in workers.run(task, items, finished):
+        keep_all(batch, made)
+        for item, outcome in zip(batch, made, strict=True):
+            yield store.get(item.digest) if outcome is None else outcome
+
+
+def _recognised(cases: Iterable[Any], job: _Job, store: Checkpoint) -> Iterator[_Item]:
+    fingerprints, ours = Fingerprints(), version("aoimpact")
+    for i, case in enumerate(cases):
+        digest = fingerprints.of((ours, job.keep, case), f"case {i}")
+        known = digest in store
+        yield _Item(None if known else case, digest, known)
+
+
+def _keep(store: Checkpoint, item: _Item, outcome: Outcome | None) -> None:
+    """Keep results and this package's own errors; other errors may not come a second time."""
+    if outcome is None or item.digest in store:
+        return
+    if not isinstance(outcome[0], Exception) or isinstance(outcome[0], AOImpactError):
+        store.put(item.digest, outcome)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What a worker does with some cases; tells how long it took."""
+
+    job: _Job
+    store: Checkpoint | None = None
+
+    def __call__(self, batch: list[_Item]) -> tuple[list[Outcome | None], float]:
+        start = time.perf_counter()
+        outcomes = self.job.together([item.case for item in batch])
+        for i, item in enumerate(batch):
+            if outcomes[i] is None and not item.known:
+                outcomes[i] = self.job(item.case)
+            if self.store is not None:
+                _keep(self.store, item, outcomes[i])
+        return outcomes, time.perf_counter() - start
+
+
+@dataclass(frozen=True)
+class _Job:
+    """One case and what is kept of it; never raises but for the end of the program."""
+
+    keep: Keep | None
+
+    def together(self, cases: Sequence[Any]) -> list[Outcome | None]:
+        """The outcomes of the cases that the core makes in one call; None for the others."""
+        if not isinstance(self.keep, Named) or not BRIEF.issuperset(self.keep.names):
+            return [None] * len(cases)
+        found = brief_numbers(cases, self.keep.names)
+        return [None if numbers is None else (numbers, ()) for numbers in found]
+
+    def __call__(self, case: Any) -> Outcome:
+        with held_warnings() as messages:
+            try:
+                result = _run(case)
+                value = result if self.keep is None else self.keep(result)
+            except Exception as error:
+                value = _portable(error)
+        return value, tuple(messages)
+
+
+@dataclass(frozen=True)
+class Failed:
+    """A case that could not even be made."""
+
+    error: Exception
+
+
+def _run(case: Any) -> Any:
+    if isinstance(case, Failed):
+        raise case.error
+    if isinstance(case, Mapping):
+        for name in case:
+            if name not in KEYWORDS:
+                raise InputTypeError(
+                    f"case: simulate has no keyword {name!r}{nearest(str(name), KEYWORDS)}"
+                )
+        for name in REQUIRED:
+            if name not in case:
+                raise InputTypeError(f"case: {name} is missing")
+        return simulate(**case)
+    if isinstance(case, (tuple, list)) and len(case) == 2 and hasattr(case[0], "simulate"):
+        scene, duration = case
+        return scene.simulate(duration=duration)
+    raise InputTypeError(
+        f"case must be a dict of simulate's keywords or a pair (scene, duration), got {case!r}"
+    )
+
+
+def _portable(error: Exception) -> Exception:
+    """An exception that can be sent and kept: no traceback, which holds all arrays on its way."""
+    error.__traceback__ = error.__context__ = error.__cause__ = None
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception as reason:
+        return RuntimeError(f"{type(error).__name__}: {error} (which cannot be pickled: {reason})")
+    return error

@@ -1,0 +1,198 @@
+"""Sweeps: one case for each combination of named parameters, and the table of what came out."""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+import math
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..accuracy import QUANTITIES, Named, keeper
+from ..base import InputError, InputTypeError, nearest, require, sequence
+from ..impact import SceneCase
+from ..scenefile import SceneFile, read_scene
+from .many import KEYWORDS, REQUIRED, Failed, iterate_many
+from .sweep_table import SweepTable, sweep_table
+
+__all__ = ["sweep", "sweep_file"]
+
+# A column of its own, and once more in the structured array of all.
+_BYTES_PER_NUMBER = 16.0
+
+
+def sweep(
+    base: Any,
+    grid: Mapping[str, Iterable[Any]],
+    *,
+    keep: Any = tuple(QUANTITIES),
+    workers: Any = 1,
+    checkpoint: str | os.PathLike[str] | None = None,
+    progress: bool = True,
+) -> SweepTable:
+    """Simulate every combination of named parameters, and return a table of numbers.
+
+    Parameters
+    ----------
+    base : function, dict, scene file or scene
+        A function, called with the parameters as keywords, that returns a case of `simulate_many`;
+        a dict of `simulate`'s keywords, of which the grid sets some; a scene file or its path, with
+        parameters by their dotted place in it, such as "velocity" (of its impact) or
+        "bodies.beam.contact.point"; or a scene, of whose ``simulate`` the parameters are keywords.
+    grid : mapping of str to sequence
+        Values of each parameter; the last one varies fastest.
+    keep : names or function, optional
+        Quantities for the columns, as of `simulate_many`, with "restitution_error" and the like
+        beside them where models are chosen; a function returns a number, or a dict of numbers, of
+        the same names for each result.
+    workers, checkpoint, progress : optional
+        As of `simulate_many`. Cases are made in this process, one after the other.
+
+    Returns
+    -------
+    SweepTable
+        One row a combination; NaN where a case failed, with its exception in ``.errors``, and
+        where there is no such number.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If a parameter has no values, or the base does not know its name.
+    MemoryLimitError
+        If the table of so many cases would not fit into memory; nothing is simulated then.
+
+    Examples
+    --------
+    >>> import aoimpact as ao
+    >>> base = dict(projectile=ao.rigid(mass=0.03), target=ao.rigid(mass=float("inf")),
+    ...             law=ao.Hertz(k=1e10), duration=1e-3)
+    >>> table = ao.sweep(base, {"velocity": [0.5, 1.0, 2.0]}, keep="restitution")
+    >>> [round(float(e), 6) for e in table["restitution"]]
+    [1.0, 1.0, 1.0]
+    """
+    checked = _checked_grid(grid)
+    if keep is None:
+        raise InputTypeError(
+            "keep=None: a table holds numbers; name some, or take simulate_many for whole results"
+        )
+    plan = _Plan(_maker(base, checked), checked)
+    _check_fits(checked, keep)
+    values = iterate_many(plan, workers, keep=keep, checkpoint=checkpoint, progress=progress)
+    return sweep_table(checked, values, keep)
+
+
+def sweep_file(
+    scene: SceneFile, *, workers: Any = None, checkpoint: str | os.PathLike[str] | None = None
+) -> SweepTable:
+    """Run the sweep that a scene file describes.
+
+    Parameters
+    ----------
+    scene : SceneFile
+        With a [sweep].
+    workers, checkpoint : optional
+        As of `sweep`; what the file says if not given. A path in the file starts in its folder.
+
+    Raises
+    ------
+    InputError
+        If the file has no sweep, or every case of it fails.
+    """
+    asked = scene.data.get("sweep", {})
+    if checkpoint is None and "checkpoint" in asked:
+        checkpoint = scene.path.parent / asked["checkpoint"]
+    table = sweep(
+        scene,
+        scene.grid,
+        keep=scene.swept,
+        workers=asked.get("workers", 1) if workers is None else workers,
+        checkpoint=checkpoint,
+    )
+    if len(table.errors) == len(table):
+        raise InputError(f"{scene.path}: every case of the sweep failed: {table.errors[0]}")
+    return table
+
+
+def _checked_grid(grid: Any) -> dict[str, list[Any]]:
+    if not isinstance(grid, Mapping):
+        raise InputTypeError(
+            'grid must be a dict of names and values, such as {"velocity": [0.5, 1.0]}, got '
+            f"{type(grid).__name__}"
+        )
+    if not grid:
+        raise InputError("grid has no parameters: there is nothing to sweep over")
+    checked = {}
+    for name, values in grid.items():
+        if not isinstance(name, str) or not name:
+            raise InputTypeError(f"grid: names of parameters must be text, got {name!r}")
+        checked[name] = sequence(f"grid[{name!r}]", values)
+        if not checked[name]:
+            raise InputError(f"grid[{name!r}] has no values: the sweep is empty")
+    return checked
+
+
+def _check_fits(grid: Mapping[str, Sequence[Any]], keep: Any) -> None:
+    cases = math.prod(len(values) for values in grid.values())
+    kept = keeper(keep)
+    columns = len(grid) + (len(kept.names) if isinstance(kept, Named) else 1)
+    sizes = " x ".join(str(len(values)) for values in grid.values())
+    require(
+        _BYTES_PER_NUMBER * columns * float(cases),
+        f"sweep: a table of {sizes} = {cases:.4g} cases and {columns} columns",
+        "give fewer values, or sweep over parts of the grid, each with its own to_csv",
+    )
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """The cases of a sweep: counted, but each made when it is asked for."""
+
+    make: Any
+    grid: dict[str, list[Any]]
+
+    def __len__(self) -> int:
+        return math.prod(len(values) for values in self.grid.values())
+
+    def __iter__(self) -> Iterator[Any]:
+        for values in itertools.product(*self.grid.values()):
+            try:
+                yield self.make(**dict(zip(self.grid, values, strict=True)))
+            except Exception as error:  # of this case alone
+                yield Failed(error)
+
+
+def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
+    """What makes a case of parameters by name; refuses names that it does not know."""
+    if isinstance(base, (str, os.PathLike)):
+        base = read_scene(base)
+    if isinstance(base, SceneFile):
+        base.replaced({name: values[0] for name, values in grid.items()})  # are there such places?
+        return lambda **parameters: base.replaced(parameters).case()
+    if isinstance(base, Mapping):
+        _check_names((*grid, *base), KEYWORDS)
+        for name in REQUIRED:
+            if name not in grid and name not in base:
+                raise InputError(f"sweep: neither the base nor the grid has {name!r}")
+        return lambda **parameters: {**base, **parameters}
+    if hasattr(base, "simulate"):
+        _check_names(grid, tuple(inspect.signature(base.simulate).parameters))
+        if "duration" not in grid:
+            raise InputError("sweep: a scene needs 'duration' among the parameters")
+        return lambda duration, **rest: (SceneCase(base, rest), duration)
+    if callable(base):
+        return base
+    raise InputTypeError(
+        "base: sweep needs a function, a dict of simulate's keywords, a scene file or a scene, "
+        f"got {base!r}"
+    )
+
+
+def _check_names(names: Iterable[str], known: Sequence[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise InputError(
+                f"sweep: {name!r} is no keyword of simulate{nearest(str(name), known)}; it has "
+                f"{', '.join(known)}"
+            )

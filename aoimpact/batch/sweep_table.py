@@ -1,0 +1,277 @@
+"""The table of a sweep: parameters and quantities by column, a row a case."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..accuracy import Named, keeper, quantity_unit
+from ..base import (
+    AOImpactError,
+    Frozen,
+    InputError,
+    InputTypeError,
+    MissingPackageError,
+    aligned,
+    choice,
+    given_axes,
+    html_table,
+    scale_for,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["SweepTable", "sweep_table"]
+
+# Rows that a printed table shows, and lines of a plot that a legend can name.
+_SHOWN, _MOST_LINES = 10, 12
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SweepTable(Frozen):
+    """What a sweep gave.
+
+    Attributes
+    ----------
+    data : structured array, shape (cases,)
+        Read-only; a field for each parameter and each quantity.
+    parameters, quantities : tuple of str
+        Names of the columns.
+    shape : tuple of int
+        Numbers of values of the parameters: a column reshaped to it is an array over the grid.
+    errors : dict of int to exception
+        Of the rows that failed; their quantities are NaN. So is a number that there is not: the
+        restitution of bodies that have not parted.
+    """
+
+    data: npt.NDArray[Any]
+    parameters: tuple[str, ...]
+    quantities: tuple[str, ...]
+    shape: tuple[int, ...]
+    errors: Mapping[int, Exception]
+
+    def __len__(self) -> int:
+        return len(self.data)
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        """Return a column, shape (cases,)."""
+        return self.data[choice("column", name, self.columns)]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of all columns, parameters first."""
+        return self.parameters + self.quantities
+
+    def to_dataframe(self) -> Any:
+        """Return a pandas DataFrame of all columns, and "error" where cases failed.
+
+        Raises
+        ------
+        MissingPackageError
+            If pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise MissingPackageError(
+                "to_dataframe needs pandas, which is not installed: pip install pandas, or take "
+                ".data, a structured array, or .to_csv(path)"
+            ) from None
+        columns = {name: self.data[name] for name in self.columns}
+        if self.errors:
+            columns["error"] = np.array(self._messages(), dtype=object)
+        return pandas.DataFrame(columns)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write all columns, numbers so that they read back bit for bit, and "error" at the end."""
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([*map(_heading, self.columns), *(["error"] if self.errors else [])])
+            for i, row in enumerate(self.data):
+                error = [_message(self.errors.get(i))] if self.errors else []
+                writer.writerow([*map(_text, row.item()), *error])
+
+    def plot(
+        self, x: str | None = None, y: str | None = None, ax: Axes | None = None, **kwargs: Any
+    ) -> Axes:
+        """Draw a quantity over a parameter, a line for each combination of the others.
+
+        Parameters
+        ----------
+        x : str, optional
+            A parameter of numbers; by default the first with more than one value.
+        y : str, optional
+            A quantity; by default the first.
+        ax : Axes, optional
+        **kwargs
+            Go to ``Axes.plot``.
+
+        Returns
+        -------
+        Axes
+        """
+        along = self._along(x)
+        name = self.quantities[0] if y is None else choice("y", y, self.quantities)
+        ax = given_axes(ax)
+        largest = np.abs(self[name][np.isfinite(self[name])]).max(initial=0.0)
+        scale = scale_for(float(largest), quantity_unit(name))
+        lines = self._lines(along, name)
+        for label, values, heights in lines:
+            style: dict[str, Any] = {"marker": "o", "markersize": 3, "label": label} | kwargs
+            ax.plot(values, scale.factor * heights, **style)
+        ax.set_xlabel(along)
+        ax.set_ylabel(f"{name} [{scale.unit}]" if scale.unit else name)
+        ax.grid(True, alpha=0.3)
+        if 1 < len(lines) <= _MOST_LINES:
+            ax.legend()
+        return ax
+
+    def _along(self, x: str | None) -> str:
+        numeric = [name for name in self.parameters if self.data[name].dtype.kind in "iuf"]
+        if not numeric:
+            raise InputError("plot: no parameter of this sweep is a number; draw .data yourself")
+        several = [n for n in numeric if self.shape[self.parameters.index(n)] > 1]
+        return (several or numeric)[0] if x is None else choice("x", x, numeric)
+
+    def _lines(self, along: str, name: str) -> list[tuple[str, Any, Any]]:
+        """Label, x and y of each line, ascending in x."""
+        axis = self.parameters.index(along)
+        order = np.moveaxis(np.arange(len(self)).reshape(self.shape), axis, -1)
+        others = [
+            other for i, other in enumerate(self.parameters) if i != axis and self.shape[i] > 1
+        ]
+        lines = []
+        for rows in order.reshape(-1, self.shape[axis]):
+            label = ", ".join(f"{other}={_text(self.data[other][rows[0]])}" for other in others)
+            rows = rows[np.argsort(self.data[along][rows], kind="stable")]
+            lines.append((label, self.data[along][rows], self.data[name][rows]))
+        return lines
+
+    def _messages(self) -> list[str]:
+        return [_message(self.errors.get(i)) for i in range(len(self))]
+
+    def _shown(self) -> list[list[str]]:
+        """Headings, then the rows that are printed."""
+        rows = [[_cell(value) for value in row.item()] for row in self.data[:_SHOWN]]
+        return [[_heading(name) for name in self.columns], *rows]
+
+    def _note(self) -> str:
+        text = f"{len(self)} cases"
+        if self.errors:
+            first = min(self.errors)
+            text += f", {len(self.errors)} failed; row {first}: {_message(self.errors[first])}"
+        return text
+
+    def __repr__(self) -> str:
+        more = ["..."] if len(self) > _SHOWN else []
+        return "\n".join([*aligned(self._shown()), *more, self._note()])
+
+    def _repr_html_(self) -> str:
+        headings, *rows = self._shown()
+        return html_table(headings, rows, below=[self._note()])
+
+
+def sweep_table(grid: Mapping[str, Sequence[Any]], values: Iterable[Any], keep: Any) -> SweepTable:
+    """Fill a table with what was kept of each combination of a grid, in its order.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If what was kept is not the same numbers for every case, or names a parameter.
+    """
+    shape = tuple(len(entries) for entries in grid.values())
+    kept = keeper(keep)
+    names = kept.names if isinstance(kept, Named) else None
+    columns: dict[str, npt.NDArray[np.float64]] = {}
+    errors: dict[int, Exception] = {}
+    for i, value in enumerate(values):
+        if isinstance(value, Exception):
+            errors[i] = value
+            continue
+        numbers = _numbers(value)
+        if not columns or names is not None:  # errors are known of some cases only
+            for name in numbers:
+                columns.setdefault(name, np.full(math.prod(shape), math.nan))
+        elif numbers.keys() != columns.keys():
+            raise InputError(
+                f"keep gave {', '.join(numbers)} for case {i} and {', '.join(columns)} before; it "
+                "must give the same names for every case"
+            )
+        for name, number in numbers.items():
+            columns[name][i] = number
+    if not columns:  # all have failed
+        columns = {name: np.full(math.prod(shape), math.nan) for name in names or ("value",)}
+    return SweepTable(_structured(grid, columns), tuple(grid), tuple(columns), shape, errors)
+
+
+def _numbers(value: Any) -> dict[str, float]:
+    named = value if isinstance(value, Mapping) else {"value": value}
+    try:
+        return {str(name): float(number) for name, number in named.items()}
+    except (TypeError, ValueError):
+        raise InputTypeError(
+            f"keep must return a number, or a dict of numbers by name, got {value!r}"
+        ) from None
+
+
+def _structured(
+    grid: Mapping[str, Sequence[Any]], columns: Mapping[str, npt.NDArray[np.float64]]
+) -> npt.NDArray[Any]:
+    for name in columns:
+        if name in grid:
+            raise InputError(f"keep: {name!r} is a parameter of the grid; give it another name")
+    axes = {name: _column(entries) for name, entries in grid.items()}
+    data = np.empty(
+        math.prod(len(axis) for axis in axes.values()),
+        dtype=[(name, axis.dtype) for name, axis in axes.items()]
+        + [(name, np.float64) for name in columns],
+    )
+    after, before = len(data), 1
+    for name, axis in axes.items():
+        after //= len(axis)
+        data[name] = np.tile(np.repeat(axis, after), before)
+        before *= len(axis)
+    for name, column in columns.items():
+        data[name] = column
+    return data
+
+
+def _column(values: Sequence[Any]) -> npt.NDArray[Any]:
+    """Numbers as numbers, text as text, anything else as the objects themselves."""
+    kinds = {np.asarray(value).dtype.kind if np.ndim(value) == 0 else "O" for value in values}
+    if kinds <= set("iuf") or kinds in ({"b"}, {"U"}):
+        return np.array(values)
+    column = np.empty(len(values), dtype=object)
+    for i, value in enumerate(values):
+        column[i] = value
+    return column
+
+
+def _heading(name: str) -> str:
+    unit = quantity_unit(name)
+    return f"{name} [{unit}]" if unit else name
+
+
+def _text(value: Any) -> str:
+    """All digits of numbers; of bodies and the like what they call themselves."""
+    if isinstance(value, (bool, int, float, str)):
+        return str(value)
+    return str(getattr(value, "label", value))
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else _text(value)
+
+
+def _message(error: Exception | None) -> str:
+    if error is None:
+        return ""
+    return str(error) if isinstance(error, AOImpactError) else f"{type(error).__name__}: {error}"

@@ -1,0 +1,229 @@
+"""The command line: ``python -m aoimpact <command>``."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+from .. import __version__
+from ..base import AOImpactError, InputError
+
+Command = Callable[[argparse.Namespace], None]
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; return 0, 2 for a wrong input, 1 for a computation that failed."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    command: Command = options.command
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
+    try:
+        command(options)
+    except InputError as error:
+        print(f"{parser.prog}: error: {error}", file=sys.stderr)
+        return 2
+    except (AOImpactError, OSError, MemoryError) as error:
+        print(f"{parser.prog}: failed: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"{parser.prog}: interrupted", file=sys.stderr)
+        return 130
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="aoimpact",
+        description="Low-velocity impact on structures by anti-oscillator models.",
+        epilog="aoimpact <command> --help says more about each command.",
+    )
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="<command>", required=True)
+    _add_paper(commands)
+    _add_study(commands)
+    _add_run(commands)
+    _add_compare(commands)
+    return parser
+
+
+def _add(
+    commands: Commands, name: str, command: Command, *, help: str, description: str
+) -> argparse.ArgumentParser:
+    parser = commands.add_parser(name, help=help, description=description)
+    parser.set_defaults(command=command)
+    return parser
+
+
+def _add_scene(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", metavar="SCENE.toml", help="the scene file")
+
+
+def _add_out(parser: argparse.ArgumentParser, files: str, default: str | None = None) -> None:
+    without = "nothing is written" if default is None else "%(default)s"
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        default=default,
+        help=f"folder for {files}, made if there is none (default: {without})",
+    )
+
+
+def _add_paper(commands: Commands) -> None:
+    command = _add(
+        commands,
+        "paper",
+        _paper,
+        help="recompute the paper's tables and figures beside its numbers",
+        description=(
+            "Recompute every table and Figures 3 to 11 of E. Jacquelin, 'On the rigid projectile "
+            "model for low velocity impacts', beside the numbers that the paper prints: what "
+            "agrees, what does not, and why. Takes about a minute."
+        ),
+    )
+    _add_out(command, "the figures (PNG) and for results.csv and results.md", "paper-results")
+
+
+def _paper(options: argparse.Namespace) -> None:
+    from ..paper import reproduce
+
+    done = reproduce(options.out)
+    print(done)
+    print(f"\n{len(done.files)} files in {done.files[0].parent}:")
+    print("  " + ", ".join(file.name for file in done.files))
+
+
+def _add_study(commands: Commands) -> None:
+    command = _add(
+        commands,
+        "study",
+        _study,
+        help="measure speed against error, beside other methods",
+        description=(
+            "Measure what Adaptive and Newmark need for what they get right, and SciPy's solvers "
+            "on request, on two impacts: two spheres of one anti-oscillator each, and a rigid "
+            "sphere on a beam of 28 over 20 ms. Takes some seconds, with SciPy a minute or two."
+        ),
+    )
+    command.add_argument("--scene", choices=("pair", "beam"), help="one of them (default: both)")
+    _add_out(command, "tables (CSV) and figures (PNG)", "study-results")
+    command.add_argument("--scipy", action="store_true", help="measure SciPy's solvers as well")
+
+
+def _study(options: argparse.Namespace) -> None:
+    from ..study import SCENES, report
+
+    for scene in (options.scene,) if options.scene else SCENES:
+        study, files = report(scene, options.out, scipy=options.scipy)
+        print(study)
+        print(f"{', '.join(file.name for file in files)} in {files[0].parent}\n")
+
+
+def _add_run(commands: Commands) -> None:
+    command = _add(
+        commands,
+        "run",
+        _run,
+        help="run a scene file",
+        description=(
+            "Run the impact that a TOML file describes (see docs/scene-files.md) and print what "
+            "comes of it: peak force, contact time, rebound, and how wrong they may be. A file "
+            "with a [sweep] is run once for each combination of its values, and a table is printed."
+        ),
+    )
+    _add_scene(command)
+    _add_out(
+        command,
+        "histories (CSV), figures (PNG) and fields of meshed bodies (VTU), or a sweep's table and "
+        "figure",
+    )
+    command.add_argument("--json", action="store_true", help="print JSON, for machines")
+    command.add_argument(
+        "--workers", type=int, metavar="N", help="threads of a sweep (default: what the file says)"
+    )
+    command.add_argument(
+        "--checkpoint",
+        metavar="FILE",
+        help="keep a sweep's finished cases in a file, from which the same call goes on",
+    )
+
+
+def _run(options: argparse.Namespace) -> None:
+    from ..base import held_warnings
+    from ..batch import sweep_file
+    from ..scenefile import read_scene
+    from .files import as_json, numbers, rows, write_files, write_sweep
+
+    scene = read_scene(options.scene)
+    if not scene.grid and (options.workers is not None or options.checkpoint):
+        raise InputError(
+            f"{scene.path}: --workers and --checkpoint are for files with a [sweep], of which this "
+            "one has none"
+        )
+    result: Any
+    with held_warnings() as warnings:
+        if scene.grid:
+            result = sweep_file(scene, workers=options.workers, checkpoint=options.checkpoint)
+            files = write_sweep(result, options.out) if options.out else ()
+        else:
+            result = scene.simulate()
+            files = write_files(scene, result, options.out) if options.out else ()
+    for warning in warnings:
+        print(f"aoimpact: warning: {warning}", file=sys.stderr)
+    if options.json:
+        report: dict[str, Any] = {"scene": str(scene.path), "title": scene.title}
+        report |= rows(result) if scene.grid else numbers(result, scene.reported)
+        report |= {"warnings": warnings, "files": [str(file) for file in files]}
+        print(as_json(report))
+        return
+    print(f"{scene.title}\n{result}")
+    if files:
+        print(f"{', '.join(file.name for file in files)} in {files[0].parent}")
+
+
+def _add_compare(commands: Commands) -> None:
+    command = _add(
+        commands,
+        "compare",
+        _compare,
+        help="compare models of a scene file's impact, from rigid to full",
+        description=(
+            "Run the impact that a TOML file describes with rigid bodies, with more and more "
+            "anti-oscillators, with natural modes and in full, and print what each costs and how "
+            "wrong it is."
+        ),
+    )
+    _add_scene(command)
+    _add_out(command, "the table (CSV) and figure (PNG)")
+    command.add_argument(
+        "--no-full",
+        action="store_true",
+        help="leave out the full model; errors are then relative to the most anti-oscillators",
+    )
+
+
+def _compare(options: argparse.Namespace) -> None:
+    from pathlib import Path
+
+    from ..scenefile import read_scene
+    from ..study import compare
+
+    scene = read_scene(options.scene)
+    if scene.kind != "impact":
+        raise InputError(f"{scene.path}: compare needs an [impact] of two bodies, not a [scene]")
+    case = scene.case()
+    for name in ("solver", "quantity", "rtol"):  # every model is run by what suits it, in full
+        case.pop(name, None)
+    table = compare(**case, full=not options.no_full)
+    print(f"{scene.title}\n{table}")
+    if options.out:
+        folder = Path(options.out)
+        folder.mkdir(parents=True, exist_ok=True)
+        table.to_csv(folder / "comparison.csv")
+        axes: Any = table.plot()
+        axes.figure.savefig(folder / "comparison.png")
+        print(f"comparison.csv, comparison.png in {folder}")

@@ -1,0 +1,43 @@
+"""Finite-element models: material, supports, assembly, damping, and the contact functional."""
+
+from .assembly import stiffness_mass
+from .contact import Body, ContactPoint, contact_point
+from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
+from .halfspace import PatchCheck, check_patch
+from .material import Material
+from .mechanism import refuse_mechanism
+from .model import FEModel
+from .patch import Patch
+from .statics import (
+    StaticMode,
+    centre_of,
+    displacement,
+    moves_rigidly,
+    static_mode,
+    translates,
+)
+from .supports import selected_nodes
+
+__all__ = [
+    "Body",
+    "ContactPoint",
+    "Damping",
+    "FEModel",
+    "Material",
+    "ModalDamping",
+    "Patch",
+    "PatchCheck",
+    "Rayleigh",
+    "StaticMode",
+    "centre_of",
+    "check_patch",
+    "contact_point",
+    "damping_or_none",
+    "displacement",
+    "moves_rigidly",
+    "refuse_mechanism",
+    "selected_nodes",
+    "static_mode",
+    "stiffness_mass",
+    "translates",
+]

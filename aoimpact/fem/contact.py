@@ -1,0 +1,291 @@
+"""The contact functional: the one displacement u = bᵀX by which a body is seen from its contact.
+
+The paper takes the unit vector of a dof i₀ (eq. 1); any other vector b serves as well: a point
+inside a face, by that face's shape functions, or a patch of the surface under Hertz's pressure.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import (
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    IntArray,
+    choice,
+    integer,
+    nonnegative,
+    place,
+    plain,
+    positive,
+    unit_vector,
+    warn,
+)
+from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
+from ..mesh import Mesh, Surface
+from .damping import Damping
+from .material import Material
+from .mechanism import Mechanism
+from .patch import Patch
+from .touch import Touch, automatic_radius, check_pressing, touched, warn_if_coarse
+
+__all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
+
+
+# A point closer to a node than this fraction of the body's size is that node.
+_AT_NODE = 1e-6
+
+# Shares of the force that a support takes over; below, they are rounding.
+_HELD = 1e-12
+
+
+class Body(Protocol):
+    """What a functional needs to know of a finite-element model."""
+
+    @property
+    def K(self) -> Any: ...
+    @property
+    def M(self) -> Any: ...
+    @property
+    def n_dofs(self) -> int: ...
+    @property
+    def nodes(self) -> FloatArray | None: ...
+    @property
+    def free(self) -> IntArray | None: ...
+    @property
+    def mesh(self) -> Mesh | None: ...
+    @property
+    def material(self) -> Material | None: ...
+    @property
+    def surface(self) -> Surface | None: ...
+    @property
+    def mass(self) -> float | None: ...
+    @property
+    def damping(self) -> Damping | None: ...
+    @property
+    def rigid_modes(self) -> FloatArray: ...
+    @property
+    def mechanism(self) -> Mechanism | None: ...
+    def inverse(
+        self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
+    ) -> LinearSolver: ...
+    def translation(self, direction: npt.ArrayLike) -> FloatArray: ...
+    def com_functional(self, direction: npt.ArrayLike) -> FloatArray: ...
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPoint(Frozen):
+    """A place on a body, and the direction in which it is touched there.
+
+    Made by `FEModel.contact`. It stands for the full finite-element model wherever `simulate` takes
+    a body.
+
+    Attributes
+    ----------
+    body : FEModel
+    b : ndarray, shape (n_dofs,)
+        Contact functional on the free dofs: u = bᵀX.
+    direction : ndarray, shape (3,), or None
+        Unit vector of the projectile's direction of travel; None for a body without nodes.
+    point : ndarray, shape (3,), or None
+        Where, m; on the surface of the mesh.
+    node : int or None
+        The node touched; None where the contact is spread over several.
+    patch : Patch or None
+        The disc that carries the contact; None for a node or a point.
+    """
+
+    body: Body
+    b: FloatArray
+    direction: FloatArray | None
+    point: FloatArray | None
+    node: int | None
+    patch: Patch | None = None
+
+    @property
+    def resultant(self) -> FloatArray:
+        """Sum of the nodes' forces for a unit contact force, shape (3,): the direction."""
+        forces: FloatArray = self._nodal_forces.sum(axis=0)
+        return forces
+
+    @property
+    def moment(self) -> FloatArray:
+        """Moment of the nodes' forces about the point for a unit contact force, m, shape (3,).
+
+        Zero along the surface's normal; an oblique force acts where the patch is, which on a curved
+        surface lies a little below the point.
+        """
+        forces = self._nodal_forces
+        assert self.body.nodes is not None
+        assert self.point is not None
+        moment: FloatArray = np.cross(self.body.nodes - self.point, forces).sum(axis=0)
+        return moment
+
+    @property
+    def _nodal_forces(self) -> FloatArray:
+        if self.body.nodes is None or self.body.free is None:
+            raise InputError(
+                "a resultant needs nodes: make the model with FEModel.from_mesh(...) or "
+                "FEModel(K=, M=, nodes=)"
+            )
+        forces = np.zeros(3 * len(self.body.nodes))
+        forces[self.body.free] = self.b
+        return forces.reshape(-1, 3)
+
+    def __repr__(self) -> str:
+        if self.point is None or self.direction is None:
+            return f"ContactPoint(dof {int(np.argmax(np.abs(self.b)))} of {self.body!r})"
+        where = ", ".join(f"{x:g}" for x in self.point)
+        along = ", ".join(f"{x:.4g}" for x in self.direction)
+        what = "point" if self.node is None else f"node {self.node}"
+        if self.patch is not None:
+            what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
+        return f"ContactPoint({what} at ({where}) m along ({along}) of {self.body!r})"
+
+
+def contact_point(
+    body: Body,
+    *,
+    point: npt.ArrayLike | None = None,
+    direction: npt.ArrayLike | None = None,
+    dof: int | None = None,
+    radius: float | str = 0.0,
+    expected: float | None = None,
+) -> ContactPoint:
+    """Return the functional of a place on a body, or of a single dof, as `FEModel.contact` says."""
+    if isinstance(radius, str):
+        choice("radius", radius, ("auto",))
+    else:
+        radius = nonnegative("radius", radius, unit="m")
+    if expected is not None:
+        if radius != "auto":
+            raise InputError(f'expected is for radius="auto", but radius={radius!r} was given')
+        expected = positive("expected", expected, unit="m")
+    if dof is not None:
+        if point is not None or direction is not None:
+            raise InputError("give either dof, or point and direction, not both")
+        if radius != 0.0:
+            raise InputError(f"radius={radius}: a single dof has no patch; give point, or radius=0")
+        return _at_dof(body, integer("dof", dof, low=0, high=body.n_dofs - 1))
+    if point is None:
+        raise InputTypeError("contact needs dof, or point and direction")
+    if body.nodes is None or body.free is None:
+        raise InputError(
+            "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"
+        )
+    where = place("point", point)
+    along = None if direction is None else unit_vector("direction", direction)
+    if body.surface is None or body.material is None:
+        return _without_faces(body, where, along, radius)
+    node, gap = _closest(body.nodes, where)
+    if along is not None and radius == 0.0 and _at_a_node(body.nodes, gap):
+        check_pressing(body.surface, body.nodes[node], along)
+        return _at_node(body, node, along)
+    if isinstance(radius, str):
+        radius = automatic_radius(body.surface, where, expected)
+    touch = touched(body.surface, body.material, where, along, radius)
+    if touch.patch is not None:
+        warn_if_coarse(body.surface, touch.patch)
+    return _at_touch(body, touch)
+
+
+def contact_at(tip: ContactPoint, radius: float) -> ContactPoint:
+    """Return the same contact with a patch of another radius, m."""
+    body = tip.body
+    assert body.surface is not None
+    assert body.material is not None
+    assert tip.point is not None
+    return _at_touch(body, touched(body.surface, body.material, tip.point, tip.direction, radius))
+
+
+def _without_faces(
+    body: Body, point: FloatArray, along: FloatArray | None, radius: float | str
+) -> ContactPoint:
+    assert body.nodes is not None
+    if radius != 0.0:
+        raise InputError(
+            f"radius={radius}: a patch needs the faces of a mesh; make the body with "
+            "FEModel.from_mesh(mesh, material), or give radius=0"
+        )
+    if along is None:
+        raise InputTypeError("contact needs direction: a body without a mesh has no normal")
+    return _at_node(body, _nearest_node(body.nodes, point), along)
+
+
+def _at_dof(body: Body, dof: int) -> ContactPoint:
+    b = np.zeros(body.n_dofs)
+    b[dof] = 1.0
+    if body.nodes is None or body.free is None:
+        return ContactPoint(body, b, None, None, None)
+    node, component = divmod(int(body.free[dof]), 3)
+    return ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node)
+
+
+def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
+    assert body.nodes is not None
+    assert body.free is not None
+    b = np.zeros(3 * len(body.nodes))
+    b[3 * node : 3 * node + 3] = along
+    b = b[body.free]
+    if np.linalg.norm(b) < 1e-12:
+        raise InputError(
+            f"point {plain(body.nodes[node])} m with direction {plain(along)}: node {node} is "
+            "held by the supports in that direction, so no impact there can move it; choose "
+            "another node or direction, or release the node in fixed"
+        )
+    return ContactPoint(body, b, along, body.nodes[node], node)
+
+
+def _at_touch(body: Body, touch: Touch) -> ContactPoint:
+    """Put the touch's shares of a unit force on the dofs that are free."""
+    assert body.free is not None
+    forces = np.outer(touch.weights, touch.direction).reshape(-1)
+    b = forces[body.free]
+    held = np.ones(len(forces), dtype=bool)
+    held[body.free] = False
+    if np.abs(forces[held]).max(initial=0.0) > _HELD:
+        nodes = np.flatnonzero(np.abs(forces * held).reshape(-1, 3).any(axis=1))
+        raise InputError(
+            f"point {plain(touch.point)} m with direction {plain(touch.direction)}: the contact "
+            f"rests on nodes held by the supports in that direction, the first is {nodes[0]}; "
+            "choose another point or direction, a smaller radius, or release the nodes in fixed"
+        )
+    node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - _AT_NODE else None
+    return ContactPoint(body, b, touch.direction, touch.point, node, touch.patch)
+
+
+def _closest(nodes: FloatArray, point: FloatArray) -> tuple[int, float]:
+    distance = np.linalg.norm(nodes - point, axis=1)
+    node = int(np.argmin(distance))
+    return node, float(distance[node])
+
+
+def _at_a_node(nodes: FloatArray, gap: float) -> bool:
+    return gap <= _AT_NODE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+
+
+def _nearest_node(nodes: FloatArray, point: FloatArray) -> int:
+    """Return the node that is meant by a point of a body without faces."""
+    node, gap = _closest(nodes, point)
+    if _at_a_node(nodes, gap):
+        return node
+    around = np.linalg.norm(nodes - nodes[node], axis=1)
+    spacing = float(np.sort(around)[1]) if len(nodes) > 1 else 0.0
+    if gap > 0.5 * spacing:
+        raise InputError(
+            f"point {plain(point)} m is {gap:.3g} m from the nearest "
+            f"node ({node}, at {plain(nodes[node])} m), where nodes are "
+            f"{spacing:.3g} m apart: give the coordinates of a node (are they in metres?)"
+        )
+    warn(
+        f"point {plain(point)} m is no node; this body has no mesh, so a contact is at a node, and "
+        f"node {node} at {plain(nodes[node])} m, {gap:.3g} m off, is taken: give its "
+        "coordinates if it is meant, or make the body with FEModel.from_mesh(...)"
+    )
+    return node

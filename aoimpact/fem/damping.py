@@ -1,0 +1,89 @@
+"""Damping of linear bodies: how fast each natural mode dies away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import InputTypeError, finite_array, nonnegative
+
+__all__ = ["Damping", "ModalDamping", "Rayleigh", "damping_or_none"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rayleigh:
+    """Damping in proportion to mass and stiffness, C = αM + βK.
+
+    On a star: dashpots α m_i from each mass to the ground and β k_i beside each spring, exactly. A
+    massless contact (m0 = 0) follows its springs at once: the compliance it leaves is undamped.
+
+    Parameters
+    ----------
+    alpha : float, optional
+        1/s, not negative. It also slows down a free body's rigid motion, as the ground would.
+    beta : float, optional
+        s, not negative.
+    """
+
+    alpha: float = 0.0
+    beta: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "alpha", nonnegative("alpha", self.alpha, unit="1/s"))
+        object.__setattr__(self, "beta", nonnegative("beta", self.beta, unit="s"))
+
+    def decay(self, omega: npt.ArrayLike) -> Any:
+        """Return σ = (α + β ω²)/2, 1/s, of modes x'' + 2σx' + ω²x = f.
+
+        Parameters
+        ----------
+        omega : array_like
+            Angular frequencies, rad/s, any shape.
+        """
+        frequency = finite_array("omega", omega, unit="rad/s")
+        decay = 0.5 * (self.alpha + self.beta * frequency**2)
+        return decay if decay.ndim else float(decay)
+
+
+@dataclass(frozen=True)
+class ModalDamping:
+    """The same damping ratio of every natural mode that vibrates; rigid motion is not damped.
+
+    Parameters
+    ----------
+    ratio : float
+        ζ, share of the critical damping, not negative.
+    """
+
+    ratio: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ratio", nonnegative("ratio", self.ratio))
+
+    def decay(self, omega: npt.ArrayLike) -> Any:
+        """Return σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f; takes ω as `Rayleigh.decay` does."""
+        frequency = finite_array("omega", omega, unit="rad/s")
+        decay = self.ratio * np.abs(frequency)
+        return decay if decay.ndim else float(decay)
+
+
+Damping = Rayleigh | ModalDamping
+
+
+def damping_or_none(value: Any) -> Damping | None:
+    """Return `value` if it is a damping or None; a damping that does nothing is None.
+
+    Raises
+    ------
+    InputTypeError
+    """
+    if value is None:
+        return None
+    if isinstance(value, (Rayleigh, ModalDamping)):
+        return None if value in (Rayleigh(), ModalDamping(0.0)) else value
+    raise InputTypeError(
+        f"damping must be Rayleigh(alpha=, beta=) or ModalDamping(ratio), got {value!r}"
+    )

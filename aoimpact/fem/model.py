@@ -1,0 +1,441 @@
+"""Finite-element models: the matrices of a linear elastic body, from a mesh or from anywhere."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import (
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    IntArray,
+    finite_array,
+    integer,
+    nonnegative,
+    unit_vector,
+    warn,
+)
+from ..linalg import (
+    FEW_SOLUTIONS,
+    LARGEST,
+    LEAST,
+    LinearSolver,
+    Pencil,
+    Solver,
+    check_mass,
+    check_stiffness,
+    linear_solver,
+    lowest,
+    motion_without_force,
+    null_space,
+    symmetric_pair,
+)
+from ..mesh import (
+    Mesh,
+    Surface,
+    boundary,
+    every_motion,
+    read_mesh,
+    rigid_motions,
+    unresisted_motions,
+)
+from .assembly import stiffness_mass
+from .contact import ContactPoint, contact_point
+from .damping import Damping, damping_or_none
+from .halfspace import warn_of_room
+from .material import Material
+from .mechanism import Mechanism, mechanism_in, mechanism_of
+from .supports import Support, free_dofs
+
+__all__ = ["FEModel"]
+
+
+# Heavier or longer than this, a body's coordinates are more likely in millimetres.
+_HEAVY, _LONG = 1e5, 100.0
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class FEModel(Frozen):
+    """A linear elastic body: M ẍ + C ẋ + K x = f over its free degrees of freedom.
+
+    Parameters
+    ----------
+    K, M : matrix, shape (n_dofs, n_dofs)
+        Stiffness, N/m, and mass, kg: symmetric, K positive semidefinite, M positive definite.
+        Sparse or dense, of any real type; supports taken out already.
+    nodes : array_like, shape (n_nodes, 3), optional
+        Coordinates, m. Without them contacts are given by `dof`.
+    free : array_like of int, shape (n_dofs,), optional
+        For each row of K its dof 3·node + component among those of all nodes; all, in this order,
+        if left out.
+    damping : Rayleigh or ModalDamping, optional
+        Inherited by the models made from this one.
+
+    Attributes
+    ----------
+    mesh : Mesh or None
+    material : Material or None
+    mass : float or None
+        Of the whole body, kg, from 1ᵀM1; None if M does not tell (no nodes, or supports taken out
+        of the M given).
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If a matrix is not what it has to be, or the shapes do not match.
+    """
+
+    K: Any
+    M: Any
+    nodes: FloatArray | None = None
+    free: IntArray | None = None
+    damping: Damping | None = None
+    mesh: Mesh | None = field(init=False, default=None)
+    material: Material | None = field(init=False, default=None)
+    mass: float | None = field(init=False, default=None)
+    # (n_dofs, 3): column c is M g_c on the free dofs, with g_c the translation of all nodes.
+    _momentum: FloatArray | None = field(init=False, default=None)
+    # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
+    _soft: FloatArray | None = field(init=False, default=None)
+
+    def __post_init__(self) -> None:
+        K, M = symmetric_pair(self.K, self.M)
+        factors = check_stiffness(K)
+        check_mass(M)
+        nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
+        mass = momentum = None
+        if nodes is not None and K.shape[0] == 3 * len(nodes):
+            momentum = M @ _translations(free)
+            mass = _checked_total(momentum.T @ _translations(free))
+        damping = damping_or_none(self.damping)
+        self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
+        if nodes is not None:
+            self._set(_soft=motion_without_force(K, factors))
+
+    def _set(self, **fields: Any) -> None:
+        for name, value in fields.items():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_mesh(
+        cls,
+        mesh: str | os.PathLike[str] | Mesh | Any,
+        material: Material,
+        fixed: Sequence[Support] | None = None,
+        *,
+        damping: Damping | None = None,
+    ) -> FEModel:
+        """Return the model of a meshed solid.
+
+        Parameters
+        ----------
+        mesh : path, meshio.Mesh or Mesh
+            In metres; see `read_mesh`.
+        material : Material
+        fixed : sequence of (nodes, letters), optional
+            Supports: node numbers, the name of a node set of the mesh, or a function of the nodes'
+            coordinates (n_nodes, 3) that returns one bool for each; and the components held there,
+            of "x", "y", "z". None leaves the body free.
+        damping : Rayleigh or ModalDamping, optional
+            Inherited by the models made from this one.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If `material` is none, a support selects no node or unknown components, or volumes, mass
+            or stiffness leave the range of numbers.
+        MeshError
+            If the mesh cannot be read, or has elements that are inside out, flat or there twice.
+
+        Warns
+        -----
+        AOImpactWarning
+            If the body is so large or heavy that its coordinates look like millimetres.
+
+        Examples
+        --------
+        >>> from aoimpact.generate import box_mesh
+        >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
+        >>> FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
+        FEModel(120 dofs, 44 nodes, 10 hexahedron, 0.027 kg, 12 dofs held)
+        """
+        if not isinstance(material, Material):
+            raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
+        damped = damping_or_none(damping)
+        solid = read_mesh(mesh)
+        free = free_dofs(solid.nodes, fixed, solid.node_sets)
+        translations = _translations(np.arange(3 * solid.n_nodes))
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            K, M = stiffness_mass(solid, material)
+            momentum = M @ translations
+            mass = float(momentum[:, 0] @ translations[:, 0])
+        _check_reach(mass, K, M, solid, material)
+        _warn_of_units(mass, solid.size)
+        if len(free) < len(momentum):
+            K, M, momentum = K[free][:, free], M[free][:, free], momentum[free]
+        # The matrices are right by construction: nothing of __post_init__ is needed.
+        model = object.__new__(cls)
+        model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
+        model._set(mesh=solid, material=material, damping=damped)
+        return model
+
+    @property
+    def n_dofs(self) -> int:
+        """Number of free degrees of freedom."""
+        return int(self.K.shape[0])
+
+    def __repr__(self) -> str:
+        parts = [f"{self.n_dofs} dofs"]
+        if self.nodes is not None:
+            parts.append(f"{len(self.nodes)} nodes")
+        if self.mesh is not None:
+            parts.append(f"{self.mesh.n_cells} {self.mesh.kind}")
+        if self.mass is not None:
+            parts.append(f"{self.mass:.4g} kg")
+        if self.nodes is not None:
+            held = 3 * len(self.nodes) - self.n_dofs
+            parts.append(f"{held} dofs held" if held else "free")
+        return f"FEModel({', '.join(parts)})"
+
+    def translation(self, direction: npt.ArrayLike) -> FloatArray:
+        """Return the free dofs of a unit translation of the body, shape (n_dofs,).
+
+        Parameters
+        ----------
+        direction : array_like, shape (3,)
+            Any length but zero.
+
+        Raises
+        ------
+        InputError
+            If the model has no nodes.
+        """
+        along = unit_vector("direction", direction)
+        if self.free is None:
+            raise InputError("a translation needs nodes: make the model with FEModel(..., nodes=)")
+        return along[self.free % 3]
+
+    def com_functional(self, direction: npt.ArrayLike) -> FloatArray:
+        """Return h, shape (n_dofs,), with hᵀx the displacement of the centre of mass.
+
+        h = M g / m with g the translation of all nodes, those held included.
+
+        Parameters
+        ----------
+        direction : array_like, shape (3,)
+            Along which to measure, any length but zero.
+
+        Raises
+        ------
+        InputError
+            If the model has no nodes, or M was given without the dofs that are held.
+        """
+        along = unit_vector("direction", direction)
+        if self._momentum is None or self.mass is None:
+            raise InputError(
+                "the centre of mass is not known: give FEModel the nodes and matrices of the whole "
+                "body, or make it with FEModel.from_mesh(mesh, material, fixed=...)"
+            )
+        return self._momentum @ along / self.mass
+
+    @cached_property
+    def rigid_modes(self) -> FloatArray:
+        """M-orthonormal basis of the motions without elastic force, shape (n_dofs, r).
+
+        With nodes these are the rigid-body motions that the supports, and whatever else is in K,
+        leave free; without nodes the null space of K, by its lowest modes.
+        """
+        if self.nodes is not None:
+            modes = unresisted_motions(self.K, self.M, rigid_motions(self.nodes)[self.free])
+        elif self.K.data.any():
+            modes = null_space(self.K, self.M)
+        else:
+            modes = every_motion(self.M)
+        modes.flags.writeable = False
+        return modes
+
+    @cached_property
+    def mechanism(self) -> Mechanism | None:
+        """The motions without elastic force that are not rigid-body motions, if there are any.
+
+        Known of bodies with a mesh and, up to 10 000 dofs, of those with nodes; without nodes they
+        count among the rigid motions.
+        """
+        if self.surface is None:
+            if self._soft is None:
+                return None
+            return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
+        assert self.free is not None  # a body with a mesh has nodes
+        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes)
+
+    def inverse(
+        self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
+    ) -> LinearSolver:
+        """Return the solver of (K + s²M) x = f, set up.
+
+        Parameters
+        ----------
+        s2 : float, optional
+            s², (rad/s)²; positive for a body that is free.
+        solver : str or callable, optional
+        solutions : int, optional
+            How many it is to serve, roughly; see `linear_solver` for both.
+        """
+        shift = nonnegative("s2", s2, unit="(rad/s)²")
+        return linear_solver(self._pencil.at(shift), solver, solutions=solutions)
+
+    @cached_property
+    def _pencil(self) -> Pencil:
+        return Pencil(self.K, self.M, 0.0, self.nodes, self.free, self.mesh)
+
+    def frequencies(self, n: int) -> FloatArray:
+        """Return the `n` lowest natural frequencies, Hz, rigid-body modes included as 0.
+
+        Parameters
+        ----------
+        n : int
+            1 … n_dofs.
+        """
+        count = integer("n", n, low=1, high=self.n_dofs)
+        omega2, _ = lowest(self.K, self.M, count, known=self.rigid_modes, invert=self.inverse)
+        return np.sqrt(omega2) / (2.0 * np.pi)
+
+    def contact(
+        self,
+        *,
+        point: npt.ArrayLike | None = None,
+        direction: npt.ArrayLike | None = None,
+        dof: int | None = None,
+        radius: float | str = 0.0,
+        expected: float | None = None,
+    ) -> ContactPoint:
+        """Return the place where this body is touched: a point, a patch, or a single dof.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,), optional
+            m: a node, or any place on the surface of the mesh. Of a body without a mesh, a node; a
+            point off the nodes goes, with a warning, to the nearest one within half the distance
+            between nodes there.
+        direction : array_like, shape (3,), optional
+            The projectile's direction of travel, for the projectile and for the target, any length
+            but zero. By default the surface's inward normal, which suits a target; a projectile
+            travels outward.
+        dof : int, optional
+            Row of K, in place of `point` and `direction`.
+        radius : float or "auto", optional
+            Of the patch that carries the contact under Hertz's pressure, m. 0 is a single point,
+            with which the force follows the mesh; with a patch that the mesh resolves, it does not.
+            "auto" takes twice the `expected` contact radius, or what the mesh resolves if that is
+            more.
+        expected : float, optional
+            For "auto": the largest radius of the contact itself, m; √(Rδ) for Hertz's law.
+
+        Returns
+        -------
+        ContactPoint
+
+        Raises
+        ------
+        InputError
+            If the place is not on the body, cannot move in the direction, has no normal (an edge),
+            or the patch reaches beyond the surface.
+
+        Warns
+        -----
+        AOImpactWarning
+            If the point taken is not the one given; if the mesh is too coarse for the patch; with
+            "auto", if the body is too small about the patch for a half-space.
+        """
+        tip = contact_point(
+            self, point=point, direction=direction, dof=dof, radius=radius, expected=expected
+        )
+        if radius == "auto":
+            warn_of_room(tip, expected)
+        return tip
+
+    @cached_property
+    def surface(self) -> Surface | None:
+        """The faces of the mesh that no other element shares; None without a mesh."""
+        return None if self.mesh is None else boundary(self.mesh)
+
+
+def _translations(dofs: IntArray | None) -> FloatArray:
+    assert dofs is not None
+    return np.eye(3)[dofs % 3]
+
+
+def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | None, IntArray | None]:
+    if nodes is None:
+        if free is not None:
+            raise InputError("free tells the nodes' dofs apart and needs nodes; give both or none")
+        return None, None
+    places = np.array(finite_array("nodes", nodes, shape=(None, 3), unit="m"))
+    if free is None:
+        if n_dofs != 3 * len(places):
+            raise InputError(
+                f"K has {n_dofs} rows, but {len(places)} nodes have {3 * len(places)} dofs; "
+                "if supports were taken out, give free: for each row its dof 3·node + component"
+            )
+        return places, np.arange(n_dofs)
+    try:
+        dofs = np.array(free)
+    except ValueError as error:
+        raise InputTypeError(f"free must be integer dof numbers: {error}") from None
+    if dofs.dtype.kind not in "iu":
+        raise InputTypeError(f"free must be integer dof numbers, got dtype {dofs.dtype}")
+    if dofs.shape != (n_dofs,):
+        raise InputError(f"free must have shape ({n_dofs},), as K has, got {dofs.shape}")
+    if dofs.min() < 0 or dofs.max() >= 3 * len(places):
+        raise InputError(
+            f"free must be within 0 … {3 * len(places) - 1} for {len(places)} nodes, "
+            f"got {dofs.min()} … {dofs.max()}"
+        )
+    if len(np.unique(dofs)) != n_dofs:
+        raise InputError(f"free names {n_dofs - len(np.unique(dofs))} dofs more than once")
+    return places, dofs.astype(np.int64)
+
+
+def _checked_total(total: FloatArray) -> float:
+    """Return the body's mass from the 3 x 3 mass of its translations, which should be m I."""
+    mass = float(np.trace(total)) / 3.0
+    if mass <= 0.0:
+        raise InputError(f"M must have a positive total mass, got {mass:g} kg")
+    gap = float(np.abs(total - mass * np.eye(3)).max())
+    if gap > 1e-6 * mass:
+        warn(
+            f"M moves {total[0, 0]:.4g}, {total[1, 1]:.4g} and {total[2, 2]:.4g} kg along x, y and "
+            f"z, with {np.abs(total - np.diag(np.diag(total))).max():.3g} kg between them: are its "
+            "rows in the order 3·node + component?"
+        )
+    return mass
+
+
+def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: Material) -> None:
+    """Refuse what leaves the range of doubles, so that no nan or zero mass is computed with."""
+    stiffest = float(np.abs(K.data).max())  # nan and infinity fail the comparisons
+    lightest = float(M.diagonal().min())
+    if not (lightest > LEAST and mass < LARGEST and LEAST < stiffest < LARGEST):
+        raise InputError(
+            f"the body is {mesh.size:.3g} m long, of {material}: its mass ({mass:g} kg) or "
+            "stiffness overflows or vanishes; give coordinates in metres and the material in Pa "
+            "and kg/m³"
+        )
+
+
+def _warn_of_units(mass: float, size: float) -> None:
+    if mass > _HEAVY or size > _LONG:
+        warn(
+            f"the body is {size:.4g} m long and weighs {mass:.4g} kg: coordinates are taken in "
+            "metres; for millimetres use read_mesh(path, scale=1e-3)"
+        )

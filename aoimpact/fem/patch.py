@@ -1,0 +1,169 @@
+"""A patch of the surface that carries Hertz's pressure, p ∝ √(1 - ρ²/r²) over a disc of radius r.
+
+The weights that spread a force over it also give the displacement conjugate to that force, the mean
+of the surface's own under that pressure. On a half-space this mean is known, so what one node
+leaves to the mesh, its own indentation, becomes a number that can be taken out of the contact law.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import roots_jacobi
+
+from ..base import FloatArray, InputError, IntArray
+from ..mesh import Place, Surface, plane_of
+from .material import Material
+
+__all__ = ["Patch", "Spread", "free_radius", "half_space_compliance", "spread"]
+
+
+# Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
+# Kinks of the shape functions between faces are what limits it; see tests/test_patch.py.
+_RINGS, _AROUND = 24, 64
+
+# Successive rings are turned by this share of the angle between points, so that no two line up with
+# the edges of the faces in the same way.
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+# Steeper than this against the patch's middle, a surface is no disc of a half-space: cos 45°.
+_STEEPEST = math.sqrt(0.5)
+
+# The mean normal over the patch is found when it turns by less than this, rad.
+_SETTLED, _TURNS = 1e-6, 12
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The patch of a contact point.
+
+    Attributes
+    ----------
+    radius : float
+        r, m.
+    modulus : float
+        E* = E/(1 - ν²) of the body's material, Pa.
+    compliance : float
+        What an elastic half-space gives way under the patch per force along the direction of
+        travel, m/N: 0.6/(r E*) along the normal.
+    faces : int
+        How many faces of elements it touches.
+    edges : float
+        Mean length of their edges, m.
+    """
+
+    radius: float
+    modulus: float
+    compliance: float
+    faces: int
+    edges: float
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Shares of a force that the nodes take, and where on the surface it acts.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (n_nodes,)
+        Their sum is 1, and their centre lies on the normal through the point.
+    normal : ndarray, shape (3,)
+        Outward; the mean over the patch.
+    faces : ndarray of int
+        The faces of the surface that it touches.
+    """
+
+    weights: FloatArray
+    normal: FloatArray
+    faces: IntArray
+
+
+def half_space_compliance(material: Material, radius: float, cosine: float) -> float:
+    """Return the mean displacement of a half-space under its patch per force, m/N.
+
+    Along the normal, u(ρ) = π p₀ (2r² - ρ²)/(4 r E*) has the mean 0.6 F/(r E*) under the pressure
+    p₀ √(1 - ρ²/r²) itself (Johnson, *Contact Mechanics*, eqs. 3.41, 3.42). Along the surface,
+    u_x = π q₀ (4(2-ν)r² - (4-3ν)x² - (4-ν)y²)/(32 G r) has 0.15 (2-ν) Q/(G r) (eq. 3.91a). Neither
+    has a mean in the other's direction.
+
+    Parameters
+    ----------
+    cosine : float
+        Of the angle between the force and the normal.
+    """
+    along = 0.6 / (radius * material.plane_strain_modulus)
+    across = 0.15 * (2.0 - material.nu) / (radius * material.shear_modulus)
+    return cosine**2 * along + (1.0 - cosine**2) * across
+
+
+def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: float) -> Spread:
+    """Return the weights of a patch about a point of the surface.
+
+    Each point of the quadrature over the disc is carried along the normal to the face it lies on,
+    and its weight goes to the nodes by that face's shape functions. So the weights sum to one and
+    have no first moment about the normal, whatever the mesh.
+
+    Parameters
+    ----------
+    point : ndarray, shape (3,)
+    normal : ndarray, shape (3,)
+        Outward at the point, a first guess: the disc stands on the mean normal under the pressure.
+    radius : float
+        m.
+
+    Raises
+    ------
+    InputError
+        If the surface ends within the disc, or turns away by more than 45°.
+    """
+    offsets, share = _disc_rule(radius)
+    for _ in range(_TURNS):
+        under = surface.pierced(point + offsets @ plane_of(normal), normal, reach=radius)
+        reach = _free(surface, under, normal, np.linalg.norm(offsets, axis=1))
+        if reach < radius:
+            raise InputError(
+                f"radius={radius:g} m: the surface ends, or turns away by more than 45°, "
+                f"{reach:.3g} m from the point; take a smaller radius, or a point farther from "
+                "the edge"
+            )
+        mean = share @ surface.normal(under.face, under.uv)
+        mean /= np.linalg.norm(mean)
+        turned = float(np.linalg.norm(mean - normal))
+        if turned < _SETTLED:
+            break
+        normal = mean
+    weights = np.zeros(surface.mesh.n_nodes)
+    cells = surface.mesh.cells[surface.cell[under.face]]
+    np.add.at(weights, cells, share[:, None] * surface.shape(under.face, under.uv))
+    return Spread(weights, normal, np.unique(under.face))
+
+
+def _disc_rule(radius: float) -> tuple[FloatArray, FloatArray]:
+    """Points of the disc, shape (n, 2), and shares of the pressure on it, shape (n,).
+
+    Gauss–Jacobi in ρ²/r², with the weight √(1 - ρ²/r²), and even angles.
+    """
+    x, w = roots_jacobi(_RINGS, 0.5, 0.0)
+    rho = radius * np.sqrt(0.5 * (1.0 + x))
+    turn = np.arange(_AROUND) + np.modf(_GOLDEN * np.arange(_RINGS))[0][:, None]
+    angle = 2.0 * np.pi / _AROUND * turn
+    points = rho[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return points.reshape(-1, 2), np.repeat(w / (w.sum() * _AROUND), _AROUND)
+
+
+def free_radius(surface: Surface, point: FloatArray, normal: FloatArray, radius: float) -> float:
+    """Return how far from the point the surface goes on as a patch needs it.
+
+    Infinite if farther than `radius`; to within a twentieth of it.
+    """
+    offsets, _ = _disc_rule(radius)
+    under = surface.pierced(point + offsets @ plane_of(normal), normal, reach=radius)
+    return _free(surface, under, normal, np.linalg.norm(offsets, axis=1))
+
+
+def _free(surface: Surface, under: Place, normal: FloatArray, rho: FloatArray) -> float:
+    lost = under.face < 0
+    steep = surface.normal(under.face[~lost], under.uv[~lost]) @ normal < _STEEPEST
+    return float(min(rho[lost].min(initial=np.inf), rho[~lost][steep].min(initial=np.inf)))

@@ -1,0 +1,217 @@
+"""The static mode of a body at its contact: eqs. (1)-(3) and (11) of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from .. import _core
+from ..base import FloatArray, InputTypeError, SingularError
+from ..linalg import SOLVERS, LinearSolver, linear_solver
+from .contact import Body, ContactPoint
+from .fromdynamic import static_by_dynamic
+
+__all__ = [
+    "StaticMode",
+    "centre_of",
+    "displacement",
+    "elastic_compliance",
+    "moves_rigidly",
+    "static_mode",
+    "translates",
+]
+
+
+# rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
+# just told from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
+_MOVED = 1e-7
+
+# Of a motion that is 0 or 1 everywhere, what rounding of a null space leaves.
+_AS_ONE = 1e-6
+
+# A pass that leaves more than this of the last change shows motions too soft for passes.
+_SLOW = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class StaticMode:
+    """The static mode of a body at a contact functional, eqs. (1)-(3), (11).
+
+    Attributes
+    ----------
+    phi : ndarray, shape (n_dofs,)
+        φ_st with bᵀφ_st = 1.
+    k0 : float
+        φ_stᵀ K φ_st, N/m; exactly 0 where b moves the body rigidly.
+    m_phi : ndarray, shape (n_dofs,)
+        M φ_st.
+    mass : float
+        m_st = φ_stᵀ M φ_st, kg.
+    silent : ndarray, shape (n_dofs, r)
+        The M-orthonormal rigid motions that never feel the contact.
+    """
+
+    phi: FloatArray
+    k0: float
+    m_phi: FloatArray
+    mass: float
+    silent: FloatArray
+
+
+def static_mode(
+    tip: ContactPoint, *, invert: Callable[[float], LinearSolver] | None = None
+) -> StaticMode:
+    """Return the static mode; for a body that b can move rigidly, that rigid motion.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    invert : callable, optional
+        s² ↦ the solver of K + s²M of its body; `FEModel.inverse` if left out.
+
+    Raises
+    ------
+    SingularError
+        If K is singular though the body has no rigid motion: a mechanism.
+    """
+    if not isinstance(tip, ContactPoint):
+        raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
+    rigid, b = tip.body.rigid_modes, tip.b
+    reach = rigid.T @ b
+    if moves_rigidly(tip):
+        phi = np.empty_like(b)
+        mass = _core.static_free(np.ascontiguousarray(rigid.T), b, phi)
+        across = la.qr(reach[:, None])[0][:, 1:]
+        return StaticMode(phi, 0.0, tip.body.M @ phi, mass, rigid @ across)
+    phi = np.ascontiguousarray(displacement(tip.body, b, invert or tip.body.inverse))
+    k0 = _core.static_held(b, phi)
+    m_phi = tip.body.M @ phi
+    return StaticMode(phi, k0, m_phi, float(phi @ m_phi), rigid)
+
+
+def moves_rigidly(tip: ContactPoint) -> bool:
+    """Whether a force at the contact moves the body as a whole: seen from there it is free."""
+    rigid = tip.body.rigid_modes
+    reach = float(np.linalg.norm(rigid.T @ tip.b))
+    return reach > _MOVED * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
+
+
+def elastic_compliance(
+    tip: ContactPoint, *, invert: Callable[[float], LinearSolver] | None = None
+) -> float:
+    """Return how far the contact gives way to a steady unit force, rigid motion not counted, m/N.
+
+    A free body accelerates as a whole under the force; in that motion its inertia holds it.
+
+    Parameters
+    ----------
+    invert : callable, optional
+        As for `static_mode`.
+    """
+    rigid, M, b = tip.body.rigid_modes, tip.body.M, tip.b
+    load = b - M @ (rigid @ (rigid.T @ b))
+    return float(load @ displacement(tip.body, load, invert or tip.body.inverse))
+
+
+def displacement(
+    body: Body,
+    b: FloatArray,
+    invert: Callable[[float], LinearSolver],
+    *,
+    dynamic: LinearSolver | None = None,
+    start: FloatArray | None = None,
+) -> FloatArray:
+    """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them.
+
+    Parameters
+    ----------
+    body : FEModel
+    b : ndarray, shape (n_dofs,)
+    invert : callable
+        s² ↦ the solver of K + s²M.
+    dynamic : LinearSolver, optional
+        A solver of K + s²M that is there already: tried first, if it is a direct one, for less than
+        the cost of a factorisation; the energy of x is then right to some 1e-9.
+    start : ndarray, shape (n_dofs,), optional
+        What is known of K⁻¹ b from solutions with `dynamic`.
+    """
+    if dynamic is not None and dynamic.precondition is None:
+        found = static_by_dynamic(body, b, dynamic, start=start)
+        if found is not None:
+            return found
+    K, M, rigid = body.K, body.M, body.rigid_modes
+    if rigid.shape[1] == 0:
+        try:
+            return invert(0.0).solve(b)
+        except SingularError as error:
+            raise SingularError(
+                f"{error}, though the body has no rigid motion left: part of it is a mechanism "
+                "(a piece not connected, an element without stiffness); see body.frequencies(10)"
+            ) from None
+    # Each pass leaves s²/(ω₁² + s²) of the error, so s² lies far below most elastic ω².
+    s2 = 1e-9 * float(K.diagonal().sum() / M.diagonal().sum())
+    near_k = invert(s2)
+    x, before = np.zeros_like(b), np.inf
+    while True:
+        change = near_k.solve(b - K @ x)
+        change -= rigid @ (rigid.T @ (M @ change))
+        x += change
+        size = float(np.linalg.norm(change) / np.linalg.norm(x))
+        if size <= 1e-14 or (size <= 1e-10 and size > 0.9 * before):  # at rounding
+            return x
+        if not size <= _SLOW * before:  # nan, too
+            return _by_grounding(body, b, near_k)
+        before = size
+
+
+def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray:
+    """Return K⁻¹ b, shape (n_dofs,), of a partly free body grounded by springs in its free motions.
+
+    `solver` is one of its K + s²M: the same kind factorises K. At no more places than there are
+    such motions the springs take no force, for a b that does not move the body as a whole, and
+    change nothing but where it is.
+    """
+    K, M, rigid = body.K, body.M, body.rigid_modes
+    places = la.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
+    springs = np.zeros(len(b))
+    springs[places] = K.diagonal()[places]
+    pencil = replace(solver.pencil, K=(K + sp.diags_array(springs)).tocsr(), s2=0.0, diagonals=None)
+    held = linear_solver(pencil, solver.name if solver.name in SOLVERS else "auto", solutions=1)
+    x = held.solve(b - M @ (rigid @ (rigid.T @ b)))
+    found: FloatArray = x - rigid @ (rigid.T @ (M @ x))
+    return found
+
+
+def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatArray, float, bool]:
+    """Return the centre of mass's functional, the body's mass, kg, and whether these are right.
+
+    Where nodes do not tell, the mean over the static mode stands for the centre, and its mass for
+    the body's. That is right if the mode is a translation: all that moves moves as the contact.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    phi : callable
+        Returns φ_st, shape (n_dofs,).
+    """
+    if tip.direction is not None and tip.body.mass is not None:
+        return tip.body.com_functional(tip.direction), tip.body.mass, True
+    static = phi()
+    momentum = tip.body.M @ static
+    mass = float(static @ momentum)
+    as_one = bool((np.abs(static * (1.0 - static)) <= _AS_ONE).all())
+    return momentum / mass, mass, as_one
+
+
+def translates(tip: ContactPoint) -> bool:
+    """Whether the body may translate along the direction of travel: no support forbids it."""
+    if tip.direction is None:
+        return False
+    body = tip.body
+    along = body.translation(tip.direction)
+    rest = along - body.rigid_modes @ (body.rigid_modes.T @ (body.M @ along))
+    return float(rest @ (body.M @ rest)) <= 1e-12 * float(along @ (body.M @ along))

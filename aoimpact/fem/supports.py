@@ -1,0 +1,146 @@
+"""Supports: which degrees of freedom of a mesh are held."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, InputError, InputTypeError, IntArray, nearest, node_ids
+
+__all__ = ["Support", "free_dofs", "selected_nodes"]
+
+
+Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
+Support = tuple[Selector, str]
+
+
+def free_dofs(
+    nodes: FloatArray, fixed: Sequence[Support] | None, node_sets: Mapping[str, IntArray]
+) -> IntArray:
+    """Return the dofs 3·node + component that no support holds, ascending.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    fixed : sequence of (nodes, letters)
+        The nodes by number, by the name of a set, or by a function of all coordinates that returns
+        one bool for each; the letters, of "x", "y" and "z", say which components are held.
+    node_sets : mapping of str to array of int
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If an entry selects nothing, names an unknown set or letter, or nothing is left free.
+    """
+    held = np.zeros((len(nodes), 3), dtype=bool)
+    for i, entry in enumerate(_entries(fixed)):
+        selector, letters = entry
+        components = _components(f"fixed[{i}]", letters)
+        selected = selected_nodes(f"fixed[{i}]", selector, nodes, node_sets)
+        for component in components:
+            held[selected, component] = True
+    if held.all():
+        raise InputError("fixed holds every dof of the body; leave some free to move")
+    return np.flatnonzero(~held.reshape(-1))
+
+
+def _entries(fixed: Any) -> Sequence[Support]:
+    how = 'give a list of pairs such as [("xmin", "xyz"), ([0, 7], "z")]'
+    if fixed is None:
+        return ()
+    if isinstance(fixed, (str, Mapping)) or not isinstance(fixed, Sequence):
+        raise InputTypeError(f"fixed: {how}; got {type(fixed).__name__}")
+    for i, entry in enumerate(fixed):
+        if isinstance(entry, str) or not isinstance(entry, Sequence) or len(entry) != 2:
+            raise InputTypeError(f"fixed[{i}] is not a pair of nodes and letters: {how}")
+    return fixed
+
+
+def _components(name: str, letters: Any) -> list[int]:
+    if not isinstance(letters, str):
+        raise InputTypeError(f'{name}: letters must be text such as "xyz", got {letters!r}')
+    if not letters or set(letters) - set("xyz"):
+        raise InputError(f'{name}: letters must be of "x", "y" and "z", got {letters!r}')
+    return sorted({"xyz".index(letter) for letter in letters})
+
+
+def selected_nodes(
+    name: str, selector: Any, nodes: FloatArray, node_sets: Mapping[str, IntArray]
+) -> IntArray:
+    """Return the nodes that a set's name, a function of all coordinates, or numbers select.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument, for messages.
+    selector : str, callable or array_like
+        As the nodes of `free_dofs`.
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    node_sets : mapping of str to array of int
+
+    Returns
+    -------
+    ndarray of int
+        Ascending, each once.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If it selects nothing, or names an unknown set.
+    """
+    if isinstance(selector, str):
+        if selector not in node_sets:
+            known = ", ".join(map(repr, node_sets)) or "none"
+            raise InputError(
+                f"{name}: the mesh has no node set {selector!r}{nearest(selector, node_sets)}; "
+                f"it has {known}"
+            )
+        return node_sets[selector]
+    if callable(selector):
+        return _from_mask(f"{name}: the function", _returned(name, selector, nodes), nodes)
+    try:
+        array = np.asarray(selector)
+    except ValueError as error:
+        raise InputTypeError(f"{name}: nodes must be a flat list of numbers: {error}") from None
+    if array.dtype != bool:
+        return node_ids(f"{name}: nodes", selector, len(nodes))
+    return _from_mask(f"{name}: the mask of nodes", array, nodes)
+
+
+def _returned(name: str, function: Any, nodes: FloatArray) -> npt.NDArray[np.bool_]:
+    wanted = "the function must return one bool for each node"
+    try:
+        value = function(nodes)
+    except Exception as error:
+        raise InputError(
+            f"{name}: the function raised {type(error).__name__}: {error}; it is called with the "
+            f"coordinates of all nodes, an array of shape {nodes.shape}, and should return one "
+            "bool for each"
+        ) from error
+    try:
+        mask = np.asarray(value)
+    except ValueError as error:
+        raise InputTypeError(f"{name}: {wanted}: {error}") from error
+    if mask.dtype != bool:
+        what = type(value).__name__ if mask.ndim == 0 else f"dtype {mask.dtype}"
+        raise InputTypeError(f"{name}: {wanted}, got {what}")
+    return mask
+
+
+def _from_mask(name: str, mask: npt.NDArray[np.bool_], nodes: FloatArray) -> IntArray:
+    if mask.shape != (len(nodes),):
+        raise InputError(
+            f"{name} must give one bool for each of {len(nodes)} nodes, got shape {mask.shape}"
+        )
+    if not mask.any():
+        low, high = nodes.min(axis=0), nodes.max(axis=0)
+        box = ", ".join(f"{c} {a:g}…{b:g}" for c, a, b in zip("xyz", low, high, strict=True))
+        raise InputError(
+            f"{name} selects no nodes; the mesh spans {box} m: compare coordinates with a tolerance"
+        )
+    return np.flatnonzero(mask)

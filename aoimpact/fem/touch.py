@@ -1,0 +1,264 @@
+"""Where and how a meshed body is touched: at a point of its surface, or over a patch about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import FloatArray, InputError, plain, warn
+from ..mesh import Place, Surface, reference_element
+from .material import Material
+from .patch import Patch, free_radius, half_space_compliance, spread
+
+__all__ = [
+    "Room",
+    "Touch",
+    "automatic_radius",
+    "check_pressing",
+    "room",
+    "touched",
+    "warn_if_coarse",
+]
+
+
+# A point this far off the surface, as a fraction of the size of the face there, still means the
+# surface: linear elements cut the corners of a round body by about so much. Beyond the smaller
+# fraction it is said.
+_OFF_SURFACE, _SAID = 0.1, 0.02
+
+# Directions closer than 6° to the surface do not press on it.
+_TANGENT = 0.1
+
+# Components of a normal that are nothing but rounding.
+_ROUNDING = 1e-12
+
+# Faces that meet at more than 45° meet at a sharp edge: between the faces of a round body of few
+# linear elements there are up to 40°.
+_SHARP = np.sqrt(0.5)
+
+# With a radius of so many edges of elements, quadratic or linear, a patch on a half-space gives way
+# as it should to some 6 %, and where the mesh decides, with half as much again, to 2 %.
+_RESOLVED = {True: 0.7, False: 2.5}
+_WELL_RESOLVED = 1.5
+
+# With half the patch's radius for the contact's, Hertz's law less the patch's part is stiffer than
+# by itself, but far from endlessly so.
+_PATCH_OVER_CONTACT = 2.0
+
+# The surface ends a little before the ring of quadrature points on which that is noticed.
+_WITHIN = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """A unit contact force on a surface.
+
+    Attributes
+    ----------
+    point : ndarray, shape (3,)
+        On the surface, m.
+    direction : ndarray, shape (3,)
+    weights : ndarray, shape (n_nodes,)
+        Shares of the nodes; their sum is 1.
+    patch : Patch or None
+    """
+
+    point: FloatArray
+    direction: FloatArray
+    weights: FloatArray
+    patch: Patch | None
+
+
+def touched(
+    surface: Surface,
+    material: Material,
+    point: FloatArray,
+    along: FloatArray | None,
+    radius: float,
+) -> Touch:
+    """Return the touch at a point of the surface: by its face alone, or by a patch.
+
+    Parameters
+    ----------
+    point : ndarray, shape (3,)
+        m; on the surface but for a tenth of the size of a face.
+    along : ndarray, shape (3,), or None
+        Unit direction; None: the inward normal.
+    radius : float
+        m; 0: no patch.
+    """
+    places = _places(surface, point)
+    here, normal = places[0], _normal(surface, places)
+    if normal is None and along is None:
+        raise _on_edge(point, "a point inside a face, or give direction")
+    if radius == 0.0:
+        weights = np.zeros(surface.mesh.n_nodes)
+        cells = surface.mesh.cells[surface.cell[here.face]]
+        np.add.at(weights, cells, surface.shape(here.face, here.uv))
+        return Touch(here.x[0], _pressing(surface, places, along), weights, None)
+    if normal is None:
+        raise _on_edge(point, "a point farther from the edge than radius")
+    if radius >= 0.5 * surface.mesh.size:
+        raise InputError(
+            f"radius={radius:g} m: the patch is larger than the body, which is "
+            f"{surface.mesh.size:.3g} m long; take a smaller radius (is it in metres?)"
+        )
+    on = spread(surface, here.x[0], normal, radius)
+    direction = _facing(point, along, on.normal)
+    cosine = min(1.0, abs(float(direction @ on.normal)))
+    patch = Patch(
+        radius=radius,
+        modulus=material.plane_strain_modulus,
+        compliance=half_space_compliance(material, radius, cosine),
+        faces=len(on.faces),
+        edges=float(surface.edges(on.faces).mean()),
+    )
+    return Touch(here.x[0], direction, on.weights, patch)
+
+
+def automatic_radius(surface: Surface, point: FloatArray, expected: float | None) -> float:
+    """Return a patch's radius from the contact expected, the mesh, and the room on the surface.
+
+    Twice the expected radius of the contact, or what the mesh resolves well if that is more; less
+    where the surface ends before.
+    """
+    places = _places(surface, point)
+    normal = _normal(surface, places)
+    if normal is None:
+        raise _on_edge(point, "a point farther from the edge")
+    face = np.concatenate([place.face for place in places])
+    radius = _WELL_RESOLVED * _resolved(surface) * float(surface.edges(face).mean())
+    if expected is not None:
+        radius = max(radius, _PATCH_OVER_CONTACT * expected)
+    while (free := free_radius(surface, places[0].x[0], normal, radius)) <= radius:
+        radius = _WITHIN * free
+    return radius
+
+
+def warn_if_coarse(surface: Surface, patch: Patch) -> None:
+    """Warn where a patch is too small for the mesh under it."""
+    least = _resolved(surface) * patch.edges
+    if patch.radius < least:
+        warn(
+            f"radius={patch.radius:.3g} m: the mesh is too coarse for this patch, on "
+            f"{patch.faces} faces with edges of {patch.edges:.3g} m; take a radius of "
+            f"{least:.2g} m at least, or {surface.mesh.kind} elements of "
+            f"{patch.radius / least:.2g} of their size"
+        )
+
+
+def _resolved(surface: Surface) -> float:
+    """How many edges long the radius of a patch must be."""
+    element = reference_element(surface.mesh.kind)
+    return _RESOLVED[element.n_nodes > element.n_corners]
+
+
+@dataclass(frozen=True)
+class Room:
+    """What a body offers about a point of its surface.
+
+    Attributes
+    ----------
+    depth : float
+        To the surface opposite, m.
+    free : float
+        To where the surface ends or turns away by more than 45°, m; infinite if that is farther
+        than was looked.
+    """
+
+    depth: float
+    free: float
+
+
+def room(surface: Surface, point: FloatArray, radius: float) -> Room:
+    """Return how thick a body is at a point, and how far its surface goes on, up to `radius`."""
+    normal = _normal(surface, _places(surface, point))
+    if normal is None:
+        raise _on_edge(point, "a point farther from the edge")
+    opposite = surface.pierced(point[None], normal, reach=2.0 * surface.mesh.size, outward=False)
+    return Room(float(opposite.distance[0]), free_radius(surface, point, normal, radius))
+
+
+def _places(surface: Surface, point: FloatArray) -> list[Place]:
+    """Return the place meant by a point on or near the surface, on each face that shares it."""
+    places = surface.nearest(point)
+    here = places[0]
+    gap, size = float(here.distance[0]), float(surface.edges(here.face).mean())
+    if gap > _OFF_SURFACE * size:
+        normal = surface.normal(here.face, here.uv)[0]
+        where = "inside the body" if (point - here.x[0]) @ normal < 0.0 else "off the body"
+        raise InputError(
+            f"point {plain(point)} m is {where}, {gap:.3g} m from the nearest place on its "
+            f"surface, {plain(here.x[0])} m: give a point on the surface (is it in metres?)"
+        )
+    if gap > _SAID * size:
+        warn(
+            f"point {plain(point)} m is {gap:.3g} m off the surface of the mesh; the nearest place "
+            f"on it, {plain(here.x[0])} m, is taken"
+        )
+    return places
+
+
+def _normals(surface: Surface, places: list[Place]) -> FloatArray:
+    """Return the outward normals of the faces that share a place, shape (n, 3)."""
+    return np.concatenate([surface.normal(place.face, place.uv) for place in places])
+
+
+def _distinct(normals: FloatArray) -> FloatArray:
+    """Return the normals, each once: a flat side has many faces."""
+    return np.unique(np.where(np.abs(normals) > _ROUNDING, normals, 0.0).round(6), axis=0)
+
+
+def _normal(surface: Surface, places: list[Place]) -> FloatArray | None:
+    """Return the outward normal at a place that several faces may share; None on a sharp edge."""
+    normals = _normals(surface, places)
+    if (normals @ normals.T).min() < _SHARP:
+        return None
+    mean: FloatArray = normals.mean(axis=0)
+    mean /= np.linalg.norm(mean)
+    return mean
+
+
+def _on_edge(point: FloatArray, cure: str) -> InputError:
+    return InputError(
+        f"point {plain(point)} m is on a sharp edge or corner of the body, where the surface has "
+        f"no normal; choose {cure}"
+    )
+
+
+def check_pressing(surface: Surface, point: FloatArray, along: FloatArray) -> None:
+    """Refuse a place that is not on the surface, and a direction that does not press on it."""
+    _pressing(surface, _places(surface, point), along)
+
+
+def _pressing(surface: Surface, places: list[Place], along: FloatArray | None) -> FloatArray:
+    """Return the direction, the inward normal by default, if it presses on the surface.
+
+    On a sharp edge, which has no normal, it is enough to press on one of the faces that meet.
+    """
+    point, normal = places[0].x[0], _normal(surface, places)
+    if normal is not None:
+        return _facing(point, along, normal)
+    assert along is not None
+    faces = _normals(surface, places)
+    if np.abs(faces @ along).max() < _TANGENT:
+        raise InputError(
+            f"direction {plain(along)} runs along the edge at point {plain(point)} m, where faces "
+            f"with the outward normals {', '.join(map(plain, _distinct(faces)))} meet: nothing "
+            "would press on them; choose a direction into the body"
+        )
+    return along
+
+
+def _facing(point: FloatArray, along: FloatArray | None, normal: FloatArray) -> FloatArray:
+    """Return the direction, by default against the normal, if it is not tangent to the surface."""
+    if along is None:
+        return np.where(np.abs(normal) > _ROUNDING, -normal, 0.0)
+    if abs(float(along @ normal)) < _TANGENT:
+        raise InputError(
+            f"direction {plain(along)} is tangent to the surface at point {plain(point)} m, whose "
+            f"outward normal is {plain(normal)}: nothing would press on it; leave direction out "
+            "for the inward normal"
+        )
+    return along

@@ -1,0 +1,7 @@
+"""What all of a body does in a run: displacement and stress over time, pictures, files."""
+
+from .fields import Field, Probe
+from .replay import response_of
+from .response import Response
+
+__all__ = ["Field", "Probe", "Response", "response_of"]

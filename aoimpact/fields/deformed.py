@@ -1,0 +1,107 @@
+"""A picture of a deformed body in three dimensions, by matplotlib."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base import FloatArray, InputTypeError, IntArray, nonnegative, quantity, scale_for
+from ..mesh import Mesh, boundary, reference_element, reference_faces
+
+if TYPE_CHECKING:
+    from mpl_toolkits.mplot3d import Axes3D
+
+__all__ = ["outlines", "plot_deformed"]
+
+
+# Unless told otherwise, the largest displacement is drawn as this share of the body's size.
+_SHOWN = 0.1
+
+# A plate's box is drawn at least this thick, as a share of its length; ticks along the length.
+_THINNEST = 0.05
+_MOST_TICKS = 6
+
+
+def plot_deformed(
+    mesh: Mesh,
+    moved: FloatArray,
+    von_mises: FloatArray,
+    time: float,
+    ax: Axes3D | None = None,
+    *,
+    scale: float | None = None,
+    **kwargs: Any,
+) -> Axes3D:
+    """Draw the surface of a deformed body, coloured by von Mises' stress; see `Field.plot`.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    moved : ndarray, shape (n_nodes, 3)
+        Displacement, m.
+    von_mises : ndarray, shape (n_nodes,)
+        Pa.
+    time : float
+        s.
+    """
+    import matplotlib.pyplot as plt
+    from mpl_toolkits.mplot3d import Axes3D
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    factor = _enlargement(moved, mesh.size, scale)
+    if ax is None:
+        ax = plt.figure(layout="constrained").add_subplot(projection="3d")
+    elif not isinstance(ax, Axes3D):
+        raise InputTypeError(
+            "ax must be three-dimensional axes, such as plt.figure().add_subplot(projection='3d'), "
+            f"got {type(ax).__name__}"
+        )
+    length = scale_for(mesh.size, "m")
+    places = length.factor * (mesh.nodes + factor * moved)
+    pressure = scale_for(float(von_mises.max()), "Pa")
+    faces = outlines(mesh)
+    style = {"edgecolor": "0.2", "linewidth": 0.2, "cmap": "viridis"} | kwargs
+    drawn = Poly3DCollection([places[face] for face in faces], **style)
+    drawn.set_array(pressure.factor * np.array([von_mises[face].mean() for face in faces]))
+    ax.add_collection3d(drawn)
+    _frame(ax, places, length.unit)
+    ax.set_title(f"t = {quantity(time, 's')}, deformation × {factor:.3g}")
+    label = f"von Mises stress [{pressure.unit}]"
+    ax.figure.colorbar(drawn, ax=ax, label=label, shrink=0.7, pad=0.15)
+    return ax
+
+
+def outlines(mesh: Mesh) -> list[IntArray]:
+    """The faces of the surface, each as the nodes on its edges, in order around it."""
+    surface = boundary(mesh)
+    found: list[IntArray] = []
+    for number, side in enumerate(reference_faces(mesh.kind)):
+        places = reference_element(mesh.kind).nodes[side.nodes]
+        u, v = np.linalg.pinv(side.axes.T) @ (places - places[: side.n_corners].mean(axis=0)).T
+        rim = np.flatnonzero(np.hypot(u, v) > 1e-9)  # but not the node in the face's middle
+        around = side.nodes[rim[np.argsort(np.arctan2(v[rim], u[rim]))]]
+        found.extend(mesh.cells[surface.cell[surface.side == number]][:, around])
+    return found
+
+
+def _enlargement(moved: FloatArray, size: float, scale: float | None) -> float:
+    if scale is not None:
+        return nonnegative("scale", scale)
+    largest = float(np.linalg.norm(moved, axis=1).max())
+    return _SHOWN * size / largest if largest > 0.0 else 1.0
+
+
+def _frame(ax: Axes3D, places: FloatArray, unit: str) -> None:
+    """Limits and proportions of the body itself, and axes that say so."""
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = places.min(axis=0), places.max(axis=0)
+    longest = float((high - low).max())
+    span = np.maximum(high - low, _THINNEST * longest)
+    middle = 0.5 * (low + high)
+    for i, axis in enumerate((ax.xaxis, ax.yaxis, ax.zaxis)):
+        axis.set_view_interval(middle[i] - 0.5 * span[i], middle[i] + 0.5 * span[i], ignore=True)
+        axis.set_major_locator(MaxNLocator(max(1, round(_MOST_TICKS * span[i] / longest))))
+        axis.set_label_text(f"{'xyz'[i]} [{unit}]")
+    ax.set_box_aspect(span)

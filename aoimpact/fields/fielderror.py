@@ -1,0 +1,137 @@
+"""How wrong the motion of a whole body may be that a few shapes give.
+
+Two things go wrong. What the correction (recovery.py) adds to the shapes is as uncertain as it is
+large, and the largest that it has been rings on. And after the first blow the body swings with the
+model's frequencies: where K φ - λ M φ = r is left of a mode φ, there is a natural λ* with
+|(λ + s²)/(λ* + s²) - 1| ≤ |e|, e = (K + s²M)⁻¹ r in the norm of M, |φ| = 1, or |e|²/γ with the
+relative gap γ to the next mode (the bounds of a symmetric problem, here (K + s²M)⁻¹ M; B. N.
+Parlett, The Symmetric Eigenvalue Problem, chapter 11; the gap is the model's own), and the phase
+goes astray by up to |ω - ω*| times the time since: as much of the mode's amplitude, kinetic energy
+included, for it shows most where the mode passes through zero. The force may be right all
+the same: it is over by then.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg as la
+
+from ..base import FloatArray
+from .recovery import Recovery
+
+__all__ = ["FieldError", "History"]
+
+
+# Of the largest mass over stiffness: what is less belongs to coordinates without inertia.
+_NO_INERTIA = 1e-12
+
+# Modes up to so many times s swing by themselves.
+_SLOW = 3.0
+
+
+# What two swings of one amplitude differ by, in the mean square, where nothing is known of phases.
+_OPPOSITE = math.sqrt(2.0)
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """What a reduced model went through.
+
+    Attributes
+    ----------
+    times : ndarray, shape (k,)
+        s, ascending.
+    coordinates, rates, forces : ndarrays, shapes (n, k), (n, k), (p, k)
+    """
+
+    times: FloatArray
+    coordinates: FloatArray
+    rates: FloatArray
+    forces: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class FieldError:
+    """Estimates of relative errors of displacement in the norm of strain energy.
+
+    Attributes
+    ----------
+    recovery : Recovery
+    """
+
+    recovery: Recovery
+
+    @cached_property
+    def _modes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """λ of the model's modes, their shares of coordinates, shape (n, n), and |ω - ω*|, rad/s.
+
+        Modes much faster than s follow the blow as the correction does; they count with no drift.
+        """
+        reduced, s2 = self.recovery.reduced, self.recovery.s**2
+        shifted = reduced.stiffness + s2 * np.diag(reduced.mass)
+        inverse, y = la.eigh(np.diag(reduced.mass), shifted)
+        inert = inverse > _NO_INERTIA * inverse.max()
+        inverse, y = inverse[inert], y[:, inert]
+        square = np.maximum(1.0 / inverse - s2, 0.0)
+        drift, slow = np.zeros(len(square)), square < _SLOW**2 * s2
+        if slow.any():
+            mass = reduced.body.M
+            shapes = reduced.basis @ y[:, slow]
+            moved = self.recovery.solve(mass @ shapes)
+            left = shapes - moved / inverse[slow]
+            norms = [np.sqrt(np.einsum("it,it->t", x, mass @ x)) for x in (left, shapes)]
+            residual = norms[0] / norms[1]
+            apart = np.abs(np.subtract.outer(inverse[slow], inverse))
+            apart[apart == 0.0] = np.inf  # itself
+            gap = apart.min(axis=1) / inverse[slow]
+            off = np.minimum(residual, residual**2 / gap) / inverse[slow]
+            swift = np.maximum(np.sqrt(square[slow]), np.sqrt(off))
+            drift[slow] = off / (2.0 * np.where(swift > 0.0, swift, 1.0))  # rigid: none
+        return square, (shifted @ y).T, drift
+
+    def energies(self, coordinates: FloatArray, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return twice the strain, and twice the kinetic energy of modes, J, (modes, times)."""
+        square, shares, _ = self._modes
+        weight = 1.0 / (square + self.recovery.s**2)
+        strain: FloatArray = (square * weight)[:, None] * (shares @ coordinates) ** 2
+        kinetic: FloatArray = weight[:, None] * (shares @ rates) ** 2
+        return strain, kinetic
+
+    def estimate(self, blow: History, at: History, since: FloatArray) -> FloatArray:
+        """Return the errors at some times, relative to the largest motion, shape (times,).
+
+        Parameters
+        ----------
+        blow, at : History
+            During the blow, and at the times asked for.
+        since : ndarray, shape (times,)
+            How long the body has swung by itself, s; negative before it does.
+        """
+        strain, kinetic = self.energies(at.coordinates, at.rates)
+        during = self.energies(blow.coordinates, blow.rates)[0].sum(axis=0)
+        largest = max(float(of.max(initial=0.0)) for of in (strain.sum(axis=0), during))
+        # What was missed once is out of place ever after, whatever it is at the moment.
+        missed = self._added(at), self._added(blow)
+        largest = max(largest, *(float(of.max(initial=0.0)) for of in missed))
+        if largest == 0.0:
+            return np.zeros(len(since))
+        before = np.maximum.accumulate(np.concatenate([[0.0], missed[1]]))
+        so_far = before[np.searchsorted(blow.times, at.times, side="right")]
+        wrong = np.maximum.accumulate(np.maximum(missed[0], so_far))
+        # A mode that is behind is most wrong where it passes through zero: by its amplitude.
+        astray = np.minimum(_OPPOSITE, np.outer(self._modes[2], np.maximum(since, 0.0))) ** 2
+        swing = ((strain + kinetic) * astray).sum(axis=0)
+        error: FloatArray = np.sqrt((wrong + swing) / largest)
+        return error
+
+    def _added(self, at: History) -> FloatArray:
+        """Twice the strain energy of what the correction adds, J, shape (times,)."""
+        reduced = self.recovery.reduced
+        moved = self.recovery.displacement(at.coordinates, at.forces)
+        added = moved - reduced.basis @ at.coordinates
+        energy: FloatArray = np.einsum("it,it->t", added, reduced.body.K @ added)
+        return energy

@@ -1,0 +1,205 @@
+"""How a struck body moves and what it bears: points over time, all of it at chosen times."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base import FloatArray, InputError, choice, integer, warn
+from ..fem import Body, Material
+from ..mesh import Mesh
+from . import deformed, vtu
+from .stress import Stress, gauss_stress, nodal_stress
+
+if TYPE_CHECKING:
+    from mpl_toolkits.mplot3d import Axes3D
+
+
+__all__ = ["Field", "Probe", "solid", "warn_if_wrong"]
+
+
+# Relative errors of fields that nobody should have to look for.
+_BADLY_WRONG = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """What one place of a body did over time.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        s.
+    points : ndarray, shape (3,) or (p, 3)
+        Where, on the undeformed body, m.
+    displacement, velocity : ndarrays
+        m and m/s. Shape (n, p, 3); without the axis p for a single point, and without the last one
+        for a given direction, along which they are then measured.
+    """
+
+    t: FloatArray
+    points: FloatArray
+    displacement: FloatArray
+    velocity: FloatArray
+    _stress: Callable[[], FloatArray] = field(repr=False)
+
+    @cached_property
+    def stress(self) -> Stress:
+        """The stress over time, of shape (n, p, 6), or (n, 6) for a single point.
+
+        Averaged at the nodes as `Field.stress`, between them by the elements' shape functions.
+
+        Raises
+        ------
+        InputError
+            If the body has no elements and material: it was given by K and M.
+        """
+        return Stress(self._stress(), self.points)
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """The whole body at some times.
+
+    Attributes
+    ----------
+    body : FEModel
+    times : ndarray, shape (k,)
+        s.
+    displacement, velocity : ndarrays, shape (k, n_nodes, 3)
+        m and m/s.
+    """
+
+    body: Body
+    times: FloatArray
+    displacement: FloatArray
+    velocity: FloatArray
+    _error: Callable[[], FloatArray | None] = field(default=lambda: None, repr=False)
+
+    @cached_property
+    def error(self) -> FloatArray | None:
+        """How wrong the field may be at its times for the few shapes of a reduced model, (k,).
+
+        An estimate within some factor, relative, in the norm of strain energy. None of a full
+        model. The force may be right where this is large: a model fitted to a short blow need not
+        swing on as the body does. The error of the force itself (`Result.error`) comes on top.
+        """
+        return self._error()
+
+    def __repr__(self) -> str:
+        times = ", ".join(f"{time:.6g}" for time in self.times[:4])
+        more = ", …" if len(self.times) > 4 else ""
+        return f"Field(t = {times}{more} s of {self.body!r})"
+
+    def stress(self, at: str = "nodes") -> Stress:
+        """Return the stress.
+
+        Parameters
+        ----------
+        at : {"nodes", "gauss"}, optional
+            "nodes": carried from the Gauss points to the nodes and averaged over the elements that
+            meet there, components of shape (k, n_nodes, 6). "gauss": at the Gauss points of the
+            elements' stiffness, components of shape (k, n_cells, n_gauss, 6).
+
+        Raises
+        ------
+        InputError
+            If the body has no elements and material: it was given by K and M.
+
+        Warns
+        -----
+        AOImpactWarning
+            If a reduced model may give it badly wrong; see `error`.
+        """
+        warn_if_wrong(self.times, self.error)
+        place = choice("at", at, ("nodes", "gauss"))
+        mesh, material = solid(self.body, "stress")
+        evaluate = nodal_stress if place == "nodes" else gauss_stress
+        return evaluate(mesh, material, self.displacement)
+
+    def to_vtu(self, path: str | os.PathLike[str]) -> Path:
+        """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.
+
+        At the nodes: displacement (m), velocity (m/s), stress (xx, yy, zz, xy, yz, xz), von_mises
+        and principal, all Pa.
+
+        Parameters
+        ----------
+        path : path
+            "beam", "beam.vtu" or "beam.pvd" gives beam.pvd and beam_0.vtu, beam_1.vtu …, in a
+            folder that is there.
+
+        Returns
+        -------
+        Path
+            Of the .pvd file.
+        """
+        mesh, _ = solid(self.body, "to_vtu")
+        stress = self.stress()
+        data = {
+            "displacement": self.displacement,
+            "velocity": self.velocity,
+            "stress": stress.components,
+            "von_mises": stress.von_mises,
+            "principal": stress.principal,
+        }
+        return vtu.write_series(path, mesh, self.times, data)
+
+    def plot(
+        self, ax: Axes3D | None = None, *, which: int = 0, scale: float | None = None, **kwargs: Any
+    ) -> Axes3D:
+        """Draw the deformed body, its surface coloured by von Mises' stress.
+
+        The mean displacement of a body without supports is left out: it would fly out of the
+        picture.
+
+        Parameters
+        ----------
+        ax : Axes3D, optional
+        which : int, optional
+            Which of the times.
+        scale : float, optional
+            How many times the deformation is enlarged; by itself a tenth of the body's size.
+        **kwargs
+            For matplotlib's Poly3DCollection.
+
+        Returns
+        -------
+        Axes3D
+        """
+        mesh, material = solid(self.body, "plot")
+        number = integer("which", which, low=0, high=len(self.times) - 1)
+        moved = self.displacement[number]
+        colour = nodal_stress(mesh, material, moved).von_mises
+        if self.body.n_dofs == moved.size:
+            moved = moved - moved.mean(axis=0)
+        time = float(self.times[number])
+        return deformed.plot_deformed(mesh, moved, colour, time, ax, scale=scale, **kwargs)
+
+
+def warn_if_wrong(times: FloatArray, error: FloatArray | None) -> None:
+    """Say where a reduced model's few shapes may give a field badly wrong."""
+    if error is None or not (error > _BADLY_WRONG).any():
+        return
+    first, worst = times[int(np.argmax(error > _BADLY_WRONG))], float(error.max())
+    warn(
+        f"the stress may be wrong by {min(worst, 1.0):.0%} of the largest, from t = {first:.3g} s "
+        "on: the model's few shapes give the force, but not how the body swings on; take more "
+        'oscillators, method="krylov" with duration=, or quantity= a point of the body'
+    )
+
+
+def solid(body: Body, what: str) -> tuple[Mesh, Material]:
+    """Return the body's mesh and material; `what` needs them."""
+    if body.mesh is None or body.material is None:
+        raise InputError(
+            f"{what} needs elements and a material, and this body was given by its matrices K and "
+            "M: make it with FEModel.from_mesh(mesh, material)"
+        )
+    return body.mesh, body.material

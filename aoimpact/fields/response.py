@@ -1,0 +1,225 @@
+"""What all of a body did in a run: from its recorded coordinates and the force on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import FloatArray, InputError, IntArray, finite_array, unit_vector
+from ..fem import Body, selected_nodes
+from ..mesh import node_at, weights_at
+from .fielderror import FieldError, History
+from .fields import Field, Probe, solid, warn_if_wrong
+from .recovery import Recovery
+from .stress import stress_rows
+
+__all__ = ["Flight", "Motion", "Response"]
+
+
+# Times of a blow at which is looked what a model misses of it.
+_BLOW = 24
+
+
+class Motion(Protocol):
+    """One body's coordinates over a run, (n, times), and what acts on it, (p, times)."""
+
+    @property
+    def duration(self) -> float: ...
+    def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]: ...
+    def force(self, times: FloatArray) -> FloatArray: ...
+    def force_rate(self, times: FloatArray) -> FloatArray: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """A rigid motion that no contact feels.
+
+    Attributes
+    ----------
+    shape : ndarray, shape (n_dofs,)
+    velocity, acceleration : float
+        At t = 0, m/s, and constant, m/s².
+    """
+
+    shape: FloatArray
+    velocity: float
+    acceleration: float
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far it has gone, m, and how fast it is, m/s, at `times`."""
+        way = times * (self.velocity + 0.5 * self.acceleration * times)
+        return way, self.velocity + self.acceleration * times
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """What is needed to know all of a body at any time of a run.
+
+    Attributes
+    ----------
+    body : FEModel
+    motion : Motion
+        Of the body's own dofs, or of its reduced model's coordinates.
+    recovery : Recovery or None
+        From the reduced model's coordinates to the dofs; None where `motion` has these.
+    flight : Flight or None
+        What a free body does beside what its model contains.
+    peak_time : float
+        When the largest force acts, s.
+    blows : tuple of (start, end)
+        When the body is touched first, and with the largest force, s.
+    stirred : float
+        From when on it swings by itself, s.
+    sag : ndarray, shape (n_dofs,), or None
+        What `recovery` misses of where the body is at rest under load, m.
+    """
+
+    body: Body
+    motion: Motion
+    recovery: Recovery | None
+    flight: Flight | None
+    peak_time: float
+    blows: tuple[tuple[float, float], ...] = ()
+    stirred: float = 0.0
+    sag: FloatArray | None = None
+
+    def probe(self, point: Any, direction: Any, nodes: Any, times: Any) -> Probe:
+        """See `BodyResult.probe`."""
+        wanted = self._times(times)
+        places, weights = self._places(point, nodes)
+        axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
+        along = () if direction is not None else (3,)
+        shape = (len(wanted), *places.shape[:-1])
+        rows = sp.csr_array(sp.kron(weights, axes))[:, self._free]
+        u, v = (values.T.reshape(*shape, *along) for values in self._functionals(rows, wanted))
+        return Probe(wanted, places, u, v, partial(self._stress, weights, wanted, shape))
+
+    def field(self, times: Any = None) -> Field:
+        """See `BodyResult.field`."""
+        wanted = self._times(self.peak_time if times is None else times)
+        coordinates, rates = self.motion.observed(None, wanted)
+        if self.recovery is not None:
+            coordinates = self.recovery.displacement(coordinates, self.motion.force(wanted))
+            rates = self.recovery.displacement(rates, self.motion.force_rate(wanted))
+        if self.sag is not None:
+            coordinates = coordinates + self.sag[:, None]
+        if self.flight is not None:
+            way, speed = self.flight.at(wanted)
+            coordinates = coordinates + np.outer(self.flight.shape, way)
+            rates = rates + np.outer(self.flight.shape, speed)
+        moved, speeds = self._at_nodes(coordinates), self._at_nodes(rates)
+        return Field(self.body, wanted, moved, speeds, partial(self._error, wanted))
+
+    def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
+        """Return functionalᵀX by the model's own shapes, without what recovery adds to them.
+
+        Parameters
+        ----------
+        functional : ndarray, shape (n_dofs,)
+        times : ndarray, shape (k,)
+            s.
+        """
+        row = functional if self.recovery is None else functional @ self.recovery.reduced.basis
+        seen: FloatArray = self.motion.observed(row[None], times)[0][0]
+        if self.flight is None:
+            return seen
+        return seen + float(functional @ self.flight.shape) * self.flight.at(times)[0]
+
+    @cached_property
+    def _judge(self) -> FieldError | None:
+        return None if self.recovery is None else FieldError(self.recovery)
+
+    def _error(self, times: FloatArray) -> FloatArray | None:
+        """How wrong the field may be at `times`, relative; None where nothing is left out."""
+        if self._judge is None:
+            return None
+        looks = [np.linspace(start, end, _BLOW) for start, end in self.blows]
+        blow = self._history(np.unique([self.peak_time, *np.concatenate(looks)]))
+        return self._judge.estimate(blow, self._history(times), times - self.stirred)
+
+    def _history(self, times: FloatArray) -> History:
+        return History(times, *self.motion.observed(None, times), self.motion.force(times))
+
+    @cached_property
+    def _free(self) -> IntArray:
+        if self.body.free is None:
+            raise InputError(
+                "the body has no nodes, so no place on it has coordinates: make it with "
+                "FEModel.from_mesh(...) or FEModel(K=, M=, nodes=)"
+            )
+        return self.body.free
+
+    def _times(self, times: Any) -> FloatArray:
+        wanted = np.atleast_1d(finite_array("times", times, unit="s"))
+        if wanted.ndim != 1 or wanted.size == 0 or (np.diff(wanted) < 0.0).any():
+            raise InputError(f"times must be a flat ascending list, got shape {wanted.shape}")
+        end = self.motion.duration
+        if wanted[0] < 0.0 or wanted[-1] > end * (1.0 + 1e-12):
+            raise InputError(
+                f"times must lie within the record, 0 to {end:g} s, got {wanted[0]:g} to "
+                f"{wanted[-1]:g} s; take a longer duration"
+            )
+        return wanted
+
+    def _stress(
+        self, weights: sp.csr_array, times: FloatArray, shape: tuple[int, ...]
+    ) -> FloatArray:
+        """Components at places with the nodes' `weights` (p, n_nodes), shape (*shape, 6)."""
+        mesh, material = solid(self.body, "stress")
+        near = np.unique(weights.indices)
+        at_nodes = stress_rows(mesh, material, near)[:, self._free]
+        rows = sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ at_nodes
+        warn_if_wrong(times, self._error(times))
+        return self._functionals(rows, times)[0].T.reshape(*shape, 6)
+
+    def _functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """rows @ X and its rate, each shape (p, times)."""
+        if self.recovery is None:
+            u, v = self.motion.observed(rows, times)
+        else:
+            of_coordinates, of_forces = self.recovery.functionals(rows)
+            u, v = self.motion.observed(of_coordinates, times)
+            u = u + of_forces @ self.motion.force(times)
+            v = v + of_forces @ self.motion.force_rate(times)
+        if self.sag is not None:
+            u = u + (rows @ self.sag)[:, None]
+        if self.flight is not None:
+            way, speed = self.flight.at(times)
+            seen = rows @ self.flight.shape
+            u, v = u + np.outer(seen, way), v + np.outer(seen, speed)
+        return u, v
+
+    def _at_nodes(self, dofs: FloatArray) -> FloatArray:
+        """Dofs (n_dofs, k) as vectors at all nodes, zero where they are held."""
+        free, nodes = self._free, self.body.nodes
+        assert nodes is not None
+        full = np.zeros((dofs.shape[1], 3 * len(nodes)))
+        full[:, free] = dofs.T
+        return full.reshape(-1, len(nodes), 3)
+
+    def _places(self, point: Any, nodes: Any) -> tuple[FloatArray, sp.csr_array]:
+        """Places, (3,) for a single point or (p, 3), and the nodes' weights there, (p, n_nodes)."""
+        if (point is None) == (nodes is None):
+            raise InputError("probe needs either point or nodes, and not both")
+        _ = self._free
+        coordinates = self.body.nodes
+        assert coordinates is not None
+        if nodes is not None:
+            sets = {} if self.body.mesh is None else self.body.mesh.node_sets
+            chosen = selected_nodes("nodes", nodes, coordinates, sets)
+            return coordinates[chosen], sp.eye_array(len(coordinates), format="csr")[chosen]
+        places = finite_array("point", point, unit="m")
+        if places.shape[-1:] != (3,) or places.ndim > 2 or places.size == 0:
+            raise InputError(f"point must have shape (3,) or (p, 3), got {places.shape}")
+        weights = sp.lil_array((places.size // 3, len(coordinates)))
+        for i, place in enumerate(np.atleast_2d(places)):
+            if self.body.mesh is None:
+                weights[i, node_at(coordinates, place)] = 1.0
+            else:
+                where, shares = weights_at(self.body.mesh, place)
+                weights[i, where] = shares
+        return places, weights.tocsr()

@@ -1,0 +1,219 @@
+"""Stress of a deformed body: at the Gauss points of its elements, and averaged at its nodes.
+
+At the Gauss points the strains are those of the elements. From there they are carried to the nodes
+by the polynomial of the element's corners (linear in a tetrahedron, trilinear in a brick) that fits
+them best: one degree lower than the displacements, it takes from the strains what is accurate to
+one order more (J. Barlow, Int. J. Num. Meth. Eng. 10, 243, 1976). At a node the elements' values
+are averaged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import FloatArray, IntArray, choice
+from ..fem import Material
+from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
+
+__all__ = ["COMPONENTS", "Stress", "corner_element", "gauss_stress", "nodal_stress", "stress_rows"]
+
+
+# VTK's order of a symmetric tensor.
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+
+# Elements are taken so many at a time that their gradients stay in this size, bytes.
+_BATCH = 16e6
+
+
+@dataclass(frozen=True, eq=False)
+class Stress:
+    """Stress at points of a body.
+
+    ``stress["xx"]`` is one component.
+
+    Attributes
+    ----------
+    components : ndarray, shape (..., 6)
+        σxx, σyy, σzz, σxy, σyz, σxz, Pa; tension is positive.
+    points : ndarray, shape (n_nodes, 3) or (n_cells, n_gauss, 3)
+        Where, on the undeformed body, m.
+    """
+
+    components: FloatArray
+    points: FloatArray
+
+    def __getitem__(self, name: str) -> FloatArray:
+        place = COMPONENTS.index(choice("name of a component", name, COMPONENTS))
+        component: FloatArray = self.components[..., place]
+        return component
+
+    @property
+    def tensor(self) -> FloatArray:
+        """The symmetric tensor, Pa, shape (..., 3, 3)."""
+        tensor = np.empty((*self.components.shape[:-1], 3, 3))
+        for place, (i, j) in enumerate(_PLACES):
+            tensor[..., i, j] = tensor[..., j, i] = self.components[..., place]
+        return tensor
+
+    @property
+    def von_mises(self) -> FloatArray:
+        """Von Mises' equivalent stress √(3/2 s:s) with s the deviator, Pa, shape (...)."""
+        xx, yy, zz, xy, yz, xz = np.moveaxis(self.components, -1, 0)
+        direct = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+        equivalent: FloatArray = np.sqrt(0.5 * direct + 3.0 * (xy**2 + yz**2 + xz**2))
+        return equivalent
+
+    @property
+    def principal(self) -> FloatArray:
+        """Principal stresses, the largest first, Pa, shape (..., 3)."""
+        return np.asarray(np.linalg.eigvalsh(self.tensor), dtype=np.float64)[..., ::-1]
+
+
+def gauss_stress(mesh: Mesh, material: Material, displacement: FloatArray) -> Stress:
+    """Return the stress at the points of quadrature of the stiffness.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    material : Material
+    displacement : ndarray, shape (..., n_nodes, 3)
+        m.
+
+    Returns
+    -------
+    Stress
+        Of shape (..., n_cells, n_gauss, 6).
+    """
+    element = reference_element(mesh.kind)
+    shape = element.shape(element.stiffness_rule.points)
+    n_gauss = len(shape)
+    components = np.empty((*displacement.shape[:-2], mesh.n_cells, n_gauss, 6))
+    points = np.empty((mesh.n_cells, n_gauss, 3))
+    for batch in _batches(mesh.n_cells, element):
+        cells = mesh.cells[batch]
+        points[batch] = shape @ mesh.nodes[cells]
+        slopes = _slopes(mesh.nodes[cells], element)
+        gradient = np.einsum("...eaj,egai->...egji", displacement[..., cells, :], slopes)
+        components[..., batch, :, :] = _hooke(gradient, material)
+    return Stress(components, points)
+
+
+def nodal_stress(mesh: Mesh, material: Material, displacement: FloatArray) -> Stress:
+    """Return the stress at the nodes, averaged over the elements that meet there.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    material : Material
+    displacement : ndarray, shape (..., n_nodes, 3)
+        m.
+
+    Returns
+    -------
+    Stress
+        Of shape (..., n_nodes, 6).
+    """
+    element = reference_element(mesh.kind)
+    gradient = np.zeros((*displacement.shape[:-2], mesh.n_nodes, 3, 3))
+    for batch in _batches(mesh.n_cells, element):
+        cells = mesh.cells[batch]
+        slopes = _slopes_at_nodes(mesh.nodes[cells], element)
+        shares = np.einsum("...eaj,enai->...enji", displacement[..., cells, :], slopes)
+        for total, share in zip(_histories(gradient, 3), _histories(shares, 4), strict=True):
+            np.add.at(total, cells, share)
+    gradient /= _elements_at(mesh)[:, None, None]
+    return Stress(_hooke(gradient, material), mesh.nodes)
+
+
+def stress_rows(mesh: Mesh, material: Material, nodes: IntArray) -> sp.csr_array:
+    """Return the stress at a few nodes as a linear function of all displacements.
+
+    Returns
+    -------
+    scipy.sparse.csr_array, shape (6 len(nodes), 3 n_nodes)
+        Its product with the displacements is `nodal_stress` there, component by component.
+    """
+    element = reference_element(mesh.kind)
+    count = _elements_at(mesh)
+    rows = sp.lil_array((6 * len(nodes), 3 * mesh.n_nodes))
+    for i, node in enumerate(nodes):
+        around, local = np.nonzero(mesh.cells == node)
+        cells = mesh.cells[around]
+        slopes = _slopes_at_nodes(mesh.nodes[cells], element)[np.arange(len(local)), local]
+        total = np.zeros((mesh.n_nodes, 3))
+        np.add.at(total, cells, slopes / count[node])
+        touched = np.unique(cells)
+        for j in range(3):
+            gradient = np.zeros((len(touched), 3, 3))
+            gradient[:, j] = total[touched]
+            rows[6 * i : 6 * i + 6, 3 * touched + j] = _hooke(gradient, material).T
+    return rows.tocsr()
+
+
+def corner_element(element: ReferenceElement) -> ReferenceElement:
+    """Return the element of first order on the same corners."""
+    return reference_element({4: "tetra", 6: "wedge", 8: "hexahedron"}[element.n_corners])
+
+
+def _batches(n_cells: int, element: ReferenceElement) -> Iterator[slice]:
+    n_points = max(element.n_nodes, len(element.stiffness_rule.weights))
+    step = max(1, int(_BATCH / (8 * 3 * n_points * element.n_nodes)))
+    for start in range(0, n_cells, step):
+        yield slice(start, start + step)
+
+
+def _slopes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
+    """∂φ_a/∂x_i at the Gauss points, shape (n_cells, n_gauss, n_local, 3)."""
+    gradient = element.gradient(element.stiffness_rule.points)
+    det, cof = cofactors(jacobians(corners, gradient))
+    slopes: FloatArray = np.einsum("gat,iteg->egai", gradient, cof / det)
+    return slopes
+
+
+def _slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
+    """The slopes carried on to the nodes, shape (n_cells, n_local, n_local, 3)."""
+    slopes: FloatArray = np.einsum(
+        "ng,egai->enai", _extrapolation(element.kind), _slopes(corners, element)
+    )
+    return slopes
+
+
+@cache
+def _extrapolation(kind: str) -> FloatArray:
+    """Values at the nodes of the corners' polynomial that fits values at the Gauss points best.
+
+    By least squares with the weights of the quadrature. A single point gives its value everywhere.
+    """
+    element = reference_element(kind)
+    corners, rule = corner_element(element), element.stiffness_rule
+    root = np.sqrt(rule.weights)
+    fit = np.linalg.pinv(root[:, None] * corners.shape(rule.points)) * root
+    extrapolation: FloatArray = corners.shape(element.nodes) @ fit
+    return extrapolation
+
+
+def _elements_at(mesh: Mesh) -> FloatArray:
+    """How many elements meet at each node."""
+    return np.bincount(mesh.cells.reshape(-1), minlength=mesh.n_nodes).astype(np.float64)
+
+
+def _histories(array: FloatArray, axes: int) -> FloatArray:
+    """The array with all but its last `axes` axes made one."""
+    return array.reshape(-1, *array.shape[array.ndim - axes :])
+
+
+def _hooke(gradient: FloatArray, material: Material) -> FloatArray:
+    """σ = λ tr ε I + 2μ ε of displacement gradients (..., 3, 3), shape (..., 6)."""
+    lam, mu = material.lame
+    trace = np.einsum("...ii->...", gradient)
+    stress = np.empty((*gradient.shape[:-2], 6))
+    for place, (i, j) in enumerate(_PLACES):
+        stress[..., place] = mu * (gradient[..., i, j] + gradient[..., j, i])
+    stress[..., :3] += lam * trace[..., None]
+    return stress

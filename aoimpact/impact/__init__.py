@@ -1,0 +1,15 @@
+"""The public verbs: an impact of two bodies, a scene of many."""
+
+from .scene import FASTEST, LONGEST, SLOWEST, Scene, SceneCase
+from .simulate import checked_numbers, plan_impact, simulate
+
+__all__ = [
+    "FASTEST",
+    "LONGEST",
+    "SLOWEST",
+    "Scene",
+    "SceneCase",
+    "checked_numbers",
+    "plan_impact",
+    "simulate",
+]

@@ -1,0 +1,188 @@
+"""An impact of two bodies: the scene of a moving projectile and a target at rest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from ..accuracy import answer, checked_linear_solver, sufficient
+from ..base import InputError, InputTypeError, boolean, nonnegative, warn
+from ..fem import ContactPoint
+from ..integrate import Adaptive, Newmark
+from ..laws import ContactLaw, effective_law
+from ..linalg import Solver
+from ..reduction import InterfaceModel
+from ..results import Result, warn_of_misfit
+from ..scene import Joint, Plan, normal_gap, player
+from .scene import checked_duration, checked_speed, solve, warn_of_centres
+
+__all__ = ["checked_numbers", "plan_impact", "simulate"]
+
+_NAMES = "projectile", "target"
+
+
+def simulate(
+    *,
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    velocity: float,
+    duration: float,
+    solver: Adaptive | Newmark | None = None,
+    gap: float = 0.0,
+    energies: bool = True,
+    quantity: str | ContactPoint | None = None,
+    rtol: float | None = None,
+    linear_solver: Solver | None = None,
+) -> Result:
+    """Simulate the impact of a moving projectile on a target at rest.
+
+    Both bodies are undeformed at t = 0, the projectile moving with `velocity` towards the target.
+
+    Parameters
+    ----------
+    projectile, target : AOModel, ModalModel or ContactPoint
+        A ContactPoint (``body.contact(...)``) stands for the full finite-element model.
+    law : ContactLaw
+        Force of the indentation δ = x_projectile - x_target - gap.
+    velocity : float
+        Of the projectile along the direction of travel, m/s, not zero; negative only of a held one,
+        which swings back.
+    duration : float
+        Length of the record, s.
+    solver : Adaptive or Newmark, optional
+        ``Adaptive(rtol=...)`` for a tolerance, ``Newmark(dt=...)`` for a given step. By default
+        ``Adaptive()``; with a full finite-element model, whose modes would have to be computed
+        first, ``Newmark()`` with a step of its own choice.
+    gap : float, optional
+        Distance to go before the bodies touch, m, not negative.
+    energies : bool, optional
+        Whether to record energies as well.
+    quantity : str or ContactPoint, optional
+        What matters: "force" (over the record), "peak_force", "impulse", "contact_duration" (of the
+        first contact), "rebound_velocity", "projectile_displacement" or "target_displacement" (of
+        the contact coordinate, over the record), or a point of a body, for its displacement over
+        the record. Given this or `rtol`, finite-element bodies are
+        reduced, and stars truncated, as far as that allows; `Result.models` says to what. Only this
+        is right to `rtol`: `Result.error.numbers` says how wrong each other number may be.
+    rtol : float, optional
+        Its relative error, 1e-2 if left out; that of a history is its largest over the record,
+        relative to the largest value. A solver that does not keep it is refused.
+    linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    ConvergenceError
+        If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the record ends in contact, the step is too large for any digit to be right, a body's
+        centre of mass is not known, or its model was fitted to quite another contact time.
+    """
+    chosen = quantity is not None or rtol is not None
+    linear = checked_linear_solver(linear_solver, chosen=chosen)
+    if not chosen:
+        plan = plan_impact(
+            projectile,
+            target,
+            law,
+            velocity=velocity,
+            duration=duration,
+            gap=gap,
+            energies=energies,
+        )
+        result = _simulated(plan, solver)
+        warn_of_misfit(plan, result.run, _NAMES)
+        return result
+    checked_numbers(law, velocity, duration, gap, energies)
+    bodies = projectile, target
+    plan_of = partial(plan_impact, law=law, velocity=velocity, duration=duration, gap=gap)
+    done, found = sufficient(
+        lambda models, rule, seen: _simulated(plan_of(*models, energies=seen), rule),
+        bodies,
+        answer("force" if quantity is None else quantity, *bodies),
+        rtol,
+        solver,
+        energies=energies,
+        linear_solver=linear,
+    )
+    return replace(done, run=replace(done.run, chosen=found))
+
+
+def _simulated(plan: Plan, solver: Adaptive | Newmark | None) -> Result:
+    run = solve(plan, solver)
+    if run.in_contact_at_end:
+        warn(
+            f"the record of {run.duration:.4g} s ends in contact: impulse and the last contact's "
+            "end are those so far, and there is no rebound (NaN); take a longer duration"
+        )
+    warn_of_centres(plan, _NAMES)
+    return Result(
+        run=run,
+        velocity=plan.velocities[0],
+        gap=plan.joints[0].gap,
+        law=plan.joints[0].law,
+    )
+
+
+def plan_impact(
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    *,
+    velocity: float,
+    duration: float,
+    gap: float = 0.0,
+    energies: bool = True,
+) -> Plan:
+    """Check what `simulate` is given, and return it as the solvers take it.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    """
+    speed, length, distance = checked_numbers(law, velocity, duration, gap, energies)
+    bodies = player("projectile", projectile, speed), player("target", target, 0.0)
+    for name, body in zip(_NAMES, bodies, strict=True):
+        if body.ports > 1 or isinstance(body.model, InterfaceModel):
+            raise InputTypeError(
+                f"{name} is touched in several places: build a Scene, and connect its ports"
+            )
+    if speed < 0.0 and not bodies[0].held:
+        raise InputError(
+            f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing turns "
+            "it round; give the speed at which it comes, or build a Scene with what brings it back "
+            "(gravity, a load, a body behind it)"
+        )
+    if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
+        raise InputError("projectile and target are both of infinite mass: nothing can give way")
+    ends = projectile, target
+    joint = Joint(0, 0, 1, 0, effective_law(law, ends), normal_gap(distance), ends)
+    return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
+
+
+def checked_numbers(
+    law: Any, velocity: Any, duration: Any, gap: Any, energies: Any
+) -> tuple[float, float, float]:
+    """Velocity, duration and gap."""
+    speed = checked_speed("velocity", velocity)
+    if speed == 0.0:
+        raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
+    length = checked_duration(duration)
+    distance = nonnegative("gap", gap, unit="m")
+    boolean("energies", energies)
+    if not isinstance(law, ContactLaw):
+        raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
+    return speed, length, distance

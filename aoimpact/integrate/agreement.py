@@ -1,0 +1,137 @@
+"""How far two adaptive runs of one scene are apart in what a tolerance promises.
+
+A touch that is a hundredth of the largest of its contact, or less, is none: whether bodies that go
+on side by side graze each other is rounding, and what matters of a touch is its impulse.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base import FloatArray
+from .adaptive import Track
+
+__all__ = ["difference", "most_touches"]
+
+# A contact need not be more exact than this share of the largest: the core's own rule (step.h).
+_LESSER_SHARE = 0.01
+
+# Bodies at rest side by side that a wave reaches begin to press each other at no certain time:
+# their touch begins at a smaller share than this of its mean rate.
+_SUDDEN = 0.01
+
+# Rows of a record for each contact, and for each body before its ports; its centre's velocity.
+_CONTACT_ROWS, _BODY_ROWS, _CENTRE_VELOCITY = 4, 6, 1
+
+
+def most_touches(track: Track) -> int:
+    """Return how often the contact that counts most often touches.
+
+    One touch with any number of lesser ones beside it, that together are a hundredth of it at most,
+    is one.
+    """
+    most = max(map(len, track.touches), default=0)
+    if most <= 1:
+        return most
+    most = 1
+    for joint, small in enumerate(_least(track)):
+        of = _impulses(track, joint)
+        largest = of.max(initial=0.0)
+        if len(of) > 1 and of.sum() - largest > _LESSER_SHARE * largest:
+            most = max(most, 2, int((of >= small).sum()))
+    return most
+
+
+def difference(one: Track, other: Track, speed: float) -> float:
+    """Return the largest relative difference of what a tolerance bounds.
+
+    These are each contact's peak force and impulse, when its touches start and end, and the
+    velocities of the centres of mass after the last touch.
+
+    Parameters
+    ----------
+    one, other : Track
+    speed : float
+        The largest initial one, m/s.
+    """
+    apart = [_lesser_apart(_peaks(one), _peaks(other)), _lesser_apart(_sums(one), _sums(other))]
+    least = np.maximum(_least(one), _least(other))
+    for joint, small in enumerate(least):
+        apart.append(_times_apart(_touches(one, joint, small), _touches(other, joint, small)))
+    ours, theirs = _velocities(one, least), _velocities(other, least)
+    fastest = max(speed, float(np.abs(np.append(ours, theirs)).max(initial=0.0)))
+    if fastest > 0.0:
+        apart.append(float(np.abs(ours - theirs).max(initial=0.0)) / fastest)
+    return max(apart)
+
+
+def _peaks(track: Track) -> FloatArray:
+    return np.array([event.peak_force for event in track.events])
+
+
+def _sums(track: Track) -> FloatArray:
+    return np.array([event.impulse for event in track.events])
+
+
+def _lesser_apart(ones: FloatArray, others: FloatArray) -> float:
+    scale = np.maximum(np.abs(others), _LESSER_SHARE * np.abs(others).max(initial=0.0))
+    apart = np.divide(np.abs(ones - others), scale, out=np.zeros(len(ones)), where=scale > 0.0)
+    return float(apart.max(initial=0.0))
+
+
+def _impulses(track: Track, joint: int) -> FloatArray:
+    """Of each touch of a contact, N s."""
+    return np.array([impulse for impulse, _ in track.touches[joint]])
+
+
+def _least(track: Track) -> FloatArray:
+    """The impulse of the least touch that matters, of each contact, N s."""
+    joints = range(len(track.joints))
+    largest = np.array([_impulses(track, joint).max(initial=0.0) for joint in joints])
+    least: FloatArray = _LESSER_SHARE * np.maximum(
+        largest, _LESSER_SHARE * largest.max(initial=0.0)
+    )
+    return least
+
+
+def _touches(track: Track, joint: int, least: float) -> FloatArray:
+    """Start, end, impulse before, after and pace of the touches that matter, shape (5, touches)."""
+    impulses, pace = np.array(track.touches[joint]).reshape(-1, 2).T
+    after = np.cumsum(impulses)
+    spans = np.array(track.events[joint].contacts).reshape(-1, 2)
+    return np.vstack([spans.T, after - impulses, after, pace])[:, impulses >= least]
+
+
+def _times_apart(ones: FloatArray, others: FloatArray) -> float:
+    """The largest difference of start or end, relative to the time itself.
+
+    Where one run has more touches than the other, those belong together at which as much impulse
+    has been passed on.
+    """
+    if min(ones.shape[1], others.shape[1]) == 0:
+        return 0.0  # the impulses differ by as much
+    if ones.shape[1] > others.shape[1]:
+        ones, others = others, ones
+    if ones.shape[1] < others.shape[1]:
+        at = np.searchsorted(others[3], 0.5 * (ones[2] + ones[3]))
+        others = others[:, np.minimum(at, others.shape[1] - 1)]
+    sudden = np.minimum(ones[4], others[4]) >= _SUDDEN
+    starts = np.abs(ones[0] - others[0])[sudden] / np.maximum(ones[1], others[1])[sudden]
+    ends = np.abs(ones[1] - others[1]) / np.maximum(ones[1], others[1])
+    return float(max(starts.max(initial=0.0), ends.max()))
+
+
+def _velocities(track: Track, least: FloatArray) -> FloatArray:
+    """Velocities of the centres of mass after the last touch that matters and is over, m/s."""
+    over = [
+        end
+        for of, touches, small in zip(track.events, track.touches, least, strict=True)
+        for (_, end), (impulse, _) in zip(of.contacts, touches, strict=True)
+        if impulse >= small and end < track.duration
+    ]
+    record = track.sample(np.array([max(over, default=track.duration)]), energies=False)[:, 0]
+    ports = np.array([len(body[2]) for body in track.bodies])
+    first = _CONTACT_ROWS * len(track.joints) + _BODY_ROWS * np.arange(len(ports))
+    before = 2 * (np.cumsum(ports) - ports)
+    velocities: FloatArray = record[first + before + _CENTRE_VELOCITY]
+    return velocities

@@ -1,0 +1,241 @@
+"""A scene by Newmark's rule: with a given step, or with the step that a tolerance asks for."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from ..base import ConvergenceError, FloatArray, InputError, warn
+from ..laws import ContactLaw, check_width
+from ..scene import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, Plan
+from .events import Events
+from .newmark import Newmark, Record, newmark_scene, steps_of
+from .steperror import time_error
+
+__all__ = ["Recorded", "rigid_contact_time", "solve_newmark"]
+
+# The steps of a first attempt within a contact, when the caller leaves dt to us.
+_FIRST_STEPS = 50
+
+_MOST_HALVINGS = 16
+
+# A step of next to no time, relative to one of the run: nothing that has mass moves.
+_INSTANT = 2.0**-10
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """A run with fixed steps as a :class:`Recorder`, to be read at those.
+
+    Attributes
+    ----------
+    plan : Plan
+        What was run.
+    rule : Newmark
+    record : Record
+    ports : sequence of ndarrays, shape (2, p), or None
+        Of each body, as in `Start`; empty where nothing depends on them.
+    events, dense
+        It locates none, and knows nothing between its steps.
+    """
+
+    plan: Plan
+    rule: Newmark
+    record: Record
+    ports: Sequence[FloatArray | None] = ()
+    events: ClassVar[tuple[Events, ...] | None] = None
+    dense: ClassVar[bool] = False
+
+    @property
+    def solver(self) -> str:
+        rule, steps = self.rule, len(self.times) - 1
+        return (
+            f"Newmark(dt={self.record.dt:.6g}, beta={rule.beta:g}, gamma={rule.gamma:g}), "
+            f"{steps} steps"
+        )
+
+    @property
+    def duration(self) -> float:
+        return float(self.times[-1])
+
+    @property
+    def times(self) -> FloatArray:
+        return self.record.t
+
+    @property
+    def marks(self) -> FloatArray:
+        return self.record.t
+
+    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
+        return self.record.rows.copy()
+
+    def forces(self, times: FloatArray) -> FloatArray:
+        return self.record.rows[: self.plan.first_rows[0] : CONTACT_ROWS].copy()
+
+    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
+        player, (u, v) = self.plan.players[body], self.record.final[body]
+        return player.coordinates(u), player.coordinates(v)
+
+
+def solve_newmark(plan: Plan, rule: Newmark) -> tuple[Recorded, float | None]:
+    """Run a scene with fixed steps; return the run and its error, from runs with larger steps.
+
+    Raises
+    ------
+    ConvergenceError
+        If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the step is too large for any digit to be right.
+    """
+    run = _Stepping(plan, rule)
+    record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
+    if error == 1.0:
+        warn(
+            f"dt={record.dt:g} s is far too large: with 2dt the peak force changes by more than a "
+            "fifth, or a damper stops the bodies within a step; no digit is right. Take a "
+            "smaller dt, or Newmark() without dt"
+        )
+    for i, joint in enumerate(plan.joints):
+        check_width(joint.law, record.rows[CONTACT_ROWS * i + 1])
+    return Recorded(plan, rule, record, run.start.ports), error
+
+
+class Start(NamedTuple):
+    """What acts just after t = 0.
+
+    Attributes
+    ----------
+    forces : ndarray, shape (contacts,), or None
+        Contact forces, N; None where the laws tell them.
+    ports : sequence of ndarrays, shape (2, p), or None
+        Of each body its ports' displacements, m, and rates, m/s; None where the state tells them.
+    """
+
+    forces: FloatArray | None
+    ports: Sequence[FloatArray | None]
+
+
+@dataclass(frozen=True, eq=False)
+class _Stepping:
+    """One scene, to be run with different steps."""
+
+    plan: Plan
+    rule: Newmark
+
+    def once(self, dt: float, *, energies: bool) -> Record:
+        """Run with steps of `dt` to the end of the record, or beyond it by less than a step."""
+        return self._run(dt, self.plan.duration, self.start, energies=energies)
+
+    @cached_property
+    def start(self) -> Start:
+        """What acts just after t = 0.
+
+        Where a contact point has no mass, the bodies' state does not tell it: the point's place, or
+        under a damper its velocity, follows from the balance of all forces. Two steps of next to no
+        time find that: the first makes the jump, if there is one, the second tells the rates.
+        """
+        plan = self.plan
+        rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.players))])
+        if not any(player.massless for player in plan.players):
+            return rest
+        instant = _INSTANT * (self.rule.dt or self.first_step())
+        early, late = self._run(instant, 2.0 * instant, rest, energies=False).rows.T[1:]
+        ports = []
+        for first, end in itertools.pairwise(plan.first_rows):
+            places, rates = late[first + BODY_ROWS : end].reshape(-1, PORT_ROWS).T
+            ports.append(np.stack([places - 2.0 * instant * rates, rates]))
+        contacts = slice(0, plan.first_rows[0], CONTACT_ROWS)
+        forces = 2.0 * early[contacts] - late[contacts]
+        pressed = np.minimum(early, late)[contacts] >= 0.0
+        return Start(np.where(pressed, np.maximum(forces, 0.0), forces), ports)
+
+    def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
+        plan = self.plan
+        bodies = [
+            player.stepped(
+                gravity=plan.weight_of(i),
+                state=plan.start_of(i),
+                ports=start.ports[i],
+            )
+            for i, player in enumerate(plan.players)
+        ]
+        return newmark_scene(
+            bodies,
+            [(j.first, j.first_port, j.second, j.second_port, j.law, j.gap) for j in plan.joints],
+            [(load.body, load.port, load.times, load.forces) for load in plan.loads],
+            rule=self.rule,
+            dt=dt,
+            duration=duration,
+            energies=energies,
+            start_force=start.forces,
+        )
+
+    def with_step(self, dt: float) -> tuple[Record, float | None]:
+        """Run with a step given, and with twice and four times that for the error estimate."""
+        steps = steps_of(dt, self.plan.duration, self.rows, f"dt={dt:g} s", "take a larger dt")
+        dt = self.plan.duration / steps
+        record = self.once(dt, energies=self.plan.energies)
+        if not self.rule.estimate:
+            return record, None
+        coarse, coarser = (self.once(more * dt, energies=False) for more in (2.0, 4.0))
+        return record, time_error(self.plan, record, coarse, coarser)
+
+    def with_tolerance(self) -> tuple[Record, float]:
+        """Halve the step until three successive ones agree."""
+        rtol, length = self.rule.rtol, self.plan.duration
+        given, cure = f"Newmark(rtol={rtol:g})", "take a larger rtol"
+        steps = steps_of(self.first_step(), length, self.rows, given, cure)
+        before = [self.once(length / (more * steps), energies=False) for more in (1, 2)]
+        for halving in range(2, _MOST_HALVINGS + 2):
+            dt = length / (2**halving * steps)
+            steps_of(dt, length, self.rows, given, cure)
+            fine = self.once(dt, energies=self.plan.energies)
+            error = time_error(self.plan, fine, before[1], before[0])
+            if error <= rtol:
+                return fine, error
+            # Of the others only the forces are looked at: the rest is room for the next.
+            kept = fine.rows[: self.plan.first_rows[0]].copy()
+            before = [before[1], replace(fine, rows=kept)]
+        raise ConvergenceError(
+            f"Newmark: with dt={dt:.3g} s the estimated error is still "
+            f"{error:.2g}, above rtol={rtol:g}; give dt, or a larger rtol"
+        )
+
+    @property
+    def rows(self) -> int:
+        """Of the record."""
+        return self.plan.first_rows[-1]
+
+    def first_step(self) -> float:
+        """A fiftieth of the shortest contact that rigid bodies would have."""
+        plan, shortest = self.plan, self.plan.duration / 20.0
+        if plan.fastest == 0.0:
+            return shortest
+        for joint in plan.joints:
+            masses = plan.players[joint.first].static_mass, plan.players[joint.second].static_mass
+            mass = 1.0 / sum(1.0 / mass for mass in masses)
+            time = rigid_contact_time(joint.law, mass, plan.fastest)
+            shortest = min(shortest, time / _FIRST_STEPS)
+        return shortest
+
+
+def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
+    """Estimate how long a contact of a rigid `mass`, kg, at `velocity`, m/s, lasts, s.
+
+    Three times the largest indentation over the velocity: 2.94 for Hertz, π for a linear law.
+    """
+    try:
+        return 3.0 * law.stroke(0.5 * mass * velocity**2) / velocity
+    except InputError as error:
+        raise InputError(
+            f"law={law!r} with velocity={velocity:g} m/s: no contact time can be estimated "
+            f"({error}); give dt"
+        ) from None

@@ -1,0 +1,197 @@
+"""Newmark's rule with Newton-Raphson (section 3.1 of the paper): settings and runs of the core."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _core
+from ..base import ConvergenceError, FloatArray, Frozen, InputError, boolean, positive, real
+from ..laws import ContactLaw
+from ..scene import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, SteppedBody
+
+__all__ = ["Contact", "Load", "Newmark", "Record", "newmark_scene", "steps_of"]
+
+
+# A record larger than this is a mistake in dt more often than a wish.
+_MOST_BYTES = 4 * 2**30
+
+# A duration that is so near to a whole number of steps is one.
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Newmark:
+    """Newmark β-γ time integration with a fixed step.
+
+    Parameters
+    ----------
+    dt : float, optional
+        Largest time step, s. The step taken is the largest that makes a whole number of steps of
+        the record: `dt` itself where it does. If not given, the step is halved until the estimated
+        error is below `rtol`.
+    beta, gamma : float, optional
+        β > 0 and γ ≥ 1/2. The default, β = 1/4 and γ = 1/2 (average acceleration), is of second
+        order, keeps the energy of a linear system and is stable for any step, as is every rule
+        with 2β ≥ γ.
+    rtol : float, optional
+        Relative error of peak force and impulse of each contact to aim at when `dt` is not given;
+        of a contact with less than a hundredth of the largest, relative to that hundredth.
+    estimate : bool, optional
+        Whether to run again with twice and four times the step, at three quarters of the cost, to
+        estimate that error. The estimate is some three times the error where forces are smooth,
+        and no less where touches, jumps and contact points without mass lower the order. Times of
+        touch and release are known to within a step's interpolation and are not part of it.
+
+    Raises
+    ------
+    InputError
+        If `dt` ≤ 0, `beta` ≤ 0, `gamma` < 1/2 or `rtol` is not in (0, 1).
+    """
+
+    dt: float | None = None
+    beta: float = 0.25
+    gamma: float = 0.5
+    rtol: float = 1e-3
+    estimate: bool = True
+
+    def __post_init__(self) -> None:
+        if self.dt is not None:
+            object.__setattr__(self, "dt", positive("dt", self.dt, unit="s"))
+        object.__setattr__(self, "beta", positive("beta", self.beta))
+        object.__setattr__(self, "gamma", real("gamma", self.gamma))
+        object.__setattr__(self, "rtol", positive("rtol", self.rtol))
+        boolean("estimate", self.estimate)
+        if self.gamma < 0.5:
+            raise InputError(
+                f"gamma must be at least 1/2 (below it energy is fed in), got {self.gamma:g}"
+            )
+        if self.rtol >= 1.0:
+            raise InputError(f"rtol must be below 1, got {self.rtol:g}")
+
+
+Contact = tuple[int, int, int, int, ContactLaw, float]  # body, port, body, port, law, gap
+Load = tuple[int, int, FloatArray, FloatArray]  # body, port, times, forces
+
+
+@dataclass(frozen=True, eq=False)
+class Record(Frozen):
+    """What the core wrote.
+
+    Attributes
+    ----------
+    t : ndarray, shape (times,)
+        s.
+    rows : ndarray, shape (rows, times)
+        As aoimpact.h says over ``AOICONTACT_ROWS``: 4 for each contact, then 6 and 2 for each port
+        of each body.
+    final : tuple of (u, v)
+        Each body's coordinates and rates at the end, as the core steps them.
+    dt : float
+        s.
+    """
+
+    t: FloatArray
+    rows: FloatArray
+    final: tuple[tuple[FloatArray, FloatArray], ...]
+    dt: float
+
+
+def newmark_scene(
+    bodies: Sequence[SteppedBody],
+    contacts: Sequence[Contact],
+    loads: Sequence[Load] = (),
+    *,
+    rule: Newmark,
+    dt: float,
+    duration: float,
+    energies: bool = True,
+    start_force: FloatArray | None = None,
+) -> Record:
+    """Run the core once: the least whole number of steps of `dt` that covers `duration`.
+
+    Parameters
+    ----------
+    bodies : sequence of SteppedBody
+        Their u and v, the initial state, are overwritten by the final one.
+    contacts : sequence of (body, port, body, port, law, gap)
+        δ = u of the first port - u of the second - gap; ordered so that those that share a body are
+        near each other.
+    loads : sequence of (body, port, times, forces), optional
+        Forces, N, that run straight between times, s.
+    rule : Newmark
+    dt, duration : float
+        s.
+    energies : bool, optional
+        Whether to record them.
+    start_force : ndarray, shape (contacts,), optional
+        The contact forces at the start, N; by default what the laws give, which is wrong where a
+        contact point without mass meets a law that depends on the rate.
+
+    Raises
+    ------
+    InputError
+        If the record would not fit in memory.
+    ConvergenceError
+        If the solution leaves the range of numbers; with the time.
+    """
+    count = _rows(bodies, contacts)
+    steps = steps_of(dt, duration, count, f"dt={dt:g} s", "take a larger dt")
+    rows = np.zeros((count, steps + 1))
+    _core.newmark_scene(
+        tuple(body.for_core(dt, rule.beta, rule.gamma) for body in bodies),
+        tuple((a, p, b, q, law.for_core(), gap) for a, p, b, q, law, gap in contacts),
+        tuple(loads),
+        dt,
+        rule.beta,
+        rule.gamma,
+        rows,
+        energies,
+        start_force,
+    )
+    final = tuple((body.u, body.v) for body in bodies)
+    if not all(np.isfinite(values).all() for pair in final for values in pair):
+        raise ConvergenceError(
+            f"Newmark step: the solution grew without bound (dt={dt:g} s, beta={rule.beta:g}, "
+            f"gamma={rule.gamma:g}); take 2 beta >= gamma, or a smaller dt"
+        )
+    t = dt * np.arange(steps + 1, dtype=np.float64)
+    if abs(t[-1] - duration) <= _ROUNDING * duration:
+        t[-1] = duration
+    return Record(t, rows, final, dt)
+
+
+def steps_of(dt: float, duration: float, rows: int, given: str, cure: str) -> int:
+    """Return the least number of steps of `dt` that covers `duration`, both in s.
+
+    Parameters
+    ----------
+    dt, duration : float
+        s.
+    rows : int
+        Of the record.
+    given, cure : str
+        What the caller asked for that led to `dt`, and what to ask for instead.
+
+    Raises
+    ------
+    InputError
+        If the record would not fit in memory.
+    """
+    steps = duration / dt * (1.0 - _ROUNDING)
+    needed = 8.0 * rows * (steps + 1.0)
+    if needed > _MOST_BYTES:
+        raise InputError(
+            f"{given} over duration={duration:g} s makes {steps:.3g} steps and a record of "
+            f"{needed / 2**30:.3g} GiB: {cure} or a shorter duration"
+        )
+    return max(1, math.ceil(steps))
+
+
+def _rows(bodies: Sequence[SteppedBody], contacts: Sequence[Contact]) -> int:
+    """Rows of the record."""
+    ports = sum(body.ports for body in bodies)
+    return CONTACT_ROWS * len(contacts) + BODY_ROWS * len(bodies) + PORT_ROWS * ports

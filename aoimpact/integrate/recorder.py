@@ -1,0 +1,57 @@
+"""What a solver leaves of a run, to be read at times."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from ..base import FloatArray
+from .events import Events
+
+__all__ = ["Recorder"]
+
+
+class Recorder(Protocol):
+    """A run of a solver that can be read at times."""
+
+    @property
+    def solver(self) -> str:
+        """How time was integrated."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """Length of the record, s."""
+        ...
+
+    @property
+    def times(self) -> FloatArray: ...
+    @property
+    def marks(self) -> FloatArray:
+        """Times at which the run itself is most exact: the ends of its steps."""
+        ...
+
+    @property
+    def events(self) -> tuple[Events, ...] | None:
+        """Of each contact, where the solver locates them."""
+        ...
+
+    @property
+    def dense(self) -> bool:
+        """Whether it can be read at any times."""
+        ...
+
+    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
+        """Return the record at times, shape (rows, n), for the caller to write on.
+
+        Four rows a contact (force, indentation, energies stored and lost), six a body and two a
+        port of it, as the core lays them out.
+        """
+        ...
+
+    def forces(self, times: FloatArray) -> FloatArray:
+        """Return the contact forces at times, shape (contacts, n), N: of the record, these rows."""
+        ...
+
+    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
+        """Return a body's own coordinates and their rates at the end of the record."""
+        ...

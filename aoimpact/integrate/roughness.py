@@ -1,0 +1,83 @@
+"""How far the force of a user's law scatters: no answer can be more exact than that."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base import ConvergenceError
+from ..laws import ContactLaw, UserLaw
+from ..scene import Joint, Plan
+
+__all__ = ["refuse_rough", "scatter"]
+
+# Fourth differences over steps of this share of the indentation are rounding under any smooth law,
+# and this many times the scatter of one that is not.
+_STEP, _POINTS, _GAIN = 1e-5, 9, 70.0**0.5
+
+# Where to look: shares of the deepest indentation that rigid bodies would have, with shares of the
+# fastest approach. A kink at one of them is no roughness.
+_PLACES = ((0.03, 0.9), (0.1, -0.7), (0.2, 0.5), (0.4, -0.3), (0.6, 0.1))
+
+# The indentation to look at where rigid bodies do not tell, m.
+_SOME = 1e-6
+
+# Laws rougher than this make a run endless under any tolerance.
+_ROUGHEST = 1e-5
+
+
+def refuse_rough(plan: Plan, rtol: float) -> None:
+    """Check that the user's laws of a scene are smooth enough for a tolerance.
+
+    Raises
+    ------
+    ConvergenceError
+        If a law is not.
+    """
+    for number, joint in enumerate(plan.joints):
+        if isinstance(joint.law, UserLaw):
+            share = scatter(joint.law, _depth(plan, joint), plan.fastest)
+            if share > min(rtol, _ROUGHEST):
+                raise ConvergenceError(
+                    f"contact {number}: the user's law is not smooth to the tolerance "
+                    f"rtol={rtol:g}: at neighbouring indentations its force scatters by "
+                    f"{share:.1g} of itself; compute it more exactly (to {_ROUGHEST:g} at least), "
+                    "smooth it, take a larger rtol, or Newmark(dt=...)"
+                )
+
+
+def scatter(law: ContactLaw, depth: float, speed: float) -> float:
+    """Estimate by how much of itself a law's force scatters between neighbouring indentations.
+
+    The fourth differences of a smooth law vanish over small steps, those of scatter do not: the
+    median of some places.
+
+    Parameters
+    ----------
+    law : ContactLaw
+    depth, speed : float
+        About the largest indentation, m, and rate, m/s, that it will see.
+    """
+    found = []
+    for place, pace in _PLACES:
+        steps = np.arange(_POINTS, dtype=np.float64)
+        try:
+            with np.errstate(all="ignore"):
+                force = law.force(place * depth * (1.0 + _STEP * steps), pace * speed)
+        except Exception:  # no number: the run will say so, should it come there
+            continue
+        size = float(np.abs(force).max())
+        if 0.0 < size < np.inf:
+            apart = float(np.sqrt(np.mean(np.diff(force, 4) ** 2)))
+            found.append(apart / (_GAIN * size))
+    return float(np.median(found)) if found else 0.0
+
+
+def _depth(plan: Plan, joint: Joint) -> float:
+    """The deepest indentation of rigid bodies; some micrometre where that is not known."""
+    masses = (plan.players[body].static_mass for body in (joint.first, joint.second))
+    energy = 0.5 * plan.fastest**2 / sum(1.0 / mass for mass in masses)
+    try:
+        with np.errstate(all="ignore"):
+            return joint.law.stroke(energy) if energy > 0.0 else _SOME
+    except Exception:  # the user's law ends, by what it raises, where a run may never come
+        return _SOME

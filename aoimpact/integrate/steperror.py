@@ -1,0 +1,174 @@
+"""How far a run with fixed steps may be off, from runs with twice and four times its step.
+
+Newmark's rule is of second order where forces are smooth. A touch or a release within a step, a law
+that jumps, and a contact point without mass make it less, and errors at two steps may agree by
+chance. So three steps are compared, in the peak, in the force around it and in the impulse; and
+what no comparison shows is looked for: a peak of few steps, a jump of the force at a touch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base import FloatArray
+from ..scene import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, Plan
+from .events import find_impulse, find_peak
+from .newmark import Record
+
+__all__ = ["time_error"]
+
+# The error, relative, from which on no digit is claimed.
+_NO_DIGIT = 0.2
+
+# Share of the peak force above which the force is compared between two steps.
+_AROUND_PEAK = 0.95
+
+# Changes that fall by less than this from step to half the step are taken to fall by this.
+_SLOWEST = 0.7
+
+# A half-sine whose peak stands above its half for n steps errs by 0.18/n²; twice that and more.
+_OF_WIDTH = 0.5
+
+# Contacts with less than this share of the largest one's peak or impulse are measured by that.
+_LESSER = 0.01
+
+# A law that gives more than this share of the peak at next to no indentation jumps there.
+_AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
+
+
+def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> float:
+    """Estimate the largest relative error of peak force and impulse of all contacts.
+
+    Parameters
+    ----------
+    plan : Plan
+    fine, coarse, coarser : Record
+        With steps dt, 2 dt and 4 dt. Of contacts with less than a hundredth of the largest peak or
+        impulse the error is relative to that hundredth.
+
+    Returns
+    -------
+    float
+        1.0 where no digit is known.
+    """
+    joints = range(len(plan.joints))
+    forces = [[_force(record, joint) for joint in joints] for record in (fine, coarse, coarser)]
+    if not any(force.any() for record in forces for force in record):
+        return 0.0
+    near, far = _changes(fine, *forces[:2]), _changes(coarse, *forces[1:])
+    if near is None or far is None:
+        return 1.0
+    weight = _weights(np.array([force.max() for force in forces[0]]))
+    alone = [
+        weight[joint] * max(_width_error(forces[0][joint]), _touch_error(plan, fine, joint))
+        for joint in joints
+    ]
+    error = max([_limit(near, far), *alone])
+    return error if error <= _NO_DIGIT else 1.0
+
+
+def _force(record: Record, joint: int) -> FloatArray:
+    force: FloatArray = record.rows[CONTACT_ROWS * joint]
+    return force
+
+
+def _weights(sizes: FloatArray) -> FloatArray:
+    """What errors relative to these sizes count: all, of the least ones less."""
+    weights: FloatArray = np.minimum(
+        1.0, sizes / (_LESSER * max(sizes.max(), np.finfo(float).tiny))
+    )
+    return weights
+
+
+def _changes(
+    fine: Record, ours: Sequence[FloatArray], theirs: Sequence[FloatArray]
+) -> float | None:
+    """The largest relative change from a run to that with twice the step; None if too short."""
+    shared = min(len(theirs[0]), (len(ours[0]) + 1) // 2)
+    if shared < 3:
+        return None
+    t = fine.t[: 2 * shared - 1]
+    found = [_change(t, one[: len(t)], two[:shared]) for one, two in zip(ours, theirs, strict=True)]
+    largest = 0.0
+    for change, size in np.array(found).transpose(1, 2, 0):
+        scale = np.maximum(size, _LESSER * size.max())
+        if size.max() > 0.0:
+            largest = max(largest, float((change / scale).max()))
+    return largest
+
+
+def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
+    """The change and the size of the peak force and of the impulse."""
+    every = t[::2]
+    peaks = find_peak(t, ours)[0], find_peak(every, theirs)[0]
+    around = np.maximum(ours[::2], theirs) >= _AROUND_PEAK * max(peaks)
+    apart = float(np.abs(ours[::2] - theirs)[around].max(initial=abs(peaks[0] - peaks[1])))
+    sums = find_impulse(t, ours), find_impulse(every, theirs)
+    return (apart, max(peaks)), (abs(sums[0] - sums[1]), max(map(abs, sums)))
+
+
+def _limit(near: float, far: float) -> float:
+    """The error of a run from its change to twice the step, and of that to four times it.
+
+    What is still to come if the changes go on to fall as they do; and no less than the change
+    itself, which at second order is three times the error, or than what the other one foretells.
+    """
+    if near == 0.0:
+        return far / 4.0
+    ratio = min(near / far, _SLOWEST) if far > 0.0 else _SLOWEST
+    return max(near, far / 4.0, near * ratio / (1.0 - ratio))
+
+
+def _width_error(force: FloatArray) -> float:
+    """Error of a peak by the number of steps for which it stands above its half."""
+    top = int(force.argmax())
+    low = np.flatnonzero(force < 0.5 * force[top])
+    before, after = low[low < top], low[low > top]
+    first = int(before[-1]) + 1 if len(before) else 0
+    last = int(after[0]) - 1 if len(after) else len(force) - 1
+    whole = len(before) > 0 and len(after) > 0
+    steps = (last - first + 1) * (1 if whole else 2)
+    return float(_OF_WIDTH / steps**2) if force[top] > 0.0 else 0.0
+
+
+def _touch_error(plan: Plan, record: Record, joint: int) -> float:
+    """Bound the relative error of a peak force from touches at which the force jumps.
+
+    A step knows of a touch only at its end. Up to one step of the jump is then missing: as momentum
+    of the touch, and, where the jump is the peak, as what the force has lost since. Two runs may
+    miss the same, so their difference does not tell.
+    """
+    law = plan.joints[joint].law
+    force, indentation = record.rows[CONTACT_ROWS * joint : CONTACT_ROWS * joint + 2]
+    peak = float(force.max())
+    first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
+    if force[0] == peak > 0.0 and not force[1:2].any():
+        return 1.0  # a damper's force at the touch, the same for every step, thrown back too far
+    if len(first) == 0:
+        return 0.0
+    rate = (indentation[first] - indentation[first - 1]) / record.dt
+    jump = law.force(np.full(len(first), _AT_TOUCH * indentation.max()), rate)
+    # What has mass comes with the rate of before; it may lose most of that within the step.
+    before = np.maximum(_approach(plan, record, joint)[first - 1], 0.0)
+    missed = law.force(before * record.dt, before).max() - peak
+    impulse = record.dt * float(np.add.reduceat(force, first).max())
+    top = int(force.argmax())
+    if not (jump > _NO_JUMP * peak).any():
+        return min(1.0, max(0.0, float(missed) / peak))
+    at_touch = top in first or top - 1 in first  # a first sample at rounding has no force yet
+    lost = abs(float(force[min(top + 1, len(force) - 1)]) - peak) if at_touch else 0.0
+    worst = max(2.0 * float(jump.max()) * record.dt / impulse, lost / peak, float(missed) / peak)
+    return min(1.0, worst)
+
+
+def _approach(plan: Plan, record: Record, joint: int) -> FloatArray:
+    """The rate of indentation of a contact of bodies with mass; none where one has not."""
+    rates = np.zeros(len(record.t))
+    first, port, second, other = plan.joints[joint].ends_at
+    for body, at, sign in ((first, port, 1.0), (second, other, -1.0)):
+        if plan.players[body].massless:
+            return np.zeros(len(record.t))
+        rates += sign * record.rows[plan.first_rows[body] + BODY_ROWS + PORT_ROWS * at + 1]
+    return rates

@@ -1,0 +1,136 @@
+"""Contact laws without loss: the force is a power of the indentation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..base import InputError, positive, real
+from ..fem import Material
+from .curvature import (
+    contact_modulus,
+    elliptic_stiffness,
+    is_pair,
+    relative_curvatures,
+    relative_radius,
+)
+from .law import ContactLaw, HertzianLaw
+
+__all__ = ["Hertz", "Linear", "PowerLaw", "exponent"]
+
+
+def exponent(value: Any) -> float:
+    """Return n of k δⁿ as a float, at least 1."""
+    n = real("n", value)
+    if n < 1.0:
+        raise InputError(f"n must be at least 1 (F would start with a jump), got {n:g}")
+    return n
+
+
+@dataclass(frozen=True, repr=False)
+class Hertz(HertzianLaw):
+    """Hertz's law F = k δ^(3/2), eqs. (13)-(15) of the paper.
+
+    Parameters
+    ----------
+    k : float
+        N/m^1.5, positive.
+    relative_radius : float, optional
+        R, m: the contact is √(R δ) wide, which patches must not be narrower than. E* follows from
+        it and k.
+    """
+
+    k: float
+    _name = "hertz"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
+
+    def _parameters(self) -> tuple[float, ...]:
+        return (self.k,)
+
+    @classmethod
+    def between(
+        cls,
+        material_1: Material,
+        radius_1: float | Sequence[float],
+        material_2: Material,
+        radius_2: float | Sequence[float],
+        *,
+        angle: float = 0.0,
+    ) -> Hertz:
+        """Return Hertz's law of two spheres, a sphere and a flat or a cup, or any curved surfaces.
+
+        k = 4/3 E* √R with 1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂ and 1/R = 1/R₁ + 1/R₂: eqs. (13), (16)
+        and (17); K. L. Johnson, *Contact Mechanics*, eq. (4.23). Where a surface has two principal
+        radii, the contact is an ellipse and k follows from elliptic integrals (section 4.2).
+
+        Parameters
+        ----------
+        material_1, material_2 : Material
+        radius_1, radius_2 : float or (float, float)
+            Radius of curvature, m, or the two principal ones R', R''; ``math.inf`` is flat, a
+            negative radius hollow: a cup is larger in magnitude than its ball. A cylinder is
+            ``(R, math.inf)``.
+        angle : float, optional
+            Between the planes of the two R', rad: π/2 for cylinders that cross at right angles.
+
+        Raises
+        ------
+        InputError
+            If a radius is 0, or the surfaces do not touch in a point.
+        """
+        modulus = contact_modulus(material_1, material_2)
+        if not is_pair(radius_1) and not is_pair(radius_2):
+            radius = relative_radius(radius_1, radius_2)
+            return cls(4.0 / 3.0 * modulus * math.sqrt(radius), relative_radius=radius)
+        k = elliptic_stiffness(modulus, *relative_curvatures(radius_1, radius_2, angle))
+        # Of the disc with the same law.
+        return cls(k, relative_radius=(0.75 * k / modulus) ** 2)
+
+
+@dataclass(frozen=True)
+class PowerLaw(ContactLaw):
+    """F = k δⁿ.
+
+    Parameters
+    ----------
+    k : float
+        N/mⁿ, positive.
+    n : float
+        Exponent, at least 1.
+    """
+
+    k: float
+    n: float
+    _name = "power"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^n"))
+        object.__setattr__(self, "n", exponent(self.n))
+
+    def _parameters(self) -> tuple[float, ...]:
+        return (self.k, self.n)
+
+
+@dataclass(frozen=True)
+class Linear(ContactLaw):
+    """F = k δ: a linear spring that only pushes.
+
+    Parameters
+    ----------
+    k : float
+        N/m, positive.
+    """
+
+    k: float
+    _name = "linear"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "k", positive("k", self.k, unit="N/m"))
+
+    def _parameters(self) -> tuple[float, ...]:
+        return (self.k,)

@@ -1,0 +1,325 @@
+"""What every contact law does; the laws themselves stand in the files laws_*.py."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+import scipy.optimize
+
+from .. import _core
+from ..base import FloatArray, InputError, InputTypeError, finite_array, positive
+from .rebound import integrated_restitution
+
+__all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw"]
+
+
+# What for_core gives; opaque to all but the binding.
+CoreLaw = tuple[Any, ...]
+
+# Of c dF/dδ, up to which a law with a patch's compliance is used; as in law.c.
+MOST_SHARE = 0.95
+
+# Own indentations, m, among which the one of that share is looked for.
+_DECADE = 40
+_INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
+
+_NO_NOTE = np.full(3, math.nan)
+
+# Logarithms: where the search for the deepest indentation begins, and how it goes on up.
+_SHALLOW, _STRIDE = -28.0, 0.35
+
+# Logarithm of the longest indentation, m, and the least work, J, that are told from infinity and 0.
+_LONGEST, _LEAST_WORK = 300.0, 1e-300
+
+
+class ContactLaw:
+    """The force between two bodies as a function of indentation, its rate, and its history.
+
+    Every law is a frozen value; its formulas are the core's (csrc/law_*.c).
+    """
+
+    _name: ClassVar[str]
+    _depends_on_rate: ClassVar[bool] = False
+    _has_memory: ClassVar[bool] = False
+
+    # R, m, of a law that knows how wide its contact is, √(R δ).
+    relative_radius: float | None = None
+
+    @property
+    def depends_on_rate(self) -> bool:
+        """Whether the force depends on the rate of the indentation."""
+        return self._depends_on_rate
+
+    @property
+    def has_memory(self) -> bool:
+        """Whether the force depends on what the contact went through before."""
+        return self._has_memory
+
+    def _parameters(self) -> tuple[float, ...]:
+        raise NotImplementedError
+
+    def _kind(self) -> str:
+        """The core's name of the law."""
+        return self._name
+
+    def _data(self) -> Any:
+        """What the core needs besides numbers: a table, or the user's functions."""
+        return None
+
+    def _limit(self) -> float:
+        """Deepest indentation that the law stands for, m."""
+        return math.inf
+
+    def for_core(self) -> CoreLaw:
+        """Return the law as the core's ``take_law`` reads it; new for every call of the core."""
+        # A note is the core's word on where and why a law gave no force.
+        return self._kind(), self._parameters(), 0.0, self._limit(), _NO_NOTE.copy(), self._data()
+
+    def force(self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0) -> Any:
+        """Return the contact force, on the loading branch where there is history.
+
+        Parameters
+        ----------
+        indentation : array_like
+            δ, m; the force is zero where δ ≤ 0.
+        rate : array_like, optional
+            dδ/dt, m/s; broadcast against `indentation`.
+
+        Returns
+        -------
+        float or ndarray
+            Force, N, in the broadcast shape.
+        """
+        delta, delta_rate = np.broadcast_arrays(
+            finite_array("indentation", indentation, unit="m"),
+            finite_array("rate", rate, unit="m/s"),
+        )
+        force = self._evaluate(delta, delta_rate)[0]
+        return force if force.ndim else float(force)
+
+    def _evaluate(
+        self, indentation: FloatArray, rate: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return force, N, dF/dδ, N/m, and dF/d(dδ/dt), N s/m, of arrays of one shape."""
+        force, stiffness, damping = (np.empty(indentation.shape) for _ in range(3))
+        _core.law_force(
+            self.for_core(),
+            np.ascontiguousarray(indentation),
+            np.ascontiguousarray(rate),
+            force,
+            stiffness,
+            damping,
+        )
+        return force, stiffness, damping
+
+    def potential(self, indentation: npt.ArrayLike) -> Any:
+        """Return the elastic energy that unloading from an indentation gives back, J."""
+        delta = finite_array("indentation", indentation, unit="m")
+        energy = np.empty(delta.shape)
+        _core.law_potential(self.for_core(), delta, energy)
+        return energy if energy.ndim else float(energy)
+
+    def within_patch(
+        self, compliance: float, *, radius: float = math.inf, relative_radius: float | None = None
+    ) -> PatchLaw:
+        """Return the law without the indentation that the bodies' own patches show already.
+
+        A body loaded through a patch of radius r indents by c F, c = 0.6/(r E*), as a half-space
+        would; the same is contained in the law. With it taken out, F = law(δ + c F).
+
+        Parameters
+        ----------
+        compliance : float
+            c, the sum over both bodies, m/N.
+        radius, relative_radius : float, optional
+            Radius of the smaller patch and relative radius of curvature R, m, the law's own if left
+            out: the law then stands as long as the contact radius √(R (δ + c F)) is below `radius`.
+
+        Raises
+        ------
+        InputError
+            If nothing is left of the law: c dF/dδ is near 1 at every indentation.
+        """
+        c = positive("compliance", compliance, unit="m/N")
+        wide = positive("radius", radius, unit="m", infinite=True)
+        deepest = min(self._steepest(c), self._limit())
+        curvature = self.relative_radius if relative_radius is None else relative_radius
+        if curvature is not None:
+            deepest = min(deepest, wide * (wide / positive("relative_radius", curvature, unit="m")))
+            if deepest <= 0.0:
+                raise InputError(f"radius={wide:g} m is too small to be computed with")
+        limit = deepest - c * self.force(deepest) if math.isfinite(deepest) else math.inf
+        if not limit > 0.0:
+            raise InputError(
+                f"radius={wide:g} m: nothing is left of {self!r} beside a compliance of {c:g} m/N"
+            )
+        return PatchLaw(self, c, limit)
+
+    def _steepest(self, compliance: float) -> float:
+        """Return the own indentation, m, up to which c dF/dδ is less than the share allowed."""
+
+        def excess(delta: FloatArray | float) -> FloatArray:
+            there = np.asarray(delta)
+            return compliance * self._evaluate(there, np.zeros(there.shape))[1] - MOST_SHARE
+
+        within = _INDENTATIONS[self._limit() >= _INDENTATIONS]
+        first = _first_beyond(excess, within)
+        if first is None:
+            return math.inf
+        if first == 0:
+            raise InputError(
+                f"compliance={compliance:g} m/N is more than {self!r} has itself: nothing is left "
+                "of the law; take a larger patch"
+            )
+        low, high = within[first - 1], within[first]
+        return float(scipy.optimize.brentq(lambda d: float(excess(d)), low, high, xtol=1e-18))
+
+    def _work(self, indentation: float) -> float:
+        """Return ∫ F dδ up to an indentation on the way in, at no rate, J."""
+        return float(self.potential(indentation))
+
+    def stroke(self, energy: float) -> float:
+        """Return the indentation at which the way in has taken an energy, at no rate.
+
+        Parameters
+        ----------
+        energy : float
+            J.
+
+        Returns
+        -------
+        float
+            m; where the law ends before, its end.
+
+        Raises
+        ------
+        InputError
+            If it lies beyond the range of numbers.
+        """
+        wanted = positive("energy", energy, unit="J")
+        end = min(math.log(self._limit() * (1.0 - 1e-12)), _LONGEST)
+
+        def excess(log_indentation: float) -> float:
+            work = max(self._work(math.exp(log_indentation)), _LEAST_WORK)
+            return math.log(work) - math.log(wanted)
+
+        high = min(end, _SHALLOW)  # a user's law may end not far beyond what it is for
+        while excess(high) < 0.0 and high < end:
+            high = min(high + _STRIDE, end)
+        if excess(high) < 0.0:
+            if high == _LONGEST:
+                raise InputError(f"{self!r} never takes an energy of {wanted:g} J")
+            return math.exp(high)
+        low = high - 4.0
+        while excess(low) > 0.0:
+            low -= 4.0
+            if low < -_LONGEST:
+                raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
+        return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))
+
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
+        """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s."""
+        if not self.depends_on_rate and not self.has_memory:
+            return 1.0
+        mass, velocity = positive("mass", mass), positive("velocity", velocity)
+        deepest = self.stroke(0.5 * mass * velocity * velocity)
+        if self.depends_on_rate:
+            return integrated_restitution(self.force, mass, velocity, deepest)
+        return math.sqrt(float(self.potential(deepest)) / self._work(deepest))
+
+
+def _first_beyond(
+    excess: Callable[[FloatArray], FloatArray], indentations: FloatArray
+) -> int | None:
+    """Return the index of the first indentation at which `excess` is not negative.
+
+    From the shallow ones on: a user's law may end, by what it raises, beyond what it is for, and
+    whoever goes there in a run hears of it.
+    """
+    for start in range(0, len(indentations), _DECADE):
+        try:
+            with np.errstate(all="ignore"):
+                found = np.flatnonzero(excess(indentations[start : start + _DECADE]) >= 0.0)
+        except Exception:
+            if start == 0:
+                raise
+            return None
+        if found.size:
+            return start + int(found[0])
+    return None
+
+
+@dataclass(frozen=True, repr=False)
+class HertzianLaw(ContactLaw):
+    """A law that begins with Hertz's k δ^(3/2), and may know how wide its contact is.
+
+    Parameters
+    ----------
+    relative_radius : float, optional
+        R, m, of a contact of radius √(R δ). Between patches the law then stands no further than to
+        contacts as wide as these; a law that does not know it may be taken beyond.
+    """
+
+    relative_radius: float | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if self.relative_radius is not None:
+            radius = positive("relative_radius", self.relative_radius, unit="m")
+            object.__setattr__(self, "relative_radius", radius)
+
+    def __repr__(self) -> str:
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        if (width := values.pop("relative_radius")) is not None:
+            values["relative_radius"] = width
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in values.items())})"
+
+
+@dataclass(frozen=True)
+class PatchLaw(ContactLaw):
+    """A law with the half-space indentation of the bodies' patches taken out: F = law(δ + c F).
+
+    Made by :meth:`ContactLaw.within_patch`.
+
+    Parameters
+    ----------
+    law : ContactLaw
+    compliance : float
+        c, m/N.
+    limit : float, optional
+        Deepest indentation δ that it stands for, m.
+    """
+
+    law: ContactLaw
+    compliance: float
+    limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.law, ContactLaw) or isinstance(self.law, PatchLaw):
+            raise InputTypeError(f"law must be a contact law without a patch, got {self.law!r}")
+        object.__setattr__(self, "compliance", positive("compliance", self.compliance, unit="m/N"))
+        object.__setattr__(self, "limit", positive("limit", self.limit, unit="m", infinite=True))
+
+    @property
+    def depends_on_rate(self) -> bool:
+        return self.law.depends_on_rate
+
+    @property
+    def has_memory(self) -> bool:
+        return self.law.has_memory
+
+    def _limit(self) -> float:
+        return self.limit
+
+    def for_core(self) -> CoreLaw:
+        name, parameters, _, _, note, data = self.law.for_core()
+        return name, parameters, self.compliance, self.limit, note, data
+
+    def _work(self, indentation: float) -> float:
+        force = self.force(indentation)
+        own = self.law._work(indentation + self.compliance * force)
+        return float(own - 0.5 * self.compliance * force**2)

@@ -1,0 +1,123 @@
+"""The contact law between bodies that are touched over patches: less what the patches give way.
+
+Each body's finite elements contain the indentation of its patch, and the law contains all of the
+contact's. What an elastic half-space gives way under the patch, c per force, is in both; it is
+taken out of the law, F = law(δ + c F). What then remains is the law's own contact, narrower than
+the patch, on the real body, whose mesh matters no more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..base import FloatArray, InputError, LawLimitError
+from ..fem import Patch
+from .law import ContactLaw, PatchLaw
+
+__all__ = ["check_width", "effective_law", "own_law", "wide_enough"]
+
+
+# The share c dF/dδ to aim at where a patch was too small; for Hertz's contact of radius a within
+# patches of radius r it is 1.2 a/r, so the contact is then half as wide as the patch.
+_COMFORTABLE = 0.6
+
+# And the share of the patch's radius for the contact's, where one body alone has a patch.
+_COMFORTABLE_WIDTH = 0.8
+
+# Indentations, as shares of a patch's radius, among which the deepest of an impact is looked for.
+_DEPTHS = np.geomspace(1e-12, 1.0, 300)
+
+
+def effective_law(law: ContactLaw, bodies: Sequence[Any]) -> ContactLaw:
+    """Return the law between two bodies: as it is, if neither is touched over a patch.
+
+    It stands for contacts not wider than the patches where the law knows how wide they are, as
+    those of `Hertz.between` and `Thornton.between` do, and as long as c dF/dδ is below the share
+    allowed: for two like bodies with patches that comes first, at 0.8 r.
+
+    Parameters
+    ----------
+    law : ContactLaw
+    bodies : sequence of AOModel, ModalModel or ContactPoint
+
+    Raises
+    ------
+    InputError
+        If the law is stiffer than the patches from the first touch on.
+    """
+    patches = _patches(bodies)
+    if not patches or isinstance(law, PatchLaw):
+        return law
+    compliance = math.fsum(patch.compliance for patch in patches)
+    try:
+        return law.within_patch(compliance, radius=min(patch.radius for patch in patches))
+    except InputError:
+        raise InputError(
+            f"law={law!r} between patches of radius {_listed([p.radius for p in patches])}, which "
+            f"give way by {compliance:.3g} m/N: even the lightest contact is stiffer; give the "
+            "contact points a larger radius, or none if the law leaves out the bodies' own "
+            "indentation"
+        ) from None
+
+
+def own_law(law: ContactLaw) -> ContactLaw:
+    """Return the law that the caller gave."""
+    return law.law if isinstance(law, PatchLaw) else law
+
+
+def check_width(law: ContactLaw, indentation: FloatArray) -> None:
+    """Refuse a record in which the contact has grown wider than its patches."""
+    if isinstance(law, PatchLaw) and float(indentation.max(initial=0.0)) > law.limit:
+        raise LawLimitError("the contact has grown wider than its patches")
+
+
+def wide_enough(
+    error: LawLimitError, law: ContactLaw, bodies: Sequence[Any], mass: float, velocity: float
+) -> LawLimitError:
+    """Return the error of a contact wider than its patches with the radius that would do.
+
+    Rigid bodies at that velocity go deeper than elastic ones.
+
+    Parameters
+    ----------
+    mass : float
+        Effective mass of the two bodies, kg.
+    velocity : float
+        At which they meet, m/s.
+    """
+    radii = [patch.radius for patch in _patches(bodies)]
+    if not isinstance(law, PatchLaw) or not radii:
+        return error
+    depths = min(radii) * _DEPTHS
+    try:
+        deep = law.law.potential(depths) >= 0.5 * mass * velocity**2
+        depth = depths[int(np.argmax(deep))] if deep.any() else depths[-1]
+        # A damped law is steepest at the rate at which the bodies meet.
+        step = law.law.force(depth, velocity) - law.law.force(0.99 * depth, velocity)
+        slope = step / (0.01 * depth)
+    except LawLimitError:  # it is the law's own table that ends
+        return error
+    factor = max(law.compliance * float(slope) / _COMFORTABLE, 1.1)
+    if law.law.relative_radius is not None:
+        wide = math.sqrt(law.law.relative_radius * float(depth))
+        factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
+    return LawLimitError(
+        f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law stands "
+        f"up to an indentation of {law.limit:.3g} m, where the contact is as wide as they are, "
+        "and less deep at the rate of a damped law; for this impact make the contact points with "
+        f"radius={_listed([factor * radius for radius in radii])} or more, where the bodies have "
+        "room"
+    )
+
+
+def _patches(bodies: Sequence[Any]) -> list[Patch]:
+    found = (getattr(body, "patch", None) for body in bodies)
+    return [patch for patch in found if patch is not None]
+
+
+def _listed(radii: Sequence[float]) -> str:
+    return " and ".join(f"{radius:.2g} m" for radius in dict.fromkeys(radii))

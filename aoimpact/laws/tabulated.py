@@ -1,0 +1,101 @@
+"""A contact law through measured points."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.interpolate
+
+from ..base import FloatArray, InputError, finite_array
+from .law import ContactLaw
+
+__all__ = ["Tabulated"]
+
+
+@dataclass(frozen=True, repr=False)
+class Tabulated(ContactLaw):
+    """A law through points: cubics between them that rise where they do, and nowhere overshoot.
+
+    F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246, with the slopes of
+    F. N. Fritsch, J. Butland (SciPy's PCHIP). An impact that goes deeper than the last point is an
+    error: the table does not say what happens there.
+
+    Parameters
+    ----------
+    indentation : array_like, shape (n,)
+        m, increasing, not negative; (0, 0) is put before a table that does not begin with it.
+    force : array_like, shape (n,)
+        N, never falling, positive from the first indentation above 0 on.
+
+    Attributes
+    ----------
+    indentation, force : tuple of float
+    """
+
+    indentation: tuple[float, ...]
+    force_values: tuple[float, ...]
+    _name = "table"
+
+    def __init__(self, indentation: npt.ArrayLike, force: npt.ArrayLike) -> None:
+        depth = finite_array("indentation", indentation, ndim=1, unit="m")
+        push = finite_array("force", force, shape=(len(depth),), unit="N")
+        if len(depth) == 0 or (len(depth) == 1 and depth[0] == 0.0):
+            raise InputError("indentation and force must have a point besides (0, 0)")
+        if depth[0] < 0.0:
+            raise InputError(f"indentation must not be negative: indentation[0] is {depth[0]:g} m")
+        if depth[0] > 0.0:
+            depth, push = np.insert(depth, 0, 0.0), np.insert(push, 0, 0.0)
+        if push[0] != 0.0:
+            raise InputError(f"force must be 0 N at indentation 0, got force[0] = {push[0]:g} N")
+        _increasing("indentation", "m", depth, strictly=True)
+        _increasing("force", "N", push, strictly=False)
+        if push[1] <= 0.0:
+            raise InputError(
+                f"force must be positive at indentation {depth[1]:g} m; let the table begin where "
+                "the force does, and put the rest into the gap"
+            )
+        object.__setattr__(self, "indentation", tuple(depth.tolist()))
+        object.__setattr__(self, "force_values", tuple(push.tolist()))
+
+    def __repr__(self) -> str:
+        return (
+            f"Tabulated({len(self.indentation)} points up to {self.indentation[-1]:g} m, "
+            f"{self.force_values[-1]:g} N)"
+        )
+
+    def _parameters(self) -> tuple[float, ...]:
+        return ()
+
+    def _limit(self) -> float:
+        return self.indentation[-1]
+
+    def _data(self) -> FloatArray:
+        return _table(self.indentation, self.force_values)
+
+
+def _increasing(name: str, unit: str, values: FloatArray, *, strictly: bool) -> None:
+    steps = np.diff(values)
+    wrong = np.flatnonzero(steps <= 0.0 if strictly else steps < 0.0)
+    if wrong.size:
+        i = int(wrong[0])
+        raise InputError(
+            f"{name} must {'increase' if strictly else 'never fall'} from point to point: after "
+            f"{values[i]:g} {unit} comes {values[i + 1]:g} {unit}"
+        )
+
+
+@functools.lru_cache(maxsize=64)
+def _table(indentation: tuple[float, ...], force: tuple[float, ...]) -> FloatArray:
+    """Return the core's table, shape (4, n): indentations, forces, slopes, energies."""
+    depth, push = np.array(indentation), np.array(force)
+    with np.errstate(over="ignore"):  # of the inverse of a rise next to none
+        slope = scipy.interpolate.PchipInterpolator(depth, push).derivative()(depth)
+    length = np.diff(depth)
+    # Hermite's cubic integrates to the trapezium's area and what the slopes add to it.
+    area = length * ((push[:-1] + push[1:]) / 2.0 + length * (slope[:-1] - slope[1:]) / 12.0)
+    energy = np.array([math.fsum(area[:i]) for i in range(len(depth))])
+    return np.stack([depth, push, np.maximum(slope, 0.0), energy])

@@ -1,0 +1,438 @@
+"""Contact laws whose loss is a force that goes with the rate of the indentation.
+
+Except where a law says so, its force is cut at zero: it never pulls, and the contact ends where the
+force does. `from_restitution` gives the damping with which a rigid pair delivers the restitution.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ..base import InputError, choice, nonnegative, positive
+from .elastic import exponent
+from .law import ContactLaw, HertzianLaw
+from .rebound import (
+    hunt_crossley_damping,
+    hunt_crossley_restitution,
+    kuwabara_kono_lag,
+    kuwabara_kono_restitution,
+    oscillator_damping,
+    oscillator_restitution,
+    swing_damping,
+    swing_restitution,
+)
+
+__all__ = [
+    "Flores",
+    "Gonthier",
+    "HerbertMcWhannell",
+    "HuntCrossley",
+    "KelvinVoigt",
+    "KuwabaraKono",
+    "LankaraniNikravesh",
+    "LeeWang",
+    "Tsuji",
+]
+
+
+_LEAST_RESTITUTION = 1e-12
+
+
+def _restitution_of(value: Any) -> float:
+    """Return e as a float in (0, 1]."""
+    e = positive("restitution", value)
+    if e > 1.0:
+        raise InputError(f"restitution must be from above 0 to 1, got {e:g}")
+    if e < _LEAST_RESTITUTION:
+        raise InputError(
+            f"restitution={e:g} is nothing beside the rounding of a run; give "
+            f"{_LEAST_RESTITUTION:g} or more"
+        )
+    return e
+
+
+class _Hysteretic(HertzianLaw):
+    """F = k δⁿ (1 + χ δ̇), however χ comes about."""
+
+    k: float
+    n: float
+    _name = "hunt_crossley"
+    _depends_on_rate = True
+
+    def _chi(self) -> float:
+        """χ, s/m."""
+        raise NotImplementedError
+
+    def _parameters(self) -> tuple[float, ...]:
+        return (self.k, self._chi(), self.n)
+
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
+        return hunt_crossley_restitution(self._chi() * positive("velocity", velocity, unit="m/s"))
+
+
+@dataclass(frozen=True, repr=False)
+class HuntCrossley(_Hysteretic):
+    """F = k δⁿ (1 + χ δ̇).
+
+    K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440-445, with any χ (theirs was
+    χ = 3 (1-e)/(2 V), a fit for e near 1).
+
+    Parameters
+    ----------
+    k : float
+        N/mⁿ, positive.
+    damping : float
+        χ, s/m, not negative.
+    n : float, optional
+        Exponent, at least 1.
+    relative_radius : float, optional
+        As of `Hertz`.
+    """
+
+    k: float
+    damping: float
+    n: float = 1.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^n"))
+        object.__setattr__(self, "damping", nonnegative("damping", self.damping, unit="s/m"))
+        object.__setattr__(self, "n", exponent(self.n))
+
+    def _chi(self) -> float:
+        return self.damping
+
+    @classmethod
+    def from_restitution(
+        cls,
+        k: float,
+        restitution: float,
+        velocity: float,
+        n: float = 1.5,
+        *,
+        relative_radius: float | None = None,
+    ) -> HuntCrossley:
+        """Return the law with which a rigid pair at `velocity` delivers `restitution`.
+
+        χ V (1 + e) = log((1 + χ V) / (1 - χ V e)), whatever the masses, k and n.
+
+        Parameters
+        ----------
+        k : float
+            N/mⁿ.
+        restitution : float
+            e, above 0 and at most 1.
+        velocity : float
+            Of approach, V, m/s.
+        n, relative_radius : float, optional
+        """
+        damping = hunt_crossley_damping(_restitution_of(restitution))
+        chi = damping / positive("velocity", velocity, unit="m/s")
+        return cls(k, chi, n, relative_radius=relative_radius)
+
+
+@dataclass(frozen=True, repr=False)
+class _Nominal(_Hysteretic):
+    """F = k δⁿ (1 + χ δ̇) with χ V a formula in the nominal restitution.
+
+    Parameters
+    ----------
+    k : float
+        N/mⁿ, positive.
+    restitution : float
+        The nominal e, above 0 and at most 1.
+    velocity : float
+        Of approach, V, m/s, positive: for other velocities the law is the same, and its
+        restitution another.
+    n : float, optional
+        Exponent, at least 1.
+    relative_radius : float, optional
+        As of `Hertz`.
+    """
+
+    k: float
+    restitution: float
+    velocity: float
+    n: float = 1.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^n"))
+        object.__setattr__(self, "restitution", _restitution_of(self.restitution))
+        object.__setattr__(self, "velocity", positive("velocity", self.velocity, unit="m/s"))
+        object.__setattr__(self, "n", exponent(self.n))
+
+    @staticmethod
+    def _factor(e: float) -> float:
+        """χ V."""
+        raise NotImplementedError
+
+    @property
+    def damping(self) -> float:
+        """χ, s/m."""
+        return self._factor(self.restitution) / self.velocity
+
+    def _chi(self) -> float:
+        return self.damping
+
+
+_PARAMETERS = (_Nominal.__doc__ or "").partition("\n\n")[2]
+
+
+class LankaraniNikravesh(_Nominal):
+    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = 3 (1 - e²) / (4 V), as published.
+
+    H. M. Lankarani, P. E. Nikravesh, J. Mech. Des. 112 (1990) 369-376. A rigid pair delivers
+    another restitution than the nominal one, the further from it the smaller it is: see
+    `restitution`.
+
+{_PARAMETERS}"""
+
+    @staticmethod
+    def _factor(e: float) -> float:
+        return 0.75 * (1.0 - e) * (1.0 + e)
+
+
+class Flores(_Nominal):
+    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = 8 (1 - e) / (5 e V), as published.
+
+    P. Flores, M. Machado, M. T. Silva, J. M. Martins, Multibody Syst. Dyn. 25 (2011) 357-375. A
+    rigid pair delivers nearly the nominal restitution: see `restitution`.
+
+{_PARAMETERS}"""
+
+    @staticmethod
+    def _factor(e: float) -> float:
+        return 1.6 * (1.0 - e) / e
+
+
+class Gonthier(_Nominal):
+    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = (1 - e²) / (e V), as published.
+
+    Y. Gonthier, J. McPhee, C. Lange, J.-C. Piedbœuf, Multibody Syst. Dyn. 11 (2004) 209-233: their
+    approximation of the damping that delivers e. A rigid pair delivers nearly the nominal
+    restitution where that is small, and loses 4/3 of 1 - e near 1: see `restitution`.
+
+{_PARAMETERS}"""
+
+    @staticmethod
+    def _factor(e: float) -> float:
+        return (1.0 - e) * (1.0 + e) / e
+
+
+class HerbertMcWhannell(_Nominal):
+    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = 6 (1 - e) / (((2e - 1)² + 3) V), as published.
+
+    R. G. Herbert, D. C. McWhannell, J. Eng. Ind. 99 (1977) 270-275. A rigid pair delivers another
+    restitution than the nominal one: see `restitution`.
+
+{_PARAMETERS}"""
+
+    @staticmethod
+    def _factor(e: float) -> float:
+        return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
+
+
+class LeeWang(_Nominal):
+    __doc__ = f"""F = k δⁿ (1 + χ δ̇), χ = 3 (1 - e) / (4 V), as published.
+
+    T. W. Lee, A. C. Wang, J. Mech. Transm. Autom. Des. 105 (1983) 534-543. A rigid pair delivers
+    another restitution than the nominal one: see `restitution`.
+
+{_PARAMETERS}"""
+
+    @staticmethod
+    def _factor(e: float) -> float:
+        return 0.75 * (1.0 - e)
+
+
+@dataclass(frozen=True, repr=False)
+class Tsuji(HertzianLaw):
+    """F = k δ^(3/2) + α √(m k) δ^(1/4) δ̇: a restitution that does not depend on the velocity.
+
+    Y. Tsuji, T. Tanaka, T. Ishida, Powder Technology 71 (1992) 239-250.
+
+    Parameters
+    ----------
+    k : float
+        N/m^1.5, positive.
+    alpha : float
+        α, dimensionless, not negative.
+    mass : float
+        m, kg, positive: the reduced mass of the pair, m₁ m₂ / (m₁ + m₂).
+    relative_radius : float, optional
+        As of `Hertz`.
+    """
+
+    k: float
+    alpha: float
+    mass: float
+    _name: ClassVar[str] = "tsuji"
+    _depends_on_rate: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
+        object.__setattr__(self, "alpha", nonnegative("alpha", self.alpha))
+        object.__setattr__(self, "mass", positive("mass", self.mass, unit="kg"))
+
+    @classmethod
+    def from_restitution(
+        cls, k: float, restitution: float, mass: float, *, relative_radius: float | None = None
+    ) -> Tsuji:
+        """Return the law with which a rigid pair of that reduced mass delivers `restitution`.
+
+        With y ∝ δ^(5/4) the phase plane is a linear oscillator's of damping ratio α/√5.
+
+        Parameters
+        ----------
+        k : float
+            N/m^1.5.
+        restitution : float
+            Above 0 and at most 1.
+        mass : float
+            Reduced mass, kg.
+        relative_radius : float, optional
+        """
+        alpha = math.sqrt(5.0) * oscillator_damping(_restitution_of(restitution))
+        return cls(k, alpha, mass, relative_radius=relative_radius)
+
+    def _parameters(self) -> tuple[float, ...]:
+        return (self.k, self.alpha * math.sqrt(self.mass) * math.sqrt(self.k))
+
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
+        ratio = math.sqrt(self.mass / positive("mass", mass, unit="kg"))
+        return oscillator_restitution(self.alpha / math.sqrt(5.0) * ratio)
+
+
+@dataclass(frozen=True, repr=False)
+class KuwabaraKono(HertzianLaw):
+    """F = k (δ^(3/2) + 3/2 A δ^(1/2) δ̇): viscoelastic spheres.
+
+    G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26 (1987) 1230-1233; N. V. Brilliantov et al., Phys.
+    Rev. E 53 (1996) 5382-5392. The restitution falls with the velocity, 1 - e ∝ A V^(1/5).
+
+    Parameters
+    ----------
+    k : float
+        N/m^1.5, positive.
+    A : float
+        s, not negative: a time of the material.
+    relative_radius : float, optional
+        As of `Hertz`.
+    """
+
+    k: float
+    A: float
+    _name: ClassVar[str] = "kuwabara_kono"
+    _depends_on_rate: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "k", positive("k", self.k, unit="N/m^1.5"))
+        object.__setattr__(self, "A", nonnegative("A", self.A, unit="s"))
+
+    @classmethod
+    def from_restitution(
+        cls,
+        k: float,
+        restitution: float,
+        velocity: float,
+        mass: float,
+        *,
+        relative_radius: float | None = None,
+    ) -> KuwabaraKono:
+        """Return the law with which a rigid pair delivers `restitution` at `velocity`.
+
+        Parameters
+        ----------
+        k : float
+            N/m^1.5.
+        restitution : float
+            Above 0 and at most 1.
+        velocity : float
+            Of approach, m/s.
+        mass : float
+            Reduced mass, kg.
+        relative_radius : float, optional
+        """
+        lag = kuwabara_kono_lag(_restitution_of(restitution))
+        stiffness = positive("k", k, unit="N/m^1.5")
+        time = lag / 1.5 * _kuwabara_kono_time(stiffness, mass, velocity)
+        return cls(stiffness, time, relative_radius=relative_radius)
+
+    def _parameters(self) -> tuple[float, ...]:
+        return (self.k, self.A)
+
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
+        return kuwabara_kono_restitution(1.5 * self.A / _kuwabara_kono_time(self.k, mass, velocity))
+
+
+def _kuwabara_kono_time(k: float, mass: float, velocity: float) -> float:
+    """Return (m V²/k)^(2/5) / V, s."""
+    m, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
+    return float(m**0.4 * k**-0.4 * speed**-0.2)  # m/k might be no number any more
+
+
+@dataclass(frozen=True)
+class KelvinVoigt(ContactLaw):
+    """F = k δ + c δ̇: a spring and a dashpot side by side. The force starts with a jump, c V.
+
+    With ``end="force"`` it is cut at 0: the contact ends where the force does, with some
+    indentation left. With ``end="indentation"`` it is the model of the textbooks, which PULLS the
+    bodies together on the way out, until δ = 0: its force is negative then, and meant to be.
+
+    Parameters
+    ----------
+    k : float
+        N/m, positive.
+    c : float
+        N s/m, not negative.
+    end : {"force", "indentation"}, optional
+        What goes to zero where the contact ends.
+    """
+
+    k: float
+    c: float
+    end: str = "force"
+    _depends_on_rate: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "k", positive("k", self.k, unit="N/m"))
+        object.__setattr__(self, "c", nonnegative("c", self.c, unit="N s/m"))
+        choice("end", self.end, ("force", "indentation"))
+
+    @classmethod
+    def from_restitution(
+        cls, k: float, restitution: float, mass: float, end: str = "force"
+    ) -> KelvinVoigt:
+        """Return the law with which a rigid pair of that reduced mass delivers `restitution`.
+
+        Parameters
+        ----------
+        k : float
+            N/m.
+        restitution : float
+            Above 0 and at most 1.
+        mass : float
+            Reduced mass, kg.
+        end : {"force", "indentation"}, optional
+        """
+        e = _restitution_of(restitution)
+        pulls = choice("end", end, ("force", "indentation")) == "indentation"
+        ratio = swing_damping(e) if pulls else oscillator_damping(e)
+        stiffness, m = positive("k", k, unit="N/m"), positive("mass", mass, unit="kg")
+        return cls(stiffness, 2.0 * ratio * math.sqrt(stiffness) * math.sqrt(m), end)
+
+    def _kind(self) -> str:
+        return "kelvin_voigt" if self.end == "force" else "kelvin_voigt_pulling"
+
+    def _parameters(self) -> tuple[float, ...]:
+        return (self.k, self.c)
+
+    def rigid_restitution(self, mass: float, velocity: float) -> float:
+        m = positive("mass", mass, unit="kg")
+        ratio = 0.5 * self.c / (math.sqrt(self.k) * math.sqrt(m))
+        return oscillator_restitution(ratio) if self.end == "force" else swing_restitution(ratio)

@@ -1,0 +1,58 @@
+"""Linear algebra of K and K + s²M: solvers behind one interface, and eigenpairs."""
+
+from .coarsening import QUADRATIC, corner_interpolation
+from .matrices import (
+    LARGEST,
+    LEAST,
+    check_mass,
+    check_stiffness,
+    core_rows,
+    motion_without_force,
+    symmetric_pair,
+)
+from .pencil import Pencil
+from .solvers import (
+    FEW_SOLUTIONS,
+    SOLVERS,
+    LinearSolver,
+    Solver,
+    SolverBook,
+    checked_solver,
+    linear_solver,
+    solutions_worth,
+    stays_quickest,
+    within_band,
+)
+from .spectra import DENSE_DOFS, EQUAL, lowest, lowest_sparse, null_space, shifted
+from .superlu import check_condition, factorize
+
+__all__ = [
+    "DENSE_DOFS",
+    "EQUAL",
+    "FEW_SOLUTIONS",
+    "LARGEST",
+    "LEAST",
+    "QUADRATIC",
+    "SOLVERS",
+    "LinearSolver",
+    "Pencil",
+    "Solver",
+    "SolverBook",
+    "check_condition",
+    "check_mass",
+    "check_stiffness",
+    "checked_solver",
+    "core_rows",
+    "corner_interpolation",
+    "factorize",
+    "linear_solver",
+    "lowest",
+    "lowest_sparse",
+    "motion_without_force",
+    "null_space",
+    "shifted",
+    "solutions_worth",
+    "stays_quickest",
+    "symmetric_pair",
+    "within_band",
+]

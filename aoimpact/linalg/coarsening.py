@@ -1,0 +1,100 @@
+"""From one level of multigrid to the next: the prolongations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from .. import _core
+from ..base import FloatArray, IntArray
+from ..mesh import Mesh, reference_element
+from .smoother import diagonal_blocks
+
+__all__ = ["QUADRATIC", "aggregated", "corner_interpolation"]
+
+
+# Elements of second order, and those of first order on their corners.
+QUADRATIC = {
+    "tetra10": "tetra",
+    "hexahedron20": "hexahedron",
+    "hexahedron27": "hexahedron",
+}
+
+# ω of the prolongation's smoothing, over λ_max of D⁻¹A (Vanek, Mandel and Brezina 1996).
+_DAMPING = 4.0 / 3.0
+
+# Candidates that depend on others within an aggregate, by their share of its Gram matrix.
+_DEPENDENT = 1e-12
+
+
+def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
+    """Return the linear functions of a quadratic mesh's corners, at all its nodes.
+
+    The space of the linear elements on the corners lies in that of the quadratic ones, so this is
+    exact (on elements with straight sides; nearly so on curved ones).
+
+    Returns
+    -------
+    interpolation : scipy.sparse.csr_array, shape (n_nodes, n_corners)
+    corners : ndarray, shape (n_corners,)
+        Their node numbers, ascending.
+    """
+    element = reference_element(mesh.kind)
+    linear = reference_element(QUADRATIC[mesh.kind])
+    shape = linear.shape(element.nodes)
+    corners, number = np.unique(mesh.cells[:, : linear.n_nodes], return_inverse=True)
+    number = number.reshape(mesh.n_cells, -1)
+    # A node has the same weights in all elements that share it: take the first.
+    _, first = np.unique(mesh.cells, return_index=True)
+    cell, local = np.divmod(first, element.n_nodes)
+    weights, parents = shape[local], number[cell]
+    used = np.abs(weights) > 1e-9
+    node = np.repeat(np.arange(mesh.n_nodes), used.sum(axis=1))
+    entries = (weights[used], (node, parents[used]))
+    return sp.csr_array(entries, shape=(mesh.n_nodes, len(corners))), corners
+
+
+def aggregated(A: Any, candidates: FloatArray, highest: float) -> tuple[Any, FloatArray]:
+    """Return the prolongation of smoothed aggregation, and the candidates on the coarse level.
+
+    Vanek, Mandel and Brezina, Computing 56 (1996): the candidates, cut to aggregates of nodes and
+    made orthonormal there, span the coarse space; one Jacobi step smooths it.
+
+    Parameters
+    ----------
+    A : scipy.sparse.bsr_array
+        n x n blocks b x b.
+    candidates : ndarray, shape (n, b, m)
+        Motions that A resists little: rigid ones.
+    highest : float
+        λ_max of D⁻¹A, with D the diagonal blocks.
+
+    Returns
+    -------
+    prolongation : scipy.sparse.bsr_array
+        n x n_aggregates blocks b x m.
+    coarse : ndarray, shape (n_aggregates, m, m)
+    """
+    n, size, count = candidates.shape
+    aggregate = np.empty(n, dtype=np.int32)
+    n_coarse = _core.graph_aggregate(A.indptr, A.indices, aggregate)
+    order = np.argsort(aggregate, kind="stable")
+    starts = np.searchsorted(aggregate[order], np.arange(n_coarse))
+    gram = np.einsum("nbi,nbj->nij", candidates, candidates)[order]
+    values, vectors = np.linalg.eigh(np.add.reduceat(gram, starts, axis=0))
+    # gram = V Λ Vᵀ: with B = Q R, Q is B V Λ^(-1/2) and R is Λ^(1/2) Vᵀ; zero where dependent.
+    kept = values > _DEPENDENT * values[:, -1:]
+    root = np.sqrt(np.where(kept, values, 0.0))
+    inverse_root = np.divide(1.0, root, out=np.zeros_like(root), where=kept)
+    local = np.matmul(candidates, (vectors * inverse_root[:, None, :])[aggregate])
+    coarse = root[:, :, None] * vectors.transpose(0, 2, 1)
+    shape = (n * size, n_coarse * count)
+    rows = np.arange(n + 1, dtype=np.int32)
+    tentative = sp.bsr_array((local, aggregate, rows), shape=shape)
+    change = A @ tentative
+    row = np.repeat(np.arange(n), np.diff(change.indptr))
+    change.data = np.matmul(np.linalg.inv(diagonal_blocks(A))[row], change.data)
+    change.data *= -_DAMPING / highest
+    return tentative + change, coarse

@@ -1,0 +1,130 @@
+"""The lowest eigenpairs of large bodies by Davidson's method: V-cycles instead of solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.linalg as la
+
+from ..base import ConvergenceError, FloatArray, bar
+
+__all__ = ["davidson"]
+
+
+# r·T r / ω² of a pair that has converged: the relative error of its ω², with T about (K + s²M)⁻¹;
+# that of the mode is the root of it.
+_TOLERANCE = 1e-14
+
+# A pair that had converged and moved by more than this, relative, has made room for a lower one.
+_MOVED = 1e-9
+
+# Vectors beyond those wanted: the last ones wanted converge as fast as these lie above them, and a
+# random vector finds one of each multiple eigenvalue.
+_SPARE, _SPARE_SHARE = 4, 0.25
+
+# Times the first block that the basis grows to before it is cut back to twice the block.
+_MOST_BLOCKS = 12
+
+_MOST_STEPS = 100
+
+# A vector of which less than this is new adds rounding to the basis.
+_DEPENDENT = 1e-10
+
+
+def davidson(
+    K: Any,
+    M: Any,
+    precondition: Callable[[FloatArray], FloatArray],
+    n: int,
+    *,
+    away_from: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the `n` lowest eigenpairs of K φ = ω² M φ.
+
+    The basis takes in T r_j for the residual r_j of each pair that has not converged, and every
+    pair is the best that it holds (Rayleigh-Ritz): Morgan and Scott, SIAM J. Sci. Stat. Comput. 7
+    (1986), in blocks.
+
+    Parameters
+    ----------
+    K, M : scipy.sparse matrices, shape (dofs, dofs)
+        Symmetric; M positive definite, K positive semidefinite.
+    precondition : callable
+        T, f ↦ about (K + s²M)⁻¹ f, with s² beside the lowest eigenvalues.
+    n : int
+    away_from : ndarray, shape (dofs, r)
+        M-orthonormal eigenvectors to keep out of the result.
+
+    Returns
+    -------
+    omega2, modes : ndarrays, shapes (n,), (dofs, n)
+        Ascending; modes M-orthonormal.
+
+    Raises
+    ------
+    ConvergenceError
+        If it takes more than 200 steps.
+    """
+    m_known = M @ away_from
+    width = n + max(_SPARE, int(_SPARE_SHARE * n))
+    start = M @ np.random.default_rng(5).standard_normal((M.shape[0], width))
+    block = _each(precondition, start)
+    basis, stiffness = np.zeros((M.shape[0], 0)), np.zeros((0, 0))
+    open_pairs, before = np.ones(n, dtype=bool), np.full(n, np.inf)
+    with bar(f"{n} modes, {M.shape[0]} dofs", n, unit="mode") as progress:
+        for _ in range(_MOST_STEPS):
+            block = _new_directions(M, block, away_from, m_known, basis)
+            stiffness = _bordered(stiffness, basis, block, K @ block)
+            basis = np.column_stack([basis, block])
+            omega2, within = la.eigh(stiffness)
+            modes, omega2_n = basis @ within[:, :n], omega2[:n]
+            open_pairs |= np.abs(omega2_n - before) > _MOVED * omega2_n
+            residual = K @ modes[:, open_pairs] - (M @ modes[:, open_pairs]) * omega2_n[open_pairs]
+            block = _each(precondition, residual)
+            error = np.einsum("ij,ij->j", residual, block) / omega2_n[open_pairs]
+            block = block[:, error > _TOLERANCE]
+            open_pairs[open_pairs] = error > _TOLERANCE
+            before = omega2_n
+            progress.update(n - int(open_pairs.sum()) - progress.n)
+            if not open_pairs.any():
+                return omega2_n, modes
+            if basis.shape[1] + block.shape[1] > _MOST_BLOCKS * width:
+                basis = basis @ within[:, : 2 * width]
+                stiffness = np.diag(omega2[: 2 * width])
+    raise ConvergenceError(
+        f"{int(open_pairs.sum())} of {n} modes of {M.shape[0]} dofs did not converge in "
+        f"{_MOST_STEPS} steps: ask for fewer, or see whether parts of the body are far softer than "
+        "others"
+    )
+
+
+def _each(precondition: Callable[[FloatArray], FloatArray], columns: FloatArray) -> FloatArray:
+    return np.column_stack([precondition(np.ascontiguousarray(column)) for column in columns.T])
+
+
+def _new_directions(
+    M: Any, block: FloatArray, known: FloatArray, m_known: FloatArray, basis: FloatArray
+) -> FloatArray:
+    """Return an M-orthonormal basis of what is new in a block.
+
+    Twice: what is left after the first pass may be small, and rounding large beside it.
+    """
+    for _ in range(2):
+        block = block / np.linalg.norm(block, axis=0)
+        block = block - known @ (m_known.T @ block)
+        block = block - basis @ (basis.T @ (M @ block))
+        values, vectors = la.eigh(block.T @ (M @ block))
+        kept = values > _DEPENDENT * values[-1]
+        block = block @ (vectors[:, kept] / np.sqrt(values[kept]))
+    return block
+
+
+def _bordered(
+    stiffness: FloatArray, basis: FloatArray, block: FloatArray, k_block: FloatArray
+) -> FloatArray:
+    """The projection of K on the basis and the block, from that on the basis."""
+    beside = basis.T @ k_block
+    own = block.T @ k_block
+    return np.block([[stiffness, beside], [beside.T, 0.5 * (own + own.T)]])

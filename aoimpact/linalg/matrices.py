@@ -1,0 +1,409 @@
+"""Anyone's stiffness and mass matrices, put in the one form that is computed with, or refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from ..base import FloatArray, InputError, InputTypeError, SingularError
+from .superlu import CHECKED_DOFS, Factorization, factorize
+
+__all__ = [
+    "LARGEST",
+    "LEAST",
+    "check_entries",
+    "check_mass",
+    "check_stiffness",
+    "core_rows",
+    "motion_without_force",
+    "symmetric_csr",
+    "symmetric_pair",
+]
+
+
+# Entries that the core's int32 offsets can count.
+_MOST_ENTRIES = 2**31 - 1
+
+# Asymmetry up to this fraction of the largest entry is rounding and is averaged away.
+_ASYMMETRY = 1e-9
+
+# Up to this many dofs definiteness is checked by LAPACK, up to CHECKED_DOFS by sparse factors.
+_SMALL = 500
+
+# A negative eigenvalue of K, relative to its diagonal, that passes for rounding: without supports
+# the lowest ones are zero, and what prints K with ten digits makes them slightly negative.
+_NEGATIVE = 1e-9
+
+# Stiffnesses, N/m, and masses, kg, whose products and ratios stay far from what doubles can hold.
+LARGEST, LEAST = 1e60, 1e-60
+
+# Ratio of masses of which the smaller one is lost in the rounding of the other, with much to spare.
+_APART = 1e20
+
+# A pivot of M, relative to its diagonal, that is nothing but rounding.
+_PIVOT = 1e-14
+
+# Each takes what has stiffness down to that share of it, over its own.
+_INVERSE_ITERATIONS = 2
+
+
+def symmetric_csr(name: str, matrix: Any) -> sp.csr_array:
+    """Return a symmetric matrix as float64 CSR, canonical, with int32 indices where they fit.
+
+    Sparse matrices of any format and real type are converted, and dense ones; what is in the right
+    form already is not copied, and the caller's arrays are never written to.
+
+    Raises
+    ------
+    InputTypeError
+        If it is not a matrix of real numbers.
+    InputError
+        If it is not square, finite and symmetric.
+    """
+    return _symmetric_csr(name, _checked(name, matrix))
+
+
+def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
+    """Return stiffness and mass as `symmetric_csr` does, of one shape.
+
+    Raises
+    ------
+    InputTypeError, InputError
+        Also if the shapes differ, or M has fewer entries than rows.
+    """
+    stiffness, mass = _checked("K", K), _checked("M", M)
+    if stiffness.shape != mass.shape:
+        raise InputError(
+            f"K and M must be of the same shape, got {stiffness.shape} and {mass.shape}"
+        )
+    # Before a few entries in a shape of 10⁹ rows are given as many row pointers.
+    if sp.issparse(mass) and mass.nnz < mass.shape[0]:
+        raise InputError(
+            f"M must have mass on every dof: it has {mass.nnz} entries in {mass.shape[0]} rows; "
+            "condense dofs without mass out, or give them mass"
+        )
+    pair = _symmetric_csr("K", stiffness), _symmetric_csr("M", mass)
+    for name, matrix, unit in (("K", pair[0], "N/m"), ("M", pair[1], "kg")):
+        largest = float(np.abs(matrix.data).max(initial=0.0))
+        if largest > LARGEST or 0.0 < largest < LEAST:
+            raise InputError(
+                f"{name} has entries up to {largest:.3g} {unit}, whose products cannot be "
+                f"computed; give it in {unit}"
+            )
+    return pair
+
+
+def _symmetric_csr(name: str, checked: Any) -> sp.csr_array:
+    csr = _canonical(sp.csr_array(checked))
+    bad = np.flatnonzero(~np.isfinite(csr.data))
+    if len(bad):
+        row = int(np.searchsorted(csr.indptr, bad[0], side="right")) - 1
+        raise InputError(
+            f"{name} must be finite: {name}[{row}, {csr.indices[bad[0]]}] is {csr.data[bad[0]]}; "
+            f"{len(bad)} entries are not finite"
+        )
+    return _symmetrised(name, csr)
+
+
+def check_entries(matrix: Any) -> None:
+    """Refuse a matrix of so many entries that the core cannot count them.
+
+    Raises
+    ------
+    InputError
+    """
+    if matrix.nnz > _MOST_ENTRIES:
+        raise InputError(
+            f"a matrix of {matrix.shape[0]} dofs with {matrix.nnz} entries: at most {_MOST_ENTRIES}"
+            " can be computed with; take a coarser mesh, or give the matrices sparse"
+        )
+
+
+def core_rows(matrix: Any) -> tuple[Any, ...]:
+    """Return a sparse matrix's rows as the arrays of the core's ``aoi_sparse``.
+
+    Raises
+    ------
+    InputError
+        If it has too many entries.
+    """
+    check_entries(matrix)
+    csr = matrix.tocsr()
+    return (
+        csr.indptr.astype(np.int32, copy=False),
+        csr.indices.astype(np.int32, copy=False),
+        csr.data,
+    )
+
+
+def check_stiffness(K: sp.csr_array) -> Factorization | None:
+    """Refuse a K that is not positive semidefinite, as far as can be told at little cost.
+
+    Returns
+    -------
+    Factorization or None
+        Of K made regular, with a small share of its diagonal added, if that was needed.
+
+    Raises
+    ------
+    InputError
+        If a diagonal entry is negative, a principal minor of order 2 is, or (up to 10 000 dofs)
+        an eigenvalue.
+    """
+    diagonal = K.diagonal()
+    negative = np.flatnonzero(diagonal < 0.0)
+    if len(negative):
+        raise InputError(
+            f"K has {len(negative)} negative entries on its diagonal, the first is "
+            f"K[{negative[0]}, {negative[0]}] = {diagonal[negative[0]]:g} N/m; "
+            "a stiffness matrix has none"
+        )
+    _check_minors("K", K, 1.0 + 1e-9)
+    if len(diagonal) <= _SMALL:
+        lowest = float(la.eigvalsh(K.toarray(), subset_by_index=[0, 0])[0])
+        if lowest < -_NEGATIVE * float(diagonal.max()):
+            raise InputError(
+                f"K must be positive semidefinite: its lowest eigenvalue is {lowest:.4g} N/m"
+            )
+    elif len(diagonal) <= CHECKED_DOFS and not _dominated(K, 1.0 + _NEGATIVE):
+        try:
+            return factorize(_made_regular(K), what="K")
+        except SingularError as error:
+            raise InputError(
+                f"K must be positive semidefinite, no motion may give energy back: {error}, with "
+                f"{_NEGATIVE:g} of its diagonal added; look for signs lost or entries missing "
+                "where K was exported, and give it with all its digits"
+            ) from None
+    return None
+
+
+def _made_regular(K: sp.csr_array) -> sp.csr_array:
+    """Hold each dof by a small share of its own stiffness, so that no scale of the dofs matters."""
+    diagonal = K.diagonal()
+    return K + sp.diags_array(np.where(diagonal > 0.0, _NEGATIVE * diagonal, 1.0))
+
+
+def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> FloatArray | None:
+    """Return some motion that has a part of every one without elastic force, shape (n,).
+
+    Where there is none it is a soft one, or nothing but rounding.
+
+    Parameters
+    ----------
+    K : scipy.sparse.csr_array, shape (n, n)
+    factors : Factorization or None
+        From `check_stiffness`. Without them, K being of more than 500 dofs, the answer is None.
+    """
+    if factors is None:
+        if K.shape[0] > _SMALL:
+            return None
+        factors = factorize(_made_regular(K), checked=False)
+    weight = factors.matrix.diagonal()
+    motion = np.random.default_rng(3).standard_normal(K.shape[0]) / np.sqrt(weight)
+    for _ in range(_INVERSE_ITERATIONS):
+        motion = factors.solve(weight * motion)
+        motion /= np.sqrt(motion @ (weight * motion))
+    return motion if np.isfinite(motion).all() else None
+
+
+def check_mass(M: sp.csr_array) -> None:
+    """Refuse an M that is not positive definite, as far as can be told at little cost.
+
+    Raises
+    ------
+    InputError
+        If a diagonal entry is not positive (a dof without mass), a principal minor of order 2 is
+        not, or (up to 10 000 dofs) an eigenvalue is not.
+    """
+    diagonal = M.diagonal()
+    bad = np.flatnonzero(diagonal <= 0.0)
+    if len(bad):
+        raise InputError(
+            f"M must have mass on every dof: {len(bad)} of {len(diagonal)} diagonal entries are "
+            f"zero or negative, the first is M[{bad[0]}, {bad[0]}] = {diagonal[bad[0]]:g} kg; "
+            "condense such dofs out, or give them mass"
+        )
+    least = int(np.argmin(diagonal))
+    if diagonal[least] < LEAST:
+        raise InputError(
+            f"M must have mass on every dof, and M[{least}, {least}] = {diagonal[least]:g} kg is "
+            "too little to be computed with; condense such dofs out, or give them mass"
+        )
+    most = int(np.argmax(diagonal))
+    if diagonal[most] > _APART * diagonal[least]:
+        raise InputError(
+            f"M has masses too far apart to be computed with: M[{least}, {least}] = "
+            f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
+            "is too heavy to move, and condense out what has no mass"
+        )
+    _check_minors("M", M, 1.0 - 1e-12)
+    if len(diagonal) <= _SMALL:
+        try:
+            pivots = np.diag(la.cholesky(M.toarray())) ** 2
+            if (pivots <= _PIVOT * diagonal).any():
+                raise la.LinAlgError
+        except la.LinAlgError:
+            lowest = float(la.eigvalsh(M.toarray(), subset_by_index=[0, 0])[0])
+            raise InputError(
+                f"M must be positive definite: its lowest eigenvalue is {lowest:.4g} kg"
+            ) from None
+    elif len(diagonal) <= CHECKED_DOFS and not _dominated(M, 1.0 - 1e-12):
+        try:
+            factorize(M, what="M")
+        except SingularError as error:
+            raise InputError(
+                f"M must be positive definite, every motion must have kinetic energy: {error}; "
+                "look for signs lost or entries missing where M was exported, or lump it"
+            ) from None
+
+
+def _dominated(matrix: sp.csr_array, factor: float) -> bool:
+    """Whether factor · A_ii ≥ Σ |A_ij| in all rows: no eigenvalue is negative then (Gershgorin)."""
+    diagonal = matrix.diagonal()
+    others = abs(matrix).sum(axis=1) - np.abs(diagonal)
+    return bool((factor * diagonal >= others).all())
+
+
+def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:
+    """Refuse A_ij² > bound · A_ii A_jj: x with x_i = ±1, x_j = ±1 has negative energy then."""
+    root = np.sqrt(matrix.diagonal())
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    limit = root[row] * root[matrix.indices] * bound**0.5
+    wrong = (np.abs(matrix.data) > limit) & (row != matrix.indices)
+    if wrong.any():
+        first = int(np.flatnonzero(wrong)[0])
+        i, j = int(row[first]), int(matrix.indices[first])
+        needed = "positive definite" if bound < 1.0 else "positive semidefinite"
+        raise InputError(
+            f"{name} must be {needed}: {name}[{i}, {j}] = {matrix.data[first]:g} is too large "
+            f"beside {name}[{i}, {i}] = {root[i] ** 2:g} and {name}[{j}, {j}] = {root[j] ** 2:g}"
+        )
+
+
+def _checked(name: str, matrix: Any) -> Any:
+    """Return a square matrix of real numbers whose structure is sound, sparse or dense."""
+    if sp.issparse(matrix):
+        try:
+            matrix = _anew(matrix)
+        except (ValueError, TypeError, AttributeError, IndexError, OverflowError) as error:
+            raise InputError(f"{name} is not a valid sparse matrix: {error}") from None
+    elif np.ma.is_masked(matrix):
+        raise InputTypeError(f"{name} has masked entries; fill or remove them first")
+    else:
+        try:
+            matrix = np.asarray(matrix)
+        except ValueError as error:
+            raise InputTypeError(f"{name} must be a matrix of real numbers: {error}") from None
+        matrix = _floats(matrix)
+    if matrix.ndim != 2:
+        raise InputError(f"{name} must be a square matrix, got shape {matrix.shape}")
+    if matrix.dtype.kind != "f":
+        raise InputTypeError(f"{name} must be a matrix of real numbers, got dtype {matrix.dtype}")
+    if matrix.shape[0] != matrix.shape[1] or matrix.shape[0] == 0:
+        raise InputError(f"{name} must be square, got shape {matrix.shape}")
+    return matrix
+
+
+def _anew(matrix: Any) -> Any:
+    """Make a sparse matrix anew from its arrays, with no flag of the old one believed.
+
+    SciPy's conversions trust these arrays and write where they say.
+    """
+    if matrix.ndim != 2:
+        return matrix
+    if matrix.format in _COMPRESSED:
+        data, indices, indptr = _floats(matrix.data), matrix.indices, matrix.indptr
+        _check_compressed(matrix.format, matrix.shape, data, indices, indptr)
+        return _COMPRESSED[matrix.format]((data, indices, indptr), shape=matrix.shape)
+    if matrix.format == "dia":
+        offsets = _integers("offsets", matrix.offsets)
+        if (offsets <= -matrix.shape[0]).any() or (offsets >= matrix.shape[1]).any():
+            raise ValueError("offsets must be of diagonals that lie within the shape")
+        return sp.dia_array((_floats(matrix.data), offsets), shape=matrix.shape)
+    if matrix.format == "lil":
+        lengths = [[len(row) for row in rows] for rows in (matrix.rows, matrix.data)]
+        if lengths[0] != lengths[1] or len(lengths[0]) != matrix.shape[0]:
+            raise ValueError("rows and data must have as many lists, and as long ones")
+    coo = matrix.tocoo()
+    coords = tuple(_integers("indices", part) for part in coo.coords)
+    return sp.coo_array((_floats(coo.data), coords), shape=coo.shape)
+
+
+def _floats(value: Any) -> npt.NDArray[Any]:
+    """Return real numbers as native float64, anything else as it is.
+
+    Not by a sparse matrix's own astype, which sorts the entries of the caller's arrays.
+    """
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        return array
+    with np.errstate(over="ignore"):  # what overflows is reported as not finite
+        return array.astype(np.float64, copy=False)
+
+
+_COMPRESSED = {"csr": sp.csr_array, "csc": sp.csc_array, "bsr": sp.bsr_array}
+
+
+def _check_compressed(format: str, shape: Any, data: Any, indices: Any, indptr: Any) -> None:
+    """Raise ValueError where row pointers or indices lead out of the arrays or the shape."""
+    _integers("indices", indices), _integers("indptr", indptr)
+    block = data.shape[1:]
+    if len(block) != (2 if format == "bsr" else 0):
+        raise ValueError(f"data must not have {data.ndim} axes")
+    if 0 in block or any(n % size for n, size in zip(shape, block, strict=False)):
+        raise ValueError(f"blocks of {block} do not fill a shape of {shape}")
+    rows, columns = (n // size for n, size in zip(shape, block or (1, 1), strict=True))
+    if format == "csc":
+        rows, columns = columns, rows
+    if len(indptr) != rows + 1 or indptr[0] != 0 or (indptr[1:] < indptr[:-1]).any():
+        raise ValueError(f"indptr must be {rows + 1} numbers that begin with 0 and do not descend")
+    if len(indices) != len(data) or indptr[-1] > len(data):
+        raise ValueError(
+            f"indices and data must have the same length, no less than the last of indptr; got "
+            f"{len(indices)}, {len(data)} and {indptr[-1]}"
+        )
+    used = indices[: indptr[-1]]
+    if used.size and (used.min() < 0 or used.max() >= columns):
+        raise ValueError(f"indices must be from 0 to {columns - 1}, got {used.min()}…{used.max()}")
+
+
+def _integers(name: str, value: Any) -> npt.NDArray[Any]:
+    array = np.asarray(value)
+    if array.ndim != 1 or array.dtype.kind not in "iu":
+        raise ValueError(f"{name} must be integers along one axis, got {array.dtype} {array.shape}")
+    return array
+
+
+def _canonical(csr: sp.csr_array) -> sp.csr_array:
+    if not csr.has_canonical_format:
+        csr = csr.copy()
+        csr.sum_duplicates()
+    if csr.indices.dtype != np.int32 and csr.nnz < 2**31:
+        parts = (csr.data, csr.indices.astype(np.int32), csr.indptr.astype(np.int32))
+        csr = sp.csr_array(parts, shape=csr.shape)
+        csr.has_canonical_format = True
+    return csr
+
+
+def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
+    transposed = csr.T.tocsr()
+    if np.array_equal(csr.indices, transposed.indices) and np.array_equal(
+        csr.data, transposed.data
+    ):
+        return csr
+    difference = (csr - transposed).tocoo()
+    largest = float(np.abs(csr.data).max())
+    gap = float(np.abs(difference.data).max(initial=0.0))  # zeros that are stored on one side only
+    if gap > _ASYMMETRY * largest:
+        worst = int(np.argmax(np.abs(difference.data)))
+        i, j = int(difference.row[worst]), int(difference.col[worst])
+        raise InputError(
+            f"{name} must be symmetric: {name}[{i}, {j}] = {csr[i, j]:.10g}, but "
+            f"{name}[{j}, {i}] = {csr[j, i]:.10g}; only up to {_ASYMMETRY:g} of the largest entry "
+            "passes for rounding"
+        )
+    return _canonical(((csr + transposed) * 0.5).tocsr())

@@ -1,0 +1,301 @@
+"""Multigrid: conjugate gradients preconditioned by a V-cycle, for bodies too large for factors.
+
+Elements of second order are corrected by linear ones on their corners; below these, and for
+matrices that came without a mesh, smoothed aggregation takes over, with the rigid motions as the
+motions of no stiffness. The preconditioner works in single precision, the iteration in double.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from ..base import ConvergenceError, FloatArray, SingularError, bar
+from ..mesh import rigid_motions
+from .coarsening import QUADRATIC, aggregated, corner_interpolation
+from .fill import factor_entries
+from .matrices import check_entries
+from .pencil import Pencil
+from .smoother import Smoother
+from .superlu import factorize
+
+__all__ = ["Multigrid", "bytes_needed"]
+
+Single = npt.NDArray[np.float32]
+
+# λ_max of what is smoothed over λ_min of that: wider than isotropic elements need (8), for elements
+# three times as long as wide; and on the levels of aggregates.
+_BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
+
+# The coarsest level is the first whose factors have no more entries than the first of these, or
+# than that share of K's, which is larger as long as that leaves them few. Long bodies and thin ones
+# come to it early, and well so: aggregates do not bend as beams and plates do.
+_FEWEST_ENTRIES, _COARSEST_SHARE = 1e6, 0.1
+_FEW_ENTRIES, _SHARE_OF_FEW = 1e7, 2.0
+_DENSE = 300
+
+# A level that has not less than this share of the dofs above it is no progress: K does not couple.
+_SHRINKS = 0.7
+
+_MOST_ITERATIONS = 500
+
+# Bytes that the set-up takes at most, per entry of K, beside K, M and the coarsest level's factors:
+# measured; and per entry of those.
+_BYTES_PER_ENTRY, _BYTES_PER_FACTOR = 30.0, 16.0
+
+
+def bytes_needed(stored: float) -> float:
+    """Return the memory that the set-up takes at most beside K and M, K having `stored` entries."""
+    return _BYTES_PER_ENTRY * stored + _BYTES_PER_FACTOR * _most_in_coarsest(stored)
+
+
+def _most_in_coarsest(stored: float) -> float:
+    """Entries that the factors of the coarsest level may have."""
+    few = min(_FEW_ENTRIES, _SHARE_OF_FEW * stored)
+    return max(_FEWEST_ENTRIES, _COARSEST_SHARE * stored, few)
+
+
+@dataclass(frozen=True, eq=False)
+class _Level:
+    smoother: Smoother
+    prolongation: Any
+    restriction: Any
+    width: int  # of the vectors' rows: 3 where one weight serves all components of a node
+
+    def coarse(self, r: Single) -> Single:
+        return self._apply(self.restriction, r)
+
+    def fine(self, e: Single) -> Single:
+        return self._apply(self.prolongation, e)
+
+    def _apply(self, matrix: Any, x: Single) -> Single:
+        result: Single = matrix @ (x.reshape(-1, 3) if self.width == 3 else x)
+        return result.reshape(-1)
+
+
+class Multigrid:
+    """(K + s²M)⁻¹ by conjugate gradients.
+
+    Parameters
+    ----------
+    pencil : Pencil
+    tolerance : float
+        ‖f - (K + s²M) x‖ / ‖f‖ to iterate to.
+
+    Attributes
+    ----------
+    sizes : list of int
+        Dofs of the levels, the finest first.
+    iterations : int
+        Of the last solution.
+
+    Raises
+    ------
+    SingularError
+        If the matrix turns out to be singular or not positive definite.
+    """
+
+    def __init__(self, pencil: Pencil, tolerance: float) -> None:
+        self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
+        self._levels: list[_Level] = []
+        with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
+            A, candidates, self._place = _finest(pencil)
+            self._scale = float(A.diagonal().max())
+            self._length = A.shape[0]
+            self.sizes = [self._length]
+            if pencil.mesh is not None and pencil.mesh.kind in QUADRATIC:
+                A, candidates = self._to_corners(A)
+                progress.update()
+            affordable = _most_in_coarsest(pencil.K.nnz)
+            while A.shape[0] > _DENSE and factor_entries(A, "superlu") > affordable:
+                A, candidates = self._to_aggregates(A, candidates)
+                progress.update()
+            self._coarsest = factorize(A / self._scale, what=pencil.what)
+
+    def _to_corners(self, A: Any) -> tuple[Any, FloatArray]:
+        pencil = self.pencil
+        smoother = Smoother(A, scale=self._scale, band=_BAND_MESH, what=pencil.what)
+        assert pencil.nodes is not None  # a body with a mesh has nodes
+        assert pencil.free is not None
+        nodes = np.unique(pencil.free // 3)
+        weights, corners = corner_interpolation(pencil.mesh)
+        kept = np.isin(corners, nodes, assume_unique=True)  # held corners do not move
+        weights = weights[nodes][:, kept]
+        self._add(smoother, weights, width=3)
+        motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[corners[kept]]
+        prolongation = sp.kron(weights, np.eye(3), format="bsr")
+        return self._coarse_matrix(A, prolongation, 3), motions
+
+    def _to_aggregates(self, A: Any, candidates: FloatArray) -> tuple[Any, FloatArray]:
+        band = _BAND_AGGREGATES if self._levels else _BAND_MESH
+        smoother = Smoother(A, scale=self._scale, band=band, what=self.pencil.what)
+        prolongation, coarse = aggregated(A, candidates, smoother.highest)
+        if prolongation.shape[1] > _SHRINKS * prolongation.shape[0]:
+            raise ConvergenceError(
+                f"solver 'multigrid' finds no coarser level below {A.shape[0]} dofs of "
+                f"{self.pencil.what} ({self.pencil.n} dofs): too few of them are coupled; take "
+                "another one by solver="
+            )
+        self._add(smoother, prolongation, width=1)
+        return self._coarse_matrix(A, prolongation, coarse.shape[1]), coarse
+
+    def _add(self, smoother: Smoother, prolongation: Any, width: int) -> None:
+        single = prolongation.astype(np.float32)
+        restriction = single.T.tocsr() if single.format == "csr" else single.T
+        self._levels.append(_Level(smoother, single, restriction, width))
+
+    def _coarse_matrix(self, A: Any, prolongation: Any, size: int) -> Any:
+        """Return Pᵀ A P, with something on the diagonal where candidates were dependent."""
+        coarse = _in_order((prolongation.T @ (A @ prolongation)).tobsr((size, size)))
+        empty = coarse.diagonal() == 0.0
+        if empty.any():
+            _add_to_diagonal(coarse, np.where(empty, self._scale, 0.0))
+        self.sizes.append(coarse.shape[0])
+        return coarse
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Return (K + s²M)⁻¹ `rhs` for one right-hand side (n,) or several (n, m)."""
+        if rhs.ndim == 2:
+            return np.column_stack([self.solve(column) for column in rhs.T])
+        found, self.iterations = _conjugate_gradients(
+            self.pencil, self.precondition, rhs, self.tolerance
+        )
+        return found
+
+    def precondition(self, r: FloatArray) -> FloatArray:
+        """Return one V-cycle's answer to `r`."""
+        size = float(np.abs(r).max())
+        if size == 0.0:
+            return np.zeros_like(r)
+        padded = np.zeros(self._length, dtype=np.float32)
+        padded[self._place] = r / size
+        answer = self._cycle(0, padded)[self._place]
+        return answer.astype(np.float64) * (size / self._scale)
+
+    def _cycle(self, depth: int, r: Single) -> Single:
+        """Improve upon zero for the right-hand side `r`, which is written to."""
+        if depth == len(self._levels):
+            return self._coarsest.solve(r.astype(np.float64)).astype(np.float32)
+        level = self._levels[depth]
+        x = np.zeros_like(r)
+        level.smoother.smooth(x, r, finish=True)
+        correction = level.fine(self._cycle(depth + 1, level.coarse(r)))
+        x += correction
+        level.smoother.subtract(correction, r)
+        level.smoother.smooth(x, r, finish=False)
+        return x
+
+
+def _finest(pencil: Pencil) -> tuple[Any, FloatArray, npt.NDArray[np.int64] | slice]:
+    """Return K + s²M in blocks, its motions of little stiffness, and where its dofs are in it."""
+    if pencil.nodes is None or pencil.free is None:
+        return _without_nodes(pencil)
+    nodes, number = np.unique(pencil.free // 3, return_inverse=True)
+    place = 3 * number + pencil.free % 3
+    n = 3 * len(nodes)
+    A = _in_blocks(pencil.K, place, n)
+    if pencil.s2:
+        M = _in_blocks(pencil.M, place, n)
+        if np.array_equal(A.indices, M.indices) and np.array_equal(A.indptr, M.indptr):
+            M.data *= pencil.s2
+            A.data += M.data
+        else:
+            A = A + pencil.s2 * M
+    if len(place) < n:  # nodes held in part: their dofs that do not move stand alone
+        held = np.ones(n)
+        held[place] = 0.0
+        _add_to_diagonal(A, float(A.diagonal().max()) * held)
+    motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[nodes]
+    return A, motions, slice(None) if np.array_equal(place, np.arange(n)) else place
+
+
+def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, slice]:
+    """Dofs of which nothing is known: three translations if K does not resist these, else one."""
+    A = pencil.matrix()
+    check_entries(A)
+    moves = np.tile(np.eye(3), (A.shape[0] // 3 + 1, 1))[: A.shape[0]]
+    inner = np.abs(pencil.K @ moves) <= 1e-9 * pencil.K.diagonal()[:, None]
+    if A.shape[0] % 3 == 0 and inner.mean() > 0.5:  # the others are on nodes beside supports
+        return _in_order(A.tobsr((3, 3))), moves.reshape(-1, 3, 3), slice(None)
+    return _in_order(A.tobsr((1, 1))), np.ones((A.shape[0], 1, 1)), slice(None)
+
+
+def _in_blocks(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
+    """Return a CSR matrix with row i moved to row place[i] of n, in blocks of 3 x 3."""
+    check_entries(matrix)
+    if (np.diff(place) < 0).any():
+        order = np.argsort(place)
+        matrix, place = matrix[order][:, order], place[order]
+    indptr = np.zeros(n + 1, dtype=np.int32)
+    indptr[place + 1] = np.diff(matrix.indptr)
+    np.cumsum(indptr, out=indptr)
+    indices = place.astype(np.int32)[matrix.indices]
+    return _in_order(sp.csr_array((matrix.data, indices, indptr), shape=(n, n)).tobsr((3, 3)))
+
+
+def _in_order(A: Any) -> Any:
+    """Return a BSR matrix with its blocks sorted and its indices int32, as the core wants them."""
+    A.sort_indices()
+    A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
+    return A
+
+
+def _add_to_diagonal(A: Any, values: FloatArray) -> None:
+    """Add to the diagonal of a BSR matrix that stores all its diagonal blocks."""
+    size = A.blocksize[0]
+    row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
+    blocks = np.flatnonzero(A.indices == row)
+    local = np.arange(size)
+    A.data[blocks[:, None], local, local] += values.reshape(-1, size)
+
+
+def _conjugate_gradients(
+    pencil: Pencil,
+    precondition: Callable[[FloatArray], FloatArray],
+    rhs: FloatArray,
+    tolerance: float,
+) -> tuple[FloatArray, int]:
+    """Return the solution to `tolerance`, and how many iterations it took.
+
+    With β after Polak and Ribière, which forgives a preconditioner its rounding.
+    """
+    x, r = np.zeros_like(rhs), rhs.copy()
+    load = float(np.linalg.norm(rhs))
+    if load == 0.0:
+        return x, 0
+    z = precondition(r)
+    p, rz, reached = z, float(r @ z), 0.0
+    with bar(f"multigrid, {pencil.n} dofs", -math.log10(tolerance), unit="digit") as progress:
+        for iteration in range(1, _MOST_ITERATIONS + 1):
+            product = pencil.product(p)
+            curvature = float(p @ product)
+            if not (curvature > 0.0 and rz > 0.0):
+                raise SingularError(
+                    f"{pencil.what} is singular or not positive definite: a motion has a stiffness "
+                    f"of {curvature:.2g}"
+                )
+            step = rz / curvature
+            x += step * p
+            before = r
+            r = r - step * product
+            size = float(np.linalg.norm(r)) / load
+            if size <= tolerance:
+                return x, iteration
+            digits = max(reached, -math.log10(size))
+            progress.update(digits - reached)
+            reached = digits
+            z = precondition(r)
+            rz_next = float(r @ z)
+            p = z + (rz_next - float(before @ z)) / rz * p
+            rz = rz_next
+    raise ConvergenceError(
+        f"solver 'multigrid' of {pencil.what} ({pencil.n} dofs) reached {size:.2g} of the "
+        f"right-hand side in {_MOST_ITERATIONS} iterations, {tolerance:g} was asked for: the "
+        "matrix is nearly singular (a mechanism, missing supports, ν near .5); take another solver"
+    )

@@ -1,0 +1,98 @@
+"""The matrix K + s²M of a body, which is never put together unless a solver needs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from ..base import FloatArray
+from .fill import mean_width
+
+__all__ = ["Pencil"]
+
+
+# Beside any stiffness nothing, and yet stored.
+_ALMOST_ZERO = 1e-300
+
+
+@dataclass(frozen=True, eq=False)
+class Pencil:
+    """The matrix K + s²M of a body, and where its rows are, for solvers that make use of it.
+
+    Attributes
+    ----------
+    K, M : scipy.sparse.csr_array, shape (n, n)
+    s2 : float
+        s², (rad/s)².
+    nodes : ndarray, shape (n_nodes, 3), optional
+    free : ndarray of int, shape (n,), optional
+        For each row its dof 3·node + component.
+    mesh : Mesh, optional
+    diagonals : tuple of ndarray, shape (n,)
+        Of K and M; found if not given.
+    width : float
+        The `mean_width` of K; found if not given.
+    """
+
+    K: Any
+    M: Any
+    s2: float = 0.0
+    nodes: FloatArray | None = None
+    free: npt.NDArray[np.int64] | None = None
+    mesh: Any = None
+    diagonals: tuple[FloatArray, FloatArray] | None = None
+    width: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.width:
+            object.__setattr__(self, "width", mean_width(self.K))
+        if self.diagonals is None:
+            object.__setattr__(self, "diagonals", (self.K.diagonal(), self.M.diagonal()))
+
+    def at(self, s2: float) -> Pencil:
+        """Return that of another shift, with what is known of this one's parts."""
+        return replace(self, s2=s2)
+
+    @property
+    def diagonal(self) -> FloatArray:
+        """Of K + s²M, shape (n,)."""
+        assert self.diagonals is not None
+        stiff, heavy = self.diagonals
+        return stiff + self.s2 * heavy
+
+    @property
+    def n(self) -> int:
+        return int(self.K.shape[0])
+
+    @property
+    def what(self) -> str:
+        """What to call it in messages."""
+        return "K + s²M" if self.s2 else "the stiffness matrix"
+
+    def matrix(self) -> Any:
+        """Return K + s²M as one matrix; K itself where s is zero.
+
+        It has the pattern of K if M couples no more: what is found out of one serves the other.
+        """
+        if not self.s2:
+            return self.K
+        K = self.K
+        if not K.data.all():  # SciPy leaves sums out that are zero
+            data = np.where(K.data == 0.0, _ALMOST_ZERO, K.data)
+            K = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
+        return K + self.s2 * self.M
+
+    def product(self, x: FloatArray) -> FloatArray:
+        """Return (K + s²M) x without that matrix."""
+        y: FloatArray = self.K @ x
+        return y + self.s2 * (self.M @ x) if self.s2 else y
+
+    @cached_property
+    def scale(self) -> float:
+        """The largest entry of the diagonal: the norm of the matrix is at least that."""
+        return float(self.diagonal.max())

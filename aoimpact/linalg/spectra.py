@@ -1,0 +1,291 @@
+"""The lowest eigenpairs of K φ = ω² M φ, none missed, on the whole space or on bᵀφ = 0."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+
+from ..base import ConvergenceError, FloatArray
+from .davidson import davidson
+from .pencil import Pencil
+from .solvers import LinearSolver, linear_solver
+
+__all__ = ["DENSE_DOFS", "EQUAL", "lowest", "lowest_sparse", "null_space", "shifted"]
+
+
+# Up to here LAPACK on the whole pencil is quicker than setting up an iteration.
+DENSE_DOFS = 500
+
+# Eigenvalues closer than this, relative, are one multiple eigenvalue.
+EQUAL = 1e-9
+
+# Up to so many dofs dense matrices are quicker than an ARPACK that needs more restarts than these:
+# where the lowest eigenvalues lie close together, as if K and M had changed places.
+_DENSE_AT_WORST, _RESTARTS = 2000, 200
+
+# Of the first guess of s²: what is less is no elastic eigenvalue, but rounding.
+_LEAST_SHIFT = 1e-30
+
+# ‖Kφ‖ / ‖|K||φ|‖ of a mode that is rigid: rounding gives some 1e-15, the slenderest of meshes that
+# double precision can still carry 1e-9.
+_RIGID = 1e-12
+
+
+def shifted(
+    K: Any,
+    M: Any,
+    *,
+    rigid: FloatArray | None = None,
+    invert: Callable[[float], LinearSolver] | None = None,
+    first: LinearSolver | None = None,
+) -> LinearSolver:
+    """Return the solver of K + s²M with s² beside the lowest elastic eigenvalue.
+
+    A free K has no factors; K + s²M always has. s² far below the first elastic eigenvalue costs
+    digits, far above it iterations, so it is put right once the eigenvalue is known roughly.
+
+    Parameters
+    ----------
+    K, M : scipy.sparse matrices, shape (n, n)
+    rigid : ndarray, shape (n, r), optional
+        M-orthonormal basis of the null space of K; without it s² stays at its first guess.
+    invert : callable, optional
+        s² ↦ the solver of K + s²M, such as `FEModel.inverse`, which knows more of the body.
+    first : LinearSolver, optional
+        That of the first guess of s², if it is there already.
+    """
+    solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
+    current = first or solver_at(_first_shift(K, M))
+    if rigid is None:
+        return current
+    for _ in range(3):
+        # A motion that was missed among the rigid ones has no elastic eigenvalue at all.
+        elastic = max(_first_elastic(K, M, current, rigid), _LEAST_SHIFT * _first_shift(K, M))
+        if 1e-3 * current.s2 <= elastic <= 1e5 * current.s2:
+            break
+        current = solver_at(elastic)
+    return current
+
+
+def _first_shift(K: Any, M: Any) -> float:
+    """A guess of s² that makes K + s²M definite and leaves K its say, (rad/s)²."""
+    return 1e-4 * float(K.diagonal().sum() / M.diagonal().sum())
+
+
+def _first_elastic(K: Any, M: Any, current: LinearSolver, rigid: FloatArray) -> float:
+    """An upper bound of the first elastic ω² that is right in its order of magnitude."""
+    x = np.random.default_rng(1).standard_normal(K.shape[0])
+    for _ in range(4):
+        x = current.solve(M @ x)
+        x -= rigid @ (rigid.T @ (M @ x))
+        x /= np.sqrt(x @ (M @ x))
+    return float(x @ (K @ x))
+
+
+def null_space(K: Any, M: Any) -> FloatArray:
+    """Return the M-orthonormal modes of zero stiffness, shape (n, r), from the matrices alone.
+
+    A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖: its elastic forces are rounding.
+    """
+    n = K.shape[0]
+    wanted = min(n, 8)
+    while True:
+        _, modes = lowest(K, M, wanted)
+        forces = np.linalg.norm(K @ modes, axis=0)
+        scale = np.linalg.norm(abs(K) @ np.abs(modes), axis=0)
+        rigid = forces <= _RIGID * scale
+        if not rigid.all() or wanted == n:
+            return _without_strain(K, M, modes[:, rigid])
+        wanted = min(n, 2 * wanted)
+
+
+def _without_strain(K: Any, M: Any, modes: FloatArray) -> FloatArray:
+    """Take the last elastic rounding out of rigid modes, and make them M-orthonormal."""
+    if modes.shape[1]:
+        # Each pass leaves s²/(ω² + s²) of the strain, so s² lies far below any elastic ω².
+        s2 = 1e-10 * float(K.diagonal().sum() / M.diagonal().sum())
+        near_k = linear_solver(Pencil(K, M, s2))
+        for _ in range(3):
+            modes = modes - near_k.solve(K @ modes)
+        modes = la.solve_triangular(la.cholesky(modes.T @ (M @ modes)), modes.T, trans="T").T
+    return np.ascontiguousarray(modes)
+
+
+def lowest(
+    K: Any,
+    M: Any,
+    n: int,
+    *,
+    known: FloatArray | None = None,
+    invert: Callable[[float], LinearSolver] | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the `n` lowest eigenpairs, none missed.
+
+    Parameters
+    ----------
+    K, M : scipy.sparse matrices, shape (dofs, dofs)
+        Symmetric; M positive definite, K positive semidefinite.
+    n : int
+        How many, 1 … dofs.
+    known : ndarray, shape (dofs, r), optional
+        M-orthonormal basis of the null space of K; its modes come first, with ω² exactly 0.
+    invert : callable, optional
+        s² ↦ the solver of K + s²M, such as `FEModel.inverse`.
+
+    Returns
+    -------
+    omega2 : ndarray, shape (n,)
+        ω², (rad/s)², ascending, not below 0.
+    modes : ndarray, shape (dofs, n)
+        M-orthonormal.
+    """
+    dofs = K.shape[0]
+    rigid = np.zeros((dofs, 0)) if known is None else known
+    count = rigid.shape[1]
+    if n <= count:
+        return np.zeros(n), rigid[:, :n].copy()
+    if dofs <= DENSE_DOFS or n > dofs // 5:
+        return _lowest_dense(K, M, n, rigid)
+    solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
+    near = solver_at(_first_shift(K, M))
+    if near.precondition is not None and known is not None:
+        omega2, modes = davidson(K, M, near.precondition, n - count, away_from=rigid)
+    else:
+        base = shifted(K, M, rigid=known, invert=solver_at, first=near)
+        try:
+            omega2, modes = lowest_sparse(
+                M,
+                base.solve,
+                base.s2,
+                n - count,
+                away_from=rigid,
+                whole=False,
+                restarts=_RESTARTS if dofs <= _DENSE_AT_WORST else None,
+            )
+        except ConvergenceError:
+            if dofs > _DENSE_AT_WORST:
+                raise
+            return _lowest_dense(K, M, n, rigid)
+    return (
+        np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
+        np.column_stack([rigid, modes])[:, :n],
+    )
+
+
+def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:
+    omega2, modes = la.eigh(K.toarray(), M.toarray(), subset_by_index=[0, n - 1])
+    count = rigid.shape[1]
+    omega2[:count] = 0.0
+    modes[:, :count] = rigid
+    return np.maximum(omega2, 0.0), modes
+
+
+def lowest_sparse(
+    M: Any,
+    solve: Callable[[FloatArray], FloatArray],
+    s2: float,
+    n: int,
+    *,
+    away_from: FloatArray,
+    start: FloatArray | None = None,
+    whole: bool = True,
+    restarts: int | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the `n` lowest eigenpairs of a space from its inverse operator, by ARPACK.
+
+    A Krylov space holds one vector of a multiple eigenvalue, so members of it can be missed. What
+    was found is therefore deflated and the lowest of the rest asked for, until that lies above.
+    The last eigenvalue, too, comes with all its members, so there may be more than `n`.
+
+    With a `start`, only modes that are not M-orthogonal to it are wanted. All of these lie in its
+    Krylov space, one of each multiple eigenvalue, and the iteration alone finds them.
+
+    Parameters
+    ----------
+    M : scipy.sparse matrix, shape (dofs, dofs)
+    solve : callable
+        f ↦ (K + s²M)⁻¹ f on the space in question, self-adjoint.
+    s2 : float
+        The shift s² of `solve`, (rad/s)².
+    n : int
+        How many eigenpairs.
+    away_from : ndarray, shape (dofs, r)
+        M-orthonormal eigenvectors to keep out of the result.
+    start : ndarray, shape (dofs,), optional
+        First vector of the Krylov space.
+    whole : bool, optional
+        Whether the last eigenvalue is wanted with all its members, of which there may be as many as
+        dofs.
+    restarts : int, optional
+        After which ARPACK gives up; ten for each dof if left out.
+
+    Returns
+    -------
+    omega2, modes : ndarrays, shapes (n or more,), (dofs, n or more)
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    margin = EQUAL if whole else -EQUAL
+    first = np.random.default_rng(2).standard_normal(M.shape[0]) if start is None else start
+    omega2, modes = _arnoldi(M, solve, s2, n, away_from, first, restarts)
+    if start is not None:
+        return omega2, modes
+    while True:
+        deflated = np.column_stack([away_from, modes])
+        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, first, restarts)
+        highest = omega2[n - 1] * (1.0 + margin)
+        if next_omega2[0] > highest:
+            within = omega2 <= max(highest, omega2[n - 1])
+            return omega2[within], modes[:, within]
+        omega2 = np.append(omega2, next_omega2)
+        modes = np.column_stack([modes, next_mode])
+        order = np.argsort(omega2, kind="stable")
+        omega2, modes = omega2[order], modes[:, order]
+
+
+def _arnoldi(
+    M: Any,
+    solve: Callable[[FloatArray], FloatArray],
+    s2: float,
+    n: int,
+    deflated: FloatArray,
+    start: FloatArray,
+    restarts: int | None,
+) -> tuple[FloatArray, FloatArray]:
+    dofs = M.shape[0]
+    m_deflated = M @ deflated
+
+    def project(x: FloatArray) -> FloatArray:
+        projected: FloatArray = x - deflated @ (m_deflated.T @ x)
+        return projected
+
+    def inverse(f: FloatArray) -> FloatArray:
+        return project(solve(np.ascontiguousarray(f).ravel()))
+
+    operator = spla.LinearOperator((dofs, dofs), matvec=inverse, dtype=np.float64)
+    try:
+        values, vectors = spla.eigsh(
+            operator,  # used for its shape only: OPinv stands for the inverse
+            k=n,
+            M=M,
+            sigma=-s2,
+            OPinv=operator,
+            which="LM",
+            v0=inverse(M @ start),
+            maxiter=restarts,
+            ncv=min(dofs, max(2 * n + 1, 20)),
+        )
+    except spla.ArpackError as error:
+        raise ConvergenceError(
+            f"ARPACK did not find {n} eigenpairs of {dofs} dofs ({error}); ask for fewer or all"
+        ) from None
+    order = np.argsort(values)
+    vectors = project(vectors[:, order])
+    vectors /= np.sqrt(np.einsum("ij,ij->j", vectors, M @ vectors))
+    return values[order], vectors

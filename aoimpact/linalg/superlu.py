@@ -1,0 +1,159 @@
+"""SuperLU: factors of a sparse symmetric positive definite matrix, always at hand with SciPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from .. import _core
+from ..base import FloatArray, SingularError
+
+__all__ = ["CHECKED_DOFS", "Factorization", "check_condition", "factorize"]
+
+
+# 1/condition below which a factorised matrix is taken for singular: the rounding of its entries
+# alone could have made it so.
+_SINGULAR = 2e-15
+
+# By how much one inverse iteration may fall short of 1/condition, over √n: far more than a random
+# start is at right angles to the softest motion.
+_UNLUCKY = 100.0
+
+# Up to here the signs of the pivots are looked at; SciPy copies all factors to show them.
+CHECKED_DOFS = 10_000
+
+
+@dataclass(frozen=True)
+class Factorization:
+    """Factors of a sparse symmetric positive definite matrix.
+
+    Attributes
+    ----------
+    matrix : scipy.sparse.csc_matrix, shape (n, n)
+        What was factorised.
+    """
+
+    matrix: Any
+    _lu: Any
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
+        solution: FloatArray = self._lu.solve(rhs)
+        return solution
+
+    def negative_pivots(self) -> int:
+        """Return how many eigenvalues are negative: as many as pivots are (Sylvester's law)."""
+        return int(np.count_nonzero(self._lu.U.diagonal() <= 0.0))
+
+    def for_core(self) -> tuple[Any, ...]:
+        """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
+        place = self._lu.perm_r.astype(np.int32)
+        if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
+            raise SingularError("the matrix needed pivoting, so it is not positive definite")
+        lower = sp.tril(self._lu.L, k=-1, format="csc")
+        lower.sort_indices()
+        pivots = np.ascontiguousarray(self._lu.U.diagonal())
+        start, rows = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
+        panel = np.empty(len(start), dtype=np.int32)
+        count = _core.factors_find_panels(start, rows, panel)
+        return start, rows, np.ascontiguousarray(lower.data), pivots, place, panel[: count + 1]
+
+
+def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) -> Factorization:
+    """Factorise a sparse symmetric positive definite matrix with SuperLU.
+
+    Without pivoting and ordered by minimum degree of A + Aᵀ, SuperLU computes L D Lᵀ (as L U).
+
+    Parameters
+    ----------
+    matrix : scipy.sparse matrix, shape (n, n)
+    what : str
+        Its name in error messages.
+    checked : bool, optional
+        Whether to look at what came out, which costs some solutions: not needed for what only
+        preconditions.
+
+    Raises
+    ------
+    SingularError
+        If the matrix is singular; if `checked`, also if it is so to rounding or (up to 10 000 dofs)
+        has negative eigenvalues.
+    """
+    csc = sp.csc_matrix(matrix)
+    try:
+        lu = spla.splu(
+            csc,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
+        raise SingularError(f"{what} is singular ({error})") from None
+    factors = Factorization(csc, lu)
+    if not checked:
+        return factors
+    check_condition(csc, factors.solve, what)
+    if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
+        raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")
+    return factors
+
+
+def check_condition(
+    matrix: Any,
+    solve: Callable[[FloatArray], FloatArray],
+    what: str = "the matrix",
+    *,
+    diagonal: FloatArray | None = None,
+) -> None:
+    """Refuse a matrix whose factors are those of a singular one but for rounding.
+
+    Parameters
+    ----------
+    matrix : scipy.sparse.csr_array or csc_array, shape (n, n)
+        Symmetric, with no entry beyond the diagonal's: A_ij² ≤ A_ii A_jj.
+    solve : callable
+        f ↦ A⁻¹ f by the factors.
+    what : str, optional
+        Its name in messages.
+    diagonal : ndarray, shape (n,), optional
+        Its diagonal, if that is known.
+
+    Raises
+    ------
+    SingularError
+        If λ_min / λ_max, by inverse iterations (three, or one where that leaves no doubt) and the
+        largest row sum, is below 2e-15.
+    """
+    scale = np.sqrt(np.abs(matrix.diagonal() if diagonal is None else diagonal))
+    if not (scale > 0.0).all() or not _is_regular(matrix, solve, scale):
+        raise SingularError(f"{what} is singular to rounding")
+
+
+def _is_regular(matrix: Any, solve: Callable[[FloatArray], FloatArray], scale: FloatArray) -> bool:
+    # Scaled by its diagonal, so that elements of very different size do not count as singular.
+    x = np.random.default_rng(0).standard_normal(len(scale))
+    inverse = 0.0
+    for iteration in range(3):
+        x /= np.linalg.norm(x)
+        x = scale * solve(scale * x)
+        inverse = float(np.linalg.norm(x))
+        if not np.isfinite(inverse):
+            return False
+        if iteration == 0:
+            most = 1.0 / (_SINGULAR * _UNLUCKY * np.sqrt(len(x)) * inverse)
+            if float(np.diff(matrix.indptr).max()) < most:  # a row sum of entries up to 1
+                return True
+            largest = _largest_sum(matrix, scale)
+            if largest < most:
+                return True
+    return inverse * largest < 1.0 / _SINGULAR
+
+
+def _largest_sum(matrix: Any, scale: FloatArray) -> float:
+    sizes = type(matrix)((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)
+    return float((sizes @ (1.0 / scale) / scale).max())

@@ -1,0 +1,187 @@
+"""Mesh files through meshio: reading any of them, and the names they give to groups of nodes."""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import io
+import os
+import re
+import stat
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import numpy.typing as npt
+
+from ..base import IntArray, MemoryLimitError, MeshError, MissingFileError, file_path
+from .elements import KINDS
+from .guard import bounded, bounded_text
+
+__all__ = ["load", "named_nodes"]
+
+
+# meshio's names of kinds of cells: a shape and its number of nodes.
+_KIND = re.compile(r"(vertex|line|triangle|quad|tetra|hexahedron|wedge|pyramid)\d*")
+
+# Formats that hold no volume cells: there is nothing to be read.
+_SURFACES = (".obj", ".off", ".ply", ".stl", ".svg", ".wkt")
+
+_DIMENSION_NAMES = ("point", "line", "surface", "volume")
+
+
+def load(path: str | os.PathLike[str]) -> Any:
+    """Return the file as a `meshio.Mesh`.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such file.
+    MeshError
+        If it is empty, of a format that meshio does not read, or has cells of a kind that meshio
+        cannot hold.
+    MemoryLimitError
+        If there is not enough memory for it.
+    """
+    file, size = _existing(path)
+    if file.suffix.lower() in _SURFACES:
+        raise MeshError(
+            f"mesh file {str(file)!r}: files {file.suffix} hold surfaces, without volume cells; "
+            "mesh the inside, and write .msh, .vtu or .inp"
+        )
+    said = io.StringIO()
+    try:
+        # meshio tries one reader after the other, prints why each failed, and then exits.
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            bounded(size),
+            warnings.catch_warnings(),
+        ):
+            warnings.simplefilter("ignore")  # of deprecations, and of arithmetic on rubbish
+            warnings.filterwarnings("error", message="string or file could not be read")
+            return _read(file)
+    except SystemExit:
+        reason = " ".join(said.getvalue().split())
+    except MemoryError:
+        raise MemoryLimitError(
+            f"mesh file {str(file)!r} ({size} bytes) needs more memory than there is: coarsen the "
+            "mesh, or look for a count in the file that is wrong"
+        ) from None
+    except ModuleNotFoundError as error:
+        raise MeshError(
+            f"mesh file {str(file)!r} needs the package {error.name}: pip install {error.name}"
+        ) from None
+    except KeyError as error:
+        # Some readers know more kinds of cells, such as wedge15, than meshio's meshes can hold.
+        if _KIND.fullmatch(str(error.args[0] if error.args else "")):
+            raise MeshError(
+                f"mesh file {str(file)!r} has cells of an unsupported kind: {error.args[0]}; "
+                f"supported are {', '.join(KINDS)}"
+            ) from None
+        reason = f"KeyError: {error}"
+    except Exception as error:
+        # Readers meet malformed files with whatever their parsing happens to raise.
+        reason = f"{type(error).__name__}: {error}"
+    raise MeshError(
+        f"mesh file {str(file)!r} cannot be read: {reason or 'meshio gives no reason'}; "
+        "see the formats of meshio, and convert it to one of them (.msh, .vtu, .inp, …)"
+    )
+
+
+def _existing(path: str | os.PathLike[str]) -> tuple[Path, int]:
+    """Return the file and its size in bytes."""
+    file = file_path("mesh", path)
+    try:
+        state = file.stat()
+    except FileNotFoundError:
+        raise MissingFileError(
+            f"mesh file {str(file)!r} does not exist (in {os.getcwd()})"
+        ) from None
+    except OSError as error:  # no access, or a name that is too long
+        raise MeshError(f"mesh file {str(file)!r} cannot be opened: {error}") from None
+    if not stat.S_ISREG(state.st_mode):
+        what = "a directory" if stat.S_ISDIR(state.st_mode) else "no regular file"
+        raise MeshError(f"mesh file {str(file)!r} is {what}")
+    if state.st_size == 0:
+        raise MeshError(f"mesh file {str(file)!r} is empty")
+    return file, state.st_size
+
+
+def _read(file: Path) -> Any:
+    if file.name.lower().endswith(".vol.gz"):  # unpacked by a reader of its own, without bounds
+        with bounded_text(gzip.open(file)) as text:
+            return meshio.read(text, "netgen")
+    return meshio.read(file)
+
+
+def named_nodes(mesh: Any) -> dict[str, IntArray]:
+    """Return the named groups of a `meshio.Mesh` as sorted node numbers.
+
+    Node sets, cell sets, Gmsh's physical groups and MED's groups, of any dimension; a group of
+    cells is the set of their nodes. A physical group without a name is called after its dimension
+    and tag, as in "surface 3". Groups of the same name are joined.
+
+    Raises
+    ------
+    MeshError
+        If groups name what is not there, or not by numbers.
+    """
+    found: dict[str, list[IntArray]] = {}
+    try:
+        for name, nodes in _groups(mesh):
+            if len(nodes):
+                found.setdefault(name, []).append(nodes)
+    except (ValueError, TypeError, LookupError, OverflowError, AttributeError) as error:
+        raise MeshError(f"the named groups of the mesh are wrong: {error}") from None
+    return {name: np.unique(np.concatenate(parts)) for name, parts in found.items()}
+
+
+def _groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
+    for name, members in mesh.point_sets.items():
+        yield str(name), _indices(members)
+    for name, blocks in mesh.cell_sets.items():
+        if name.startswith("gmsh:"):  # a table of meshio's own, not a group
+            continue
+        for block, members in zip(mesh.cells, blocks, strict=False):
+            if members is not None and len(members):
+                yield str(name), _nodes_of(block, _indices(members))
+    yield from _physical_groups(mesh)
+    yield from _med_groups(mesh)
+
+
+def _physical_groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
+    names = {
+        (int(value[1]), int(value[0])): str(name)
+        for name, value in mesh.field_data.items()
+        if np.size(value) == 2
+    }
+    for block, tags in zip(mesh.cells, mesh.cell_data.get("gmsh:physical", ()), strict=False):
+        for tag in np.unique(tags):
+            if tag != 0:
+                name = f"{_DIMENSION_NAMES[block.dim]} {tag}"
+                yield names.get((block.dim, int(tag)), name), _nodes_of(block, tags == tag)
+
+
+def _med_groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
+    tags = mesh.point_data.get("point_tags")
+    if tags is not None:
+        for tag, names in getattr(mesh, "point_tags", {}).items():
+            for name in names:
+                yield str(name), np.flatnonzero(tags == tag)
+    for block, tags in zip(mesh.cells, mesh.cell_data.get("cell_tags", ()), strict=False):
+        for tag, names in getattr(mesh, "cell_tags", {}).items():
+            for name in names:
+                yield str(name), _nodes_of(block, tags == tag)
+
+
+def _nodes_of(block: Any, members: npt.NDArray[Any]) -> IntArray:
+    return np.unique(np.asarray(block.data)[members]).astype(np.int64)
+
+
+def _indices(members: Any) -> IntArray:
+    array = np.asarray(members)
+    return np.flatnonzero(array) if array.dtype == bool else array.astype(np.int64).reshape(-1)

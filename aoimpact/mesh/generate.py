@@ -1,0 +1,260 @@
+"""Meshes of simple bodies, made here: balls of any fineness, boxes, and the paper's sphere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from importlib import resources
+from itertools import permutations, product
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import (
+    FloatArray,
+    InputError,
+    IntArray,
+    choice,
+    finite_array,
+    integer,
+    positive,
+    sequence,
+)
+from .elements import KINDS, ReferenceElement, reference_element
+from .mesh import Mesh, read_mesh
+
+__all__ = ["box_mesh", "paper_sphere_mesh", "sphere_mesh"]
+
+
+_GOLDEN = 0.5 * (1.0 + 5.0**0.5)
+
+# Angle between neighbouring vertices of the icosahedron, seen from its centre, and how much longer
+# than their share of it edges in the middle of a face are.
+_ICOSAHEDRON_ANGLE = float(np.arctan(2.0))
+_STRETCH = 1.18
+
+# More nodes than this is surely a slip in `size` (m, not mm); 1e7 nodes are 40 GB of matrices.
+_MOST_NODES = 1e7
+
+
+def sphere_mesh(radius: float, size: float) -> Mesh:
+    """Return a ball of tetra10 elements about the origin.
+
+    The ball is cut into the 20 cones of an icosahedron, each into n³ tetrahedra in n similar
+    layers, n even; the nodes of edges on the surface lie on the sphere. There is a corner node at
+    each of (±R, 0, 0), (0, ±R, 0), (0, 0, ±R), and one at the centre.
+
+    Parameters
+    ----------
+    radius : float
+        R, m.
+    size : float
+        Length of the longest element edge on the surface, m; some edges inside are half as long
+        again. n is the first even number from 1.31 R/size upward.
+
+    Returns
+    -------
+    Mesh
+        With the node set "surface".
+
+    Raises
+    ------
+    InputError
+        If `radius` or `size` is not positive, `size` more than the diameter, or so small that the
+        mesh would fill the memory.
+    """
+    R = positive("radius", radius, unit="m")
+    h = positive("size", size, unit="m")
+    if h > 2.0 * R:
+        raise InputError(f"size={h:g} m is larger than the sphere (radius={R:g} m)")
+    n_exact = _STRETCH * _ICOSAHEDRON_ANGLE * (R / h)
+    _refuse_monster(80.0 / 3.0 * n_exact * n_exact * n_exact, "size", f"{h:g}, of radius={R:g} m,")
+    n = 2 * max(1, int(np.ceil(n_exact / 2.0 - 1e-9)))
+    directions, cones = _icosahedron()
+    barycentric, tets = _subdivided_tetrahedron(n)
+    keys, places = _cone_points(directions, cones, barycentric, n)
+    _, first, number = np.unique(keys.reshape(-1), return_index=True, return_inverse=True)
+    corners = places.reshape(-1, 3)[first]
+    cells = number.reshape(len(cones), -1)[:, tets].reshape(-1, 4)
+    volume = np.linalg.det(corners[cells[:, 1:]] - corners[cells[:, :1]])
+    cells = np.where(volume[:, None] < 0.0, cells[:, [0, 2, 1, 3]], cells)
+    nodes, cells = _with_edge_nodes(corners, cells)
+    return _ball(nodes, cells, len(corners), R)
+
+
+def _ball(nodes: FloatArray, cells: IntArray, n_corners: int, radius: float) -> Mesh:
+    """Push the edges of the boundary out to the sphere; scale the unit ball to its radius."""
+    on_surface = np.abs(np.linalg.norm(nodes, axis=1) - 1.0) < 1e-9
+    for (a, b), middle in zip(_TET10_EDGES, range(4, 10), strict=True):
+        both = on_surface[cells[:, a]] & on_surface[cells[:, b]]
+        on_surface[cells[both, middle]] = True
+    surface = np.flatnonzero(on_surface)
+    nodes[surface] /= np.linalg.norm(nodes[surface], axis=1)[:, None]
+    return Mesh(radius * nodes, cells, "tetra10", {"surface": surface})
+
+
+_TET10_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+
+
+def _icosahedron() -> tuple[FloatArray, IntArray]:
+    """Unit vectors to the 12 vertices, and the vertices of the 20 faces.
+
+    Two opposite edges are halved by each axis of coordinates.
+    """
+    signs = [(a, b) for a in (1.0, -1.0) for b in (_GOLDEN, -_GOLDEN)]
+    vertices = [np.roll([0.0, a, b], shift) for shift in range(3) for a, b in signs]
+    directions = np.array(vertices) / np.hypot(1.0, _GOLDEN)
+    near = directions @ directions.T > 0.4
+    faces = [
+        (i, j, k)
+        for i in range(12)
+        for j in range(i + 1, 12)
+        for k in range(j + 1, 12)
+        if near[i, j] and near[j, k] and near[i, k]
+    ]
+    return directions, np.array(faces)
+
+
+def _subdivided_tetrahedron(n: int) -> tuple[IntArray, IntArray]:
+    """Cut a tetrahedron into n³ by Kuhn's scheme.
+
+    Returns
+    -------
+    barycentric : ndarray of int, shape (n_points, 4)
+        Non-negative, each row adding up to n.
+    tets : ndarray of int, shape (n³, 4)
+    """
+    grid = np.array(np.meshgrid(*[np.arange(n)] * 3, indexing="ij")).reshape(3, -1).T
+    pieces = []
+    for order in permutations(range(3)):
+        steps = np.zeros((4, 3), dtype=np.int64)
+        for k, axis in enumerate(order):
+            steps[k + 1 :, axis] += 1
+        simplices = grid[:, None, :] + steps
+        x, y, z = np.moveaxis(simplices, 2, 0)
+        pieces.append(simplices[((x >= y) & (y >= z)).all(axis=1)])
+    lattice = np.concatenate(pieces)
+    x, y, z = np.moveaxis(lattice, 2, 0)
+    weights = np.stack([n - x, x - y, y - z, z], axis=-1).reshape(-1, 4)
+    barycentric, number = np.unique(weights, axis=0, return_inverse=True)
+    return barycentric, number.reshape(-1, 4)
+
+
+def _cone_points(
+    directions: FloatArray, cones: IntArray, barycentric: IntArray, n: int
+) -> tuple[IntArray, FloatArray]:
+    """Place the points of every cone in the unit ball, with one key for points that coincide.
+
+    The first barycentric coordinate belongs to the centre: the layer is the sum of the others, and
+    the direction comes from sines of their shares, which leaves the spacing on the sphere nearly
+    even.
+    """
+    share = barycentric[:, 1:]
+    layer = share.sum(axis=1)
+    angle = share / np.maximum(layer, 1)[:, None] * _ICOSAHEDRON_ANGLE
+    places = np.einsum("pk,fkc->fpc", np.sin(angle), directions[cones])
+    norm = np.linalg.norm(places, axis=2, keepdims=True)
+    places *= (layer / n)[:, None] / np.where(norm > 0.0, norm, 1.0)
+    # A point is known by its vertices with a positive share, each as one number, in order.
+    label = np.where(share[None] > 0, cones[:, None, :] * (n + 1) + share[None] + 1, 0)
+    label.sort(axis=2)
+    base = 12 * (n + 1) + 1
+    return (label[..., 0] * base + label[..., 1]) * base + label[..., 2], places
+
+
+def _with_edge_nodes(corners: FloatArray, cells: IntArray) -> tuple[FloatArray, IntArray]:
+    """Add a node in the middle of each edge: tetra to tetra10."""
+    ends = np.sort(np.stack([cells[:, edge] for edge in _TET10_EDGES], axis=1), axis=2)
+    n = len(corners)
+    keys, number = np.unique(ends[..., 0] * n + ends[..., 1], return_inverse=True)
+    middles = 0.5 * (corners[keys // n] + corners[keys % n])
+    return (
+        np.concatenate([corners, middles]),
+        np.concatenate([cells, n + number.reshape(-1, 6)], axis=1),
+    )
+
+
+def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "hexahedron") -> Mesh:
+    """Return the box from the origin to `lengths`, cut into equal bricks.
+
+    Parameters
+    ----------
+    lengths : array_like, shape (3,)
+        Along x, y and z, m.
+    divisions : sequence of 3 int
+        Bricks along x, y and z.
+    kind : str, optional
+        Any kind of element; each brick is one hexahedron, two wedges, or six tetrahedra.
+
+    Returns
+    -------
+    Mesh
+        With the node sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax" of the six faces.
+
+    Raises
+    ------
+    InputError
+        If a length is not positive, a division less than one, `kind` unknown, or the mesh so fine
+        that it would fill the memory.
+
+    Examples
+    --------
+    The paper's beam (Table 4 and section 4), 459 nodes and 200 elements:
+
+    >>> box_mesh((1.0, 0.02, 0.02), (50, 2, 2))
+    Mesh(459 nodes, 200 hexahedron, sets: xmin, xmax, ymin, ymax, zmin, zmax)
+    """
+    sides = finite_array("lengths", lengths, shape=(3,), unit="m")
+    for i, side in enumerate(sides):
+        positive(f"lengths[{i}]", float(side), unit="m")
+    given = sequence("divisions", divisions)
+    if len(given) != 3:
+        raise InputError(f"divisions must be three integers, got {given!r}")
+    counts = [integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given)]
+    element = reference_element(choice("kind", kind, KINDS))
+    _refuse_monster(8.0 * float(min(math.prod(counts), 10**30)), "divisions", counts)
+    lattice = _brick_nodes(element, np.array(counts))
+    doubled = 2 * np.array(counts) + 1
+    keys = np.ravel_multi_index(tuple(np.moveaxis(lattice, 2, 0)), tuple(doubled))
+    used, cells = np.unique(keys, return_inverse=True)
+    grid = np.stack(np.unravel_index(used, tuple(doubled)), axis=1)
+    sets = {}
+    for axis, name in enumerate("xyz"):
+        sets[f"{name}min"] = np.flatnonzero(grid[:, axis] == 0)
+        sets[f"{name}max"] = np.flatnonzero(grid[:, axis] == doubled[axis] - 1)
+    return Mesh(grid * (sides / (doubled - 1)), cells.reshape(keys.shape), kind, sets)
+
+
+def _brick_nodes(element: ReferenceElement, counts: IntArray) -> IntArray:
+    """Nodes of all elements on the lattice of half bricks, shape (n_cells, n_nodes, 3)."""
+    corner_kind = {4: "tetra", 6: "wedge", 8: "hexahedron"}[element.n_corners]
+    corner_element = reference_element(corner_kind)
+    if corner_kind == "hexahedron":
+        pieces = corner_element.nodes[None]
+    elif corner_kind == "wedge":
+        first = corner_element.nodes
+        pieces = np.stack([first, first * [-1, -1, 1] + [1, 1, 0]])
+    else:
+        orders = [np.eye(3)[list(order)] for order in permutations(range(3))]
+        pieces = np.stack([np.cumsum([[0, 0, 0], *order], axis=0) for order in orders])
+        odd = np.linalg.det(pieces[:, 1:]) < 0.0
+        pieces[odd] = pieces[odd][:, [0, 2, 1, 3]]
+    local = 2.0 * (corner_element.shape(element.nodes) @ pieces)
+    bricks = np.array(list(product(*(range(count) for count in counts))))
+    nodes = 2 * bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]
+    return nodes.reshape(-1, element.n_nodes, 3)
+
+
+def paper_sphere_mesh() -> Mesh:
+    """Return the paper's sphere: radius 10 mm, 1053 nodes, 602 tetra10 (section 3, Table 1).
+
+    The paper prints the numbers of nodes and elements, not the mesh; this one has the same. Corner
+    nodes lie at (±R, 0, 0); the node set "surface" holds the nodes on the sphere.
+    """
+    with resources.as_file(resources.files("aoimpact") / "data" / "sphere.msh") as path:
+        return read_mesh(path)
+
+
+def _refuse_monster(n_nodes: float, name: str, value: object) -> None:
+    if n_nodes > _MOST_NODES:
+        raise InputError(f"{name}={value} would make some {n_nodes:.2g} nodes; is it in metres?")

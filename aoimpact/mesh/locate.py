@@ -1,0 +1,138 @@
+"""Points of a body: in which element a point lies, and what its nodes weigh there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base import FloatArray, InputError, IntArray, plain
+from .elements import ReferenceElement, reference_element
+from .mesh import Mesh
+
+__all__ = ["node_at", "weights_at"]
+
+
+# A point closer to a node than this fraction of the body's size is that node.
+_AT_NODE = 1e-6
+
+# Off the mesh by less than this share of the element's size, a point is on it: faceted surfaces
+# leave such slivers.
+_ON_SURFACE = 0.02
+
+# So near, and it is within the element.
+_INSIDE = 1e-12
+
+# Newton's method for the reference coordinates: steps at most, and the last one's size.
+_MOST_STEPS = 30
+_LAST_STEP = 1e-13
+
+
+def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return the nodes of the element that holds a point, and their shape functions there.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    point : ndarray, shape (3,)
+        m.
+
+    Returns
+    -------
+    nodes, weights : ndarrays, shape (nodes per element,)
+        The weights sum to 1.
+
+    Raises
+    ------
+    InputError
+        If the point is off the body.
+    """
+    element = reference_element(mesh.kind)
+    best = np.inf
+    for cell in _candidates(mesh, point):
+        corners = mesh.nodes[mesh.cells[cell]]
+        place = _inside(element, _reference_place(element, corners, point))
+        shape = element.shape(place[None])[0]
+        off = float(np.linalg.norm(shape @ corners - point) / _size(corners))
+        if off < best:
+            best, nodes, weights = off, mesh.cells[cell], shape
+        if best <= _INSIDE:
+            break
+    if best > _ON_SURFACE:
+        raise InputError(_off_the_body(mesh, point))
+    return nodes, weights
+
+
+def node_at(nodes: FloatArray, point: FloatArray) -> int:
+    """Return the number of the node at a point of a body without elements.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    distance = np.linalg.norm(nodes - point, axis=1)
+    node = int(np.argmin(distance))
+    if distance[node] > _AT_NODE * np.linalg.norm(np.ptp(nodes, axis=0)):
+        raise InputError(
+            f"point {plain(point)} m is no node, and the body has no elements between its nodes "
+            f"(it was given by K and M); the nearest node is {node} at {plain(nodes[node])} m, "
+            f"{distance[node]:.3g} m away"
+        )
+    return node
+
+
+def _size(corners: FloatArray) -> float:
+    return float(np.linalg.norm(np.ptp(corners, axis=0)))
+
+
+def _candidates(mesh: Mesh, point: FloatArray) -> IntArray:
+    """The elements around whose nodes a box, larger by half for bulging sides, holds the point.
+
+    The one whose middle is nearest comes first.
+    """
+    corners = mesh.nodes[mesh.cells]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    room = 0.25 * (high - low).max(axis=1, keepdims=True)
+    within = ((point >= low - room) & (point <= high + room)).all(axis=1)
+    found = np.flatnonzero(within)
+    distance = np.linalg.norm(corners[found].mean(axis=1) - point, axis=1)
+    return found[np.argsort(distance, kind="stable")]
+
+
+def _reference_place(
+    element: ReferenceElement, corners: FloatArray, point: FloatArray
+) -> FloatArray:
+    """Solve Σ φ_a(ξ) x_a = point by Newton's method, held within the element and a little more."""
+    middle = element.nodes[: element.n_corners].mean(axis=0)
+    place: FloatArray = middle
+    for _ in range(_MOST_STEPS):
+        miss = point - element.shape(place[None])[0] @ corners
+        jacobian = corners.T @ element.gradient(place[None])[0]
+        step = np.linalg.lstsq(jacobian, miss)[0]
+        ahead = np.clip(place + step, -1.0, 2.0)
+        if np.abs(ahead - place).max() <= _LAST_STEP:
+            break
+        place = ahead
+    return place
+
+
+def _inside(element: ReferenceElement, place: FloatArray) -> FloatArray:
+    """The place in the reference element that is nearest, or nearly so."""
+    inside = np.clip(place, 0.0, 1.0)
+    # Tetrahedra and wedges are cut off where the sum of all, or of the first two, reaches 1.
+    cut = {4: 3, 6: 2}.get(element.n_corners, 0)
+    total = float(inside[:cut].sum())
+    if total > 1.0:
+        inside[:cut] /= total
+    return inside
+
+
+def _off_the_body(mesh: Mesh, point: FloatArray) -> str:
+    distance = np.linalg.norm(mesh.nodes - point, axis=1)
+    node = int(np.argmin(distance))
+    low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
+    box = ", ".join(f"{c} {a:.4g}…{b:.4g}" for c, a, b in zip("xyz", low, high, strict=True))
+    return (
+        f"point {plain(point)} m is off the body, which spans {box} m; the nearest node is {node} "
+        f"at {plain(mesh.nodes[node])} m, {distance[node]:.3g} m away: give a point of the body "
+        "(are the coordinates in metres?)"
+    )

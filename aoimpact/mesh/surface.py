@@ -1,0 +1,294 @@
+"""The surface of a mesh: the sides of its elements that no other element shares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from ..base import FloatArray, IntArray
+from .elements import reference_element
+from .faces import reference_faces
+from .mesh import Mesh
+
+__all__ = ["Place", "Surface", "boundary", "plane_of"]
+
+
+# A curved side may bulge this much beyond the ball around its nodes.
+_BULGE = 1.2
+
+# Newton's steps in a side's own coordinates, which run from 0 to 1: more are never needed where
+# there is a solution, and a step longer than this leaves the side for good or oscillates.
+_ITERATIONS, _LONGEST = 25, 0.5
+
+# After so short a step the next one, Newton's being squared, is below rounding.
+_CONVERGED = 1e-10
+
+# This far from a side's middle an iteration will not come back to it.
+_LOST = 1.5
+
+# Coordinates this far outside still count as on the side: its edge belongs to both neighbours.
+_ON_EDGE = 1e-9
+
+# Pairs of a point and a side that are worked on at a time: some 100 MB for 27 nodes.
+_CHUNK = 50_000
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Points on the surface of a mesh.
+
+    Attributes
+    ----------
+    face : ndarray of int, shape (n,)
+        Number of the side in `Surface`; -1 where there is no point.
+    uv : ndarray, shape (n, 2)
+        Its coordinates on that side.
+    x : ndarray, shape (n, 3)
+        m.
+    distance : ndarray, shape (n,)
+        How far from what was asked for, m.
+    """
+
+    face: IntArray
+    uv: FloatArray
+    x: FloatArray
+    distance: FloatArray
+
+    def take(self, which: npt.NDArray[np.intp]) -> Place:
+        return Place(self.face[which], self.uv[which], self.x[which], self.distance[which])
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """The boundary of a mesh.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    cell, side : ndarrays of int, shape (n_faces,)
+        The element that each face belongs to, and which of `reference_faces` it is.
+    joined : ndarray of int, shape (any, 2)
+        Pairs of elements that share a side.
+    """
+
+    mesh: Mesh
+    cell: IntArray
+    side: IntArray
+    joined: IntArray
+
+    @cached_property
+    def part(self) -> IntArray:
+        """For each element, which of the parts that hang together by whole sides it is in."""
+        n = self.mesh.n_cells
+        links = sp.coo_array((np.ones(len(self.joined), bool), tuple(self.joined.T)), shape=(n, n))
+        part: IntArray = connected_components(links, directed=False)[1].astype(np.int64)
+        return part
+
+    @cached_property
+    def nodes(self) -> IntArray:
+        """Node numbers of each face, corners first; short rows repeat their first node."""
+        sides = reference_faces(self.mesh.kind)
+        width = max(4, *(len(face.nodes) for face in sides))
+        local = np.stack([np.resize(face.nodes, width) for face in sides])
+        for row, face in zip(local, sides, strict=True):
+            row[len(face.nodes) :] = face.nodes[0]
+        return np.take_along_axis(self.mesh.cells[self.cell], local[self.side], axis=1)
+
+    @cached_property
+    def balls(self) -> tuple[FloatArray, FloatArray]:
+        """Centres, shape (n_faces, 3), and radii of balls that hold each face."""
+        x = self.mesh.nodes[self.nodes]
+        centre = x.mean(axis=1)
+        return centre, _BULGE * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
+
+    def shape(self, face: IntArray, uv: FloatArray) -> FloatArray:
+        """Return the shape functions of the faces' elements, shape (n, nodes per cell)."""
+        return reference_element(self.mesh.kind).shape(self._xi(face, uv))
+
+    def at(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return x, shape (n, 3), and ∂x/∂u, ∂x/∂v, shape (n, 2, 3), of points on faces."""
+        element, xi = reference_element(self.mesh.kind), self._xi(face, uv)
+        corners = self.mesh.nodes[self.mesh.cells[self.cell[face]]]
+        shape, gradient = element.evaluate(xi)
+        x = np.einsum("na,nai->ni", shape, corners)
+        return x, self._axes[self.side[face]] @ (gradient.swapaxes(1, 2) @ corners)
+
+    def normal(self, face: IntArray, uv: FloatArray) -> FloatArray:
+        """Return outward unit normals, shape (n, 3)."""
+        tangents = self.at(face, uv)[1]
+        normal = np.cross(tangents[:, 0], tangents[:, 1])
+        unit: FloatArray = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+        return unit
+
+    def edges(self, face: IntArray) -> FloatArray:
+        """Return the mean length of the straight edges of each face, m, shape (n,)."""
+        corner = self.mesh.nodes[self.nodes[face, :4]]
+        triangle = self._triangle[self.side[face]]
+        corner[triangle, 3] = corner[triangle, 0]
+        lengths = np.linalg.norm(np.diff(corner, axis=1, append=corner[:, :1]), axis=2)
+        mean: FloatArray = lengths.sum(axis=1) / np.where(triangle, 3, 4)
+        return mean
+
+    def middle(self, face: IntArray) -> FloatArray:
+        """Return the coordinates (u, v) of the faces' middles, shape (n, 2)."""
+        return np.where(self._triangle[self.side[face]], 1.0 / 3.0, 0.5)[:, None] * np.ones(2)
+
+    def nearest(self, point: FloatArray) -> list[Place]:
+        """Return the nearest point of the surface, on each of the faces that share it."""
+        centre, radius = self.balls
+        distance = np.linalg.norm(centre - point, axis=1)
+        face = np.flatnonzero(distance - radius <= (distance + radius).min())
+        uv = self.middle(face)
+        for _ in range(_ITERATIONS):
+            x, tangents = self.at(face, uv)
+            gap = np.einsum("nui,ni->nu", tangents, point - x)
+            uv = self._clamped(face, uv + _solved(tangents @ tangents.swapaxes(1, 2), gap))
+        x = self.at(face, uv)[0]
+        distance = np.linalg.norm(x - point, axis=1)
+        shared = np.flatnonzero(distance <= distance.min() + 1e-9 * radius[face].max())
+        shared = shared[np.argsort(distance[shared], kind="stable")]
+        found = Place(face, uv, x, distance)
+        return [found.take(shared[i : i + 1]) for i in range(len(shared))]
+
+    def pierced(
+        self, points: FloatArray, axis: FloatArray, *, reach: float, outward: bool = True
+    ) -> Place:
+        """Return where lines along `axis` through `points` cross the surface, the nearest place.
+
+        Parameters
+        ----------
+        points : ndarray, shape (n, 3)
+        axis : ndarray, shape (3,)
+            Unit vector; only faces that look that way (or the other, if not `outward`) count.
+        reach : float
+            How far from the points, m, along the axis and against it.
+        """
+        across = plane_of(axis)
+        middle, spread = points.mean(axis=0), np.ptp(points, axis=0)
+        centre, radius = self.balls
+        offset = centre - middle
+        near = np.linalg.norm(offset @ across.T, axis=1) <= radius + np.linalg.norm(spread)
+        near &= np.abs(offset @ axis) <= reach + radius + np.linalg.norm(spread)
+        face = np.flatnonzero(near)
+        plane = points @ across.T
+        gap = np.linalg.norm(plane[:, None] - (centre[face] @ across.T)[None], axis=2)
+        point, candidate = np.nonzero(gap <= radius[face])
+        return self._first(points, axis, reach, outward, point, face[candidate])
+
+    def _first(
+        self,
+        points: FloatArray,
+        axis: FloatArray,
+        reach: float,
+        outward: bool,
+        point: IntArray,
+        face: IntArray,
+    ) -> Place:
+        """Of all pairs of a point and a face, the crossing nearest to each point."""
+        n = len(points)
+        best = Place(np.full(n, -1), np.zeros((n, 2)), points.copy(), np.full(n, np.inf))
+        for start in range(0, len(face), _CHUNK):
+            to, on = point[start : start + _CHUNK], face[start : start + _CHUNK]
+            uv, x, looks = self._cross(points[to], axis, on)
+            height = np.abs((x - points[to]) @ axis)
+            good = self._inside(on, uv) & ((looks > 0.0) == outward) & (height <= reach)
+            good &= height < best.distance[to]
+            order = np.flatnonzero(good)[np.lexsort((height[good], to[good]))]
+            winner = order[np.diff(to[order], prepend=-1) > 0]
+            to = to[winner]
+            best.face[to], best.uv[to] = on[winner], uv[winner]
+            best.x[to], best.distance[to] = x[winner], height[winner]
+        return best
+
+    def _cross(
+        self, points: FloatArray, axis: FloatArray, face: IntArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Newton for the place on each face straight above or below its point."""
+        across = plane_of(axis)
+        uv = self.middle(face)
+        active = np.arange(len(face))
+        for _ in range(_ITERATIONS):
+            x, tangents = self.at(face[active], uv[active])
+            gap = (points[active] - x) @ across.T
+            step = _solved((tangents @ across.T).swapaxes(1, 2), gap)
+            uv[active] += step
+            moving = np.abs(step).max(axis=1, initial=0.0) > _CONVERGED
+            active = active[moving & (np.abs(uv[active] - 0.5).max(axis=1) < _LOST)]
+            if not len(active):
+                break
+        x, tangents = self.at(face, uv)
+        # What has not converged, on a face that the line misses, is nowhere near its point.
+        missed = np.linalg.norm((points - x) @ across.T, axis=1) > 1e-9 * self.balls[1][face]
+        uv[missed] = np.inf
+        return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
+
+    def _xi(self, face: IntArray, uv: FloatArray) -> FloatArray:
+        side = self.side[face]
+        xi: FloatArray = self._origins[side] + np.einsum("nu,nuc->nc", uv, self._axes[side])
+        return xi
+
+    def _inside(self, face: IntArray, uv: FloatArray) -> npt.NDArray[np.bool_]:
+        u, v = uv.T
+        furthest = np.where(self._triangle[self.side[face]], u + v, np.maximum(u, v))
+        inside: npt.NDArray[np.bool_] = (uv >= -_ON_EDGE).all(axis=1) & (furthest <= 1.0 + _ON_EDGE)
+        return inside
+
+    def _clamped(self, face: IntArray, uv: FloatArray) -> FloatArray:
+        """Move coordinates to the nearest ones on the face."""
+        u, v = np.clip(uv, 0.0, 1.0).T
+        excess = np.where(self._triangle[self.side[face]], np.maximum(u + v - 1.0, 0.0), 0.0)
+        u = np.clip(u - 0.5 * excess, 0.0, 1.0)
+        return np.stack([u, np.minimum(v, np.where(excess > 0.0, 1.0 - u, 1.0))], axis=1)
+
+    @cached_property
+    def _origins(self) -> FloatArray:
+        return np.stack([face.origin for face in reference_faces(self.mesh.kind)])
+
+    @cached_property
+    def _axes(self) -> FloatArray:
+        return np.stack([face.axes for face in reference_faces(self.mesh.kind)])
+
+    @cached_property
+    def _triangle(self) -> npt.NDArray[np.bool_]:
+        return np.array([face.n_corners == 3 for face in reference_faces(self.mesh.kind)])
+
+
+def boundary(mesh: Mesh) -> Surface:
+    """Return the surface of a mesh: the sides whose corners belong to no other element."""
+    sides = reference_faces(mesh.kind)
+    keys = np.full((len(sides), mesh.n_cells, 4), -1)
+    for key, face in zip(keys, sides, strict=True):
+        corners = mesh.cells[:, face.nodes[: face.n_corners]]
+        key[:, : face.n_corners] = np.sort(corners, axis=1)
+    flat = keys.reshape(-1, 4)
+    order = np.lexsort(flat.T)
+    same = (flat[order[1:]] == flat[order[:-1]]).all(axis=1)
+    single = np.ones(len(flat), dtype=bool)
+    single[order[1:][same]] = single[order[:-1][same]] = False
+    side, cell = np.divmod(np.flatnonzero(single), mesh.n_cells)
+    joined = np.stack([order[1:][same], order[:-1][same]], axis=1) % mesh.n_cells
+    return Surface(mesh, cell, side, joined)
+
+
+def plane_of(axis: FloatArray) -> FloatArray:
+    """Two unit vectors across `axis`, shape (2, 3)."""
+    first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(axis, first)])
+
+
+def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Solve 2 x 2 systems; a singular one gives no step, a long step is cut."""
+    (a, b), (c, d) = matrix[:, 0].T, matrix[:, 1].T
+    det = a * d - b * c
+    size = np.abs(matrix).max(axis=(1, 2))
+    safe = np.where(np.abs(det) > 1e-12 * size**2, det, np.inf)
+    step = np.stack([d * right[:, 0] - b * right[:, 1], a * right[:, 1] - c * right[:, 0]], axis=1)
+    step /= safe[:, None]
+    cut: FloatArray = np.clip(step, -_LONGEST, _LONGEST)
+    return cut

@@ -1,0 +1,35 @@
+"""Reduced models of a body at its contact: anti-oscillators, modes, several places."""
+
+from .interface import InterfaceModel, InterfaceSpace, checked_ports, interface, whole_interface
+from .krylov import KrylovSpace, own_contact_time, shortest_contact_time
+from .modalbody import ModalBody, modal_body
+from .modes import ModalModel, modal
+from .origin import Origin
+from .reduction import antioscillators
+from .star import AOModel, rigid
+from .starmodes import StarModes, star_modes
+from .validity import fitted_time, fitted_times, knows
+
+__all__ = [
+    "AOModel",
+    "InterfaceModel",
+    "InterfaceSpace",
+    "KrylovSpace",
+    "ModalBody",
+    "ModalModel",
+    "Origin",
+    "StarModes",
+    "antioscillators",
+    "checked_ports",
+    "fitted_time",
+    "fitted_times",
+    "interface",
+    "knows",
+    "modal",
+    "modal_body",
+    "own_contact_time",
+    "rigid",
+    "shortest_contact_time",
+    "star_modes",
+    "whole_interface",
+]

@@ -1,0 +1,304 @@
+"""Bodies touched in several places: the motions that blows there excite, as modes with ports.
+
+One functional makes a star. Several make no star, since each has anti-oscillators of its own, but
+the same subspace: the Ritz modes of a block Krylov subspace, each with its share in every port.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, Frozen, InputError, InputTypeError, finite_array, integer, warn
+from ..fem import Body, ContactPoint, Damping, translates
+from ..linalg import Solver
+from .krylov import SHIFT_TIMES_DURATION, Subspace, fitted_shifts, highest_shift
+from .modes import modal
+
+__all__ = [
+    "InterfaceModel",
+    "InterfaceSpace",
+    "checked_ports",
+    "interface",
+    "whole_interface",
+]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class InterfaceModel(Frozen):
+    """A body seen from p places of contact: q̈_j + ω_j² q_j = Σ_p r_pj f_p, u_p = Σ_j r_pj q_j.
+
+    Made by `interface`.
+
+    Attributes
+    ----------
+    tips : tuple of ContactPoint
+        The ports.
+    omega : ndarray, shape (n,)
+        Frequencies of the modes, rad/s, ascending; rigid motions come first, as zeros.
+    participation : ndarray, shape (p, n)
+        r_pj = b_pᵀφ_j, 1/√kg.
+    modes : ndarray, shape (n_dofs, n)
+        φ_j, M-orthonormal.
+    residual : ndarray, shape (p, p)
+        Compliance between the ports that no mode has, m/N; zero as made.
+    solver : str
+        The linear solver that the modes were made with.
+    contact_time : float or None
+        The duration of the blow that they were fitted to, s; None where they fit any.
+    """
+
+    tips: tuple[ContactPoint, ...]
+    omega: FloatArray
+    participation: FloatArray
+    modes: FloatArray
+    residual: FloatArray
+    solver: str = ""
+    contact_time: float | None = None
+
+    def __repr__(self) -> str:
+        return f"InterfaceModel(n={self.n}, tips={list(self.tips)!r})"
+
+    @property
+    def body(self) -> Body:
+        """The body touched."""
+        return self.tips[0].body
+
+    @property
+    def n(self) -> int:
+        """Number of modes, rigid ones included."""
+        return len(self.omega)
+
+    @property
+    def label(self) -> str:
+        """What the model is, in a word."""
+        return f"interface({self.n})"
+
+    @property
+    def mass(self) -> float | None:
+        """Of the whole body, kg; None where its matrices do not tell."""
+        return self.body.mass
+
+    @property
+    def damping(self) -> Damping | None:
+        """The body's."""
+        return self.body.damping
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Natural frequencies, Hz, ascending, shape (n,)."""
+        return self.omega / (2.0 * np.pi)
+
+    @cached_property
+    def translates(self) -> bool:
+        """Whether the body may translate along the first port's direction."""
+        return translates(self.tips[0])
+
+    @cached_property
+    def centre_weights(self) -> FloatArray:
+        """Weights of the modes in the displacement of the centre of mass, 1/√kg, shape (n,).
+
+        Along the first port's direction. A body that translates at V has q̇ = mass · weights · V.
+
+        Raises
+        ------
+        InputError
+            If the body has no nodes, or its M lacks the dofs that are held.
+        """
+        if self.tips[0].direction is None:
+            raise InputError("the centre of mass is not known: make the body with nodes")
+        weights: FloatArray = self.body.com_functional(self.tips[0].direction) @ self.modes
+        return weights
+
+    def receptance(self, omega: npt.ArrayLike) -> npt.NDArray[Any]:
+        """Return the displacements of the ports over forces there, m/N.
+
+        Σ_j r_pj r_qj/(ω_j² - ω² + 2iσ_jω); real without damping.
+
+        Parameters
+        ----------
+        omega : array_like
+            Angular frequency, rad/s, any shape.
+
+        Returns
+        -------
+        ndarray, shape (..., p, p)
+            `[..., p, q]`: of port p for a force at port q; infinite at a resonance.
+        """
+        frequency = finite_array("omega", omega, unit="rad/s")
+        stiffness: Any = self.omega**2 - frequency[..., None] ** 2
+        if self.damping is not None:
+            stiffness = stiffness + 2j * self.damping.decay(self.omega) * frequency[..., None]
+        with np.errstate(divide="ignore"):
+            gain = 1.0 / stiffness
+        r = self.participation
+        result: npt.NDArray[Any] = np.einsum("pj,...j,qj->...pq", r, gain, r) + self.residual
+        return result
+
+    def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
+        """Return the full displacement X = Σ q_j φ_j.
+
+        Parameters
+        ----------
+        coordinates : array_like, shape (n,) or (n, times)
+            q, m √kg.
+
+        Returns
+        -------
+        ndarray, shape (n_dofs,) or (n_dofs, times)
+            On the free dofs, in the order of the rows of K, m.
+
+        Raises
+        ------
+        InputError
+            If the shape is wrong.
+        """
+        values = finite_array("coordinates", coordinates)
+        if values.ndim not in (1, 2) or values.shape[0] != self.n:
+            raise InputError(
+                f"coordinates must have shape ({self.n},) or ({self.n}, times), got {values.shape}"
+            )
+        full: FloatArray = self.modes @ values
+        return full
+
+
+def interface(
+    tips: Sequence[ContactPoint],
+    n: int,
+    *,
+    contact_time: float | None = None,
+    duration: float | None = None,
+    solver: Solver = "auto",
+) -> InterfaceModel:
+    """Return the model of a body touched in several places.
+
+    Its modes are those of the body projected on the rigid motions and on what blows at the ports
+    excite, port by port in turn: (K + s²M)⁻¹ B, (K + s²M)⁻¹ M (K + s²M)⁻¹ B, …
+
+    Parameters
+    ----------
+    tips : sequence of ContactPoint
+        Places on one and the same body, from `FEModel.contact`.
+    n : int
+        Number of modes, the body's rigid motions included and at least one more for each port.
+    contact_time, duration : float, optional
+        What the modes are fitted to, s; see `KrylovSpace`. Without a contact time, the shortest of
+        those that the ports have by themselves.
+    solver : str or callable, optional
+        See `FEModel.inverse`.
+
+    Raises
+    ------
+    InputError
+        If the tips are not on one body, or `n` is out of range.
+    SingularError
+        If a port moves part of the body as a mechanism.
+
+    Warns
+    -----
+    AOImpactWarning
+        If the ports excite fewer than `n` modes.
+    """
+    space = InterfaceSpace(tips, contact_time=contact_time, duration=duration, solver=solver)
+    body = space.tips[0].body
+    least = min(space.rigid_count + len(space.tips), body.n_dofs)
+    model = space.of_vectors(integer("n", n, low=least, high=body.n_dofs))
+    if model.n < n:
+        warn(f"n={n}: the ports excite only {model.n} modes")
+    return model
+
+
+class InterfaceSpace:
+    """The space from which models of a body touched in several places are made; it grows.
+
+    For the arguments see `interface`.
+
+    Attributes
+    ----------
+    tips : tuple of ContactPoint
+    rigid_count : int
+        Number of the body's rigid motions.
+    contact_time : float
+        What it is fitted to, s.
+    """
+
+    def __init__(
+        self,
+        tips: Sequence[ContactPoint],
+        *,
+        contact_time: float | None = None,
+        duration: float | None = None,
+        sharpened: bool = False,
+        solver: Solver = "auto",
+    ) -> None:
+        self.tips = checked_ports(tips)
+        shifts = fitted_shifts(self.tips, contact_time, duration)
+        self.contact_time = SHIFT_TIMES_DURATION / shifts[0]
+        highest = min(map(highest_shift, self.tips)) if sharpened else 0.0
+        self._space = Subspace(self.tips, shifts, highest=highest, solver=solver)
+        self.rigid_count = self._space.rigid_count
+
+    def of_vectors(self, n: int) -> InterfaceModel:
+        """Return the model of `n` vectors, rigid motions included, or of as many as there are."""
+        omega2, modes = self._space.ritz(n)
+        name = self._space.solver_name
+        return _of_modes(self.tips, np.sqrt(omega2), modes, name, self.contact_time)
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether all that the ports excite is in the space."""
+        return self._space.exhausted
+
+
+def whole_interface(tips: Sequence[ContactPoint]) -> InterfaceModel:
+    """Return the model of all natural modes of a body, at the cost of finding these.
+
+    Raises
+    ------
+    InputError
+        If the tips are not on one body.
+    """
+    ports = checked_ports(tips)
+    whole = modal(ports[0], ports[0].body.n_dofs)
+    return _of_modes(ports, whole.angular_frequencies, whole.modes, "dense eigensolver")
+
+
+def _of_modes(
+    tips: tuple[ContactPoint, ...],
+    omega: FloatArray,
+    modes: FloatArray,
+    solver: str,
+    contact_time: float | None = None,
+) -> InterfaceModel:
+    functionals = np.stack([tip.b for tip in tips])
+    nothing = np.zeros((len(tips), len(tips)))
+    participation = functionals @ modes
+    return InterfaceModel(tips, omega, participation, modes, nothing, solver, contact_time)
+
+
+def checked_ports(tips: Sequence[ContactPoint], name: str = "tips") -> tuple[ContactPoint, ...]:
+    """Return the places on one body.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If they are not that.
+    """
+    if not isinstance(tips, Sequence) or isinstance(tips, str):
+        raise InputTypeError(f"{name} must be a list of contact points, got {tips!r}")
+    ports = tuple(tips)
+    for tip in ports:
+        if not isinstance(tip, ContactPoint):
+            raise InputTypeError(f"{name} must come from FEModel.contact(...), got {tip!r}")
+    if not ports:
+        raise InputError(f"{name} is empty: a body needs a place where it is touched")
+    if any(tip.body is not ports[0].body for tip in ports):
+        raise InputError(
+            f"{name} has contact points on different bodies: make one model for each body"
+        )
+    return ports

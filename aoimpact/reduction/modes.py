@@ -1,0 +1,182 @@
+"""The classical modal truncation of a body, and the star that it is in other coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from .. import _core
+from ..base import FloatArray, InputError, InputTypeError, integer
+from ..fem import ContactPoint, Patch
+from ..linalg import EQUAL, Solver, checked_solver, lowest
+from .origin import origin_of
+from .star import AOModel
+
+__all__ = ["ModalModel", "modal"]
+
+
+# Modes and oscillators with less than this share of the whole do not feel the contact.
+_SILENT = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class ModalModel:
+    """The first natural modes of a body: the classical truncated model.
+
+    Attributes
+    ----------
+    tip : ContactPoint
+    omega2 : ndarray, shape (n,)
+        ω², (rad/s)², ascending; zero for rigid modes.
+    modes : ndarray, shape (n_dofs, n)
+        M-orthonormal.
+    """
+
+    tip: ContactPoint
+    omega2: FloatArray
+    modes: FloatArray
+
+    def __repr__(self) -> str:
+        return f"ModalModel(n={self.n}, tip={self.tip!r})"
+
+    @property
+    def n(self) -> int:
+        """Number of modes, rigid ones included."""
+        return len(self.omega2)
+
+    @property
+    def patch(self) -> Patch | None:
+        """The patch over which the body is touched, or None."""
+        return self.tip.patch
+
+    @property
+    def angular_frequencies(self) -> FloatArray:
+        """ω, rad/s, ascending, shape (n,)."""
+        omega: FloatArray = np.sqrt(self.omega2)
+        return omega
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Natural frequencies, Hz, ascending, shape (n,)."""
+        return np.sqrt(self.omega2) / (2.0 * np.pi)
+
+    @property
+    def participation(self) -> FloatArray:
+        """r_j = bᵀφ_j, 1/√kg, shape (n,)."""
+        result: FloatArray = self.modes.T @ self.tip.b
+        return result
+
+    def truncated(self, n: int) -> ModalModel:
+        """Return the model of the first `n` modes."""
+        kept = integer("n", n, low=1, high=self.n)
+        return ModalModel(self.tip, self.omega2[:kept], self.modes[:, :kept])
+
+    @cached_property
+    def star(self) -> AOModel:
+        """The same model as a star: its antiresonances by the secular equation.
+
+        Modes of one frequency act as one; those that b does not excite are left out. It is
+        exact: both have the same receptance Σ r_j²/(ω_j² - ω²).
+        """
+        return star_of_modes(self.tip, self.omega2, self.modes, "modal")
+
+
+def star_of_modes(
+    tip: ContactPoint,
+    omega2: FloatArray,
+    modes: FloatArray,
+    label: str,
+    *,
+    coordinates: FloatArray | None = None,
+    vectors: Callable[[], FloatArray] | None = None,
+    solver: str = "",
+    contact_time: float | None = None,
+) -> AOModel:
+    """Return the star of M-orthonormal modes: its antiresonances by the secular equation.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    omega2 : ndarray, shape (n,)
+        ω², (rad/s)², ascending; zero for rigid modes.
+    modes : ndarray, shape (n_dofs, n), or with coordinates (n_dofs, r)
+        The modes, or M-orthonormal vectors of which they are combinations.
+    label : str
+        What made the modes: "modal" or "AO".
+    coordinates : ndarray, shape (r, n), optional
+        Of the modes on such vectors.
+    vectors : callable, optional
+        Returns these vectors, with coordinates: the star's shapes are left to be multiplied out.
+    solver : str, optional
+        The linear solver they were made with.
+    contact_time : float, optional
+        That they were fitted to, s.
+    """
+    participation = tip.b @ modes
+    size2 = np.einsum("ij,ij->j", modes, modes)
+    if coordinates is not None:  # sizes as if the vectors were at right angles: of what is rounding
+        participation, size2 = participation @ coordinates, size2 @ coordinates**2
+    weight = participation**2
+    rounding = 1e-12 * np.linalg.norm(tip.b) * np.sqrt(size2)
+    excited = (weight > _SILENT * weight.sum()) & (weight > rounding**2)
+    if not excited.any():
+        raise InputError(f"none of the {len(omega2)} modes moves the contact: take more modes")
+    omega2, weight = omega2[excited], weight[excited]
+    shapes = (modes if coordinates is None else coordinates)[:, excited] * participation[excited]
+    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
+    weight = np.add.reduceat(weight, starts)
+    shapes = np.add.reduceat(shapes, starts, axis=1)
+    m0, k0, m, k, static, shapes = _of_distinct(omega2[starts], weight, shapes)
+    origin = origin_of(
+        tip,
+        static,
+        shapes,
+        label,
+        vectors=vectors,
+        solver=solver,
+        contact_time=contact_time,
+    )
+    return AOModel(m0=m0, k0=k0, m=m, k=k, origin=origin, damping=tip.body.damping)
+
+
+def _of_distinct(
+    omega2: FloatArray, weight: FloatArray, r_phi: FloatArray
+) -> tuple[float, float, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """m0, k0, m, k, φ_st, Ψ of distinct modes; column j of `r_phi` is r_j φ_j."""
+    m, k = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
+    m0, k0 = _core.star_from_modal(omega2, weight, m, k)
+    kept = m > _SILENT * (m0 + m.sum())
+    m, k = m[kept], k[kept]
+    # In modal coordinates φ_st is r_j k0/ω_j² or the rigid mode, Ψ_i is -r_j k_i/(ω_j² - μ_i).
+    static = r_phi @ (k0 / omega2) if k0 > 0.0 else r_phi[:, 0] / weight[0]
+    shapes = r_phi @ -(k / np.subtract.outer(omega2, k / m))
+    return m0, k0, m, k, static, shapes
+
+
+def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
+    """Return the classical modal truncation of a body: its `n` lowest natural modes.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+    n : int
+        Number of modes, rigid ones included, 1 … n_dofs.
+    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
+
+    Raises
+    ------
+    InputError
+        If `n` is out of range.
+    """
+    if not isinstance(tip, ContactPoint):
+        raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
+    wanted = integer("n", n, low=1, high=tip.body.n_dofs)
+    invert = partial(tip.body.inverse, solver=checked_solver(solver))
+    omega2, modes = lowest(
+        tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes, invert=invert
+    )
+    return ModalModel(tip, omega2, modes)

@@ -1,0 +1,107 @@
+"""What a reduced model keeps of the finite-element body that it was made from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from ..base import FloatArray
+from ..fem import ContactPoint, centre_of, translates
+
+__all__ = ["Origin", "origin_of"]
+
+
+@dataclass(frozen=True, eq=False)
+class Origin:
+    """What a star keeps of the finite-element body that it was made from.
+
+    Attributes
+    ----------
+    label : str
+        The kind of model: "AO" or "modal".
+    tip : ContactPoint
+    static : ndarray, shape (n_dofs,) or (r,)
+        φ_st, eqs. (2), (3), or its coordinates on the vectors.
+    oscillators : ndarray, shape (n_dofs, n) or (r, n)
+        Ψ_i = c_i φ_i, eq. (8), or their coordinates on the vectors.
+    centre : ndarray, shape (n_dofs,)
+        h with hᵀX the displacement of the centre of mass along the direction of travel.
+    mass : float
+        Of the whole body, kg; more than the static mass where part of it never feels the contact.
+    centre_known : bool
+        Whether these two are so; else the mean over the static mode and its mass stand for them.
+    translates : bool
+        Whether the body is free to translate along the direction of travel.
+    solver : str
+        The linear solver that the model was made with; empty where dense matrices served.
+    contact_time : float or None
+        The duration of the blow that the model was fitted to, s; None where it fits any.
+    vectors : callable, optional
+        Returns vectors, shape (n_dofs, r), of which the shapes are combinations that have not been
+        multiplied out.
+    """
+
+    label: str
+    tip: Any
+    static: FloatArray
+    oscillators: FloatArray
+    centre: FloatArray
+    mass: float
+    centre_known: bool
+    translates: bool
+    solver: str = ""
+    contact_time: float | None = None
+    vectors: Callable[[], FloatArray] | None = None
+
+    @property
+    def static_mode(self) -> FloatArray:
+        """φ_st, eqs. (2), (3), shape (n_dofs,)."""
+        return self._multiplied_out[0]
+
+    @property
+    def shapes(self) -> FloatArray:
+        """Ψ_i = c_i φ_i, eq. (8), shape (n_dofs, n)."""
+        return self._multiplied_out[1]
+
+    @cached_property
+    def _multiplied_out(self) -> tuple[FloatArray, FloatArray]:
+        if self.vectors is None:
+            return self.static, self.oscillators
+        vectors = self.vectors()
+        return vectors @ self.static, vectors @ self.oscillators
+
+    def multiplied_out(self) -> Origin:
+        """The same without the vectors."""
+        return replace(self, static=self.static_mode, oscillators=self.shapes, vectors=None)
+
+    def seen_by(self, functional: FloatArray) -> tuple[float, FloatArray]:
+        """functionalᵀφ_st and functionalᵀΨ_i, for a functional of shape (n_dofs,)."""
+        on = functional if self.vectors is None else functional @ self.vectors()
+        return float(on @ self.static), on @ self.oscillators
+
+
+def origin_of(
+    tip: ContactPoint,
+    static: FloatArray,
+    shapes: FloatArray,
+    label: str,
+    *,
+    vectors: Callable[[], FloatArray] | None = None,
+    solver: str = "",
+    contact_time: float | None = None,
+) -> Origin:
+    """Return what a star made from a body keeps of it."""
+    centre = centre_of(tip, lambda: static if vectors is None else vectors() @ static)
+    return Origin(
+        label,
+        tip,
+        static,
+        shapes,
+        *centre,
+        translates(tip),
+        solver,
+        contact_time,
+        vectors,
+    )

@@ -1,0 +1,359 @@
+"""The anti-oscillator model: a star of springs and masses (Fig. 2 of the paper)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import _core
+from ..base import (
+    FloatArray,
+    Frozen,
+    InputError,
+    SingularError,
+    finite_array,
+    integer,
+    nonnegative,
+    positive,
+)
+from ..fem import Damping, Patch, damping_or_none
+from .origin import Origin
+
+__all__ = ["AOModel", "rigid"]
+
+
+# Masses, kg, and stiffnesses, N/m, beside each other: their ratios squared are numbers.
+_LARGEST, _LEAST = 1e100, 1e-100
+
+# Of a rigid body, kg: its weight, momentum and energy are numbers.
+_HEAVIEST, _LIGHTEST = 1e200, 1e-200
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AOModel(Frozen):
+    """Contact mass m0 on a ground spring k0, and oscillators (m, k) hung on the contact mass.
+
+    Parameters
+    ----------
+    m0 : float
+        Contact (residual) mass, kg, eq. (10). Zero is allowed if there are oscillators; infinite,
+        without oscillators, is a fixed wall.
+    k0 : float, optional
+        Ground spring, N/m, eq. (11); 0 for a free body.
+    m, k : array_like, shape (n,), optional
+        Masses, kg, eq. (9), and stiffnesses, N/m, eq. (12), of the anti-oscillators, all positive.
+    origin : Origin, optional
+        The body that the numbers came from; set by `antioscillators` and `modal`.
+    damping : Rayleigh or ModalDamping, optional
+        Of the star's natural modes.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range or not finite, or `m` and `k` differ in length.
+    """
+
+    m0: float
+    k0: float = 0.0
+    m: FloatArray = field(default_factory=lambda: np.zeros(0))
+    k: FloatArray = field(default_factory=lambda: np.zeros(0))
+    origin: Origin | None = field(default=None, repr=False)
+    damping: Damping | None = None
+
+    def __post_init__(self) -> None:
+        set_field = object.__setattr__
+        set_field(self, "m0", nonnegative("m0", self.m0, unit="kg", infinite=True))
+        set_field(self, "k0", nonnegative("k0", self.k0, unit="N/m"))
+        set_field(self, "damping", damping_or_none(self.damping))
+        for name, unit in (("m", "kg"), ("k", "N/m")):
+            values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
+            if (values <= 0.0).any():
+                worst = int(np.argmin(values))
+                raise InputError(f"{name} must be positive: {name}[{worst}] is {values[worst]:g}")
+            set_field(self, name, values)
+        if len(self.m) != len(self.k):
+            raise InputError(
+                f"m and k must have the same length, got {len(self.m)} masses "
+                f"and {len(self.k)} stiffnesses"
+            )
+        if len(self.m) == 0 and self.m0 == 0.0:
+            raise InputError("m0 must be positive where there are no oscillators, got 0 kg")
+        if math.isinf(self.m0) and (len(self.m) or self.k0):
+            raise InputError("m0 is infinite: a fixed wall has neither oscillators nor k0")
+        self._check_reach()
+        super().__post_init__()
+
+    def _check_reach(self) -> None:
+        """Refuse masses and springs whose ratios squared leave the range of doubles."""
+        if not len(self.m) and not self.k0:
+            if math.isfinite(self.m0) and not _LIGHTEST <= self.m0 <= _HEAVIEST:
+                raise InputError(
+                    f"m0, the mass, must be from {_LIGHTEST:g} to {_HEAVIEST:g} kg to be "
+                    f"computed with, got {self.m0:g}; math.inf is a wall"
+                )
+            return
+        for name, unit in (("m0", "kg"), ("k0", "N/m"), ("m", "kg"), ("k", "N/m")):
+            values = np.atleast_1d(getattr(self, name))
+            wrong = (values != 0.0) & ((values < _LEAST) | (values > _LARGEST))
+            if wrong.any():
+                value = float(values[wrong][0])
+                cure = "; a contact without mass is m0 = 0" if name == "m0" and value < 1.0 else ""
+                raise InputError(
+                    f"{name} must be from {_LEAST:g} to {_LARGEST:g} {unit} to be computed with, "
+                    f"got {value:g}{cure}"
+                )
+
+    @property
+    def n(self) -> int:
+        """Number of anti-oscillators."""
+        return len(self.m)
+
+    @property
+    def held(self) -> bool:
+        """Whether the body is held in place: by its ground spring, or as a wall."""
+        return self.k0 > 0.0 or math.isinf(self.m0)
+
+    @property
+    def weightless(self) -> bool:
+        """Whether its weight is not known: held, and given by numbers or without nodes."""
+        known = self.origin is not None and self.origin.centre_known
+        return self.held and not known and not math.isinf(self.m0)
+
+    @property
+    def static_stiffness(self) -> float:
+        """Force per static displacement of the contact, N/m: k0, eq. (11); infinite for a wall.
+
+        Raises
+        ------
+        SingularError
+            If the body is free: a constant force accelerates it.
+        """
+        if math.isinf(self.m0):
+            return math.inf
+        if self.k0 == 0.0:
+            raise SingularError(
+                "static_stiffness: the body is free (k0 = 0), a constant force accelerates it; "
+                "hold it with FEModel.from_mesh(..., fixed=[...]) or give k0"
+            )
+        return self.k0
+
+    @cached_property
+    def static_mass(self) -> float:
+        """m_st = m0 + Σ m_i, kg, eq. (10)."""
+        return self.m0 + math.fsum(self.m)
+
+    @property
+    def mass(self) -> float:
+        """Mass of the body, kg; where that is not known, or there is no body, its static mass."""
+        return self.static_mass if self.origin is None else self.origin.mass
+
+    @property
+    def centre_known(self) -> bool:
+        """Whether mass and centre of mass are known: not of a body of K and M hit off its centre.
+
+        A star given by numbers is its own body.
+        """
+        return self.origin is None or self.origin.centre_known
+
+    @property
+    def patch(self) -> Patch | None:
+        """The patch over which the body is touched; None for a node, or a star given by numbers."""
+        found: Patch | None = None if self.origin is None else self.origin.tip.patch
+        return found
+
+    @property
+    def mass_fractions(self) -> FloatArray:
+        """m_i / m_st, shape (n,)."""
+        return self.m / self.static_mass
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Frequencies of the anti-oscillators √(k_i/m_i)/2π, Hz, shape (n,), in their order.
+
+        They are antiresonances of the body at its contact coordinate (section 2).
+        """
+        return np.sqrt(self.k / self.m) / (2.0 * np.pi)
+
+    @property
+    def natural_frequencies(self) -> FloatArray:
+        """Frequencies of the star's own natural modes, Hz, ascending, shape (n+1,) or less.
+
+        From the secular equation; zero for the rigid motion of a free star. A massless contact
+        coordinate (m0 = 0) has no mode of its own, and oscillators of equal frequency share one.
+        """
+        return np.sqrt(self.to_modal()[0]) / (2.0 * np.pi)
+
+    @property
+    def label(self) -> str:
+        """What the model is, in a word: "rigid", "wall", "AO(3)", "modal(40)"."""
+        if math.isinf(self.m0):
+            return "wall"
+        if self.origin is not None and self.origin.label == "modal":
+            return f"modal({self.n + 1})"
+        if self.n == 0 and self.k0 == 0.0:
+            return "rigid"
+        return f"AO({self.n})"
+
+    @property
+    def centre_weights(self) -> FloatArray:
+        """Weights w of the star's coordinates in the centre of mass's displacement, shape (n+1,).
+
+        The contact coordinate first. Of a star given by numbers they are the masses over their sum.
+        """
+        if math.isinf(self.m0):
+            return np.ones(1)
+        if self.origin is None:
+            return np.concatenate([[self.m0], self.m]) / self.static_mass
+        return self.weights(self.origin.centre)
+
+    def weights(self, functional: FloatArray) -> FloatArray:
+        """Return w, shape (n+1,), with functionalᵀX = w λ: a place's share in the coordinates.
+
+        Parameters
+        ----------
+        functional : ndarray, shape (n_dofs,)
+
+        Raises
+        ------
+        InputError
+            If the model was given by numbers.
+        """
+        if self.origin is None:
+            raise InputError("weights: this model was given by numbers and has no body")
+        of_static, of_oscillators = self.origin.seen_by(functional)
+        return np.concatenate([[of_static - of_oscillators.sum()], of_oscillators])
+
+    def receptance(self, omega: npt.ArrayLike) -> Any:
+        """Return displacement over force at the contact coordinate.
+
+        Without damping 1/(k0 - ω² m0 - Σ m_i ω² ω_i²/(ω_i² - ω²)): infinite at a resonance, 0 at an
+        antiresonance. With damping Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, and what
+        compliance a massless contact leaves.
+
+        Parameters
+        ----------
+        omega : array_like
+            Angular frequency, rad/s, any shape.
+
+        Returns
+        -------
+        float or ndarray
+            m/N, of the shape of `omega`; complex where there is damping, real without.
+        """
+        frequency = finite_array("omega", omega, unit="rad/s")
+        if self.damping is not None and not math.isinf(self.m0):
+            return self._damped_receptance(self.damping, frequency)
+        result = np.empty(frequency.shape)
+        _core.star_receptance(self.m0, self.k0, self.m, self.k, frequency, result)
+        return result if result.ndim else float(result)
+
+    def _damped_receptance(self, damping: Damping, frequency: FloatArray) -> Any:
+        omega2, participation = self.to_modal()
+        omega = np.sqrt(omega2)
+        residual = 0.0 if self.m0 > 0.0 else 1.0 / (self.k0 + math.fsum(self.k))
+        real, imaginary = np.empty(frequency.shape), np.empty(frequency.shape)
+        weight, decay = participation**2, damping.decay(omega)
+        _core.modal_receptance(omega, decay, weight, residual, frequency, real, imaginary)
+        result = real + 1j * imaginary
+        return result if result.ndim else complex(result)
+
+    def multiplied_out(self) -> AOModel:
+        """The same model, with shapes of its own: see `Origin.vectors`."""
+        if self.origin is None or self.origin.vectors is None:
+            return self
+        return replace(self, origin=self.origin.multiplied_out())
+
+    def truncated(self, n: int) -> AOModel:
+        """Return the model of the first `n` oscillators; the others' mass joins m0, eq. (10)."""
+        kept = integer("n", n, low=0, high=self.n)
+        origin = self.origin
+        if origin is not None:
+            origin = replace(origin, label="AO", oscillators=origin.oscillators[:, :kept])
+        return AOModel(
+            m0=self.m0 + math.fsum(self.m[kept:]),
+            k0=self.k0,
+            m=self.m[:kept],
+            k=self.k[:kept],
+            origin=origin,
+            damping=self.damping,
+        )
+
+    def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
+        """Return the full displacement of given star coordinates, eq. (8).
+
+        X = λ₀ φ_st + Σ (λ_i - λ₀) Ψ_i.
+
+        Parameters
+        ----------
+        coordinates : array_like, shape (n+1,) or (n+1, times)
+            λ, contact coordinate first, m.
+
+        Returns
+        -------
+        ndarray, shape (n_dofs,) or (n_dofs, times)
+            On the free dofs, in the order of the rows of K.
+
+        Raises
+        ------
+        InputError
+            If the model was given by numbers, or the shape is wrong.
+        """
+        if self.origin is None:
+            raise InputError("expand: this model was given by numbers and has no body to expand to")
+        values = finite_array("coordinates", coordinates, unit="m")
+        if values.ndim not in (1, 2) or values.shape[0] != self.n + 1:
+            raise InputError(
+                f"coordinates must have shape ({self.n + 1},) or ({self.n + 1}, times), "
+                f"got {values.shape}"
+            )
+        full: FloatArray = np.multiply.outer(self.origin.static_mode, values[0])
+        full += self.origin.shapes @ (values[1:] - values[0])
+        return full
+
+    def to_modal(self) -> tuple[FloatArray, FloatArray]:
+        """Return the star's natural modes by the secular equation.
+
+        Returns
+        -------
+        omega2, participation : ndarrays, shape (modes,)
+            ω², (rad/s)², ascending; r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the
+            receptance is Σ r_j²/(ω_j² - ω²).
+
+        Raises
+        ------
+        InputError
+            For a wall, which has no modes.
+        """
+        if math.isinf(self.m0):
+            raise InputError("a wall of infinite mass has no natural modes")
+        m, k = _merge_equal_frequencies(self.m, self.k)
+        omega2, participation, work = np.empty(len(m) + 1), np.empty(len(m) + 1), np.empty(len(m))
+        count = _core.star_to_modal(self.m0, self.k0, m, k, omega2, participation, work)
+        return omega2[:count], participation[:count]
+
+
+def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sort by frequency; oscillators of one frequency move as one: their masses add up."""
+    order = np.argsort(k / m, kind="stable")
+    m, k = m[order], k[order]
+    omega2 = k / m
+    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > 4e-16 * omega2)
+    if len(starts) == len(m):
+        return np.ascontiguousarray(m), np.ascontiguousarray(k)
+    return np.add.reduceat(m, starts), np.add.reduceat(k, starts)
+
+
+def rigid(mass: float) -> AOModel:
+    """Return a rigid mass: an anti-oscillator model without oscillators.
+
+    Parameters
+    ----------
+    mass : float
+        kg, positive; ``math.inf`` is a fixed wall.
+    """
+    return AOModel(m0=positive("mass", mass, unit="kg", infinite=True))

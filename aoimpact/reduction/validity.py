@@ -1,0 +1,96 @@
+"""For how long forces may act on a model that was fitted to a contact time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..base import FloatArray
+from ..fem import ContactPoint
+from .interface import InterfaceModel
+from .krylov import SHIFT_TIMES_DURATION
+from .star import AOModel
+
+__all__ = ["fitted_time", "fitted_times", "knows", "unbalanced"]
+
+
+# Factor by which a contact may be shorter than what was fitted before it is looked at: measured on
+# twelve impacts with three and eight oscillators, down to there the force is hardly worse.
+_SHORTER = 3.0
+
+# And by which the times grow at which longer ones are looked at: of three oscillators a contact 1.5
+# times as long may have a fifth of the force wrong, where eight know one of three times.
+_LONGER = 1.15
+
+# Unbalanced share at which the force of one contact begins to be worse than what a good fit would
+# give: on the same impacts it was wrong by .02 to .9 where this was above .01, and hardly worse
+# than fitted below .005.
+_BALANCED = 5e-3
+
+
+def fitted_times(models: Sequence[Any]) -> tuple[float, float]:
+    """Return between which durations of a contact the models need not be looked at, s."""
+    fitted = [time for time in map(fitted_time, models) if time is not None]
+    return max(fitted, default=0.0) / _SHORTER, min(fitted, default=math.inf)
+
+
+def knows(model: Any, lasted: float, port: int = 0, most: float = _BALANCED) -> bool:
+    """Return whether a model knows enough of its body for forces that act for so long, s.
+
+    It leaves no more than `most` unbalanced at any time from the one fitted to up to this; what was
+    found is kept with the model.
+    """
+    fitted = fitted_time(model)
+    if fitted is None or fitted / _SHORTER <= lasted <= fitted or lasted == 0.0:
+        return True
+    if lasted < fitted:
+        return unbalanced(model, SHIFT_TIMES_DURATION / lasted, port) <= most
+    wanted = math.ceil(math.log(lasted / fitted) / math.log(_LONGER))
+    kept: dict[int, list[float]] = vars(model).setdefault(_KEPT, {})
+    found = kept.setdefault(port, [])
+    while len(found) < wanted and max(found, default=0.0) <= most:
+        shift = SHIFT_TIMES_DURATION / (fitted * _LONGER ** (len(found) + 1))
+        found.append(unbalanced(model, shift, port))
+    return max(found[:wanted], default=0.0) <= most
+
+
+# Models do not change: where they keep for how long forces may act.
+_KEPT = "_known_times"
+
+
+def unbalanced(model: AOModel | InterfaceModel, s: float, port: int = 0) -> float:
+    """Return what a model leaves unbalanced at i s under a force at a port, relative.
+
+    √(rᵀD⁻¹r / bᵀX) of the residual r = b - (K + s²M) X, D the diagonal of K + s²M.
+    """
+    tip, x = _answer(model, s, port)
+    body = tip.body
+    K, M, rigid = body.K, body.M, body.rigid_modes
+    left = tip.b - K @ x - s**2 * (M @ x)
+    left -= M @ (rigid @ (rigid.T @ left))
+    stiffness = K.diagonal() + s**2 * M.diagonal()
+    return math.sqrt(float(left @ (left / stiffness)) / float(tip.b @ x))
+
+
+def _answer(
+    model: AOModel | InterfaceModel, s: float, port: int
+) -> tuple[ContactPoint, FloatArray]:
+    """The place and the model's displacement of the body under a unit force there, at i s."""
+    if isinstance(model, InterfaceModel):
+        return model.tips[port], model.modes @ (model.participation[port] / (model.omega**2 + s**2))
+    assert model.origin is not None
+    follow = model.k / (model.k + s**2 * model.m)
+    force = model.k0 + s**2 * model.m0 + float(model.k @ (1.0 - follow))
+    return model.origin.tip, model.expand(np.concatenate([[1.0], follow]) / force)
+
+
+def fitted_time(model: Any) -> float | None:
+    """Return the contact time that a model was fitted to, s; None of one that fits any."""
+    if isinstance(model, InterfaceModel):
+        return model.contact_time
+    if isinstance(model, AOModel) and model.origin is not None:
+        return model.origin.contact_time
+    return None

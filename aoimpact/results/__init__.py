@@ -1,0 +1,8 @@
+"""What a run gave: histories, events, energies, tables, plots."""
+
+from .misfit import warn_of_misfit
+from .motion import BodyResult
+from .result import Result
+from .run import Chosen, Handle, Run
+
+__all__ = ["BodyResult", "Chosen", "Handle", "Result", "Run", "warn_of_misfit"]

@@ -1,0 +1,323 @@
+"""What a run holds of each body, each contact and the energies: read-only histories over time."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, Frozen, InputError
+from ..fields import Field, Probe, Response
+from ..integrate import Eventful, Events
+
+__all__ = [
+    "BodyEnergy",
+    "BodyInfo",
+    "BodyResult",
+    "ContactResult",
+    "Energy",
+    "ErrorEstimate",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyEnergy(Frozen):
+    """Energy of one body over time [J].
+
+    Attributes
+    ----------
+    kinetic, elastic : (n,) arrays
+        Kinetic energy, and strain energy of the body itself: the paper's nonlocal energy.
+    dissipated, work : (n,) arrays
+        Lost in its damping, and work of gravity and applied forces on it, since t = 0.
+    """
+
+    kinetic: FloatArray
+    elastic: FloatArray
+    dissipated: FloatArray
+    work: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Energy(Frozen):
+    """Where the energy is over time [J], (n,) arrays.
+
+    Attributes
+    ----------
+    kinetic, elastic : arrays
+        Of all bodies together; `elastic` is the paper's nonlocal deformation energy.
+    contact : array
+        Stored in the contact laws: the paper's local deformation energy.
+    dissipated : array
+        Lost in the contact laws and in the bodies' damping since t = 0.
+    work : array
+        Of gravity and applied forces since t = 0.
+    total : array
+        kinetic + elastic + contact + dissipated − work: constant in an exact run.
+    bodies : tuple of BodyEnergy
+        The shares of the bodies.
+    """
+
+    kinetic: FloatArray
+    elastic: FloatArray
+    contact: FloatArray
+    dissipated: FloatArray
+    work: FloatArray
+    total: FloatArray
+    bodies: tuple[BodyEnergy, ...]
+
+    @property
+    def projectile(self) -> BodyEnergy:
+        """The share of the first body."""
+        return self.bodies[0]
+
+    @property
+    def target(self) -> BodyEnergy:
+        """The share of the second body."""
+        return self.bodies[1]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyInfo:
+    """What a run has to know of a body beside its histories.
+
+    Attributes
+    ----------
+    label : str
+        "rigid", "AO(1)", "modal(40)", "full(3159)".
+    mass : float or None
+        Total mass [kg]; None where it is not known.
+    held : bool
+        Whether supports or a ground spring hold it.
+    centre_known : bool
+        Whether its centre of mass is known; of a body of K and M alone often not.
+    state : callable
+        Gives its coordinates and their rates at the end of the record.
+    ports : int
+        Number of places where it may be touched.
+    response : callable
+        Makes what all of the body does be known; None from it if the body has no finite elements.
+    """
+
+    label: str
+    mass: float | None
+    held: bool
+    centre_known: bool
+    state: Callable[[], tuple[FloatArray, FloatArray]]
+    ports: int = 1
+    response: Callable[[], Response | None] | None = None
+
+    @property
+    def wall(self) -> bool:
+        """Whether it is of infinite mass."""
+        return self.mass is not None and math.isinf(self.mass)
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it cannot fly off: held by supports, or a wall."""
+        return self.held or self.wall
+
+
+@dataclass(frozen=True, eq=False)
+class BodyResult(Frozen):
+    """One body's motion over time.
+
+    Attributes
+    ----------
+    label, mass, held
+        As in :class:`BodyInfo`.
+    centre_displacement, centre_velocity : (n,) arrays
+        Of the centre of mass [m, m/s]; NaN where that is not known: of a body given by K and M
+        without nodes, unless it is free and struck through its centre.
+    port_displacements, port_velocities : (p, n) arrays
+        Of all contact coordinates [m, m/s].
+    energy : BodyEnergy or None
+        None if the run was made with ``energies=False``.
+    coordinates, rates : arrays
+        State at the end of the record, in the body's own coordinates.
+    """
+
+    label: str
+    mass: float | None
+    held: bool
+    centre_displacement: FloatArray
+    centre_velocity: FloatArray
+    energy: BodyEnergy | None
+    coordinates: FloatArray
+    rates: FloatArray
+    port_displacements: FloatArray
+    port_velocities: FloatArray
+    _times: FloatArray = field(repr=False)
+    _respond: Callable[[], Response | None] | None = field(default=None, repr=False)
+    _doubt: Callable[[], None] | None = field(default=None, repr=False)
+
+    @property
+    def displacement(self) -> FloatArray:
+        """Of the contact coordinate (the first one) [m], shape (n,).
+
+        A model that was fitted to a contact warns where the record goes on for longer than it
+        knows.
+        """
+        if self._doubt is not None:
+            self._doubt()
+        first: FloatArray = self.port_displacements[0]
+        return first
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Of the contact coordinate (the first one) [m/s], shape (n,); see `displacement`."""
+        if self._doubt is not None:
+            self._doubt()
+        first: FloatArray = self.port_velocities[0]
+        return first
+
+    def probe(
+        self,
+        point: npt.ArrayLike | None = None,
+        direction: npt.ArrayLike | None = None,
+        *,
+        nodes: Any = None,
+        times: npt.ArrayLike | None = None,
+    ) -> Probe:
+        """Return the motion, and the stress, of a point or of a set of nodes over time.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,) or (p, 3), optional
+            Of the undeformed body, m; anywhere in it or on its surface.
+        direction : array_like, shape (3,), optional
+            Along which to measure, any length but zero; all three components if left out.
+        nodes : str, callable or array_like, optional
+            In place of `point`: the name of a node set, a function of all coordinates that returns
+            one bool for each, or numbers.
+        times : array_like, optional
+            Ascending, within the record, s; those of the result if left out.
+
+        Raises
+        ------
+        InputError
+            If the point is off the body, no node is selected, a time is outside the record, or the
+            model was given by numbers.
+        """
+        return self._responding.probe(
+            point, direction, nodes, self._times if times is None else times
+        )
+
+    def field(self, times: npt.ArrayLike | None = None) -> Field:
+        """Return the whole body at some times: displacement, velocity, stress, files, a picture.
+
+        Parameters
+        ----------
+        times : float or array_like, optional
+            Ascending, within the record, s; when the force is largest, if left out.
+
+        Raises
+        ------
+        InputError
+            If a time is outside the record, or the model was given by numbers.
+        """
+        return self._responding.field(times)
+
+    def to_vtu(self, path: str | os.PathLike[str], times: npt.ArrayLike | None = None) -> Path:
+        """Write the body at some times for ParaView; see `field` and `Field.to_vtu`."""
+        return self.field(times).to_vtu(path)
+
+    def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
+        """Return functionalᵀX at `times`, s, by the model's own shapes; of a wall, its place.
+
+        `probe` gives places better, at the price of a factorisation.
+        """
+        response = None if self._respond is None else self._respond()
+        if response is None:
+            places: FloatArray = np.interp(times, self._times, self.port_displacements[0])
+            return places
+        return response.displacement_of(functional, times)
+
+    @cached_property
+    def _responding(self) -> Response:
+        response = None if self._respond is None else self._respond()
+        if response is None:
+            raise InputError(
+                f"the body {self.label!r} was given by numbers and has no finite elements: make "
+                "the model with antioscillators(tip, n) or modal(tip, n), or give tip itself, with "
+                "tip = FEModel.from_mesh(...).contact(...)"
+            )
+        return response
+
+
+@dataclass(frozen=True, eq=False)
+class ContactResult(Frozen, Eventful):
+    """One contact over time.
+
+    Attributes
+    ----------
+    force, indentation : (n,) arrays
+        Contact force, ≥ 0 in compression [N]; first body's minus second body's contact coordinate
+        minus the gap [m].
+    elastic, dissipated : (n,) arrays or None
+        Energy stored in its law, and lost in it since t = 0 [J]; None without energies.
+    events : Events
+        Its intervals, peak and impulse.
+    """
+
+    force: FloatArray
+    indentation: FloatArray
+    elastic: FloatArray | None
+    dissipated: FloatArray | None
+    events: Events
+
+    @property
+    def intervals(self) -> list[tuple[float, float]]:
+        """Start and end [s] of every interval in which the force acts."""
+        return list(self.events.contacts)
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """What is known of the error, relative; None where nothing is.
+
+    Attributes
+    ----------
+    reduction : float or None
+        Of the quantity that was asked for, from representing the bodies by fewer degrees of
+        freedom.
+    time : float or None
+        Of peak force and impulse, and for `Adaptive` of all that it bounds, from integrating in
+        time: an estimate, or the tolerance that was kept.
+    energy : float or None
+        Range of the total energy over the record, relative to the largest kinetic and elastic
+        energy in it: an independent check on the run, since no solver uses it.
+    quantity : str or None
+        What was asked for.
+    rtol : float or None
+        And how wrong it may be.
+    numbers : mapping of str to float
+        Where models were chosen, the estimated error of each number that sums up the result, by its
+        name ("restitution", of a scene "contacts.0.impulse"), from these models: only what was
+        asked for is controlled, another number is no better than it says here. Infinite of
+        "contacts" where it is not certain how many there are.
+    """
+
+    reduction: float | None = None
+    time: float | None = None
+    energy: float | None = None
+    quantity: str | None = None
+    rtol: float | None = None
+    numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+    def told(self, name: str) -> str:
+        """Return what a summary says of a number's error; nothing where models were given."""
+        error = self.numbers.get(name, math.nan)
+        if self.rtol is None or math.isnan(error):
+            return ""
+        if error <= self.rtol:
+            return f" (to {100.0 * error:.2g} %)" if error > 0.0 else ""
+        by = f": may be {100.0 * error:.2g} % off" if math.isfinite(error) else ""
+        return f" (not controlled{by})"

@@ -1,0 +1,237 @@
+"""What an impact of two bodies gave: a run's histories, and the numbers that sum them up.
+
+Histories are read-only arrays over `Result.t`. Displacements, velocities and centres of mass are
+measured along the direction of travel, from where the bodies were at t = 0.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray
+from ..integrate import Eventful, Events
+from . import plot
+from .motion import BodyEnergy, BodyInfo, BodyResult, Energy, ErrorEstimate
+from .run import Run
+from .summary import summary_html, summary_text
+from .table import columns, write_csv
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["BodyEnergy", "BodyInfo", "BodyResult", "Energy", "ErrorEstimate", "Result"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Eventful):
+    """An impact of a projectile on a target; curves are computed when they are asked for.
+
+    Attributes
+    ----------
+    run : Run
+        The scene of the two bodies.
+    velocity, gap : float
+        Initial velocity of the projectile [m/s] and initial gap [m].
+    law : ContactLaw
+        The contact law.
+    """
+
+    run: Run = field(repr=False)
+    velocity: float
+    gap: float
+    law: Any
+
+    # ------------------------------------------------------------------- histories
+
+    @property
+    def t(self) -> FloatArray:
+        """Times [s], shape (n,)."""
+        return self.run.t
+
+    @property
+    def duration(self) -> float:
+        """Length of the record [s]."""
+        return self.run.duration
+
+    @property
+    def force(self) -> FloatArray:
+        """Contact force, ≥ 0 in compression [N]."""
+        return self.run.contacts[0].force
+
+    @property
+    def indentation(self) -> FloatArray:
+        """Projectile's minus target's contact coordinate minus the initial gap [m]."""
+        return self.run.contacts[0].indentation
+
+    @property
+    def projectile(self) -> BodyResult:
+        """The projectile's motion."""
+        return self.run.bodies[0]
+
+    @property
+    def target(self) -> BodyResult:
+        """The target's motion."""
+        return self.run.bodies[1]
+
+    @property
+    def energy(self) -> Energy:
+        """Energies over time.
+
+        Raises
+        ------
+        InputError
+            If the run did not record them.
+        """
+        return self.run.energy
+
+    @property
+    def error(self) -> ErrorEstimate:
+        """What is known of the errors; ``error.numbers`` of each number by its name."""
+        return self.run.error
+
+    @property
+    def models(self) -> tuple[Any, ...] | None:
+        """The projectile's and the target's model, where `simulate` was left to choose them."""
+        return self.run.models
+
+    @property
+    def solver(self) -> str:
+        """How time was integrated."""
+        return self.run.solver
+
+    @property
+    def approach(self) -> FloatArray:
+        """Approach of the centres of mass, projectile's minus target's minus the gap [m].
+
+        The force over it is the paper's modified interaction law (Fig. 7): what two rigid masses
+        would have to have between them.
+        """
+        centres = self.projectile.centre_displacement - self.target.centre_displacement
+        approach: FloatArray = centres - self.gap
+        return approach
+
+    def at(self, times: npt.ArrayLike) -> Result:
+        """Return the same impact at other times: dense output, as exact as the run itself.
+
+        `times` [s], shape (m,), ascend within the record; see `Run.at` for what is refused.
+        """
+        return replace(self, run=self.run.at(times))
+
+    # ---------------------------------------------------------------------- events
+
+    @property
+    def events(self) -> Events:
+        """The events: the solver's own where it locates them, else found between the steps."""
+        return self.run.events[0]
+
+    @property
+    def contacts(self) -> list[tuple[float, float]]:
+        """Start and end [s] of every contact; empty without contact."""
+        return list(self.events.contacts)
+
+    @property
+    def contact_duration(self) -> float:
+        """Duration of the first contact [s]; 0.0 without contact.
+
+        A contact that the record cuts off counts up to the record's end.
+        """
+        if not self.events.contacts:
+            return 0.0
+        start, end = self.events.contacts[0]
+        return end - start
+
+    @property
+    def in_contact_at_end(self) -> bool:
+        """Whether the record ends in contact: its numbers are then not yet final."""
+        return self.run.in_contact_at_end
+
+    @property
+    def rebound_velocity(self) -> float:
+        """Velocity of the projectile's centre of mass after the last contact [m/s].
+
+        NaN without a rebound, if the bodies have not met or the record ends in contact, and where
+        the centre of mass is not known (see `BodyResult`).
+        """
+        return self.parting[0] if self._rebounds else math.nan
+
+    @property
+    def restitution(self) -> float:
+        """Coefficient of restitution, by the centres of mass after the last contact.
+
+        (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is held or
+        of infinite mass. NaN without a rebound, and where a centre of mass is not known.
+        """
+        target = self.run.infos[1]
+        known = target.fixed or target.centre_known
+        return self.parting_speed / self.velocity if known and self._rebounds else math.nan
+
+    @property
+    def _rebounds(self) -> bool:
+        """Whether the projectile has a rebound that is known."""
+        parted = bool(self.events.contacts) and not self.in_contact_at_end
+        return parted and self.run.infos[0].centre_known
+
+    @property
+    def parting_speed(self) -> float:
+        """How fast the bodies part by `parting` [m/s]; a target that is held stays where it is."""
+        ours, theirs = self.parting
+        return (0.0 if self.run.infos[1].fixed else theirs) - ours
+
+    @cached_property
+    def parting(self) -> tuple[float, float]:
+        """Mean velocities of projectile and target, to compare runs by [m/s].
+
+        Those of `Run.mean_velocities` at the end of the last contact, or of the record.
+        """
+        end = self.events.contacts[-1][1] if self.events.contacts else self.run.duration
+        if self.run.recorder.dense:
+            run, at = self.run.at([min(end, self.run.duration)]), 0
+        else:
+            run, at = self.run, min(int(np.searchsorted(self.t, end)), len(self.t) - 1)
+        ours, theirs = run.mean_velocities[:, at]
+        return float(ours), float(theirs)
+
+    # ---------------------------------------------------------------------- output
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write all histories, one row a time, under a header line with names and units."""
+        write_csv(columns(self), path)
+
+    def plot_force(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the force over time; keywords go to ``Axes.plot``. Returns the axes."""
+        return plot.plot_force(self, ax, **kwargs)
+
+    def plot_indentation(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the indentation over time. Returns the axes."""
+        return plot.plot_indentation(self, ax, **kwargs)
+
+    def plot_energy(
+        self,
+        ax: Axes | None = None,
+        *,
+        body: Literal["projectile", "target"] | None = None,
+        **kwargs: Any,
+    ) -> Axes:
+        """Draw the energies over time, of all or of one body (paper, Fig. 5). Returns the axes."""
+        return plot.plot_energy(self, ax, body=body, **kwargs)
+
+    def plot_displacement(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw contact points and centres of mass over time (paper, Fig. 10)."""
+        return plot.plot_displacement(self, ax, **kwargs)
+
+    def plot_interaction(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the force over the approach of the centres of mass (paper, Fig. 7)."""
+        return plot.plot_interaction(self, ax, **kwargs)
+
+    def __repr__(self) -> str:
+        return summary_text(self)
+
+    def _repr_html_(self) -> str:
+        return summary_html(self)

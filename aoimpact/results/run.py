@@ -1,0 +1,442 @@
+"""What a scene gave: the motions of its bodies, its contacts and its energies over time."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..base import FloatArray, InputError, InputTypeError, finite_array, quantity
+from ..fields import response_of
+from ..integrate import Events, Recorder, find_events
+from ..scene import BODY_ROWS, CONTACT_ROWS, Drift, Plan
+from . import plot
+from .misfit import warn_of_later_motion
+from .motion import BodyEnergy, BodyInfo, BodyResult, ContactResult, Energy, ErrorEstimate
+from .table import run_columns, write_csv
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Chosen", "Handle", "Run"]
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A body of a scene, to connect, load and read it by.
+
+    Attributes
+    ----------
+    body : int
+        Its number in the order of `add`.
+    at : int
+        Which of its places of contact is meant, if it may be touched in several; see `port`.
+    name : str
+        As it was added, for messages.
+    scene : str
+        The mark of the scene that it is of.
+    """
+
+    body: int
+    at: int = 0
+    name: str = field(default="", compare=False)
+    scene: str = field(default="", compare=False, repr=False, metadata={"identity": True})
+
+    def port(self, at: int) -> Handle:
+        """Return the handle of another of its places of contact: `at` in the order of the tips."""
+        return replace(self, at=at)
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """Models that were chosen for a quantity, and what is known of the run with them.
+
+    Attributes
+    ----------
+    models : tuple
+        In the order of the bodies.
+    quantity : str
+    rtol : float
+        How wrong it may be, relative.
+    error : float
+        How wrong it is from these models, estimated.
+    numbers : mapping of str to float
+        And each number that sums up the run.
+    """
+
+    models: tuple[Any, ...]
+    quantity: str
+    rtol: float
+    error: float
+    numbers: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run:
+    """A scene over time; curves are computed when they are asked for.
+
+    ``run[handle]`` is a body's motion, ``run.contacts[i]`` a contact in the order of `connect`.
+
+    Attributes
+    ----------
+    plan : Plan
+        What was run.
+    recorder : Recorder
+        The solver's own record, from which curves are read.
+    time_error : float or None
+        Of peak force and impulse, relative, from integrating in time.
+    chosen : Chosen or None
+        How the bodies' models were chosen, where `simulate` was left to do so.
+    asked : ndarray, shape (n,), or None
+        The times asked for, s; the solver's own if None.
+    """
+
+    plan: Plan
+    recorder: Recorder
+    time_error: float | None
+    chosen: Chosen | None = None
+    asked: FloatArray | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What has been computed on the way does not travel."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    # ------------------------------------------------------------------- what was run
+
+    @property
+    def duration(self) -> float:
+        """Length of the record, s."""
+        return self.recorder.duration
+
+    @property
+    def models(self) -> tuple[Any, ...] | None:
+        """The bodies' models in the order of `add`, where `simulate` was left to choose them."""
+        return None if self.chosen is None else self.chosen.models
+
+    @property
+    def solver(self) -> str:
+        """How time was integrated."""
+        return self.recorder.solver
+
+    @property
+    def energies(self) -> bool:
+        """Whether energies are recorded."""
+        return self.plan.energies
+
+    @property
+    def ends(self) -> tuple[tuple[int, int, int, int], ...]:
+        """Body, port, body and port of the contacts."""
+        return self.plan.ends
+
+    @property
+    def joints(self) -> int:
+        """Number of contacts."""
+        return len(self.plan.joints)
+
+    @cached_property
+    def infos(self) -> tuple[BodyInfo, ...]:
+        """What is known of the bodies beside their histories."""
+        return tuple(
+            BodyInfo(
+                player.label,
+                player.mass,
+                player.held,
+                player.centre_known,
+                partial(self.recorder.state, i),
+                player.ports,
+                partial(response_of, self.plan, self.recorder, i),
+            )
+            for i, player in enumerate(self.plan.players)
+        )
+
+    @cached_property
+    def drifts(self) -> tuple[Drift | None, ...]:
+        """What each reduced body leaves out."""
+        return self.plan.drifts
+
+    # ------------------------------------------------------------------- histories
+
+    @cached_property
+    def t(self) -> FloatArray:
+        """Times [s], shape (n,)."""
+        times = self.recorder.times if self.asked is None else self.asked
+        times.flags.writeable = False
+        return times
+
+    @cached_property
+    def _rows(self) -> FloatArray:
+        return self._complete(self.t)
+
+    def _complete(self, t: FloatArray) -> FloatArray:
+        """The record at times, with what the reduced bodies leave out."""
+        rows = self.recorder.rows(t, self.energies)
+        for body, drift in enumerate(self.drifts):
+            if drift is not None:
+                drift.add(rows[self._first[body] :], t)
+        rows.flags.writeable = False
+        return rows
+
+    @cached_property
+    def forces(self) -> FloatArray:
+        """Of all contacts, N, shape (contacts, n); made without the motions, which cost more."""
+        if "_rows" in self.__dict__:
+            return self._rows[: CONTACT_ROWS * self.joints : CONTACT_ROWS]
+        forces = self.recorder.forces(self.t)
+        forces.flags.writeable = False
+        return forces
+
+    @cached_property
+    def _first(self) -> tuple[int, ...]:
+        """First rows of the bodies."""
+        sizes = (BODY_ROWS + 2 * info.ports for info in self.infos)
+        return tuple(itertools.accumulate(sizes, initial=CONTACT_ROWS * self.joints))
+
+    @cached_property
+    def bodies(self) -> tuple[BodyResult, ...]:
+        """The motions of the bodies, in the order of `add`."""
+        return tuple(self._body(i) for i in range(len(self.infos)))
+
+    def __getitem__(self, body: Handle | int) -> BodyResult:
+        if isinstance(body, bool) or not isinstance(body, (Handle, int, np.integer)):
+            raise InputTypeError(f"a run is read by the handles of its scene, got {body!r}")
+        if isinstance(body, Handle) and body.scene != self.plan.scene:
+            raise InputError(
+                f"{body!r} is of another scene than this run; read the run by the handles that its "
+                "own scene's add returned"
+            )
+        index = body.body if isinstance(body, Handle) else int(body)
+        if not 0 <= index < len(self.infos):
+            raise InputError(f"there is no body {index}: the scene has {len(self.infos)}")
+        return self.bodies[index]
+
+    def _velocity(self, body: int, port: int) -> FloatArray:
+        velocity: FloatArray = self._rows[self._first[body] + BODY_ROWS + 2 * port + 1]
+        return velocity
+
+    def _body(self, index: int) -> BodyResult:
+        info, first = self.infos[index], self._first[index]
+        ports = self._rows[first + BODY_ROWS : first + BODY_ROWS + 2 * info.ports]
+        coordinates, rates = info.state()
+        centre = self._rows[first : first + 2]
+        if not info.centre_known:
+            centre = np.full(centre.shape, np.nan)
+        return BodyResult(
+            label=info.label,
+            mass=info.mass,
+            held=info.held,
+            centre_displacement=centre[0],
+            centre_velocity=centre[1],
+            energy=self.energy.bodies[index] if self.energies else None,
+            coordinates=coordinates,
+            rates=rates,
+            port_displacements=ports[0::2],
+            port_velocities=ports[1::2],
+            _times=self.t,
+            _respond=info.response,
+            _doubt=None if self._asked_for_motion else partial(self._doubt, index),
+        )
+
+    @property
+    def _asked_for_motion(self) -> bool:
+        return self.chosen is not None and "displacement" in self.chosen.quantity
+
+    def _doubt(self, index: int) -> None:
+        warn_of_later_motion(self.plan, self, index)
+
+    @property
+    def mean_velocities(self) -> FloatArray:
+        """Of the bodies' centres of mass, m/s, shape (bodies, n).
+
+        Where a centre is not known, the mean over the static mode: good to compare runs by.
+        """
+        return self._rows[[first + 1 for first in self._first[:-1]]]
+
+    @cached_property
+    def contacts(self) -> tuple[ContactResult, ...]:
+        """The contacts, in the order of `connect`."""
+        found = []
+        for joint in range(self.joints):
+            at = CONTACT_ROWS * joint
+            force, indentation, elastic, dissipated = self._rows[at : at + CONTACT_ROWS]
+            found.append(
+                ContactResult(
+                    force,
+                    indentation,
+                    elastic if self.energies else None,
+                    dissipated if self.energies else None,
+                    self.events[joint],
+                )
+            )
+        return tuple(found)
+
+    @cached_property
+    def energy(self) -> Energy:
+        """Energies over time.
+
+        Raises
+        ------
+        InputError
+            If the run did not record them.
+        """
+        if not self.energies:
+            raise InputError(
+                "this run has no energies: it was made with energies=False; "
+                "call simulate(..., energies=True)"
+            )
+        return _energy(self._rows, self.joints, self._first[:-1])
+
+    def at(self, times: npt.ArrayLike) -> Run:
+        """Return the same run at other times: dense output, as exact as the run itself.
+
+        Parameters
+        ----------
+        times : array_like, shape (m,)
+            Ascending, within the record [s]; none gives empty histories.
+
+        Raises
+        ------
+        InputError
+            If the run was made with fixed steps, between which nothing is known, or the times do
+            not ascend within the record.
+        """
+        if not self.recorder.dense:
+            raise InputError(
+                "this run has fixed steps, with nothing known between them; "
+                "call simulate(..., solver=Adaptive(...)) for dense output"
+            )
+        wanted = np.atleast_1d(finite_array("times", times, unit="s"))
+        if wanted.ndim != 1:
+            raise InputError(f"times must be a flat list, got shape {wanted.shape}; ravel it")
+        falls = np.flatnonzero(np.diff(wanted) < 0.0)
+        if len(falls):
+            before, after = wanted[falls[0] : falls[0] + 2]
+            raise InputError(f"times must ascend, got {before:g} s before {after:g} s; sort them")
+        if wanted.size and (wanted[0] < 0.0 or wanted[-1] > self.duration):
+            raise InputError(
+                f"times must lie within the record, 0 to {self.duration:g} s, got "
+                f"{wanted[0]:g} to {wanted[-1]:g} s"
+            )
+        return replace(self, asked=wanted.astype(np.float64, copy=True))
+
+    # ---------------------------------------------------------------------- events
+
+    @property
+    def events(self) -> tuple[Events, ...]:
+        """Of each contact: the solver's own where it locates them, else found between the steps."""
+        located = self.recorder.events
+        return self._found if located is None else located
+
+    @cached_property
+    def _found(self) -> tuple[Events, ...]:
+        found = []
+        for joint in range(self.joints):
+            force, indentation = self._rows[CONTACT_ROWS * joint : CONTACT_ROWS * joint + 2]
+            first, port, second, other = self.plan.joints[joint].ends_at
+            rate = self._velocity(first, port) - self._velocity(second, other)
+            found.append(find_events(self.t, force, indentation, rate))
+        return tuple(found)
+
+    @property
+    def in_contact_at_end(self) -> bool:
+        """Whether the record ends in contact: its numbers are then not yet final."""
+        end = self.duration * (1.0 - 1e-12)
+        return any(events.contacts and events.contacts[-1][1] >= end for events in self.events)
+
+    @property
+    def _driven(self) -> bool:
+        """Whether a wall moves: it brings energy that is not counted."""
+        return any(
+            info.wall and self.bodies[i].port_velocities.any() for i, info in enumerate(self.infos)
+        )
+
+    @cached_property
+    def error(self) -> ErrorEstimate:
+        """What is known of the error."""
+        energy = None
+        if self.energies and not self._driven:
+            ledger = replace(self, asked=self.recorder.marks) if self.recorder.dense else self
+            energy = energy_range(ledger.energy)
+        if (of := self.chosen) is None:
+            return ErrorEstimate(None, self.time_error, energy)
+        return ErrorEstimate(
+            of.error, self.time_error, energy, of.quantity, of.rtol, dict(of.numbers)
+        )
+
+    # ---------------------------------------------------------------------- output
+
+    def to_csv(self, path: str | os.PathLike[str], *, names: Sequence[str] | None = None) -> None:
+        """Write all histories, one row a time, under a header line with names and units.
+
+        Parameters
+        ----------
+        path : path
+        names : sequence of str, optional
+            Of the bodies, in the order of `add`; "body 0", "body 1" … if left out.
+        """
+        write_csv(run_columns(self, names), path)
+
+    def plot_force(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the force of each contact over time; keywords go to ``Axes.plot``."""
+        return plot.plot_forces(self, ax, **kwargs)
+
+    def plot_displacement(
+        self, ax: Axes | None = None, *, names: Sequence[str] | None = None, **kwargs: Any
+    ) -> Axes:
+        """Draw how far each body's contact coordinate has moved over time."""
+        return plot.plot_places(self, ax, names=names, **kwargs)
+
+    def plot_energy(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the energies over time."""
+        return plot.plot_energy(self, ax, **kwargs)
+
+    def _lines(self) -> list[tuple[str, str]]:
+        lines = [
+            (f"body {i}", f"{info.label}{', held' if info.held else ''}")
+            for i, info in enumerate(self.infos[:_SHOWN])
+        ]
+        told = self.error.told
+        for i, events in enumerate(self.events[:_SHOWN]):
+            peak = f"{quantity(events.peak_force, 'N', 5)}{told(f'contacts.{i}.peak_force')}"
+            peak += f" at {quantity(events.peak_time, 's')}{told(f'contacts.{i}.peak_time')}"
+            count = len(events.contacts)
+            times = f"{count} times{told(f'contacts.{i}.intervals')}"
+            lines.append((f"contact {i}", f"{peak}, {times}" if count else "none"))
+        if max(len(self.infos), self.joints) > _SHOWN:
+            lines.append(("…", f"{len(self.infos)} bodies and {self.joints} contacts in all"))
+        lines.append(("solver", self.solver))
+        return lines
+
+    def __repr__(self) -> str:
+        head = f"Run of {quantity(self.duration, 's')}"
+        return "\n".join([head, *(f"  {name:<12} {value}" for name, value in self._lines())])
+
+
+# A summary of more bodies or contacts than these helps nobody.
+_SHOWN = 12
+
+
+def _energy(rows: FloatArray, joints: int, first: Sequence[int]) -> Energy:
+    bodies = tuple(
+        BodyEnergy(rows[at + 2], rows[at + 3], rows[at + 4], rows[at + 5]) for at in first
+    )
+    nothing = np.zeros(rows.shape[1])
+    kinetic = sum((body.kinetic for body in bodies), nothing)
+    elastic = sum((body.elastic for body in bodies), nothing)
+    work = sum((body.work for body in bodies), nothing)
+    contact = sum((rows[CONTACT_ROWS * joint + 2] for joint in range(joints)), nothing)
+    dissipated = sum((rows[CONTACT_ROWS * joint + 3] for joint in range(joints)), nothing)
+    dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
+    total = kinetic + elastic + contact + dissipated - work
+    return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)
+
+
+def energy_range(energy: Energy) -> float | None:
+    """Range of the total energy relative to the largest stored; None where there is none."""
+    stored = float((energy.kinetic + energy.elastic + energy.contact).max())
+    return float(np.ptp(energy.total) / stored) if stored > 0.0 else None

@@ -1,0 +1,103 @@
+"""The contacts of a pile at rest, as springs that only push: all of one law at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import _core
+from ..base import FloatArray
+from ..laws import ContactLaw, UserLaw
+
+__all__ = ["Springs"]
+
+
+# Depths, m, from which on and up to where a law's stiffness under a load is looked for; by which
+# strides, and by which in a user's law, which is not asked much deeper than it will be.
+_SHALLOWEST, _DEEPEST = 2.0**-90, 2.0**30
+_STRIDES, _OWN_STRIDES = (2.0**16, 2.0**4, 2.0), (2.0,)
+
+
+@dataclass(frozen=True, eq=False)
+class _Kind:
+    """The contacts of one law, by their numbers; beyond its limit, m, it goes on straight."""
+
+    law: tuple[Any, ...]
+    limit: float
+    strides: tuple[float, ...]
+    which: npt.NDArray[np.intp]
+
+    def force(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return F and dF/dδ, shape (m,)."""
+        within = np.clip(depth, 0.0, self.limit)
+        force, stiffness, damping = (np.empty(len(depth)) for _ in range(3))
+        _core.law_force(self.law, within, np.zeros(len(depth)), force, stiffness, damping)
+        closed = depth > 0.0
+        stiffness = np.maximum(stiffness, 0.0)  # that of a level stretch may be rounded below
+        beyond = force + stiffness * (depth - within)
+        return np.where(closed, beyond, 0.0), np.where(closed, stiffness, 0.0)
+
+    def energy(self, depth: FloatArray) -> FloatArray:
+        """Return what is stored, J, shape (m,)."""
+        within, stored = np.clip(depth, 0.0, self.limit), np.empty(len(depth))
+        _core.law_potential(self.law, within, stored)
+        mean = 0.5 * (self.force(within)[0] + self.force(depth)[0])
+        return stored + np.maximum(depth - within, 0.0) * mean
+
+    def stiffness_under(self, load: float) -> float:
+        """Return the stiffness under a load, N; on level stretches the mean so far."""
+        depth = np.array([_SHALLOWEST])
+        for stride in self.strides:
+            while stride * depth[0] <= _DEEPEST and self.force(stride * depth)[0][0] <= load:
+                depth *= stride
+        force, slope = self.force(depth)
+        return float(max(slope[0], force[0] / depth[0]))
+
+
+class Springs:
+    """Forces and energies over indentations, m, shape (contacts,)."""
+
+    def __init__(self, laws: Sequence[ContactLaw]) -> None:
+        self._count = len(laws)
+        which: dict[ContactLaw, list[int]] = {}
+        for number, law in enumerate(laws):
+            which.setdefault(law, []).append(number)
+        self._kinds = [
+            _Kind(
+                law.for_core(),
+                law._limit(),
+                _OWN_STRIDES if isinstance(law, UserLaw) else _STRIDES,
+                np.array(numbers),
+            )
+            for law, numbers in which.items()
+        ]
+
+    def force(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the forces, N, and their slopes, N/m, shape (contacts,) each."""
+        force, slope = np.zeros(self._count), np.zeros(self._count)
+        for kind in self._kinds:
+            force[kind.which], slope[kind.which] = kind.force(depth[kind.which])
+        return force, slope
+
+    def energy(self, depth: FloatArray) -> float:
+        """Return what is stored in all of them, J."""
+        return float(sum(kind.energy(depth[kind.which]).sum() for kind in self._kinds))
+
+    def stiffness_under(self, load: float) -> FloatArray:
+        """Return the stiffness of each, N/m, shape (contacts,), under one load, N."""
+        found = np.zeros(self._count)
+        for kind in self._kinds:
+            found[kind.which] = kind.stiffness_under(load)
+        return found
+
+    @property
+    def limits(self) -> FloatArray:
+        """How deep each law stands, m, shape (contacts,)."""
+        found = np.zeros(self._count)
+        for kind in self._kinds:
+            found[kind.which] = kind.limit
+        return found

@@ -1,0 +1,338 @@
+"""What a scene file describes, built: bodies, laws, and the impact or the scene of many of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..accuracy import SCENE_QUANTITIES
+from ..base import InputError, nearest
+from ..fem import ContactPoint, Damping, FEModel, Material, ModalDamping, Rayleigh, contact_point
+from ..impact import Scene, SceneCase
+from ..laws import ContactLaw, Hertz, Thornton
+from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
+from ..reduction import AOModel, antioscillators, interface, modal, rigid
+from ..results import Handle
+from .names import BY_RESTITUTION, LAWS, SOLVERS
+
+__all__ = ["Builder", "Kept", "member_name"]
+
+# The power of the indentation in Hertz's law.
+_HERTZ_POWER = 1.5
+
+# A node lies on a plane of a support if it is closer than this fraction of the body's size.
+_ON_PLANE = 1e-6
+
+# Bodies kept by a sweep over a file: those it comes back to, not all meshes of a long one.
+_MOST_KEPT = 8
+
+_PAPER_SPHERE = "paper-sphere"
+
+
+# Numbers of [impact], and the keywords of `simulate` that they are.
+_IMPACT_KEYWORDS = {
+    "velocity": "velocity",
+    "duration": "duration",
+    "gap": "gap",
+    "quantity": "quantity",
+    "tolerance": "rtol",
+    "linear_solver": "linear_solver",
+}
+
+
+# And of [scene], of `Scene.simulate`.
+_SCENE_KEYWORDS = {
+    "preload": "preload",
+    "tolerance": "rtol",
+    "linear_solver": "linear_solver",
+}
+
+
+@dataclass
+class Kept:
+    """Bodies that have been made, by what was written about them; the oldest go first."""
+
+    made: dict[str, Any] = field(default_factory=dict)
+
+    def once(self, what: Any, make: Callable[[], Any]) -> Any:
+        """Make a thing, or return the one that was made of the same words."""
+        key = json.dumps(what, sort_keys=True)
+        if key not in self.made:
+            if len(self.made) >= _MOST_KEPT:
+                del self.made[next(iter(self.made))]
+            self.made[key] = make()
+        return self.made[key]
+
+
+def member_name(member: Mapping[str, Any]) -> str:
+    """Return what a body of a scene is called in it."""
+    return str(member.get("name", member["body"]))
+
+
+@dataclass(frozen=True)
+class Builder:
+    """Builds what a file says.
+
+    Attributes
+    ----------
+    data : mapping
+        The file, checked.
+    folder : Path
+        That its paths start from.
+    kept : Kept
+    blaming : callable
+        Of a place: a context that says of bad input in which line it stands.
+    """
+
+    data: Mapping[str, Any]
+    folder: Path
+    kept: Kept
+    blaming: Callable[..., AbstractContextManager[None]]
+
+    def impact(self) -> dict[str, Any]:
+        """Return the keywords of `simulate`."""
+        table = self.data["impact"]
+        bodies = {role: self._body(table[role]) for role in ("projectile", "target")}
+        keywords = {
+            **bodies,
+            "law": self._law("impact"),
+            **{keyword: table[name] for name, keyword in _IMPACT_KEYWORDS.items() if name in table},
+            **self._solver("impact"),
+        }
+        wanted = table.get("quantity")
+        if isinstance(wanted, Mapping):
+            with self.blaming("impact", "quantity"):
+                roles = {table[role]: body for role, body in bodies.items()}
+                keywords["quantity"] = _point(roles, wanted)
+        return keywords
+
+    def scene(self) -> tuple[SceneCase, float]:
+        """Return a scene with what its run is given, and its duration."""
+        table = self.data["scene"]
+        with self.blaming("scene"):
+            scene = Scene(gravity=table.get("gravity", 0.0))
+        handles: dict[str, Handle] = {}
+        bodies: dict[str, Any] = {}
+        for i, member in enumerate(table["bodies"]):
+            body, name = self._body(member["body"]), member_name(member)
+            with self.blaming("scene", "bodies", i):
+                if name in handles:
+                    raise InputError(
+                        f"name: two bodies of the scene are called {name!r}; give one another name"
+                    )
+                motion = {key: member[key] for key in ("velocity", "position") if key in member}
+                handles[name], bodies[name] = scene.add(body, **motion, name=name), body
+        for i, joint in enumerate(table.get("contacts", ())):
+            law = self._law("scene", "contacts", i)
+            with self.blaming("scene", "contacts", i):
+                first, second = (_handle(handles, end) for end in joint["between"])
+                scene.connect(first, second, law, gap=joint.get("gap", 0.0))
+        for i, load in enumerate(table.get("loads", ())):
+            with self.blaming("scene", "loads", i):
+                force = (load["times"], load["forces"]) if "times" in load else load["force"]
+                scene.apply(_handle(handles, load["body"]), force=force)
+        keywords = self._solver("scene") | {
+            keyword: table[name] for name, keyword in _SCENE_KEYWORDS.items() if name in table
+        }
+        if "quantity" in table:
+            with self.blaming("scene", "quantity"):
+                keywords["quantity"] = _scene_quantity(handles, bodies, table["quantity"])
+        return SceneCase(scene, keywords), table["duration"]
+
+    def _solver(self, kind: str) -> dict[str, Any]:
+        table = self.data[kind]
+        if "solver" not in table:
+            return {}
+        with self.blaming(kind, "solver"):
+            return {"solver": _made(SOLVERS, table["solver"])}
+
+    # --------------------------------------------------------------------------- bodies
+
+    def _body(self, name: str) -> Any:
+        table, place = self.data["bodies"][name], ("bodies", name)
+        if "mass" in table:
+            with self.blaming(*place):
+                return rigid(**table)
+        if "m0" in table:
+            with self.blaming(*place):
+                return AOModel(**table | self._damping(name))
+        material = self.data["materials"][table["material"]]
+        return self.kept.once(["model", table, material], lambda: self._model(name))
+
+    def _model(self, name: str) -> Any:
+        table, place = self.data["bodies"][name], ("bodies", name)
+        solid = {
+            key: value
+            for key, value in table.items()
+            if key not in ("contact", "contacts", "model")
+        }
+        material = self.data["materials"][table["material"]]
+        body = self.kept.once(["solid", solid, material], lambda: self._solid(name))
+        model = dict(table.get("model", {"type": "full"}))
+        kind = model.pop("type")
+        touched, several = table["contact"], isinstance(table["contact"], list)
+        with self.blaming(*place, "model"):
+            if kind != "full" and several != (kind == "interface"):
+                raise InputError(
+                    "type: a list of contacts needs the model 'interface' or 'full', and "
+                    "'interface' a list of them"
+                )
+        tips = []
+        for i, contact in enumerate(touched if several else [touched]):
+            with self.blaming(*place, "contact", *([i] if several else [])):
+                tips.append(body.contact(**contact))
+        with self.blaming(*place, "model"):
+            if kind == "full":
+                return tuple(tips) if several else tips[0]
+            return interface(tips, **model) if several else _REDUCTIONS[kind](tips[0], **model)
+
+    def _damping(self, name: str) -> dict[str, Damping]:
+        """The keyword `damping`, where a body has any."""
+        table = self.data["bodies"][name].get("damping")
+        if table is None:
+            return {}
+        with self.blaming("bodies", name, "damping"):
+            if ("ratio" in table) == ("alpha" in table or "beta" in table):
+                raise InputError("give either ratio, of all modes, or alpha and beta of Rayleigh's")
+            return {"damping": (ModalDamping if "ratio" in table else Rayleigh)(**table)}
+
+    def _solid(self, name: str) -> FEModel:
+        table, place = self.data["bodies"][name], ("bodies", name)
+        material = self._material(table["material"])
+        with self.blaming(*place, "mesh"):
+            mesh = self._mesh(table["mesh"])
+        supports = []
+        for i, entry in enumerate(table.get("fixed", ())):
+            with self.blaming(*place, "fixed", i):
+                supports.append((_support_nodes(entry, mesh), entry["hold"]))
+        with self.blaming(*place, *(["fixed"] if supports else [])):
+            return FEModel.from_mesh(mesh, material, fixed=supports or None, **self._damping(name))
+
+    def _mesh(self, mesh: str | Mapping[str, Any]) -> Mesh:
+        if mesh == _PAPER_SPHERE:
+            return paper_sphere_mesh()
+        if isinstance(mesh, str):
+            return read_mesh(self.folder / mesh)
+        if "file" in mesh:
+            return read_mesh(self.folder / mesh["file"], scale=mesh.get("scale", 1.0))
+        if "sphere" in mesh:
+            return sphere_mesh(mesh["sphere"], mesh["size"])
+        return box_mesh(mesh["box"], mesh["divisions"], kind=mesh.get("kind", "hexahedron"))
+
+    # ---------------------------------------------------------------- materials and laws
+
+    def _material(self, name: str) -> Material:
+        with self.blaming("materials", name):
+            return Material(**self.data["materials"][name])
+
+    def _law(self, *place: str | int) -> ContactLaw:
+        table: Any = self.data
+        for part in (*place, "law"):
+            table = table[part]
+        table = dict(table)
+        with self.blaming(*place, "law"):
+            if isinstance(table.get("k"), Mapping):
+                if "yield_pressure" in table:
+                    return self._yielding(table)
+                if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
+                    raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
+                if "relative_radius" in table:
+                    raise InputError("relative_radius: it follows from the two surfaces of k")
+                one, two = table["k"]["between"]
+                surfaces = Hertz.between(
+                    self._material(one["material"]),
+                    one["radius"],
+                    self._material(two["material"]),
+                    two["radius"],
+                    angle=table["k"].get("angle", 0.0),
+                )
+                table |= {"k": surfaces.k, "relative_radius": surfaces.relative_radius}
+            law: ContactLaw = _made(LAWS, table)
+            return law
+
+    def _yielding(self, table: Mapping[str, Any]) -> Thornton:
+        """Thornton's law of two surfaces that yield under a pressure."""
+        if "angle" in table["k"]:
+            raise InputError("angle: with yield_pressure the surfaces are spheres, flats or cups")
+        one, two = table["k"]["between"]
+        return Thornton.between(
+            self._material(one["material"]),
+            one["radius"],
+            self._material(two["material"]),
+            two["radius"],
+            yield_pressure=table["yield_pressure"],
+        )
+
+
+_REDUCTIONS: dict[str, Callable[..., Any]] = {"antioscillators": antioscillators, "modal": modal}
+
+
+def _made(classes: Mapping[str, Any], table: Mapping[str, Any]) -> Any:
+    """An object of the class that the table names, of the table's other values."""
+    cls = classes[table["type"]]
+    given = {key: value for key, value in table.items() if key != "type"}
+    return (cls.from_restitution if cls in BY_RESTITUTION and "restitution" in given else cls)(
+        **given
+    )
+
+
+def _support_nodes(entry: Mapping[str, Any], mesh: Mesh) -> Any:
+    """Nodes of a support: as written, or those on all of the planes that it names."""
+    planes = {axis: entry[axis] for axis in "xyz" if axis in entry}
+    if ("nodes" in entry) == bool(planes):
+        raise InputError("a support needs either nodes, or planes x, y, z on all of which they lie")
+    if not planes:
+        return entry["nodes"]
+    on = np.ones(mesh.n_nodes, dtype=bool)
+    for axis, value in planes.items():
+        on &= np.abs(mesh.nodes[:, "xyz".index(axis)] - value) <= _ON_PLANE * mesh.size
+    if not on.any():
+        where = ", ".join(f"{axis} = {value:g} m" for axis, value in planes.items())
+        low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
+        box = ", ".join(f"{c} {a:g} to {b:g}" for c, a, b in zip("xyz", low, high, strict=True))
+        raise InputError(f"no node lies on {where}; the mesh spans {box} m")
+    return np.flatnonzero(on)
+
+
+def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint:
+    """The place whose displacement is asked for."""
+    name = wanted["body"]
+    if name not in bodies:
+        raise InputError(f"body: {name!r} takes no part{nearest(name, bodies)}")
+    body = bodies[name]
+    tip = body[0] if isinstance(body, tuple) else body
+    if not isinstance(tip, ContactPoint):
+        raise InputError(f"body: {name!r} has a model already; leave it out to have it chosen")
+    return contact_point(tip.body, point=wanted["point"], direction=wanted["direction"])
+
+
+def _scene_quantity(
+    handles: Mapping[str, Handle], bodies: Mapping[str, Any], wanted: str | Mapping[str, Any]
+) -> str | Handle | ContactPoint:
+    """What a scene is asked for: a word, or the displacement of a body, at a port or a point."""
+    if isinstance(wanted, Mapping):
+        return _point(bodies, wanted) if "point" in wanted else _handle(handles, wanted)
+    if wanted in handles and wanted not in SCENE_QUANTITIES:
+        return handles[wanted]
+    if wanted not in SCENE_QUANTITIES:
+        known = (*SCENE_QUANTITIES, *handles)
+        raise InputError(
+            f"must be one of {', '.join(known)}, got {wanted!r}{nearest(wanted, known)}"
+        )
+    return wanted
+
+
+def _handle(handles: Mapping[str, Handle], end: str | Mapping[str, Any]) -> Handle:
+    """The body that an end of a contact names, and the place on it."""
+    name, port = (end, 0) if isinstance(end, str) else (end["body"], end.get("port", 0))
+    if name not in handles:
+        raise InputError(
+            f"the scene has no body {name!r}{nearest(name, handles)}; it has {', '.join(handles)}"
+        )
+    return handles[name].port(port)

@@ -1,0 +1,223 @@
+"""Scene files: impacts and scenes written down in TOML, checked to the line and column."""
+
+from __future__ import annotations
+
+import copy
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..accuracy import QUANTITIES, keeper
+from ..base import InputError, InputTypeError, SceneFileError, file_path
+from ..impact import simulate
+from ..results import Result, Run
+from .build import Builder, Kept, member_name
+from .names import SCENE_FILE
+from .ranges import at_place, check_apart, grid_of, sweep_problems
+from .toml_lines import Place, Spot, spot_of, toml_spots
+
+__all__ = ["SceneFile", "read_scene"]
+
+# What tomllib says of a text that is no TOML.
+_UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
+
+
+def read_scene(path: str | os.PathLike[str]) -> SceneFile:
+    """Read a scene file and check all of its names and types.
+
+    Parameters
+    ----------
+    path : path
+        TOML; docs/scene-files.md lists what it may hold. Paths in it are relative to its folder.
+
+    Raises
+    ------
+    SceneFileError
+        If the file cannot be read or is wrong: every problem with its line and column.
+    """
+    file = file_path("path", path)
+    try:
+        text = file.read_text(encoding="utf-8-sig")  # with a mark at its start, or without
+    except OSError as error:
+        raise SceneFileError(f"{file}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise SceneFileError(f"{file}: is not UTF-8 text ({error.reason})") from None
+    try:
+        data = tomllib.loads(text)
+        spots = toml_spots(text.replace("\r\n", "\n"))
+    except tomllib.TOMLDecodeError as error:
+        found = _UNREADABLE.fullmatch(str(error))
+        where, what = (f":{found[2]}:{found[3]}", found[1]) if found else ("", str(error))
+        raise SceneFileError(f"{file}{where}: is not TOML: {what}") from None
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep nesting
+        raise SceneFileError(f"{file}: cannot be read: {error}") from None
+    scene = SceneFile(file, data, spots)
+    scene.check()
+    return scene
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SceneFile:
+    """A scene file that has been read.
+
+    Attributes
+    ----------
+    path : Path
+    data : dict
+        As tomllib gives it.
+    spots : mapping
+        Line and column of every place in it.
+    """
+
+    path: Path
+    data: Mapping[str, Any]
+    spots: Mapping[Place, Spot]
+    _kept: Kept = field(default_factory=Kept)
+
+    def __repr__(self) -> str:
+        return f"SceneFile({str(self.path)!r})"
+
+    @property
+    def title(self) -> str:
+        """The file's title, or its name."""
+        return str(self.data.get("title", self.path.stem))
+
+    @property
+    def kind(self) -> str:
+        """What it describes: "impact" of two bodies, or "scene" of any number."""
+        return "impact" if "impact" in self.data else "scene"
+
+    @property
+    def reported(self) -> tuple[str, ...]:
+        """Names of the numbers that the file asks for; of each contact if it asks for none."""
+        asked = self.data[self.kind].get("report")
+        if asked is not None:
+            return tuple(asked)
+        if self.kind == "impact":
+            return tuple(QUANTITIES)
+        count = len(self.data["scene"].get("contacts", ()))
+        return tuple(
+            f"contacts.{i}.{name}" for i in range(count) for name in ("peak_force", "impulse")
+        )
+
+    @property
+    def grid(self) -> dict[str, list[Any]]:
+        """What [sweep] goes over, for `sweep`: values by place; empty without such a table."""
+        return grid_of(self.data["sweep"]["over"]) if "sweep" in self.data else {}
+
+    @property
+    def swept(self) -> tuple[str, ...]:
+        """Names of the numbers that the sweep keeps: those reported if it names none."""
+        return tuple(self.data.get("sweep", {}).get("keep", self.reported))
+
+    @property
+    def members(self) -> tuple[tuple[str, str], ...]:
+        """What each body is called in the result, and its name in [bodies]."""
+        table = self.data[self.kind]
+        if self.kind == "impact":
+            return tuple((role, table[role]) for role in ("projectile", "target"))
+        return tuple((member_name(member), member["body"]) for member in table["bodies"])
+
+    def has_mesh(self, body: str) -> bool:
+        """Whether a body of [bodies] is made of finite elements."""
+        return "mesh" in self.data["bodies"][body]
+
+    def check(self) -> None:
+        """Refuse unknown names, missing keys and wrong types.
+
+        Raises
+        ------
+        SceneFileError
+            With the line and column of each.
+        """
+        found = list(SCENE_FILE.problems(self.data, (), self.data))
+        if not found and "sweep" in self.data:
+            found = list(sweep_problems(self.data, self.kind))
+        if found:
+            raise SceneFileError("\n".join(self._at(*problem) for problem in found))
+        with self._blaming(self.kind, "report"):
+            if self.reported:
+                keeper(self.reported)
+        with self._blaming("sweep", "keep"):
+            if self.swept:
+                keeper(self.swept)
+
+    def replaced(self, values: Mapping[str, Any]) -> SceneFile:
+        """Return the file with other values at dotted places, and without its sweep.
+
+        Parameters
+        ----------
+        values : mapping
+            By place, such as "bodies.ball.mass", "scene.contacts.0.gap" or "scene.bodies.ball.
+            velocity"; what begins with no table of the file is in its impact or scene: "velocity".
+
+        Raises
+        ------
+        SceneFileError
+            If there is no such place, or the value is of the wrong type.
+        """
+        data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
+        places = [name.split(".") for name in values]
+        for number, (name, value) in enumerate(values.items()):
+            try:
+                check_apart(self.data, self.kind, places[: number + 1])
+                table, last = at_place(data, self.kind, places[number])
+            except InputError as error:
+                raise SceneFileError(f"{self.path}: {name}: {error}") from None
+            table[last] = np.asarray(value).tolist() if hasattr(value, "dtype") else value
+        scene = SceneFile(self.path, data, self.spots, self._kept)
+        scene.check()
+        return scene
+
+    def case(self) -> Any:
+        """Build the bodies, and return a case of `simulate_many`.
+
+        Raises
+        ------
+        SceneFileError
+            If a value makes no sense, with its line.
+        """
+        builder = Builder(self.data, self.path.parent, self._kept, self._blaming)
+        return builder.impact() if self.kind == "impact" else builder.scene()
+
+    def simulate(self) -> Result | Run:
+        """Build the scene and run it; a Result of an impact, a Run of a scene."""
+        case = self.case()
+        with self._blaming(self.kind):
+            if self.kind == "impact":
+                return simulate(**case)
+            scene, duration = case
+            run: Run = scene.simulate(duration=duration)
+            return run
+
+    # ------------------------------------------------------------------------- messages
+
+    def _at(self, place: Place, message: str) -> str:
+        spot = spot_of(self.spots, place)
+        where = f"{self.path}:{spot.line}:{spot.column}" if spot is not None else str(self.path)
+        return f"{where}: {_dotted(place)}{message}"
+
+    @contextmanager
+    def _blaming(self, *place: str | int) -> Iterator[None]:
+        """Say of bad input where it stands."""
+        try:
+            yield
+        except SceneFileError:
+            raise
+        except (InputError, InputTypeError) as error:
+            # The argument that a message begins with is a key of the table more often than not.
+            word = str(error).partition(" ")[0].partition("=")[0].rstrip(":")
+            word = {"rtol": "tolerance"}.get(word, word) if place == (self.kind,) else word
+            finer = (*place, word) if (*place, word) in self.spots else place
+            raise SceneFileError(self._at(finer, str(error))) from error
+
+
+def _dotted(place: Place) -> str:
+    return ".".join(map(str, place)) + ": " if place else ""

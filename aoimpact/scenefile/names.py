@@ -1,0 +1,317 @@
+"""What a scene file may hold: the one place where its names are written down."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import MISSING, fields
+from typing import Any
+
+from .. import laws
+from ..integrate import Adaptive, Newmark
+from ..linalg import SOLVERS as LINEAR_SOLVERS
+from ..mesh import KINDS
+from .schema import (
+    Anything,
+    Choice,
+    Chosen,
+    Either,
+    Field,
+    Flag,
+    Integer,
+    Kind,
+    Listed,
+    Named,
+    Number,
+    Reference,
+    Table,
+    Text,
+    Tree,
+    Variants,
+    needed,
+    optional,
+)
+
+__all__ = ["BY_RESTITUTION", "LAWS", "SCENE_FILE", "SOLVERS"]
+
+# Laws of the power 3/2, whose k may be that of Hertz's theory.
+_HERTZIAN = (
+    laws.Hertz,
+    laws.HuntCrossley,
+    laws.LankaraniNikravesh,
+    laws.Flores,
+    laws.Gonthier,
+    laws.HerbertMcWhannell,
+    laws.LeeWang,
+    laws.Tsuji,
+    laws.KuwabaraKono,
+    laws.Thornton,
+)
+_OTHERS = (laws.PowerLaw, laws.Linear, laws.KelvinVoigt, laws.Tabulated)
+
+# By the name that a file gives, the class that it stands for.
+LAWS = {law.__name__: law for law in (*_HERTZIAN, *_OTHERS)}
+
+# Laws that may be given by the restitution that they are to deliver, and what else says it.
+BY_RESTITUTION = {
+    laws.HuntCrossley: "damping",
+    laws.Tsuji: "alpha",
+    laws.KuwabaraKono: "A",
+    laws.KelvinVoigt: "c",
+}
+
+SOLVERS = {solver.__name__: solver for solver in (Adaptive, Newmark)}
+
+_VECTOR = Listed(Number(), 3)
+
+
+_MATERIAL = Table(
+    {
+        "E": needed(Number("Pa")),
+        "nu": needed(Number()),
+        "rho": needed(Number("kg/m³")),
+    }
+)
+
+_MESH = Variants(
+    {
+        "file": Table({"file": needed(Text()), "scale": optional(Number())}),
+        "sphere": Table({"sphere": needed(Number("m, the radius")), "size": needed(Number("m"))}),
+        "box": Table(
+            {
+                "box": needed(_VECTOR),
+                "divisions": needed(Listed(Integer(), 3)),
+                "kind": optional(Choice(KINDS)),
+            }
+        ),
+    }
+)
+
+_SUPPORT = Table(
+    {
+        "hold": needed(Text()),
+        "nodes": optional(Either((Text(), Listed(Integer())))),
+        "x": optional(Number("m")),
+        "y": optional(Number("m")),
+        "z": optional(Number("m")),
+    }
+)
+
+_CONTACT = Variants(
+    {
+        "point": Table(
+            {
+                "point": needed(_VECTOR),
+                "direction": optional(_VECTOR),
+                "radius": optional(Either((Number("m"), Choice(("auto",))))),
+                "expected": optional(Number("m")),
+            }
+        ),
+        "dof": Table({"dof": needed(Integer())}),
+    }
+)
+
+_LINEAR_SOLVER = optional(Choice(LINEAR_SOLVERS))
+
+# What a model is fitted to.
+_FITTED = {"contact_time": optional(Number("s")), "duration": optional(Number("s"))}
+
+_MODEL = Chosen(
+    "type",
+    {
+        "antioscillators": Table(
+            {
+                "n": optional(Integer()),
+                "method": optional(Text()),
+                "order": optional(Text()),
+                "solver": _LINEAR_SOLVER,
+            }
+            | _FITTED
+        ),
+        "modal": Table({"n": needed(Integer()), "solver": _LINEAR_SOLVER}),
+        "interface": Table({"n": needed(Integer()), "solver": _LINEAR_SOLVER} | _FITTED),
+        "full": Table({}),
+    },
+)
+
+_DAMPING = Table(
+    {
+        "alpha": optional(Number("1/s")),
+        "beta": optional(Number("s")),
+        "ratio": optional(Number()),
+    }
+)
+
+_BODY = Variants(
+    {
+        "mass": Table({"mass": needed(Number("kg"))}),
+        "m0": Table(
+            {
+                "m0": needed(Number("kg")),
+                "k0": optional(Number("N/m")),
+                "m": optional(Listed(Number("kg"))),
+                "k": optional(Listed(Number("N/m"))),
+                "damping": optional(_DAMPING),
+            }
+        ),
+        "mesh": Table(
+            {
+                "mesh": needed(Either((Text(), _MESH))),
+                "material": needed(Reference("materials")),
+                "fixed": optional(Listed(_SUPPORT)),
+                "damping": optional(_DAMPING),
+                "contact": needed(Either((_CONTACT, Listed(_CONTACT)))),
+                "model": optional(_MODEL),
+            }
+        ),
+    }
+)
+
+_RADIUS = Either((Number("m"), Listed(Number("m"), 2)))
+_SURFACE = Table({"material": needed(Reference("materials")), "radius": needed(_RADIUS)})
+_SURFACES = Table({"between": needed(Listed(_SURFACE, 2)), "angle": optional(Number("rad"))})
+
+
+def _parameters(cls: Any) -> Table:
+    """The parameters of a frozen object of numbers, words and flags, by its own fields."""
+    kinds: dict[str, Kind] = {"bool": Flag(), "str": Text()}
+    names = {entry.name: kinds.get(str(entry.type), Number()) for entry in fields(cls)}
+    if cls in _HERTZIAN:
+        names["k"] = Either((Number(), _SURFACES))
+    left_out = {entry.name for entry in fields(cls) if entry.default is not MISSING}
+    return Table({name: Field(kind, name not in left_out) for name, kind in names.items()})
+
+
+def _law(cls: Any) -> Kind:
+    """A law by its own parameters, or by what it is to deliver."""
+    if cls is laws.Tabulated:
+        return _CURVE
+    own = _parameters(cls)
+    if cls in BY_RESTITUTION:
+        names = inspect.signature(cls.from_restitution).parameters.values()
+        given = {
+            entry.name: own.fields.get(
+                entry.name, Field(Number(), entry.default is inspect.Parameter.empty)
+            )
+            for entry in names
+        }
+        return Variants({BY_RESTITUTION[cls]: own, "restitution": Table(given)})
+    if cls is laws.Thornton:
+        yielding = {"k": needed(_SURFACES), "yield_pressure": needed(Number("Pa"))}
+        return Variants({"yield_force": own, "yield_pressure": Table(yielding)})
+    return own
+
+
+_CURVE = Table({"indentation": needed(Listed(Number("m"))), "force": needed(Listed(Number("N")))})
+
+_LAW = Chosen("type", {name: _law(cls) for name, cls in LAWS.items()})
+
+_SOLVER = Chosen("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
+
+# How a run is made, and what is wanted of it.
+_RUN = {
+    "duration": needed(Number("s")),
+    "solver": optional(_SOLVER),
+    "report": optional(Listed(Text())),
+}
+
+
+def _displacement(body: Kind, **more: Table) -> Kind:
+    """A place whose displacement is asked for."""
+    point = {"body": needed(body), "point": needed(_VECTOR), "direction": needed(_VECTOR)}
+    return Variants({"point": Table(point), **more})
+
+
+_IMPACT = Table(
+    {
+        "projectile": needed(Reference("bodies")),
+        "target": needed(Reference("bodies")),
+        "velocity": needed(Number("m/s")),
+        "gap": optional(Number("m")),
+        "law": needed(_LAW),
+        "quantity": optional(Either((Text(), _displacement(Reference("bodies"))))),
+        "tolerance": optional(Number()),
+        "linear_solver": _LINEAR_SOLVER,
+    }
+    | _RUN
+)
+
+_MEMBER = Table(
+    {
+        "body": needed(Reference("bodies")),
+        "name": optional(Text()),
+        "velocity": optional(Number("m/s")),
+        "position": optional(Number("m")),
+    }
+)
+
+_END = Either((Text(), Table({"body": needed(Text()), "port": optional(Integer())})))
+
+_JOINT = Table(
+    {
+        "between": needed(Listed(_END, 2)),
+        "law": needed(_LAW),
+        "gap": optional(Number("m")),
+    }
+)
+
+_LOAD = Variants(
+    {
+        "force": Table({"body": needed(_END), "force": needed(Number("N"))}),
+        "times": Table(
+            {
+                "body": needed(_END),
+                "times": needed(Listed(Number("s"))),
+                "forces": needed(Listed(Number("N"))),
+            }
+        ),
+    }
+)
+
+_PORT = Table({"body": needed(Text()), "port": needed(Integer())})
+
+_SCENE = Table(
+    {
+        "quantity": optional(Either((Text(), _displacement(Text(), port=_PORT)))),
+        "tolerance": optional(Number()),
+        "linear_solver": _LINEAR_SOLVER,
+        "gravity": optional(Number("m/s²")),
+        "preload": optional(Flag()),
+        "bodies": needed(Listed(_MEMBER)),
+        "contacts": optional(Listed(_JOINT)),
+        "loads": optional(Listed(_LOAD)),
+    }
+    | _RUN
+)
+
+_RANGE = Table(
+    {
+        "from": needed(Number()),
+        "to": needed(Number()),
+        "count": needed(Integer()),
+        "spacing": optional(Choice(("linear", "log"))),
+    },
+    called="a range such as { from = 0.0, to = 1.0, count = 5 }",
+)
+
+_SWEEP = Table(
+    {
+        "over": needed(Tree(Either((Listed(Anything()), _RANGE)), mark="from")),
+        "keep": optional(Listed(Text())),
+        "workers": optional(Integer()),
+        "checkpoint": optional(Text()),
+    }
+)
+
+_SHARED = {
+    "title": optional(Text()),
+    "materials": optional(Named(_MATERIAL)),
+    "bodies": needed(Named(_BODY)),
+    "sweep": optional(_SWEEP),
+}
+
+SCENE_FILE = Variants(
+    {
+        "impact": Table(_SHARED | {"impact": needed(_IMPACT)}),
+        "scene": Table(_SHARED | {"scene": needed(_SCENE)}),
+    }
+)

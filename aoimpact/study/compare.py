@@ -1,0 +1,195 @@
+"""Which model is needed? One impact by rigid bodies, by more and more oscillators, and in full."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any
+
+from ..accuracy import Answer, Ladder, first_guess, ladder
+from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
+from ..fem import ContactPoint
+from ..impact import plan_impact, simulate
+from ..integrate import Adaptive, Newmark
+from ..laws import ContactLaw
+from ..linalg import Solver, checked_solver
+from ..reduction import AOModel, ModalModel, modal
+from ..results import Result
+from .comparison import Compared, Comparison
+
+__all__ = ["compare"]
+
+_ANSWERS = tuple(
+    Answer(name) for name in ("force", "contact_duration", "impulse", "target_displacement")
+)
+
+# Far below the differences between models.
+_IN_TIME = 1e-6
+
+Models = tuple[Any, ...]
+
+
+def compare(
+    *,
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    velocity: float,
+    duration: float,
+    gap: float = 0.0,
+    oscillators: Iterable[int] = (0, 1, 2, 3, 5, 8, 12),
+    modes: Iterable[int] = (10, 40),
+    full: bool = True,
+    linear_solver: Solver = "auto",
+) -> Comparison:
+    """Run an impact with models from rigid to full, and say what each costs and how wrong it is.
+
+    Both bodies are modelled alike; those given by numbers have no more oscillators than they have.
+
+    Parameters
+    ----------
+    projectile, target : ContactPoint, AOModel or ModalModel
+        A reduced model stands for the finite-element body that it was made of.
+    law, velocity, duration, gap
+        As in `simulate`.
+    oscillators : iterable of int, optional
+        Numbers of scene-fitted anti-oscillators.
+    modes : iterable of int, optional
+        Numbers of natural modes of classical truncations.
+    full : bool, optional
+        Whether to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
+        to that; without it, to the model of the most oscillators.
+    linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        What solves for the reduced models, as `solver` of `antioscillators`.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to compare with.
+    """
+    with held_warnings():  # each run has them again
+        plan = plan_impact(projectile, target, law, velocity=velocity, duration=duration, gap=gap)
+    velocity, duration = plan.velocities[0], plan.duration
+    run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
+    boolean("full", full)
+    stars = sorted({integer("oscillators", n, low=0) for n in sequence("oscillators", oscillators)})
+    truncations = sorted({integer("modes", n, low=1) for n in sequence("modes", modes)})
+    if not stars and not full:
+        raise InputError("full=False without oscillators leaves no model to compare with")
+    bodies = _body(projectile), _body(target)
+
+    def quick(models: Models) -> Result:
+        with held_warnings():
+            return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
+
+    contact_time, span = first_guess(bodies, quick, Answer("target_displacement"))
+    linear = checked_solver(linear_solver, name="linear_solver")
+    ladders = tuple(ladder(body, contact_time, max(span, duration), linear) for body in bodies)
+    tries = [_try("rigid", lambda: tuple(each.model(0) for each in ladders), quick)]
+    spent = 0.0
+    for n in stars:
+        tries.append(_try(f"AO({n})", partial(_with_oscillators, ladders, n), quick))
+        if not tries[-1].failure:
+            spent += tries[-1].build  # the bases are nested: each model adds to the one before
+            tries[-1].build = spent
+    for n in truncations:
+        tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n, linear), quick))
+    exact = tries[len(stars)]
+    if full:
+        exact = _try("full", lambda: bodies, partial(_in_full, run))
+        tries.append(exact)
+    if exact.result is None:
+        raise InputError(f"{exact.label}: {exact.failure}")
+    return Comparison(
+        f"{bodies[0]!r} on {bodies[1]!r}, {law!r}, {velocity:g} m/s",
+        exact.label,
+        exact.result.error.time,
+        tuple(each.compared(exact.result) for each in tries),
+        ", ".join(dict.fromkeys(name for each in tries for name in each.solvers)),
+    )
+
+
+def _body(model: Any) -> Any:
+    """The finite-element body that a model was made of; a star given by numbers is its own."""
+    if isinstance(model, ModalModel):
+        return model.tip
+    if isinstance(model, AOModel) and model.origin is not None:
+        return model.origin.tip
+    return model
+
+
+class _Try:
+    """One pair of models: what it took to build and to run it, or why it could not be."""
+
+    def __init__(self, label: str) -> None:
+        self.label, self.dofs = label, 0
+        self.solvers: list[str] = []
+        self.build = self.run = math.nan
+        self.result: Result | None = None
+        self.failure = ""
+
+    def compared(self, exact: Result) -> Compared:
+        force, contact_duration, impulse, displacement = (
+            math.nan if self.result is None else answer.difference(self.result, exact)
+            for answer in _ANSWERS
+        )
+        return Compared(
+            self.label,
+            self.dofs,
+            self.build,
+            self.run,
+            force,
+            contact_duration,
+            impulse,
+            displacement,
+            self.failure,
+        )
+
+
+def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -> _Try:
+    done = _Try(label)
+    try:
+        start = time.perf_counter()
+        models = make()
+        done.build = time.perf_counter() - start
+        done.dofs = sum(map(_dofs, models))
+        origins = [model.origin for model in models if isinstance(model, AOModel)]
+        done.solvers = [one.solver for one in origins if one is not None and one.solver]
+        start = time.perf_counter()
+        done.result = run(models)
+        done.run = time.perf_counter() - start
+    except AOImpactError as error:
+        done.failure = str(error)
+    return done
+
+
+def _with_oscillators(ladders: tuple[Ladder, ...], n: int) -> Models:
+    first, second = (each.model(n + each.first) for each in ladders)
+    return first, second
+
+
+def _with_modes(bodies: Models, n: int, linear: Solver) -> Models:
+    first, second = (
+        modal(body, min(n, body.body.n_dofs), solver=linear)
+        if isinstance(body, ContactPoint)
+        else body
+        for body in bodies
+    )
+    return first, second
+
+
+def _in_full(run: Callable[..., Result], models: Models) -> Result:
+    meshed = any(isinstance(body, ContactPoint) for body in models)
+    solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
+    return run(projectile=models[0], target=models[1], solver=solver)
+
+
+def _dofs(model: Any) -> int:
+    if isinstance(model, ContactPoint):
+        return model.body.n_dofs
+    if isinstance(model, ModalModel):
+        return model.n
+    assert isinstance(model, AOModel)
+    return 0 if model.label == "wall" else model.n + 1

@@ -1,0 +1,159 @@
+"""A table of models of one impact: what each costs and how wrong it is; its text, figure, file."""
+
+from __future__ import annotations
+
+import csv
+import os
+from dataclasses import astuple, dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from ..base import aligned, error_axes, file_path, given_axes, html_table, quantity, warn
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Compared", "Comparison"]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One pair of models.
+
+    Attributes
+    ----------
+    model : str
+        "rigid", "AO(3)", "modal(40)", "full".
+    dofs : int
+        Of both bodies.
+    build, run : float
+        Time to make the models, from the finite elements on, and to run them, s.
+    force, contact_duration, impulse, displacement : float
+        Relative errors; of force and of the target's contact displacement the largest over the
+        record, relative to the largest value.
+    failure : str
+        Why there are no numbers (then they are NaN); else empty.
+    """
+
+    model: str
+    dofs: int
+    build: float
+    run: float
+    force: float
+    contact_duration: float
+    impulse: float
+    displacement: float
+    failure: str = ""
+
+    @property
+    def duration(self) -> float:
+        """The old name of `contact_duration`."""
+        warn(
+            "duration of a compared model is called contact_duration now: duration is the record's"
+        )
+        return self.contact_duration
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """Models of one impact.
+
+    Attributes
+    ----------
+    scene : str
+        What was simulated.
+    exact : str
+        The model that the errors are relative to.
+    exact_error : float or None
+        What is known of its own error from time integration, relative.
+    rows : tuple of Compared
+    linear_solver : str
+        What solved for the reduced models; empty where dense matrices served.
+    """
+
+    scene: str
+    exact: str
+    exact_error: float | None
+    rows: tuple[Compared, ...]
+    linear_solver: str = ""
+
+    def __getitem__(self, model: str) -> Compared:
+        """Return the row of a model, such as "AO(3)"."""
+        for row in self.rows:
+            if row.model == model:
+                return row
+        raise KeyError(model)
+
+    def plot(self, ax: Axes | None = None, *, error: str = "force", **kwargs: Any) -> Axes:
+        """Draw an error over the degrees of freedom; keywords go to ``Axes.plot``.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+        error : {"force", "contact_duration", "impulse", "displacement"}, optional
+
+        Returns
+        -------
+        Axes
+        """
+        ax = given_axes(ax)
+        for kind, name in _KINDS.items():
+            rows = [
+                row
+                for row in self.rows
+                if row.model.startswith(kind) and not row.failure and row.model != self.exact
+            ]
+            if rows:
+                style = {"marker": "o", "label": name} | kwargs
+                ax.plot([row.dofs for row in rows], [getattr(row, error) for row in rows], **style)
+        return error_axes(
+            ax, "degrees of freedom", f"relative error of the {error}".replace("_", " ")
+        )
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the table: one row a model, times in s, errors relative."""
+        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([field.name for field in fields(Compared)])
+            writer.writerows(astuple(row) for row in self.rows)
+
+    def __repr__(self) -> str:
+        lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0})
+        failures = ["", *(row.failure for row in self.rows)]
+        told = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
+        return "\n".join([self.scene, self._reference(), *told])
+
+    def _repr_html_(self) -> str:
+        rows = [(*_cells(row), row.failure) for row in self.rows]
+        return html_table((*_HEADINGS, ""), rows, caption=(self.scene, self._reference()))
+
+    def _reference(self) -> str:
+        known = "" if self.exact_error is None else f" (in time right to {self.exact_error:.1g})"
+        by = f"; reduced by {self.linear_solver}" if self.linear_solver else ""
+        return f"errors relative to {self.exact}{known}{by}"
+
+
+_KINDS = {"AO": "anti-oscillators", "modal": "natural modes", "rigid": "rigid"}
+
+_HEADINGS = (
+    "model",
+    "dofs",
+    "build",
+    "run",
+    "force",
+    "contact duration",
+    "impulse",
+    "displacement",
+)
+
+
+def _cells(row: Compared) -> tuple[str, ...]:
+    if row.failure:
+        return (row.model, *("-",) * 7)
+    errors = (row.force, row.contact_duration, row.impulse, row.displacement)
+    return (
+        row.model,
+        str(row.dofs),
+        quantity(row.build, "s", 3),
+        quantity(row.run, "s", 3),
+        *(f"{error:.1e}" for error in errors),
+    )

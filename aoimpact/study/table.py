@@ -1,0 +1,188 @@
+"""A table of error against time: its text, its figure, its file."""
+
+from __future__ import annotations
+
+import csv
+import os
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from ..base import (
+    aligned,
+    choice,
+    error_axes,
+    file_path,
+    given_axes,
+    html_table,
+    positive,
+    quantity,
+)
+from .scipy_solvers import Outcome
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Measurement", "Reference", "WorkPrecision"]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One run: how long it took and how wrong it was.
+
+    Attributes
+    ----------
+    method, setting : str
+        E.g. "Newmark" and "dt=1e-08 s".
+    seconds : float
+        Wall time of the call, the best of several.
+    peak_force, contact_duration, rebound_velocity : float
+        Relative errors; the velocity's relative to the initial one.
+    failure : str
+        Why there are no numbers (then they are NaN); else empty.
+    """
+
+    method: str
+    setting: str
+    seconds: float
+    peak_force: float
+    contact_duration: float
+    rebound_velocity: float
+    failure: str = ""
+
+    @property
+    def error(self) -> float:
+        """The worst of the three."""
+        return max(self.peak_force, self.contact_duration, self.rebound_velocity)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What is taken for true, and how well it is known.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        Peak force, N, duration of the first contact, s, and rebound velocity, m/s.
+    source : str
+        Where it is from.
+    uncertainty : float or None
+        Relative, the worst of the three: its change from ten times its tolerance, or its distance
+        from an independent method if that is larger.
+    independent : float or None
+        That distance alone, where a second method was asked.
+    """
+
+    outcome: Outcome
+    source: str
+    uncertainty: float | None = None
+    independent: float | None = None
+
+    def __str__(self) -> str:
+        value = self.outcome
+        text = (
+            f"{self.source}: peak {value.peak_force:.12g} N, "
+            f"contact {quantity(value.contact_duration, 's', 11)}, "
+            f"rebound {value.rebound_velocity:.11g} m/s"
+        )
+        if self.uncertainty is not None:
+            text += f"; uncertain by {self.uncertainty:.1g}"
+        if self.independent is not None:
+            text += f" ({self.independent:.1g} from SciPy's DOP853)"
+        return text
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkPrecision:
+    """A table of error against time.
+
+    Attributes
+    ----------
+    scene : str
+        What was simulated.
+    reference : Reference
+    rows : tuple of Measurement
+        By method, in the order of the settings.
+    """
+
+    scene: str
+    reference: Reference
+    rows: tuple[Measurement, ...]
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Names of the methods, in the order of the table."""
+        return tuple(dict.fromkeys(row.method for row in self.rows))
+
+    def fastest(self, method: str, error: float) -> Measurement | None:
+        """Return the fastest run of a method with none of its errors above `error`, or None."""
+        choice("method", method, self.methods)
+        limit = positive("error", error)
+        good = [row for row in self.rows if row.method == method and row.error <= limit]
+        return min(good, key=lambda row: row.seconds, default=None)
+
+    def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the worst error over time, both logarithmic; keywords go to ``Axes.plot``.
+
+        The reference's own uncertainty is shaded. Returns the axes.
+        """
+        ax = given_axes(ax)
+        for method in self.methods:
+            rows = [row for row in self.rows if row.method == method and not row.failure]
+            errors = [max(row.error, 1e-16) for row in rows]
+            style = {"marker": "o", "label": method} | kwargs
+            ax.plot([1e3 * row.seconds for row in rows], errors, **style)
+        error_axes(ax, "time of the call [ms]", "worst relative error")
+        if self.reference.uncertainty:
+            ax.axhspan(1e-16, self.reference.uncertainty, color="0.9", zorder=0)
+        ax.set_title(self.scene, fontsize="medium", wrap=True)
+        return ax
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the table: one row a run, times in s, errors relative."""
+        names = [field.name for field in fields(Measurement)]
+        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([*names[:3], *(f"error of {name}" for name in names[3:6]), *names[6:]])
+            for row in self.rows:
+                writer.writerow([getattr(row, name) for name in names])
+
+    def __repr__(self) -> str:
+        lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0, 1})
+        failures = ["", *(row.failure for row in self.rows)]
+        told = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
+        return "\n".join([self.scene, str(self.reference), *told, *self._comparisons()])
+
+    def _repr_html_(self) -> str:
+        rows = [(*_cells(row), row.failure) for row in self.rows]
+        caption = self.scene, str(self.reference)
+        return html_table((*_HEADINGS, ""), rows, caption=caption, below=self._comparisons())
+
+    def _comparisons(self) -> list[str]:
+        """The fastest run of each method at some errors, and how many times the quickest's time."""
+        lines = []
+        for error in (1e-3, 1e-6, 1e-9):
+            best = [run for name in self.methods if (run := self.fastest(name, error))]
+            best.sort(key=lambda run: run.seconds)
+            entries = [
+                f"{run.method} {quantity(run.seconds, 's', 3)}"
+                + (f" ({run.seconds / best[0].seconds:.2g} times)" if run is not best[0] else "")
+                for run in best
+            ]
+            if entries:
+                lines.append(f"fastest with errors up to {error:.0e}: {', '.join(entries)}")
+        return lines
+
+
+_HEADINGS = ("method", "setting", "time", "peak force", "contact duration", "rebound", "worst")
+
+
+def _cells(row: Measurement) -> tuple[str, ...]:
+    if row.failure:
+        return (row.method, row.setting, *("-",) * 5)
+    errors = (row.peak_force, row.contact_duration, row.rebound_velocity, row.error)
+    return (
+        row.method,
+        row.setting,
+        quantity(row.seconds, "s", 3),
+        *(f"{error:.1e}" for error in errors),
+    )

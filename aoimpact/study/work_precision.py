@@ -1,0 +1,269 @@
+"""Speed against error: what each method needs for what it gets right, on any scene of stars."""
+
+from __future__ import annotations
+
+import math
+import time
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from ..base import (
+    AOImpactError,
+    AOImpactWarning,
+    InputError,
+    InputTypeError,
+    choice,
+    integer,
+    positive,
+    quantity,
+    sequence,
+)
+from ..impact import checked_numbers, simulate
+from ..integrate import Adaptive, Newmark, rigid_contact_time
+from ..laws import ContactLaw, effective_law
+from ..results import Result
+from ..scene import Player, StarPlayer, player
+from .scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
+from .table import Measurement, Reference, WorkPrecision
+
+__all__ = ["Measurement", "Reference", "WorkPrecision", "work_precision"]
+
+_ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
+_SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+
+# Default steps of Newmark's rule, as shares of the contact time, and the longest run of them.
+_MOST_REPEATS = 10_000
+
+_NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
+
+# Seconds: short runs are repeated at least, long ones at most, until so much time has passed; one
+# run of SciPy is given up after the last.
+_AT_LEAST, _ENOUGH, _LONGEST = 0.02, 3.0, 60.0
+
+# The tightest that the independent run is asked for: sums of rounding are some 1e-12.
+_INDEPENDENT = "DOP853", 3e-14
+
+
+def work_precision(
+    *,
+    projectile: Any,
+    target: Any,
+    law: ContactLaw,
+    velocity: float,
+    duration: float,
+    gap: float = 0.0,
+    newmark: Iterable[float] | None = None,
+    adaptive: Iterable[float] | None = None,
+    scipy: Iterable[str] = (),
+    reference: Result | Reference | None = None,
+    repeats: int = 5,
+) -> WorkPrecision:
+    """Measure time and error of several solvers on one impact.
+
+    Every time is that of the whole call from Python, curves of the result included.
+
+    Parameters
+    ----------
+    projectile, target, law, velocity, duration, gap
+        As of `simulate`; both bodies AOModels or modal models.
+    newmark : iterable of float, optional
+        Steps dt, s; by default from a hundredth of the contact time down.
+    adaptive : iterable of float, optional
+        Tolerances; by default from 1e-3 to 1e-11.
+    scipy : iterable of str, optional
+        Methods of ``scipy.integrate.solve_ivp``, each run at tolerances from 1e-4 to 1e-12 on
+        equations of motion written out separately, with every touch, release and peak an event.
+    reference : Result or Reference, optional
+        What to compare with, instead of ``Adaptive(1e-12)``.
+    repeats : int, optional
+        Runs to take the best time of; short ones are repeated more often, long ones less.
+
+    Returns
+    -------
+    WorkPrecision
+
+    Raises
+    ------
+    InputError, InputTypeError
+        As `simulate`, and for a finite-element model, an unknown method or a law that is not
+        written out for SciPy.
+    ConvergenceError
+        If the reference cannot be computed.
+    """
+    count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
+    velocity, duration, gap = checked_numbers(law, velocity, duration, gap, False)
+    names = _methods(scipy)
+    bodies = _star_player("projectile", projectile, velocity), _star_player("target", target, 0.0)
+    scene = {
+        "projectile": projectile,
+        "target": target,
+        "law": law,
+        "velocity": velocity,
+        "duration": duration,
+        "gap": gap,
+        "energies": False,
+    }
+    exact = _given(reference) if reference is not None else _reference(scene)
+    between = effective_law(law, (projectile, target))
+    contact_time = _contact_time(bodies, between, velocity)
+    ode = None
+    if names:
+        ode = ode_scene(
+            (bodies[0].model, bodies[1].model),
+            between,
+            velocity=velocity,
+            duration=duration,
+            gap=gap,
+            length=abs(velocity) * contact_time,
+        )
+        exact = _with_independent(exact, ode, bodies[0], velocity)
+    runs = [
+        *_newmark_runs(scene, newmark, contact_time),
+        *_adaptive_runs(scene, adaptive),
+        *(_scipy_run(ode, bodies[0], velocity, name, rtol) for name in names for rtol in _SCIPY),
+    ]
+    rows = tuple(_measure(*run, exact.outcome, velocity, count) for run in runs)
+    labels = f"{bodies[0].label} on {bodies[1].label}"
+    title = f"{labels}, {law}, {velocity:g} m/s, {quantity(duration, 's')}"
+    return WorkPrecision(title, exact, rows)
+
+
+_Run = tuple[str, str, Callable[[], Outcome]]
+
+
+def _star_player(name: str, body: Any, velocity: float) -> StarPlayer:
+    made = player(name, body, velocity)
+    if not isinstance(made, StarPlayer):
+        raise InputTypeError(
+            f"{name} must be an AOModel or a modal model, got {body!r}: reduce it by "
+            "antioscillators(...) first"
+        )
+    return made
+
+
+def _methods(scipy: Iterable[str]) -> tuple[str, ...]:
+    names = (scipy,) if isinstance(scipy, str) else tuple(sequence("scipy", scipy))
+    for name in names:
+        choice("scipy", name, METHODS)
+    return names
+
+
+def _settings(
+    name: str, values: Iterable[float] | None, default: Sequence[float]
+) -> tuple[float, ...]:
+    if values is None:
+        return tuple(default)
+    return tuple(positive(name, value) for value in sequence(name, values))
+
+
+def _contact_time(bodies: tuple[Player, Player], law: ContactLaw, velocity: float) -> float:
+    inverse = sum(1.0 / body.static_mass for body in bodies)
+    return rigid_contact_time(law, 1.0 / inverse, abs(velocity))
+
+
+def _newmark_runs(
+    scene: dict[str, Any], steps: Iterable[float] | None, contact_time: float
+) -> list[_Run]:
+    shortest = scene["duration"] / _MOST_STEPS
+    default = [share * contact_time for share in _NEWMARK if share * contact_time >= shortest]
+    return [
+        ("Newmark", f"dt={dt:.3g} s", _simulation(scene, Newmark(dt=dt, estimate=False)))
+        for dt in _settings("newmark", steps, default)
+    ]
+
+
+def _adaptive_runs(scene: dict[str, Any], tolerances: Iterable[float] | None) -> list[_Run]:
+    return [
+        ("Adaptive", f"rtol={rtol:.3g}", _simulation(scene, Adaptive(rtol=rtol)))
+        for rtol in _settings("adaptive", tolerances, _ADAPTIVE)
+    ]
+
+
+def _scipy_run(
+    ode: OdeScene | None, projectile: Player, velocity: float, method: str, rtol: float
+) -> _Run:
+    assert ode is not None
+    unseen = projectile.unseen[0] * velocity
+
+    def run() -> Outcome:
+        done = ode.run(method, rtol, _LONGEST)
+        return Outcome(done.peak_force, done.contact_duration, done.rebound_velocity + unseen)
+
+    return f"SciPy {method}", f"rtol={rtol:.3g}", run
+
+
+def _outcome(result: Result) -> Outcome:
+    return Outcome(result.peak_force, result.contact_duration, result.parting[0])
+
+
+def _simulation(scene: dict[str, Any], solver: Newmark | Adaptive) -> Callable[[], Outcome]:
+    return lambda: _outcome(simulate(**scene, solver=solver))
+
+
+def _reference(scene: dict[str, Any]) -> Reference:
+    outcome = _simulation(scene, Adaptive(rtol=1e-12))()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AOImpactWarning)
+        looser = _simulation(scene, Adaptive(rtol=1e-11))()
+    change = max(_errors(looser, outcome, scene["velocity"]))
+    return Reference(outcome, "Adaptive(rtol=1e-12)", change)
+
+
+def _given(reference: Result | Reference) -> Reference:
+    if isinstance(reference, Reference):
+        return reference
+    if not isinstance(reference, Result):
+        raise InputTypeError(f"reference must be a Result or a Reference, got {reference!r}")
+    return Reference(_outcome(reference), reference.solver)
+
+
+def _with_independent(
+    reference: Reference, ode: OdeScene, projectile: Player, velocity: float
+) -> Reference:
+    """Where SciPy cannot do it in reasonable time, the reference stands alone."""
+    try:
+        second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT)[2]()
+    except AOImpactError:
+        return reference
+    distance = max(_errors(second, reference.outcome, velocity))
+    uncertainty = max(distance, reference.uncertainty or 0.0)
+    return Reference(reference.outcome, reference.source, uncertainty, distance)
+
+
+def _errors(outcome: Outcome, exact: Outcome, velocity: float) -> tuple[float, float, float]:
+    return (
+        _relative(outcome.peak_force, exact.peak_force),
+        _relative(outcome.contact_duration, exact.contact_duration),
+        abs(outcome.rebound_velocity - exact.rebound_velocity) / abs(velocity),
+    )
+
+
+def _relative(value: float, exact: float) -> float:
+    if value == exact:
+        return 0.0
+    return abs(value - exact) / abs(exact) if exact else math.inf
+
+
+def _measure(
+    method: str,
+    setting: str,
+    run: Callable[[], Outcome],
+    exact: Outcome,
+    velocity: float,
+    repeats: int,
+) -> Measurement:
+    best, spent, done = math.inf, 0.0, 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AOImpactWarning)  # a bad setting shows by its error
+        while spent < _AT_LEAST or (done < repeats and spent < _ENOUGH):
+            start = time.perf_counter()
+            try:
+                outcome = run()
+            except InputError:
+                raise
+            except AOImpactError as error:
+                return Measurement(method, setting, *(math.nan,) * 4, str(error))
+            seconds = time.perf_counter() - start
+            best, spent, done = min(best, seconds), spent + seconds, done + 1
+    return Measurement(method, setting, best, *_errors(outcome, exact, velocity))
