@@ -19,7 +19,7 @@ from aoimpact.scenefile.schema import Chosen, Either, Kind, Listed, Named, Table
 
 from scenes import BAR, ROW, STARS
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
 CROSSED = ao.Hertz.between(ALU, (0.01, math.inf), ALU, 0.02, angle=0.5)
 EXAMPLE = ROOT / "examples" / "sphere_on_beam.toml"

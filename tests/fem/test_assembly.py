@@ -28,7 +28,7 @@ from aoimpact.mesh.mesh import Mesh, read_mesh
 FloatArray = npt.NDArray[np.float64]
 
 MATERIAL = Material(E=70e9, nu=0.33, rho=2700.0)
-MESHES = Path(__file__).parent / "meshes"
+MESHES = Path(__file__).parents[1] / "meshes"
 LENGTHS = (2.0, 1.5, 1.0)
 FILES = [
     "hexahedron.inp",

@@ -28,7 +28,7 @@ from aoimpact.mesh.elements import KINDS, reference_element
 from aoimpact.mesh.generate import box_mesh
 from aoimpact.mesh.mesh import Mesh, read_mesh
 
-MESHES = Path(__file__).parent / "meshes"
+MESHES = Path(__file__).parents[1] / "meshes"
 UNIT = Material(E=1.0, nu=0.3, rho=1.0)
 FILES = {
     "hexahedron.inp": (27, 8),

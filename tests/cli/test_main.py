@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact import paper
 from aoimpact.cli.main import main
-from aoimpact.paper import reproduction as paper
 from aoimpact.paper.table import Row, Table
 
 from scenes import BAR, ROW
