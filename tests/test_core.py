@@ -27,7 +27,7 @@ from aoimpact import _core, errors
 from aoimpact.modalbody import modal_body
 from aoimpact.superlu import factorize
 
-HEADER = Path(__file__).parent.parent / "csrc" / "aoimpact.h"
+HEADER = Path(__file__).parent.parent / "include" / "aoimpact.h"
 REFUSALS = (TypeError, ValueError, BufferError)
 F, S = np.float64, np.float32
 

@@ -1,6 +1,6 @@
 /* Free flight: its closed form, and that no touch is stepped over, however briefly it lasts. */
 #include "plant.h"
-#include "radau.h"
+#include "motion/radau.h"
 
 enum { STRIDES = 1000000 };
 
