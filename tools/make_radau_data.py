@@ -1,6 +1,6 @@
-"""Write csrc/motion/radau_data.c: the constants of the collocation method, to the last digit.
+"""Write csrc/motion/radau.c: the constants of the collocation method, to the last digit.
 
-Usage: python tools/make_radau_data.py > csrc/motion/radau_data.c   (needs mpmath)
+Usage: python tools/make_radau_data.py > csrc/motion/radau.c   (needs mpmath)
 """
 
 from __future__ import annotations

@@ -1,139 +1,103 @@
-/* Private to the core: what run.c (which step comes next), closing.c, release.c, watch.c and the files
- * of one step share; step.h has what those share among themselves. */
-#ifndef AOI_ADAPTIVE_H
-#define AOI_ADAPTIVE_H
+/* A run to a tolerance. */
+#ifndef AOI_ADAPTIVE_ADAPTIVE_H
+#define AOI_ADAPTIVE_ADAPTIVE_H
 
-#include "aoimpact.h"
+#include "law/law.h"
+#include "model/coupled.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
 
-#include <math.h>
+enum { AOI_TABLES = 12 };
 
-/* Steps are base 2^(-level/8) long. */
-enum {
-    AOI_LEVELS = 8, /* an octave */
-    AOI_DEEPEST_LEVEL = 90 * AOI_LEVELS,
-    AOI_HIGHEST_LEVEL = -40 * AOI_LEVELS,
-    AOI_NO_LEVEL = 1000
-};
+/* What a run knows of a body: since when x, v hold, and the tables of the steps it made last. */
+typedef struct aoi_follower {
+    double time;
+    int engaged; /* in this step: 2 under force, 1 beside such a body, 0 in flight */
+    int changed; /* since its last row */
+    double work, dissipated;
+    double *block;
+    size_t table_count;
+    aoi_response table[AOI_TABLES];
+    int table_level[AOI_TABLES];
+    size_t table_use[AOI_TABLES];
+} aoi_follower;
 
-/* The search for a touch looks at so many modes in all, some tenth of a second, before it hands over. */
-enum { AOI_MOST_LOOKS = 500000 };
+/* What a run knows of a contact, and what it has found out about it. */
+typedef struct aoi_contact_state {
+    int closed, begins, piece;
+    double low, high; /* ends of the piece */
+    double mobility;  /* of both ports under a sudden force, 1/kg */
+    double edge;      /* length of a step that its beginning, so its end, allows; 0: not known */
+    double memory[AOI_LAW_MEMORY];
+    double start, start_rate, force; /* now, while closed */
+    double bending;    /* the force that the residual compliance knows of */
+    double force_rate; /* at the end of the last step, where bodies have a residual compliance */
+    double indentation_scale, impulse_scale, rate_scale;
+    double free_until; /* while open, and both bodies in flight: no touch before */
+    int touches;       /* but then */
+    size_t place;      /* among the watched ones */
+    double slack;      /* while open: so much deeper than rest is no touch yet */
+    int event;         /* what happens to it in the step being tried, and where */
+    double event_place;
+    double last_length, last[AOI_STAGES + 1]; /* the last step's indentation, to guess the next */
+    double peak_force, peak_time, impulse, since_touch, work;
+} aoi_contact_state;
 
-/* What may happen to a contact within a step. */
-enum aoi_event {
-    AOI_EVENT_NONE = 0,
-    AOI_EVENT_TOUCH,    /* an open contact closes                                  */
-    AOI_EVENT_OPEN,     /* the indentation falls to rest                           */
-    AOI_EVENT_SLACKEN,  /* the force falls to zero before that                     */
-    AOI_EVENT_TIGHTEN,  /* and comes back                                          */
-    AOI_EVENT_TURN,     /* the indentation stops growing, under a law that remembers */
-    AOI_EVENT_ABOVE,    /* it leaves the law's piece                               */
-    AOI_EVENT_BELOW
-};
+/* Numbers of bodies or contacts. */
+typedef struct aoi_list {
+    size_t count, *at;
+} aoi_list;
 
-/* One try at a step. */
-typedef struct aoi_attempt {
-    double h, growth; /* by which it could be longer; below 1 it has failed */
-    double place;     /* of its first event, as a share of h; 1 at its end, above 1: none */
-    int closed;       /* a contact had to be closed at the start: prepare again */
-} aoi_attempt;
+/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities. The caller
+ * sets the first block: a linked system; x, v at time, of all bodies; body, contact, stage and response of
+ * body_count, joint_count, joint_count and body_count elements, and balanced of joint_count; work and lists
+ * of as many doubles and numbers as aoi_adaptive_size says; and calls aoi_adaptive_start. Bodies that overlap at the start are in
+ * contact from the start. What a step costs depends on the bodies that take part in it only. */
+typedef struct aoi_adaptive {
+    const aoi_system *system;
+    double rtol, time, end;
+    int rested; /* the bodies have come to rest under loads and contacts; 0: those set in at time */
+    double *x, *v;
+    aoi_follower *body;
+    aoi_contact_state *contact;
+    aoi_stage *stage;
+    aoi_response *response;
+    aoi_contact *balanced; /* contacts at places without mass, while their forces are found */
+    double *work;
+    size_t *lists;
 
-/* The time now. */
-double aoi_run_now(const aoi_adaptive *run);
+    aoi_list closed;     /* contacts, ascending                                           */
+    aoi_list watched[2]; /* open ones in flight: until when they are free, when they touch */
+    aoi_list engaged, changed; /* bodies: in this step; since their last row              */
+    size_t span, row_size;
+    size_t closed_count, stage_count; /* the stages: closed contacts first, then those beside them */
+    int level;                        /* steps are base 2^(-level/8) long */
+    int grain;                        /* of which only these multiples are taken  */
+    double table_cost, saved;         /* what tables cost, in steps, and what longer ones had saved */
+    double base;
+    double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
+    double force_scale; /* in the step tried, where more than one is closed; else 0 */
+    double origin, elapsed; /* time is their sum: short steps of a late contact */
+    double left_off;        /* of elapsed by rounding */
+    double horizon;         /* no contact between bodies in flight before */
+    int unbalanced;         /* something has happened to a contact since the last step */
+    double *flight[2], *scratch, *port_force, *collocation;
+    size_t steps, rejected, uses;
+    size_t culprit; /* contact in which an error came up */
+} aoi_adaptive;
 
-/* How far below its level a quantity of that scale may be where its event happens. */
-double aoi_event_tolerance(const aoi_adaptive *run, double scale);
+/* Doubles of work, numbers of lists, and the largest row of the track. */
+void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, size_t *row);
 
-/* The first level from this one on that is taken. Where forces may run away from a smooth indentation, and
- * a body rings, errors are known only roughly: whole octaves leave a margin. */
-static inline int aoi_level_from(const aoi_adaptive *run, double level)
-{
-    const double least = level < AOI_DEEPEST_LEVEL ? level : AOI_DEEPEST_LEVEL; /* NaN is the deepest */
-    return run->grain * (int)ceil(fmax(least, AOI_HIGHEST_LEVEL) / run->grain);
-}
+/* Sets the rest of the run to its beginning. Errors as aoi_system_check, also where rtol or the duration
+ * is not positive; AOI_ERROR_NOT_FINITE for x, v. */
+int aoi_adaptive_start(aoi_adaptive *run);
 
-/* Lists the contacts of the step that begins now and brings their bodies here. */
-void aoi_step_prepare(aoi_adaptive *run);
-
-/* The step's bodies and contacts are none any more: open ones fly again. */
-void aoi_step_release(aoi_adaptive *run);
-
-/* Whether an event so long after the start of a step of length h happens at its start. */
-int aoi_is_at_start(const aoi_adaptive *run, double after, double h);
-
-/* Tries a step of length h, of that level (AOI_NO_LEVEL: of no level). */
-void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
-
-/* Writes its row and takes bodies and contacts to its end, where its events happen. */
-int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size);
-
-/* Writes the row of bodies that fly from now on; stage_count contacts of the step, 0 for none. */
-size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row);
-
-/* What contact forces take from a contact's indentation now by the residual compliances, m; with rates, from
- * its rate, as they went on so far, m/s. */
-double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates);
-
-/* Takes note of a contact's force now, which may be its largest. */
-void aoi_contact_note_peak(aoi_adaptive *run, size_t joint);
-
-/* Finds indentations at the start, and with them forces of contacts at places without mass: where the bodies rest
- * under loads and contacts, or where laws of the rate let them be at once when the loads set in. Errors as
- * aoi_coupled_solve. */
-int aoi_balance_at_start(aoi_adaptive *run);
-
-/* Finds rates and forces of such contacts after something has happened to one of them; within: a time in which
- * little happens. One that has only just touched opens again where the others draw it away. */
-void aoi_balance_at_once(aoi_adaptive *run, double within);
-
-/* The energy in residual compliances and in the laws of contacts at them, J; the work on each of these contacts
- * takes note of its law's share: with sign -1 before something happens at once, with 1 after it. */
-double aoi_balance_book(aoi_adaptive *run, double sign);
-
-/* Lets the events up to a place at the very start of the step tried happen; 0 where that would go on for
- * ever: take a shorter step. */
-int aoi_step_at_start(aoi_adaptive *run, double place);
-
-/* In what time the only closed contact will let go, if its force goes on as a power of the indentation and
- * nothing else happens; infinite where it does not move out, or not within the time given. */
-double aoi_release_after(const aoi_adaptive *run, double within);
-
-/* The length of the next step, at most h: shorter where the only contact is about to let go, so that the
- * last step ends there and is no longer than such a step may be. */
-double aoi_release_step(const aoi_adaptive *run, double h);
-
-/* Closes a contact where its bodies are now. */
-void aoi_contact_close(aoi_adaptive *run, size_t joint);
-
-/* Strikes it off the closed ones. */
-void aoi_contact_open(aoi_adaptive *run, size_t joint);
-
-/* Whether forces move any mode of a body. */
-int aoi_body_yields(const aoi_modes *body);
-
-/* Books work and losses of a body that has flown to a time and a state. */
-void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x, const double *v);
-
-/* Lists a body among those that go into the next row. */
-void aoi_body_note_change(aoi_adaptive *run, size_t b);
-
-/* Brings a body here; how: as aoi_follower.engaged. */
-void aoi_body_engage(aoi_adaptive *run, size_t b, int how);
-
-/* The two bodies of a joint, at the time now, in place. */
-void aoi_pair_now(const aoi_adaptive *run, size_t joint, aoi_flight *pair);
-
-/* Nothing is watched yet. */
-void aoi_watch_begin(aoi_adaptive *run);
-
-/* Watches an open contact, if it is not watched yet, by its free_until and touches, which are not to change
- * until it is removed. */
-void aoi_watch_add(aoi_adaptive *run, size_t joint);
-
-/* Returns whether it was watched. */
-int aoi_watch_remove(aoi_adaptive *run, size_t joint);
-
-/* The first time before limit of those watched that touch, or that do not; whose. limit and joint_count
- * where there is none. */
-double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *joint);
+/* Goes on until time >= end, or less than a row's room is left of capacity doubles of track or of most
+ * entries of index (where each row starts), or a touch takes more than some .1 s to find; used and rows say how many were written; call again with
+ * more. AOI_ERROR_TOLERANCE where even the shortest step does not meet rtol; AOI_ERROR_LAW where a law
+ * gives no number; AOI_ERROR_PATCH where contact goes deeper than the law holds. */
+int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,
+                     size_t *used, size_t *rows);
 
 #endif

@@ -3,8 +3,16 @@
  *
  * Displacements are continuous. What happens at once is one very short implicit step, which is the contact
  * equations of coupled.c: a law of the rate keeps its place meanwhile, one without follows the others. */
+#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/work.h"
+#include "law/law.h"
+#include "model/coupled.h"
+#include "model/system.h"
+#include "motion/flight.h"
+#include "motion/modes.h"
+#include "collocation/collocation.h"
 
 #include <math.h>
 

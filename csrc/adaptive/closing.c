@@ -1,5 +1,11 @@
 /* A contact that closes: the state that it begins with, and how large it will be, before it is known. */
 #include "adaptive/adaptive.h"
+#include "adaptive/run.h"
+#include "law/law.h"
+#include "model/system.h"
+#include "motion/flight.h"
+#include "motion/modes.h"
+#include "collocation/collocation.h"
 
 #include <math.h>
 

@@ -1,5 +1,9 @@
 /* When a contact will let go, before it does: what is left of it is taken in steps that fit. */
 #include "adaptive/adaptive.h"
+#include "adaptive/run.h"
+#include "law/law.h"
+#include "motion/flight.h"
+#include "collocation/collocation.h"
 
 #include <float.h>
 #include <math.h>

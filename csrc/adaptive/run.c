@@ -1,6 +1,15 @@
 /* The adaptive run: contact by collocation in steps of base 2^(-level/8), flight in closed form, and what
  * makes the one follow the other. */
 #include "adaptive/adaptive.h"
+#include "adaptive/row.h"
+#include "adaptive/run.h"
+#include "law/law.h"
+#include "model/system.h"
+#include "motion/energy.h"
+#include "motion/flight.h"
+#include "motion/modes.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,7 +1,15 @@
 /* One step of an adaptive run, tried: the motion without contact forces, a first guess, the forces by
  * collocation, and what the other files say of them. */
+#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 #include "adaptive/step.h"
+#include "law/law.h"
+#include "motion/flight.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
+#include "motion/response.h"
+#include "motion/stages.h"
+#include "collocation/collocation.h"
 
 #include <math.h>
 

@@ -1,10 +1,13 @@
-/* Private to the core: what the files of one step share: step.c (the attempt), step_parts.c (who takes
+/* Private to adaptive/: what the files of one step share: step.c (the attempt), step_parts.c (who takes
  * part), step_error.c, step_events.c, step_end.c (what is left behind) and step_row.c (the record). */
 #ifndef AOI_STEP_H
 #define AOI_STEP_H
 
 #include "adaptive/adaptive.h"
+#include "adaptive/run.h"
+#include "law/law.h"
 #include "motion/stages.h"
+#include "collocation/collocation.h"
 
 #include <math.h>
 

@@ -1,6 +1,15 @@
 /* What a step leaves behind: bodies and contacts at its end, peaks, and the events that end it. */
+#include "adaptive/adaptive.h"
+#include "adaptive/row.h"
+#include "adaptive/run.h"
 #include "adaptive/step.h"
+#include "law/law.h"
+#include "motion/energy.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
+#include "motion/response.h"
+#include "motion/stages.h"
+#include "collocation/collocation.h"
 
 #include <math.h>
 

@@ -5,8 +5,13 @@
  * force between the nodes says what the step hands on, so impulse, velocities and later times. Radau
  * nodes make the second far smaller than the first, except at the beginning and end of a contact,
  * where the force starts like d^(3/2). */
+#include "adaptive/adaptive.h"
 #include "adaptive/step.h"
+#include "linear/vector.h"
+#include "law/law.h"
 #include "motion/radau.h"
+#include "motion/stages.h"
+#include "collocation/collocation.h"
 
 #include <float.h>
 #include <math.h>

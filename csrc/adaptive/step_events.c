@@ -1,6 +1,13 @@
 /* What happens to contacts within a step: they touch, let go, turn, or leave a piece of their law. */
-#include "motion/radau.h"
+#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 #include "adaptive/step.h"
+#include "law/law.h"
+#include "motion/flight.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/stages.h"
+#include "collocation/collocation.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,9 +1,17 @@
 /* Open contacts beside closed ones: whether they touch within a step. What the contact forces make of their
  * indentation is split into a polynomial and free oscillations, so that the search of flight.c, which steps over
  * no touch, sees all of it. */
-#include "motion/path.h"
-#include "motion/radau.h"
+#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 #include "adaptive/step.h"
+#include "law/law.h"
+#include "motion/flight.h"
+#include "motion/path.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/response.h"
+#include "motion/stages.h"
+#include "collocation/collocation.h"
 
 #include <math.h>
 

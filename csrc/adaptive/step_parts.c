@@ -1,5 +1,10 @@
 /* Which contacts and bodies take part in a step, and what a body needs for that: to be where the run is. */
+#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 #include "adaptive/step.h"
+#include "motion/energy.h"
+#include "motion/flight.h"
+#include "motion/modes.h"
 
 #include <math.h>
 

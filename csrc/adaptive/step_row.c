@@ -1,5 +1,9 @@
 /* A step's row of the track. */
 #include "adaptive/adaptive.h"
+#include "adaptive/row.h"
+#include "adaptive/run.h"
+#include "law/law.h"
+#include "collocation/collocation.h"
 
 static size_t write_body(const aoi_adaptive *run, size_t b, double *row)
 {

@@ -1,6 +1,7 @@
 /* Open contacts between bodies in flight, in two heaps: those that are certain not to touch before a time,
  * and those that touch at it. However many there are, only the first of each is ever looked at. */
 #include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 
 static const size_t NOWHERE = (size_t)-1;
 

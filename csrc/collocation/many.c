@@ -1,7 +1,11 @@
 /* One step of contact: the forces as polynomials through the Radau nodes, their effect on the bodies
  * exact, Newton on their values, all contacts of the step together. */
 #include "collocation/collocation.h"
+#include "collocation/newton.h"
+#include "law/law.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
+#include "motion/response.h"
 #include "motion/stages.h"
 
 #include <float.h>

@@ -1,7 +1,10 @@
 /* A step with one contact, the most common one: the equations of many.c, of a size that the compiler
  * knows, and by columns. */
 #include "collocation/collocation.h"
+#include "collocation/newton.h"
+#include "law/law.h"
 #include "motion/radau.h"
+#include "motion/response.h"
 #include "motion/stages.h"
 
 #include <math.h>

@@ -1,5 +1,8 @@
 /* Laws without loss: the force is a power of the indentation. */
+#include "law/kinds.h"
 #include "law/law.h"
+
+#include <math.h>
 
 /* hertz: k. F = k d^(3/2), eqs. (13)-(15). */
 static inline void hertz_at(double k, double indentation, double *force, double *stiffness)

@@ -1,7 +1,11 @@
 /* What holds for every contact law: it is made by name, taken on the piece that the motion is on, a
  * patch's own compliance is taken out of it, and it does not pull unless that is meant. */
+#include "law/kinds.h"
 #include "law/law.h"
+#include "linear/vector.h"
 
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 /* Halley's method takes a few iterations; what it has not found by then is left to bisection. */

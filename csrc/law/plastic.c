@@ -3,7 +3,9 @@
  * stays at its limit over a growing core); unloading and reloading from the deepest point d*, F* as
  * Hertz on the radius that has been flattened, R_p = R k d*^(3/2) / F*, up to which
  *   F = F* ((d - d_p) / (d* - d_p))^(3/2),   d* - d_p = F* / (k d*^(1/2)). */
-#include "law/law.h"
+#include "law/kinds.h"
+
+#include <math.h>
 
 enum { STIFFNESS, YIELD_FORCE, YIELD, SLOPE }; /* parameters; YIELD: the indentation */
 enum { DEEPEST, RESIDUAL };                    /* memory; both zero while all was elastic */

@@ -1,6 +1,9 @@
 /* A law through measured points: Hermite cubics between the knots of the caller's table, one piece
  * each, and a straight line past the last. */
-#include "law/law.h"
+#include "aoimpact.h"
+
+#include <float.h>
+#include <math.h>
 
 /* What energies may differ by from the integral, as a share of them. */
 static const double ENERGY_ROUNDING = 1e-6;

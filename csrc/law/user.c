@@ -1,5 +1,7 @@
 /* The caller's own law: its functions, and what stands in for those that are not given. */
-#include "law/law.h"
+#include "aoimpact.h"
+
+#include <math.h>
 
 /* Differences to one side, for the price of one more call each: in the indentation with a step of
  * eps^(1/2), so right to eight digits; in the rate, over which laws are straight or nearly so, with a

@@ -1,5 +1,7 @@
 /* Laws whose loss is a force that goes with the rate. */
-#include "law/law.h"
+#include "law/kinds.h"
+
+#include <math.h>
 
 /* hunt_crossley: k, chi, n. F = k d^n (1 + chi rate): K. H. Hunt, F. R. E. Crossley, J. Appl. Mech.
  * 42 (1975) 440-445. Not cut: it comes out negative where the bodies part faster than 1/chi. */

@@ -1,5 +1,5 @@
 /* Aggregation of the nodes of a graph: the coarse nodes of smoothed aggregation. */
-#include "aoimpact.h"
+#include "linear/multigrid.h"
 
 enum { FREE = -1 };
 

@@ -2,7 +2,8 @@
  * diagonal blocks (Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., algorithm 12.1;
  * Adams, Brezina, Hu and Tuminaro, J. Comput. Phys. 188, 2003). Most of a solution's time is
  * spent in row_product: hence single precision, and one copy of it for each size of block. */
-#include "aoimpact.h"
+#include "linear/multigrid.h"
+#include "linear/sparse.h"
 
 #include <math.h>
 

@@ -1,6 +1,8 @@
 /* A rational Krylov subspace of a body, fitted to how it is struck: M-orthonormal vectors, grown one
  * solve with K + s^2 M at a time from the contact functionals. */
-#include "aoimpact.h"
+#include "linear/krylov.h"
+#include "linear/sparse.h"
+#include "linear/vector.h"
 #include "linear/work.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Sparse symmetric matrices and their factors: what the finite-element body needs in every step.
  * The factors come from a library; only the triangular sweeps are here, because they are the inner
  * loop of the full model and must run without leaving C. */
-#include "aoimpact.h"
+#include "linear/sparse.h"
 #include "linear/work.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /* The vector operations that everything dense is made of. */
-#include "aoimpact.h"
+#include "linear/vector.h"
 
 #include <math.h>
 

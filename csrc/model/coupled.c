@@ -10,8 +10,10 @@
  * and a = 1/C_ii, b = 0 where a jump holds the bodies at rest. (1 + a C' + b Cr') dF = -(a R + b S),
  * C' and Cr' without their diagonals, needs no pivoting. A step is shortened until it leads nearer;
  * where none does, contacts are solved in turn, which always does, if slowly. */
-#include "aoimpact.h"
+#include "model/coupled.h"
 #include "linear/work.h"
+#include "law/equation.h"
+#include "law/law.h"
 
 #include <float.h>
 #include <math.h>

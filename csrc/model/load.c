@@ -1,5 +1,5 @@
 /* A force that runs straight between given times. */
-#include "aoimpact.h"
+#include "model/load.h"
 
 double aoi_load_at(aoi_load *load, double time)
 {

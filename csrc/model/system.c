@@ -1,5 +1,6 @@
 /* Bodies in modes and the contacts between them: whether they can be run, and who touches whom. */
-#include "aoimpact.h"
+#include "model/system.h"
+#include "linear/vector.h"
 
 #include <math.h>
 

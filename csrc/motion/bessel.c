@@ -1,6 +1,6 @@
 /* Integrals of sines and cosines against Legendre polynomials: spherical Bessel functions
  * (Abramowitz and Stegun, 10.1.14), each computed in the direction in which it is stable. */
-#include "aoimpact.h"
+#include "motion/oscillator.h"
 
 #include <float.h>
 #include <math.h>

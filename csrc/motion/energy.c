@@ -1,7 +1,12 @@
 /* Where a body's energy is, and what loads and damping have done to it. */
+#include "motion/energy.h"
+#include "motion/modes.h"
 #include "motion/path.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/stages.h"
+#include "linear/vector.h"
+#include "law/law.h"
 
 #include <math.h>
 

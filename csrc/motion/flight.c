@@ -1,5 +1,8 @@
 /* Between contacts everything is linear: the closed form, and the next touch found with certainty. */
-#include "aoimpact.h"
+#include "motion/flight.h"
+#include "motion/modes.h"
+#include "motion/polynomial.h"
+#include "law/law.h"
 
 #include <float.h>
 #include <math.h>

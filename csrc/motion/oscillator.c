@@ -1,6 +1,7 @@
 /* One mode, x'' + 2 decay x' + omega^2 x = load + slope t, in closed form: after any time, and under a
  * polynomial force. Undamped, damped, overdamped, or no spring at all. */
-#include "aoimpact.h"
+#include "motion/oscillator.h"
+#include "law/law.h"
 
 #include <math.h>
 

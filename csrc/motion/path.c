@@ -1,9 +1,11 @@
 /* A mode's way under a polynomial force: a polynomial of its own and a free oscillation about it. What damping
  * takes, and what a rising load does, are integrals over it, exact however often the mode turns. */
+#include "motion/oscillator.h"
 #include "motion/path.h"
-
+#include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/stages.h"
+#include "law/law.h"
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-/* Private to the core: how a mode moves over a time under a force that is a polynomial in it (path.c). */
+/* How a mode moves over a time under a force that is a polynomial in it (path.c). */
 #ifndef AOI_PATH_H
 #define AOI_PATH_H
 

@@ -1,6 +1,8 @@
 /* Polynomials over one step, in shifted Legendre polynomials: values, falls through a level, tops. */
+#include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/stages.h"
+#include "law/law.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,8 +1,8 @@
-/* Private to the core: constants of the collocation method on the Radau nodes (radau_data.c). */
+/* Constants of the collocation method on the Radau nodes (radau.c). */
 #ifndef AOI_RADAU_H
 #define AOI_RADAU_H
 
-#include "aoimpact.h"
+#include "law/law.h"
 
 enum { AOI_RADAU_MOMENTS = 13, AOI_EDGE_CHECKS = 10 };
 

@@ -1,7 +1,13 @@
 /* What a linear body does over one step under forces that are polynomials in time. Nothing linear is
  * discretised, so a stiff oscillator that nobody excites asks for no short step. */
+#include "motion/modes.h"
+#include "motion/oscillator.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
+#include "motion/response.h"
 #include "motion/stages.h"
+#include "linear/vector.h"
+#include "law/law.h"
 
 #include <float.h>
 #include <math.h>

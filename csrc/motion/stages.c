@@ -1,5 +1,6 @@
 /* Products with the matrices of a step. */
 #include "motion/stages.h"
+#include "law/law.h"
 
 enum { N = AOI_STAGES };
 

@@ -1,9 +1,9 @@
-/* Private to the core: values at the nodes of a step, in loops whose length the compiler knows. Matrices
+/* Values at the nodes of a step, in loops whose length the compiler knows. Matrices
  * lie by columns, so that it takes two or four rows at once. */
 #ifndef AOI_STAGES_H
 #define AOI_STAGES_H
 
-#include "aoimpact.h"
+#include "law/law.h"
 
 /* y += factor x. */
 static inline void aoi_stages_add(double factor, const double *restrict x, double *restrict y)

@@ -3,7 +3,9 @@
  * where alpha is not zero) and one back-substitution, and the forces at the ports enter through the
  * responses to unit forces, which are kept. Displacements are formed as in star.c, with no rounded
  * dt^2. */
-#include "aoimpact.h"
+#include "newmark/body.h"
+#include "linear/sparse.h"
+#include "linear/vector.h"
 #include "linear/work.h"
 
 #include <math.h>

@@ -2,7 +2,9 @@
  *   (1 + 2 decay gamma dt + omega^2 beta dt^2) a' = f - omega^2 p - 2 decay q
  * with the predictors p, q of displacement and velocity. What the modes leave of the static compliance
  * follows the forces at once. */
-#include "aoimpact.h"
+#include "newmark/body.h"
+#include "linear/vector.h"
+#include "star/receptance.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,12 @@
 /* Bodies, contacts and loads, step by step: predict all bodies, solve the contact equations, correct
  * all bodies, write the record. */
-#include "aoimpact.h"
+#include "newmark/body.h"
+#include "newmark/scene.h"
+#include "linear/vector.h"
 #include "linear/work.h"
+#include "law/law.h"
+#include "model/coupled.h"
+#include "model/load.h"
 
 #include <float.h>
 #include <math.h>

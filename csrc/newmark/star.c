@@ -19,7 +19,8 @@
  *
  * Without m0 the contact has no acceleration of its own: it stays where it was as a predictor, the
  * stretches' rates and accelerations are then the oscillators' own, and a_0' stands for its move. */
-#include "aoimpact.h"
+#include "newmark/body.h"
+#include "linear/vector.h"
 
 #include <math.h>
 

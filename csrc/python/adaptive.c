@@ -1,6 +1,13 @@
 /* Adaptive runs of scenes, and their dense output, seen from Python. */
 #include "python/binding.h"
+#include "linear/vector.h"
+#include "law/law.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
+#include "collocation/collocation.h"
+#include "adaptive/adaptive.h"
+#include "adaptive/row.h"
+#include "track/sampler.h"
 
 #include <math.h>
 #include <stdlib.h>

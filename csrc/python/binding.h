@@ -9,7 +9,7 @@
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
-#include "aoimpact.h"
+#include "linear/sparse.h"
 
 /* ------------------------------------------------------------------ buffers.c: in and out */
 

@@ -1,5 +1,6 @@
 /* Buffers in, errors out: what every function of the binding uses. */
 #include "python/binding.h"
+#include "aoimpact.h"
 
 #include <math.h>
 #include <stdlib.h>

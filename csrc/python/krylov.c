@@ -1,5 +1,7 @@
 /* The Krylov subspace seen from Python: its linear solver is a Python callable. */
 #include "python/binding.h"
+#include "linear/krylov.h"
+#include "linear/sparse.h"
 
 #include <stdlib.h>
 #include <string.h>

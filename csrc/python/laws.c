@@ -1,5 +1,6 @@
 /* The contact laws seen from Python. */
 #include "python/binding.h"
+#include "law/law.h"
 
 #include <math.h>
 

@@ -1,5 +1,11 @@
 /* Many impacts in one call, without the GIL: of each only its numbers come back. */
 #include "python/binding.h"
+#include "model/coupled.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
+#include "adaptive/adaptive.h"
+#include "track/brief.h"
+#include "track/sampler.h"
 
 #include <stdlib.h>
 #include <string.h>

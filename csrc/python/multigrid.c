@@ -1,5 +1,7 @@
 /* The inner loops of multigrid seen from Python. */
 #include "python/binding.h"
+#include "linear/multigrid.h"
+#include "linear/sparse.h"
 
 /* (start, indices, values, inverse); the number of rows and the size of a block follow from the
  * lengths. */

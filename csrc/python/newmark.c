@@ -1,5 +1,10 @@
 /* Scenes by Newmark's rule seen from Python. */
 #include "python/binding.h"
+#include "linear/sparse.h"
+#include "model/coupled.h"
+#include "model/load.h"
+#include "newmark/body.h"
+#include "newmark/scene.h"
 
 #include <stdlib.h>
 

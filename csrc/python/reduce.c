@@ -1,5 +1,6 @@
 /* From matrices to a star (star/reduce.c) seen from Python. */
 #include "python/binding.h"
+#include "star/reduce.h"
 
 PyObject *static_held(PyObject *self, PyObject *args)
 {

@@ -1,5 +1,6 @@
 /* Sparse matrices and factors seen from Python. */
 #include "python/binding.h"
+#include "linear/sparse.h"
 
 int take_sparse(held *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix)
 {

@@ -1,5 +1,6 @@
 /* The star and its modes seen from Python. */
 #include "python/binding.h"
+#include "star/receptance.h"
 
 /* A term of one frequency costs some ten nanoseconds at most. */
 static size_t frequencies_a_piece(size_t n)

@@ -1,6 +1,7 @@
 /* From the matrices of a body to its anti-oscillators: section 2 of the paper, with the unit vector
  * of dof i_0 replaced by any functional b. Eigenproblems and factorisations are the caller's. */
-#include "aoimpact.h"
+#include "star/reduce.h"
+#include "linear/vector.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Roots of the secular equation, each to full relative accuracy of its distance from the nearest
  * pole: the way between the star and its modes with no dense matrix. The idea of working with that
  * distance is LAPACK's (dlaed4); the iteration is a plain guarded Newton. */
-#include "aoimpact.h"
+#include "star/secular.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* The star of Fig. 2: its receptance, its energies, and its modes and back. */
-#include "aoimpact.h"
+#include "star/secular.h"
 #include "linear/work.h"
 
 #include <math.h>

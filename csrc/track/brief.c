@@ -1,5 +1,9 @@
 /* An impact of two bodies in a few numbers, for those who make many: nothing of it is kept. */
-#include "aoimpact.h"
+#include "track/brief.h"
+#include "track/sampler.h"
+#include "collocation/collocation.h"
+#include "adaptive/adaptive.h"
+#include "adaptive/row.h"
 
 #include <math.h>
 

@@ -1,6 +1,16 @@
 /* Dense output: the record at any time of a track, from the rows that hold it. Between the start of a row
  * and the time asked for, the bodies are taken on exactly as the run itself took them. */
+#include "track/sampler.h"
+#include "linear/vector.h"
+#include "law/law.h"
+#include "model/system.h"
+#include "motion/energy.h"
+#include "motion/modes.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
+#include "adaptive/row.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,6 +4,7 @@
 #define AOIMPACT_TEST_NUMERIC_H
 
 #include "check.h"
+#include "law/law.h"
 #include "motion/radau.h"
 
 /* The shifted Legendre polynomial P_l on [0, 1]. */

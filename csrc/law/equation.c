@@ -1,6 +1,7 @@
 /* The one nonlinear equation of a step. Everything else in a step is linear, so Newton-Raphson of
  * the paper's section 3.1 reduces to it whatever the number of degrees of freedom. */
-#include "aoimpact.h"
+#include "law/equation.h"
+#include "law/law.h"
 
 #include <float.h>
 #include <math.h>

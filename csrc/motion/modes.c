@@ -1,5 +1,7 @@
 /* A linear body in its natural modes, under loads that run straight between given times. */
-#include "aoimpact.h"
+#include "motion/modes.h"
+#include "motion/oscillator.h"
+#include "linear/vector.h"
 
 #include <math.h>
 

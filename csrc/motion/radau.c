@@ -1,6 +1,7 @@
 /* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal
  * polynomial of node j, P_k the shifted Legendre polynomial. */
 #include "motion/radau.h"
+#include "law/law.h"
 
 /* Radau IIA nodes. */
 const double aoi_radau_node[AOI_STAGES] = {2.247938643871249811e-2, 1.146790531609042319e-1,
