@@ -17,9 +17,9 @@ FLAGS = ["/std:c11", "/O2"] if MSVC else UNIX
 
 core = Extension(
     "aoimpact._core",
-    sources=sorted(path.as_posix() for path in Path("csrc").glob("*.c")),
-    depends=sorted(path.as_posix() for path in Path("csrc").glob("*.h")),
-    include_dirs=["csrc"],
+    sources=sorted(path.as_posix() for path in Path("csrc").glob("*/*.c")),
+    depends=["include/aoimpact.h", *sorted(path.as_posix() for path in Path("csrc").glob("*/*.h"))],
+    include_dirs=["include", "csrc"],
     define_macros=[("Py_LIMITED_API", "0x030B0000")] if LIMITED else [],
     py_limited_api=LIMITED,
     extra_compile_args=FLAGS,

@@ -1,6 +1,6 @@
-"""Write csrc/radau_data.c: the constants of the collocation method, to the last digit.
+"""Write csrc/motion/radau.c: the constants of the collocation method, to the last digit.
 
-Usage: python tools/make_radau_data.py > csrc/radau_data.c   (needs mpmath)
+Usage: python tools/make_radau_data.py > csrc/motion/radau.c   (needs mpmath)
 """
 
 from __future__ import annotations
@@ -291,7 +291,7 @@ def main() -> None:
     nodes = radau_nodes()
     print("/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal")
     print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
-    print('#include "radau.h"')
+    print('#include "motion/radau.h"')
     for declare_part in (declare_series, declare_moments, declare_extra, declare_edges):
         declare_part(nodes)
 

@@ -40,7 +40,7 @@ _LONGEST, _LEAST_WORK = 300.0, 1e-300
 class ContactLaw:
     """The force between two bodies as a function of indentation, its rate, and its history.
 
-    Every law is a frozen value; its formulas are the core's (csrc/law_*.c).
+    Every law is a frozen value; its formulas are the core's (csrc/law).
     """
 
     _name: ClassVar[str]

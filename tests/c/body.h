@@ -4,6 +4,9 @@
 #define AOIMPACT_TEST_BODY_H
 
 #include "check.h"
+#include "model/coupled.h"
+#include "newmark/body.h"
+#include "newmark/scene.h"
 
 /* What aoi_body.observe writes, by name. */
 typedef struct observation {

@@ -4,6 +4,7 @@
 #define AOIMPACT_TEST_CHAIN_H
 
 #include "check.h"
+#include "aoimpact.h"
 
 enum { CHAIN_MOST = 400 };
 

@@ -2,8 +2,6 @@
 #ifndef AOIMPACT_TEST_CHECK_H
 #define AOIMPACT_TEST_CHECK_H
 
-#include "aoimpact.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>

@@ -4,7 +4,8 @@
 #define AOIMPACT_TEST_NUMERIC_H
 
 #include "check.h"
-#include "radau.h"
+#include "law/law.h"
+#include "motion/radau.h"
 
 /* The shifted Legendre polynomial P_l on [0, 1]. */
 static inline double legendre(size_t l, double x)

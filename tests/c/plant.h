@@ -4,6 +4,11 @@
 #define AOIMPACT_TEST_PLANT_H
 
 #include "check.h"
+#include "model/coupled.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
+#include "adaptive/adaptive.h"
+#include "track/sampler.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,10 @@
 /* The adaptive run: closed forms, conserved quantities and Runge and Kutta's method, over the whole range
  * of tolerances, for one contact and for many. */
 #include "plant.h"
+#include "motion/modes.h"
+#include "adaptive/adaptive.h"
+#include "adaptive/row.h"
+#include "track/sampler.h"
 
 /* int_0^1 dx / sqrt(1 - x^(n+1)) by tanh-sinh quadrature. */
 static double half_duration(double n)

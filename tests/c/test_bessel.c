@@ -1,6 +1,7 @@
 /* The integrals of sine and cosine against Legendre polynomials: by quadrature, by recurrence, and
  * across the places where the way of computing them changes. */
 #include "numeric.h"
+#include "motion/oscillator.h"
 
 enum { COUNT = 8, HIGHEST = 16, POINTS = 4000 };
 

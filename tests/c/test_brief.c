@@ -1,5 +1,11 @@
 /* An impact in a few numbers, against closed forms of rigid bodies and a linear law. */
 #include "check.h"
+#include "model/coupled.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
+#include "adaptive/adaptive.h"
+#include "track/brief.h"
+#include "track/sampler.h"
 
 #include <stdlib.h>
 #include <string.h>

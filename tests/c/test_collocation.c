@@ -2,6 +2,13 @@
  * and errors fall with the order that the method has. */
 #include "numeric.h"
 #include "plant.h"
+#include "linear/vector.h"
+#include "law/law.h"
+#include "motion/modes.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
 
 enum { MOST_WORK = 200000 };
 

@@ -1,6 +1,7 @@
 /* The one equation of a step: solved to rounding wherever the search starts, for compliances and
  * stiffnesses of any size, and for laws of the caller's with kinks, plateaus and damping. */
 #include "viscous.h"
+#include "law/equation.h"
 
 static const double DT = 1e-6;
 

@@ -2,6 +2,9 @@
  * laws and the place to start from, the equations hold at the end; a force within a law's jump holds
  * its bodies just touching; and equal contacts on one rigid body share what they carry. */
 #include "check.h"
+#include "linear/vector.h"
+#include "model/coupled.h"
+#include "newmark/body.h"
 
 #include <string.h>
 

@@ -1,6 +1,10 @@
 /* Free flight: its closed form, and that no touch is stepped over, however briefly it lasts. */
 #include "plant.h"
-#include "radau.h"
+#include "law/law.h"
+#include "motion/energy.h"
+#include "motion/flight.h"
+#include "motion/modes.h"
+#include "motion/radau.h"
 
 enum { STRIDES = 1000000 };
 

@@ -2,6 +2,10 @@
  * whether seen through a unit vector or a scaled functional; a bar of many elements against its own
  * modes. */
 #include "body.h"
+#include "linear/sparse.h"
+#include "linear/vector.h"
+#include "newmark/body.h"
+#include "newmark/scene.h"
 
 #include <string.h>
 

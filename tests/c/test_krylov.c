@@ -2,6 +2,9 @@
  * its ends): its receptance at the shift, and as many derivatives as there are solves, against
  * elimination on the whole rod; breakdown where symmetry says so. */
 #include "check.h"
+#include "linear/krylov.h"
+#include "linear/sparse.h"
+#include "linear/vector.h"
 
 #include <string.h>
 

@@ -1,5 +1,6 @@
 /* The contact laws: their formulas, what belongs together, and what cannot be. */
 #include "check.h"
+#include "law/law.h"
 
 #include <string.h>
 

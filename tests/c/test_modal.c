@@ -1,6 +1,9 @@
 /* Newmark's rule on natural modes: a star and its modes are one body, damped, loaded and all; two
  * ports answer each other alike; a residual compliance is a spring; the ledger closes. */
 #include "body.h"
+#include "linear/vector.h"
+#include "star/receptance.h"
+#include "newmark/body.h"
 
 #include <string.h>
 

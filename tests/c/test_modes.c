@@ -1,5 +1,8 @@
 /* A body in its modes under gravity and loads: closed forms, and Runge and Kutta's method. */
 #include "plant.h"
+#include "motion/energy.h"
+#include "motion/flight.h"
+#include "motion/modes.h"
 
 /* A load of 0 until 1 s, 6 N from 2 s to 3 s, a jump to -3 N there, which it keeps. */
 static part *add_loaded(plant *p)

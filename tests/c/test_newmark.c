@@ -2,6 +2,7 @@
  * 1/2 turns by a fixed angle a step, a star is the same as its dense matrices, the average
  * acceleration keeps energy and momentum. */
 #include "body.h"
+#include "newmark/body.h"
 
 #include <string.h>
 

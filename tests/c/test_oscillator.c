@@ -1,6 +1,8 @@
 /* One mode in closed form, from free to overdamped: against the exponential of its equation's matrix,
  * and its integrals against quadrature. */
 #include "numeric.h"
+#include "law/law.h"
+#include "motion/oscillator.h"
 
 #include <string.h>
 

@@ -2,6 +2,12 @@
  * quadrature along the exact motion, and closed forms. */
 #include "numeric.h"
 #include "plant.h"
+#include "law/law.h"
+#include "motion/energy.h"
+#include "motion/modes.h"
+#include "motion/radau.h"
+#include "motion/response.h"
+#include "track/sampler.h"
 
 /* One mode under a force on its port. */
 static part *add_mode(plant *p, double omega, double decay)

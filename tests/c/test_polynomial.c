@@ -1,5 +1,8 @@
 /* Polynomials over a step: their values, fits, falls and tops; and that the nodes are Radau's. */
 #include "numeric.h"
+#include "law/law.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
 
 enum { COUNT = AOI_STAGES + 1 };
 

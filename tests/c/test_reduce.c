@@ -1,6 +1,8 @@
 /* Section 2 of the paper on bodies whose anti-oscillators are known in closed form: chains of equal
  * masses and springs, a rigid bar struck off its centre; and the algebra of the constraint. */
 #include "chain.h"
+#include "linear/vector.h"
+#include "star/reduce.h"
 
 #include <string.h>
 

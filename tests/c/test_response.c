@@ -2,6 +2,11 @@
  * modes that hardly move to modes that turn many times within the step. */
 #include "numeric.h"
 #include "plant.h"
+#include "law/law.h"
+#include "motion/modes.h"
+#include "motion/oscillator.h"
+#include "motion/radau.h"
+#include "motion/response.h"
 
 enum { PANELS = 250 };
 

@@ -3,6 +3,10 @@
  * that nothing, from the lightest touch to an absurd step, makes a step fail. */
 #include "body.h"
 #include "viscous.h"
+#include "model/coupled.h"
+#include "model/load.h"
+#include "newmark/body.h"
+#include "newmark/scene.h"
 
 #include <string.h>
 

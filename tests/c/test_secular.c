@@ -1,6 +1,7 @@
 /* Roots of the secular equation where they are known: two poles, and chains of masses; and where
  * they are not, that the function vanishes there as well as its own terms' rounding lets it. */
 #include "chain.h"
+#include "star/secular.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,7 @@
 /* Sparse matrices and their factors against the chain of n equal springs, whose eigenvectors,
  * inverse and factors are known in closed form; and against dense elimination. */
 #include "check.h"
+#include "linear/sparse.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* The star of Fig. 2: its receptance, energies and modes against closed forms, and there and back.
  */
 #include "chain.h"
+#include "star/secular.h"
 
 static void bad_stars_are_named(void)
 {

@@ -2,6 +2,7 @@
 #define MOST_BODIES 100
 
 #include "plant.h"
+#include "adaptive/row.h"
 
 /* A blow runs along a row of balls. Behind it they go on side by side, or apart: what is solved for at any
  * time is the wave, some ten contacts however long the row. All momentum and energy is passed on. */

@@ -1,7 +1,7 @@
 /* Who touches whom. */
 #include "check.h"
+#include "model/system.h"
 
-#include "aoimpact.h"
 
 enum { BODIES = 30, JOINTS = 80 };
 

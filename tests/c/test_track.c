@@ -1,5 +1,11 @@
 /* Dense output: what a track says at any time between its rows, and that its ledger of energies closes. */
 #include "plant.h"
+#include "law/law.h"
+#include "motion/energy.h"
+#include "motion/modes.h"
+#include "collocation/collocation.h"
+#include "adaptive/row.h"
+#include "track/sampler.h"
 
 enum { MOST_ROWS = 128 };
 

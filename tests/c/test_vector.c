@@ -1,5 +1,6 @@
 /* Sums that are whole numbers come out exact, whatever the length and however it is unrolled. */
 #include "check.h"
+#include "linear/vector.h"
 
 enum { LONGEST = 67 };
 

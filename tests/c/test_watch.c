@@ -1,7 +1,7 @@
 /* Contacts in flight come out in the order of their times, whatever goes in and out between. */
 #include "check.h"
-
-#include "adaptive.h"
+#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 
 #include <math.h>
 

@@ -3,6 +3,7 @@
 #define AOIMPACT_TEST_VISCOUS_H
 
 #include "check.h"
+#include "aoimpact.h"
 
 /* Hunt and Crossley: k d^(3/2) (1 + c rate), never pulling; parameters k, c. */
 static inline void hunt_crossley(const aoi_law *law, const double *memory, int piece, double d,

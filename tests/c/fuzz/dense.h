@@ -4,6 +4,7 @@
 #define AOIMPACT_FUZZ_DENSE_H
 
 #include "fuzz.h"
+#include "linear/sparse.h"
 
 /* A tridiagonal matrix: springs between neighbours and to the ground, as a stiffness matrix has them. */
 static inline aoi_sparse take_chain(input *in, size_t n, const double *spring, const double *ground)

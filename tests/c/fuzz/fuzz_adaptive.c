@@ -1,5 +1,10 @@
 /* Adaptive runs, their tracks sampled, and briefs. */
 #include "system.h"
+#include "linear/vector.h"
+#include "adaptive/adaptive.h"
+#include "adaptive/row.h"
+#include "track/brief.h"
+#include "track/sampler.h"
 
 /* Rows follow each other in time, and all is finite. */
 static void look_at_track(const double *track, const size_t *index, size_t used, size_t rows, double end)

@@ -1,5 +1,8 @@
 /* Krylov subspaces of chains, with solvers that may fail or lie. */
 #include "dense.h"
+#include "linear/krylov.h"
+#include "linear/sparse.h"
+#include "linear/vector.h"
 
 enum { MOST = 8 };
 

@@ -1,5 +1,7 @@
 /* Contact laws of every kind, with and without a patch, and the contact equation. */
 #include "fuzz.h"
+#include "law/equation.h"
+#include "law/law.h"
 
 static void look_at_laws(input *in, const aoi_law *law, double *memory)
 {

@@ -1,5 +1,7 @@
 /* From matrices to oscillators: dense vectors of any numbers. */
 #include "fuzz.h"
+#include "linear/vector.h"
+#include "star/reduce.h"
 
 enum { MOST = 6 };
 

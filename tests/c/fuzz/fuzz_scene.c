@@ -1,5 +1,10 @@
 /* Scenes by Newmark's rule: stars, modal bodies and finite elements, contacts and loads. */
 #include "dense.h"
+#include "linear/sparse.h"
+#include "model/coupled.h"
+#include "model/load.h"
+#include "newmark/body.h"
+#include "newmark/scene.h"
 
 enum { MOST_BODIES = 4, MOST_CONTACTS = 5, MOST_LOADS = 3, MOST_MODES = 5, MOST_PORTS = 3, COLUMNS = 16 };
 

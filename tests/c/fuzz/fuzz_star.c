@@ -1,5 +1,7 @@
 /* Stars, their modes and back, and roots of the secular equation. */
 #include "fuzz.h"
+#include "star/receptance.h"
+#include "star/secular.h"
 
 enum { MOST = 8, FREQUENCIES = 3 };
 

@@ -1,5 +1,8 @@
 /* Tracks made of any numbers: what the sampler's check lets through can be read. */
 #include "system.h"
+#include "adaptive/adaptive.h"
+#include "adaptive/row.h"
+#include "track/sampler.h"
 
 static double take_entry(input *in, size_t limit)
 {

@@ -3,6 +3,8 @@
 #define AOIMPACT_FUZZ_SYSTEM_H
 
 #include "fuzz.h"
+#include "adaptive/adaptive.h"
+#include "track/sampler.h"
 
 enum { MOST_BODIES = 4, MOST_JOINTS = 4, MOST_MODES = 4, MOST_PORTS = 3, MOST_TRACK_ROWS = 48 };
 

@@ -1,0 +1,565 @@
+/* The adaptive run: contact by collocation in steps of base 2^(-level/8), flight in closed form, and what
+ * makes the one follow the other. */
+#include "adaptive/adaptive.h"
+#include "adaptive/row.h"
+#include "adaptive/run.h"
+#include "law/law.h"
+#include "model/system.h"
+#include "motion/energy.h"
+#include "motion/flight.h"
+#include "motion/modes.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
+
+#include <float.h>
+#include <math.h>
+
+enum {
+    LEAST_RISE = 2, /* of levels at once */
+    MOST_TRIMS = 12,
+    MOST_IDLE = 1000
+};
+
+/* An event closer to the start than this share of the step happens at the start. */
+static const double AT_START = 1e-9;
+
+/* Beside a contact, bodies that fly and ring are looked at so many steps ahead. */
+static const double STEPS_AHEAD = 64.0;
+
+/* A rest of a step shorter than this share of it is taken along: over it rates are noise. */
+static const double SLIVER = 1e-6;
+
+/* After a failure steps are shorter by this at most and at least. */
+static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
+
+/* After a success they are longer by this at most. */
+static const double MOST_GROWTH = 8.0;
+
+/* And by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
+ * largest body. */
+static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
+
+/* A step worse than this is so far off that its events are not to be trusted. */
+static const double TRUSTED = 0.1;
+
+int aoi_is_at_start(const aoi_adaptive *run, double after, double h)
+{
+    return after < fmax(AT_START, aoi_event_tolerance(run, 1.0)) * h || !(run->elapsed + after > run->elapsed);
+}
+
+/* The length of a step of the run's level. */
+static double step_of_level(const aoi_adaptive *run)
+{
+    return run->base * exp2(-(double)run->level / AOI_LEVELS);
+}
+
+/* ------------------------------------------------------------------------------ work space */
+
+/* The largest distance between contacts (in their order) that feel each other through a body. */
+static size_t span_of(const aoi_system *system)
+{
+    size_t span = 0;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const size_t first = system->first_joint[b], end = system->first_joint[b + 1];
+        const aoi_modes *body = &system->body[b];
+        if (first < end && (body->residual || aoi_body_yields(body))) {
+            const size_t apart = system->joint_of[end - 1] - system->joint_of[first];
+            span = apart > span ? apart : span;
+        }
+    }
+    return span;
+}
+
+static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
+
+/* Whether a force depends on the rate, or a contact has no mass. */
+static int is_quick(const aoi_system *system)
+{
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (system->joint[c].law->depends_on_rate ||
+            aoi_system_residual(system, c) > 0.0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, size_t *row)
+{
+    size_t ports = 0;
+    *lists = 3 * system->joint_count + 2 * system->body_count;
+    *work = 10 * aoi_system_most_modes(system);
+    *row = AOI_TRACK_FIXED + system->joint_count * AOI_TRACK_CONTACT_SIZE;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const aoi_modes *body = &system->body[b];
+        *work += tables_of(body) * aoi_response_size(body);
+        *row += AOI_TRACK_STATE + 2 * body->n;
+        ports += body->ports;
+    }
+    *work += ports * AOI_STAGES + aoi_collocation_size(system->joint_count, span_of(system));
+}
+
+/* -------------------------------------------------------------------------------- the start */
+
+/* Bodies that press on each other from the start. */
+static void start_closed(aoi_adaptive *run, size_t joint)
+{
+    aoi_contact_state *contact = &run->contact[joint];
+    const aoi_joint *of = &run->system->joint[joint];
+    const double delta = contact->start;
+    aoi_law_value value;
+    aoi_law_remember(of->law, delta, 0.0, contact->memory);
+    aoi_contact_close(run, joint);
+    contact->start = delta;
+    aoi_law_force(of->law, contact->memory, contact->piece, delta, contact->start_rate, &value);
+    contact->force = value.force;
+    aoi_contact_note_peak(run, joint);
+    const double time = 1.0 / sqrt(value.stiffness * contact->mobility);
+    contact->indentation_scale = fmax(contact->indentation_scale, delta);
+    contact->impulse_scale = fmax(contact->impulse_scale, value.force * time);
+    if (isfinite(time) && time > 0.0 && run->base == 0.0) {
+        run->base = 3.0 * time;
+        run->level = 0;
+    }
+    run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
+    run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
+}
+
+/* What loads and contacts that press from the start have bent already is no work of this run. */
+static void start_ledger(aoi_adaptive *run)
+{
+    const aoi_system *system = run->system;
+    double *force = run->port_force, rise;
+    for (size_t b = 0; b < system->body_count; b++) {
+        for (size_t p = 0; p < system->body[b].ports; p++) {
+            aoi_modes_load(&system->body[b], p, run->time, &force[system->first_port[b] + p], &rise);
+        }
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        for (int side = 0; side < 2; side++) {
+            const aoi_joint *joint = &system->joint[c];
+            force[system->first_port[joint->body[side]] + joint->port[side]] +=
+                (side == 0 ? -1.0 : 1.0) * run->contact[c].force;
+        }
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        run->body[b].work =
+            -aoi_modes_bent_work(&system->body[b], run->time, force + system->first_port[b]);
+    }
+}
+
+static void lay_out_lists(aoi_adaptive *run)
+{
+    const size_t bodies = run->system->body_count, joints = run->system->joint_count;
+    run->engaged = (aoi_list){0, run->lists};
+    run->changed = (aoi_list){0, run->lists + bodies};
+    run->closed = (aoi_list){0, run->lists + 2 * bodies};
+    run->watched[0] = (aoi_list){0, run->closed.at + joints};
+    run->watched[1] = (aoi_list){0, run->closed.at + 2 * joints};
+}
+
+static void lay_out_work(aoi_adaptive *run)
+{
+    const aoi_system *system = run->system;
+    double *work = run->work;
+    for (size_t side = 0; side < 2; side++) {
+        run->flight[side] = work;
+        work += 4 * aoi_system_most_modes(system);
+    }
+    for (size_t b = 0; b < system->body_count; b++) {
+        aoi_follower *body = &run->body[b];
+        body->block = work;
+        body->table_count = tables_of(&system->body[b]);
+        work += body->table_count * aoi_response_size(&system->body[b]);
+    }
+    run->scratch = work;
+    work += 2 * aoi_system_most_modes(system);
+    run->port_force = work;
+    run->collocation = work + system->first_port[system->body_count] * AOI_STAGES;
+}
+
+static void begin_bodies(aoi_adaptive *run)
+{
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        aoi_follower *body = &run->body[b];
+        body->time = run->time;
+        body->engaged = body->changed = 0;
+        body->work = body->dissipated = 0.0;
+        for (size_t i = 0; i < AOI_TABLES; i++) {
+            body->table_use[i] = 0;
+        }
+        aoi_body_note_change(run, b);
+    }
+}
+
+static int begin_contacts(aoi_adaptive *run)
+{
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        run->contact[c] = (aoi_contact_state){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
+        run->contact[c].peak_time = run->time;
+    }
+    const int status = aoi_balance_at_start(run);
+    aoi_watch_begin(run);
+    for (size_t c = 0; c < run->system->joint_count && status == AOI_OK; c++) {
+        if (run->contact[c].start > 0.0) {
+            start_closed(run, c);
+        } else {
+            aoi_watch_add(run, c);
+        }
+    }
+    return status;
+}
+
+/* Whether the run can be made at all. */
+static int check_start(const aoi_adaptive *run)
+{
+    if (!(run->rtol > 0.0) || !(run->end > run->time) || !isfinite(run->end) ||
+        aoi_system_check(run->system) != AOI_OK) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    for (size_t j = 0; j < run->system->first[run->system->body_count]; j++) {
+        if (!isfinite(run->x[j]) || !isfinite(run->v[j])) {
+            return AOI_ERROR_NOT_FINITE;
+        }
+    }
+    return AOI_OK;
+}
+
+int aoi_adaptive_start(aoi_adaptive *run)
+{
+    int status = check_start(run);
+    if (status != AOI_OK) {
+        return status;
+    }
+    const size_t modes = aoi_system_most_modes(run->system);
+    size_t work, lists;
+    aoi_adaptive_size(run->system, &work, &lists, &run->row_size);
+    run->span = span_of(run->system);
+    run->level = 0;
+    run->grain = modes > 1 && is_quick(run->system) ? AOI_LEVELS : 1;
+    run->table_cost = modes > 1 ? TABLE_COST * (double)modes : 0.0;
+    run->base = run->indentation_scale = run->impulse_scale = run->force_scale = run->saved = 0.0;
+    run->origin = run->time;
+    run->elapsed = run->left_off = 0.0;
+    run->steps = run->rejected = run->uses = run->culprit = 0;
+    run->closed_count = run->stage_count = 0;
+    run->unbalanced = 0;
+    lay_out_work(run);
+    lay_out_lists(run);
+    begin_bodies(run);
+    status = begin_contacts(run);
+    start_ledger(run);
+    return status;
+}
+
+/* ---------------------------------------------------------------------------------- flight */
+
+/* A body without oscillations: one look sees its flight to the end. */
+static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
+
+/* Looks when the bodies of a watched contact touch, up to limit, on copies of their states. */
+static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *copy)
+{
+    const aoi_system *system = run->system;
+    aoi_contact_state *contact = &run->contact[joint];
+    const aoi_joint *of = &system->joint[joint];
+    const double now = aoi_run_now(run);
+    aoi_flight pair;
+    aoi_watch_remove(run, joint);
+    aoi_pair_now(run, joint, &pair);
+    pair.gap += aoi_law_rest(of->law, contact->memory) + contact->slack;
+    for (int side = 0; side < 2; side++) {
+        const size_t b = of->body[side], n = system->body[b].n, first = system->first[b];
+        for (size_t j = 0; j < n; j++) {
+            copy[j] = run->x[first + j];
+            copy[n + j] = run->v[first + j];
+        }
+        aoi_modes_fly(&system->body[b], run->body[b].time, now, copy, copy + n);
+        pair.x[side] = copy;
+        pair.v[side] = copy + n;
+        copy += 2 * n;
+    }
+    limit = is_simple(pair.body[0]) && is_simple(pair.body[1]) ? run->end : limit;
+    const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
+    const int status = aoi_flight_next_touch(&pair, limit, most, &contact->touches);
+    contact->free_until = pair.time;
+    aoi_watch_add(run, joint);
+    if (status == AOI_ERROR_NO_CONVERGENCE && pair.time > now) {
+        return AOI_OK; /* so far at least */
+    }
+    run->culprit = status != AOI_OK ? joint : run->culprit;
+    return status;
+}
+
+/* The bodies of a joint as look_ahead has left them, at the time now. */
+static void land(aoi_adaptive *run, size_t joint, const double *copy)
+{
+    const aoi_system *system = run->system;
+    for (int side = 0; side < 2; side++) {
+        const size_t b = system->joint[joint].body[side];
+        const size_t n = system->body[b].n, first = system->first[b];
+        aoi_body_account(run, b, aoi_run_now(run), copy, copy + n);
+        for (size_t j = 0; j < n; j++) {
+            run->x[first + j] = copy[j];
+            run->v[first + j] = copy[n + j];
+        }
+        run->body[b].time = aoi_run_now(run);
+        copy += 2 * n;
+    }
+}
+
+/* Nothing touches: on to the first touch of all, or to the end; or, where that takes long to find, as far as it is
+ * certain that nothing does. */
+static int flight(aoi_adaptive *run)
+{
+    size_t joint, landed = run->system->joint_count;
+    aoi_step_release(run);
+    double best = aoi_watch_first(run, 1, run->end, &joint);
+    for (aoi_watch_first(run, 0, best, &joint); joint < run->system->joint_count;
+         aoi_watch_first(run, 0, best, &joint)) {
+        const int status = look_ahead(run, joint, best, run->flight[0]);
+        if (status != AOI_OK) {
+            return status;
+        }
+        if (run->contact[joint].touches && run->contact[joint].free_until < best) {
+            double *kept = run->flight[0];
+            run->flight[0] = run->flight[1];
+            run->flight[1] = kept;
+            landed = joint;
+            best = run->contact[joint].free_until;
+        } else if (!run->contact[joint].touches) {
+            best = fmin(best, run->contact[joint].free_until);
+        }
+    }
+    run->origin = run->time = best;
+    run->elapsed = run->left_off = 0.0;
+    (void)aoi_watch_first(run, 1, run->end, &joint);
+    if (joint < run->system->joint_count && run->contact[joint].free_until <= best) {
+        if (joint == landed) {
+            land(run, joint, run->flight[1]);
+        }
+        if (run->base > 0.0) {
+            run->level = AOI_HIGHEST_LEVEL; /* the contact itself says how fine */
+        }
+        run->indentation_scale = run->impulse_scale = 0.0;
+        aoi_contact_close(run, joint);
+    }
+    return AOI_OK;
+}
+
+/* ------------------------------------------------------------------------- a step of contact */
+
+/* Closes contacts of bodies in flight whose time has come, and finds out how long the others are
+ * certain not to touch. */
+static int watch_flights(aoi_adaptive *run)
+{
+    const size_t none = run->system->joint_count;
+    const double now = aoi_run_now(run), step = step_of_level(run);
+    const double rounding = 4.0 * DBL_EPSILON * now;
+    const double due = fmin(nextafter(now + rounding, HUGE_VAL), run->end);
+    const double ahead = fmax(now + STEPS_AHEAD * step, now + 2.0 * rounding);
+    size_t joint;
+    for (aoi_watch_first(run, 0, due, &joint); joint < none; aoi_watch_first(run, 0, due, &joint)) {
+        const int status = look_ahead(run, joint, fmin(run->end, ahead), run->flight[0]);
+        if (status != AOI_OK) {
+            return status;
+        }
+    }
+    for (aoi_watch_first(run, 1, due, &joint); joint < none; aoi_watch_first(run, 1, due, &joint)) {
+        aoi_contact_close(run, joint);
+    }
+    run->horizon = aoi_watch_first(run, 1, aoi_watch_first(run, 0, run->end, &joint), &joint);
+    return AOI_OK;
+}
+
+/* Lists who takes part; how long the step may be at most. */
+static int prepare(aoi_adaptive *run, double *limit)
+{
+    do {
+        aoi_step_prepare(run);
+        const int status = watch_flights(run);
+        if (status != AOI_OK) {
+            return status;
+        }
+        if (run->unbalanced) {
+            aoi_balance_at_once(run, fmin(step_of_level(run), run->end - aoi_run_now(run)));
+            run->unbalanced = 0;
+        }
+    } while (run->closed_count != run->closed.count);
+    const double now = aoi_run_now(run);
+    double stop = run->horizon;
+    for (size_t i = 0; i < run->engaged.count; i++) {
+        stop = fmin(stop, aoi_modes_next_bend(&run->system->body[run->engaged.at[i]], now));
+    }
+    if (stop < run->end && stop - now <= 4.0 * DBL_EPSILON * stop) {
+        run->elapsed += 8.0 * DBL_EPSILON * stop; /* as good as there */
+        return prepare(run, limit);
+    }
+    *limit = stop - now;
+    return AOI_OK;
+}
+
+/* Takes the level of a step at most so long; in any case a finer one. */
+static void refine(aoi_adaptive *run, double h)
+{
+    const int level = aoi_level_from(run, AOI_LEVELS * log2(run->base / h));
+    run->level = level > run->level ? level : aoi_level_from(run, run->level + 1);
+    run->saved = 0.0;
+}
+
+/* Takes a coarser level where that is not likely to fail: at once where steps are to be twice as long, else
+ * when it would have saved what its tables cost, since a contact may well go on for as long as it has. */
+static void coarsen(aoi_adaptive *run, double growth)
+{
+    if (growth < WORTH_IT) {
+        return;
+    }
+    const double longer = AOI_LEVELS * log2(fmin(growth, MOST_GROWTH));
+    const int level = aoi_level_from(run, run->level - longer), rise = run->level - level;
+    if (rise < LEAST_RISE || level < AOI_HIGHEST_LEVEL) {
+        return;
+    }
+    run->saved += 1.0 - exp2(-(double)rise / AOI_LEVELS);
+    if (rise >= AOI_LEVELS || run->saved >= run->table_cost) {
+        run->level = level;
+        run->saved = 0.0;
+    }
+}
+
+/* What to do after a step that cannot be taken: events at its start, an earlier end, a finer level. */
+static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, int *trims,
+                   double *limit)
+{
+    double growth = attempt->growth;
+    if (attempt->closed) {
+        return prepare(run, limit);
+    }
+    if (growth > TRUSTED && attempt->place < 1.0) {
+        const double after = attempt->place * attempt->h;
+        const int at_start = aoi_is_at_start(run, after, attempt->h);
+        if (at_start && aoi_step_at_start(run, fmax(attempt->place, aoi_event_tolerance(run, 1.0)))) {
+            return prepare(run, limit);
+        }
+        if (!at_start && (*trims)++ < MOST_TRIMS) {
+            *trim = after;
+            return AOI_OK;
+        }
+        growth = 0.4;
+    }
+    run->rejected++;
+    refine(run, attempt->h * fmin(fmax(growth, LEAST_SHRINKAGE), MOST_SHRINKAGE));
+    *trim = HUGE_VAL;
+    return AOI_OK;
+}
+
+/* Whether a law gives no number where a closed contact is now. */
+static int law_fails(aoi_adaptive *run)
+{
+    for (size_t c = 0; c < run->system->joint_count; c++) {
+        const aoi_law *law = run->system->joint[c].law;
+        if (law->note && !isnan(law->note[0])) {
+            run->culprit = c;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* The length of the next step, and its level if it has one: none if it ends where something happens. */
+static double step_length(const aoi_adaptive *run, double limit, double trim, int *level)
+{
+    const double usual = step_of_level(run), stop = fmin(limit, trim);
+    const double h = trim < HUGE_VAL ? usual : aoi_release_step(run, usual);
+    *level = h < usual ? AOI_NO_LEVEL : run->level;
+    if (stop <= h * (1.0 + SLIVER)) { /* and no sliver is left over */
+        *level = AOI_NO_LEVEL;
+        return stop;
+    }
+    return h;
+}
+
+static int contact_step(aoi_adaptive *run, double *row, size_t *size)
+{
+    double limit, trim = HUGE_VAL, doubted = 0.0;
+    int trims = 0, idle = 0;
+    if (run->base == 0.0) {
+        run->base = run->end - aoi_run_now(run);
+        run->level = 10 * AOI_LEVELS;
+    }
+    int status = prepare(run, &limit);
+    while (status == AOI_OK && run->level < AOI_DEEPEST_LEVEL && idle++ < MOST_IDLE) {
+        if (run->closed_count == 0) {
+            *size = 0;
+            return AOI_OK;
+        }
+        int level;
+        const double h = step_length(run, limit, trim, &level);
+        if (!(run->elapsed + h > run->elapsed)) {
+            break; /* shorter than the clock can tell */
+        }
+        aoi_attempt attempt;
+        aoi_step_try(run, h, level, &attempt);
+        if (attempt.growth >= 1.0 && attempt.place >= 1.0 && !attempt.closed) {
+            status = aoi_step_accept(run, &attempt, row, size);
+            if (level != AOI_NO_LEVEL) {
+                coarsen(run, attempt.growth);
+            } else if (trim < HUGE_VAL && attempt.place > 1.0 && doubted > 0.0) {
+                refine(run, doubted); /* what it was cut short for was no event: nor is it to be again */
+            }
+            run->time = aoi_run_now(run);
+            if (run->end - run->time <= 4.0 * DBL_EPSILON * run->end) {
+                run->time = run->end;
+            }
+            return status;
+        }
+        doubted = attempt.growth < 1.0 ? h * fmax(attempt.growth, LEAST_SHRINKAGE) : doubted;
+        status = go_back(run, &attempt, &trim, &trims, &limit);
+    }
+    return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;
+}
+
+/* Bodies that have not been asked for since fly on to the end. */
+static void bring_all_home(aoi_adaptive *run)
+{
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        const size_t at = run->system->first[b];
+        aoi_modes_fly(&run->system->body[b], run->body[b].time, run->end, run->x + at, run->v + at);
+        run->body[b].time = run->end;
+    }
+}
+
+int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,
+                     size_t *used, size_t *rows)
+{
+    double before = run->time;
+    int paused = 0;
+    *used = *rows = 0;
+    for (int idle = 0; run->time < run->end && capacity - *used >= run->row_size && *rows < most; idle++) {
+        size_t size = 0;
+        int status = idle < MOST_IDLE ? AOI_OK : AOI_ERROR_TOLERANCE;
+        idle = run->time > before ? 0 : idle;
+        before = run->time;
+        if (status != AOI_OK) {
+            return status;
+        }
+        if (run->closed.count > 0) {
+            status = contact_step(run, track + *used, &size);
+        } else if (run->changed.count > 0) {
+            size = aoi_step_write(run, 0.0, 0, track + *used);
+        } else {
+            status = flight(run);
+            paused = run->time < run->end && run->closed.count == 0;
+        }
+        if (status != AOI_OK || paused) {
+            return status;
+        }
+        if (size > 0) {
+            index[(*rows)++] = *used;
+            *used += size;
+        }
+    }
+    if (!(run->time < run->end)) {
+        bring_all_home(run);
+    }
+    return AOI_OK;
+}

@@ -1,0 +1,182 @@
+/* Whether a step meets the tolerance, and how long the next may be.
+ *
+ * Two errors are kept below rtol in each step. The tail of the indentation's Legendre series says how
+ * well the polynomial follows the motion within the step, so the peak; the integrated defect of the
+ * force between the nodes says what the step hands on, so impulse, velocities and later times. Radau
+ * nodes make the second far smaller than the first, except at the beginning and end of a contact,
+ * where the force starts like d^(3/2). */
+#include "adaptive/adaptive.h"
+#include "adaptive/step.h"
+#include "linear/vector.h"
+#include "law/law.h"
+#include "motion/radau.h"
+#include "motion/stages.h"
+#include "collocation/collocation.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Shares of rtol: of the polynomial's tail, and of what one step may hand on. Errors add up over some
+ * twenty steps of a contact, and grow from one contact to the next. */
+static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
+
+/* At the ends of a contact the force is no smooth function of time, and the quadrature of its defect
+ * misses part of it. */
+static const double END_SHARE = 0.03;
+
+/* A step is not tried at more than 1/0.9 of the length that its error allows. */
+static const double CAUTION = 0.9;
+
+/* Where a law that may not pull has let go of bodies that still overlap, steps grow, but not by leaps. */
+static const double SLACK_GROWTH = 2.0;
+
+/* Beside an edge a step may be so much longer than the one with it; and how much longer than that one,
+ * if its error says so, the other edge's may be. */
+static const double EDGE_GROWTH = 2.0, EDGE_REACH = 1.4;
+
+/* A force that grows like t^(1/4) from the start is so much of its last value at the node before. */
+static const double NEAR_TOP = 0.99;
+
+/* By how much more of the force an error of the indentation makes under this law than under Hertz's. */
+static double steepness_of(const aoi_adaptive *run, const aoi_stage *stage, double largest)
+{
+    aoi_law_value value;
+    aoi_law_push(aoi_step_law(run, stage), stage->memory, largest, stage->start_rate, &value);
+    /* Of the largest force: a small one at the end of a contact is not to be right to itself. */
+    const double force = fmax(value.force, run->contact[stage->joint].peak_force);
+    return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
+}
+
+/* What the last coefficients of the force's polynomial hold. Under a law of the rate light contact masses
+ * and stiff oscillators ring in the force long before they show in the indentation; a massless contact
+ * follows its forces at once: they may run away from a smooth indentation, within the time that law and
+ * compliance make together. */
+static double force_tail(const aoi_stage *stage)
+{
+    double c[4];
+    for (size_t k = 0; k < 4; k++) {
+        c[k] = fabs(aoi_stages_dot(aoi_radau_to_legendre[AOI_STAGES - 1 - k], stage->force));
+    }
+    const double last = c[0] + 0.2 * c[1], before = c[2] + 0.2 * c[3];
+    return last < before ? last * sqrt(last / before) : last;
+}
+
+/* What counts as large for its force, or what its impulse takes at the pace at which the bodies met. */
+static double force_scale(const aoi_adaptive *run, const aoi_stage *stage, double impulse,
+                          double indentation)
+{
+    return fmax(aoi_step_force_scale(run, stage, aoi_step_force(stage)),
+                impulse * run->contact[stage->joint].rate_scale / indentation);
+}
+
+/* What the last coefficients of the rate's series hold. From the nodes alone: where a force comes or goes, the
+ * rate of what has no mass jumps. */
+static double rate_tail(const aoi_stage *stage)
+{
+    return fabs(aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[AOI_STAGES - 1], stage->rate)) +
+           fabs(aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[AOI_STAGES - 2], stage->rate));
+}
+
+/* The error of a force that depends on the rate where it is largest inside a step with an edge, of which its
+ * own series says nothing. The rate's coefficients fall slowly there, like a power: those to come hold more
+ * than the last ones do. */
+static double edge_force_error(const aoi_law *law, const aoi_stage *stage, double tail)
+{
+    double largest = 0.0;
+    aoi_law_value value;
+    aoi_step_law_at_end(law, stage, &value);
+    for (size_t i = 0; i + 1 < AOI_STAGES; i++) {
+        largest = fmax(largest, stage->force[i]);
+    }
+    if (largest <= fmax(stage->start_force, NEAR_TOP * value.force)) {
+        return 0.0;
+    }
+    return fabs(value.stiffness) * tail +
+           fabs(value.damping) * rate_tail(stage) * AOI_STAGES / 3.0;
+}
+
+/* Whether the largest force of all may lie inside the step. Else what counts is what a wrong force does within
+ * the step: where one begins like t^(1/4) at a place without mass, it is wrong in the shortest one. */
+static int may_top(const aoi_contact_state *contact, const aoi_stage *stage, double wrong)
+{
+    const double largest = aoi_step_force(stage);
+    return largest > stage->force[AOI_STAGES - 1] && largest + wrong > contact->peak_force;
+}
+
+/* The errors of a step as shares of what they may be. No step can do better than rounding. */
+static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *within,
+                  double *handed_on)
+{
+    const aoi_contact_state *contact = &run->contact[stage->joint];
+    const double largest = aoi_step_indentation(stage), scale = aoi_step_scale(run, stage, largest);
+    const double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
+    const int at_an_end = contact->last_length == 0.0 || stage->indentation[AOI_STAGES - 1] <= 0.0;
+    const double end_share = at_an_end ? END_SHARE : 1.0;
+    const int bent = aoi_joint_bends(run, stage->joint);
+    const double tail_share =
+        fmax(TAIL_SHARE * (bent ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
+    const double step_share = STEP_SHARE * end_share * run->rtol;
+    aoi_collocation_error error;
+    aoi_collocation_estimate(run->system, run->response, h, stage, &error);
+    *within = steepness_of(run, stage, largest) * error.tail / (tail_share * scale);
+    const aoi_law *law = aoi_step_law(run, stage);
+    if (law->depends_on_rate && (bent || aoi_step_may_peak(contact, stage))) {
+        const double wrong = stage->edge == AOI_EDGE_NONE
+                                 ? force_tail(stage)
+                                 : edge_force_error(law, stage, error.tail);
+        const double size = fmax(force_scale(run, stage, impulse_scale, scale),
+                                 bent && !may_top(contact, stage, wrong) ? impulse_scale / h : 0.0);
+        *within = fmax(*within, wrong / (tail_share * size));
+    }
+    *handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
+                 fmax(step_share, 2.0 * DBL_EPSILON);
+}
+
+/* What counts as fast for a contact: what it has seen, or a small share of what the others have. */
+static double rate_scale(const aoi_adaptive *run, const aoi_stage *stage)
+{
+    double scale = run->contact[stage->joint].rate_scale;
+    for (size_t s = 0; s < run->closed_count; s++) {
+        scale = fmax(scale, LESSER_SHARE * run->contact[run->stage[s].joint].rate_scale);
+    }
+    return scale;
+}
+
+/* The same where a law has let go: the motion is exact, but is to be seen well enough to tell whether the
+ * force comes back, which the rate decides. */
+static double slack_growth(const aoi_adaptive *run, const aoi_stage *stage, double h, double within)
+{
+    const double scale = aoi_step_scale(run, stage, aoi_step_indentation(stage));
+    const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, stage), scale / h);
+    const double unseen = fmax(within, rate_tail(stage) / fmax(slow, DBL_MIN));
+    const double growth = CAUTION * pow(unseen, -1.0 / AOI_STAGES);
+    return unseen > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), SLACK_GROWTH);
+}
+
+/* At an edge errors grow like the powers of time that a polynomial misses: d^(3/2) makes t^(7/2) of the
+ * motion, t^(5/2) of the impulse. */
+double aoi_step_growth(aoi_adaptive *run, aoi_stage *stage, double h)
+{
+    const int at_edge = stage->edge != AOI_EDGE_NONE;
+    double within, handed_on;
+    judge(run, stage, h, &within, &handed_on);
+    if (stage->piece == AOI_SLACK) {
+        return slack_growth(run, stage, h, within);
+    }
+    if (isnan(within + handed_on)) {
+        return 0.0;
+    }
+    const double by_tail = at_edge ? 3.5 : AOI_STAGES + 1, by_impulse = at_edge ? 2.5 : 2 * AOI_STAGES;
+    double growth = CAUTION * pow(within, -1.0 / by_tail);
+    if (within > 1.0 || handed_on > within * within) { /* else the first is the least */
+        growth = fmin(growth, CAUTION * pow(handed_on, -1.0 / by_impulse));
+    }
+    if (within > 1.0 || handed_on > 1.0) {
+        return fmin(growth, CAUTION);
+    }
+    if (at_edge) {
+        run->contact[stage->joint].edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
+        return EDGE_GROWTH;
+    }
+    return fmax(growth, 1.0);
+}

@@ -1,0 +1,138 @@
+/* Open contacts beside closed ones: whether they touch within a step. What the contact forces make of their
+ * indentation is split into a polynomial and free oscillations, so that the search of flight.c, which steps over
+ * no touch, sees all of it. */
+#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
+#include "adaptive/step.h"
+#include "law/law.h"
+#include "motion/flight.h"
+#include "motion/path.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/response.h"
+#include "motion/stages.h"
+#include "collocation/collocation.h"
+
+#include <math.h>
+
+/* The forces that a mode feels, by Legendre coefficients; returns whether there are any. */
+static int forces_on(const aoi_adaptive *run, size_t b, size_t j, double *legendre)
+{
+    const aoi_modes *body = &run->system->body[b];
+    double sum[AOI_STAGES] = {0.0};
+    int some = 0;
+    for (size_t p = 0; p < body->ports; p++) {
+        const double push = body->push[p * body->n + j];
+        aoi_stages_add(push, run->port_force + (run->system->first_port[b] + p) * AOI_STAGES, sum);
+        some |= push != 0.0;
+    }
+    for (size_t k = 0; k < AOI_STAGES && some; k++) {
+        legendre[k] = aoi_stages_dot(aoi_radau_to_legendre[k], sum);
+    }
+    return some;
+}
+
+/* Takes the oscillations that the forces set off in fast modes out of the values of a displacement at the start
+ * and the nodes, and adds them to the modes' free motion x, v. */
+static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sign, double h, double *x,
+                      double *v, double *values)
+{
+    const aoi_modes *body = &run->system->body[b];
+    const aoi_response *response = &run->response[b];
+    double force[AOI_STAGES], along[AOI_STAGES];
+    for (size_t j = body->n; j-- > 0 && body->omega[j] * h > AOI_PATH_FAST;) {
+        const double share = sign * body->shape[port * body->n + j];
+        const double squared = body->omega[j] * body->omega[j];
+        const double decay = body->decay ? body->decay[j] : 0.0;
+        const size_t at = j * AOI_STAGES;
+        if (share == 0.0 || decay > body->omega[j] || !forces_on(run, b, j, force)) {
+            continue;
+        }
+        double slope;
+        aoi_path_follow(body->omega[j], decay, h, force, along);
+        const double here = aoi_legendre_evaluate(AOI_STAGES, along, 0.0, &slope), rate = slope / h;
+        x[j] -= here;
+        v[j] -= rate;
+        values[0] += share * here;
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            values[i + 1] += share * (here * (1.0 - squared * response->step[at + i]) +
+                                      rate * response->impulse[at + i]);
+        }
+    }
+}
+
+/* The displacement that the forces of the step add to a port at the nodes. */
+static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double sign, double *indentation)
+{
+    const aoi_modes *body = &run->system->body[b];
+    for (size_t q = 0; q < body->ports; q++) {
+        const double *force = run->port_force + (run->system->first_port[b] + q) * AOI_STAGES;
+        const size_t pair = port * body->ports + q;
+        double answer[AOI_STAGES];
+        aoi_stages_multiply(run->response[b].influence + pair * AOI_STAGES * AOI_STAGES, force, answer);
+        aoi_stages_add(sign, answer, indentation);
+        if (body->residual) {
+            aoi_stages_add(sign * body->residual[pair], force, indentation);
+        }
+    }
+}
+
+/* The bodies' motion over a step, on copies; forced: room for what contact forces add. */
+static void take_pair(aoi_adaptive *run, size_t joint, double h, aoi_flight *pair, aoi_forced *forced)
+{
+    const aoi_joint *of = &run->system->joint[joint];
+    double values[AOI_STAGES + 1] = {-aoi_contact_bent(run, joint, 0)};
+    double *copy = run->flight[0];
+    aoi_pair_now(run, joint, pair);
+    for (int side = 0; side < 2; side++) {
+        const size_t b = of->body[side], n = run->system->body[b].n;
+        const double sign = side == 0 ? 1.0 : -1.0;
+        for (size_t j = 0; j < n; j++) {
+            copy[j] = pair->x[side][j];
+            copy[n + j] = pair->v[side][j];
+        }
+        pair->x[side] = copy;
+        pair->v[side] = copy + n;
+        copy += 2 * n;
+        if (run->body[b].engaged == 2) {
+            add_forced(run, b, of->port[side], sign, values + 1);
+            split_off(run, b, of->port[side], sign, h, pair->x[side], pair->v[side], values);
+        }
+    }
+    aoi_forced_fit(pair->time, h, values, forced);
+    pair->forced = forced;
+}
+
+/* An open contact takes no force as long as it stays within the tolerance. */
+void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
+{
+    aoi_contact_state *contact = &run->contact[stage->joint];
+    const double tolerance = aoi_touch_tolerance(run, stage), now = aoi_run_now(run);
+    const double rest = aoi_law_rest(aoi_step_law(run, stage), contact->memory);
+    const double slack = fmax(0.5 * tolerance, contact->slack);
+    double start, start_rate, rate, ignored;
+    int touches;
+    aoi_flight pair;
+    aoi_forced forced;
+    take_pair(run, stage->joint, attempt->h, &pair, &forced);
+    pair.gap += rest + slack;
+    aoi_flight_indentation(&pair, &start, &start_rate, &ignored);
+    const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
+    if (aoi_flight_next_touch(&pair, now + attempt->h, most, &touches) != AOI_OK) {
+        attempt->growth = fmin(attempt->growth, 0.5); /* it is as close as that for all of so long a step */
+        return;
+    }
+    if (!touches) {
+        return;
+    }
+    const double after = pair.time - now, left = attempt->h - after;
+    if (aoi_is_at_start(run, after, attempt->h) ||
+        (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_joint_bends(run, stage->joint))) {
+        attempt->closed = 1;
+        aoi_contact_close(run, stage->joint);
+        return;
+    }
+    aoi_flight_indentation(&pair, &ignored, &rate, &start);
+    aoi_step_note_event(rate * left <= tolerance ? 1.0 : after / attempt->h, AOI_EVENT_TOUCH, contact,
+                        attempt);
+}

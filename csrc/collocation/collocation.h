@@ -1,0 +1,65 @@
+/* All contacts over one step, by collocation. */
+#ifndef AOI_COLLOCATION_COLLOCATION_H
+#define AOI_COLLOCATION_COLLOCATION_H
+
+#include "law/law.h"
+#include "motion/response.h"
+
+/* In place of a law's piece: bodies that overlap while the law, which may not pull, gives no force. */
+enum { AOI_SLACK = -1 };
+
+/* Where in a step a contact's force begins or ends, like t^(3/2): a polynomial through its values at the
+ * nodes would miss part of its impulse, the nearest polynomial does not. */
+enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
+
+/* One contact during a step. The caller sets the first block: the piece of the law and its memory; which
+ * edge of the contact the step has; indentation, rate and force at the start of the step; what counts as
+ * large for the indentation; the motion without contact forces, and a guess of the indentation and its
+ * rate. */
+typedef struct aoi_stage {
+    size_t joint;
+    const double *memory;
+    int piece;
+    enum aoi_edge edge;
+    double start, start_rate, start_force, scale;
+    double homogeneous[AOI_STAGES], homogeneous_rate[AOI_STAGES];
+    double indentation[AOI_STAGES], rate[AOI_STAGES];
+
+    double force[AOI_STAGES];
+    double legendre[AOI_STAGES + 1]; /* of the indentation */
+} aoi_stage;
+
+/* Doubles of work space of aoi_collocation_solve for count contacts of which those that share a body
+ * are at most span places apart. */
+size_t aoi_collocation_size(size_t count, size_t span);
+
+/* Whether a law of these contacts depends on rates, or has to see them turn. */
+int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_stage *stage);
+
+/* Solves F = law(indentation, rate) of all contacts together by Newton's method, to rounding of each one's
+ * scale: F at all nodes, or, at an edge (of bodies without residual compliance), the polynomial nearest to
+ * the law's force. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
+ * body. AOI_ERROR_NO_CONVERGENCE where the guess was too far: take a shorter step. */
+int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
+                          size_t count, size_t span, aoi_stage *stage, double *work);
+
+/* What the solution leaves undone: the law's force minus the polynomial's between the nodes gives the
+ * leading error of the impulse and of the indentation at the end of the step; tail says how much the
+ * last Legendre coefficients still hold. Fills stage->legendre. */
+typedef struct aoi_collocation_error {
+    double impulse, indentation, tail;
+} aoi_collocation_error;
+void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
+                              aoi_stage *stage, aoi_collocation_error *error);
+
+/* At the nodes of the part of a step up to place (0 .. 1): the polynomial nearest there to the law's force
+ * along an indentation given by its Legendre coefficients. What the bodies do within a step with an edge
+ * follows from that to the same digits as what they do over all of it. h: of the step. */
+void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
+                             double h, const double *legendre, double place, double *force);
+
+/* int F dt over the step, and int F d(indentation). */
+double aoi_collocation_impulse(const aoi_stage *stage, double h);
+double aoi_collocation_work(const aoi_stage *stage);
+
+#endif

@@ -1,0 +1,487 @@
+/* One step of contact: the forces as polynomials through the Radau nodes, their effect on the bodies
+ * exact, Newton on their values, all contacts of the step together. */
+#include "collocation/collocation.h"
+#include "collocation/newton.h"
+#include "law/law.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/response.h"
+#include "motion/stages.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { MOST_ITERATIONS = 25, SQUARE = AOI_STAGES * AOI_STAGES };
+
+/* Newton has converged at this change of the indentation relative to its scale, or at the second where
+ * changes no longer shrink: rounding. */
+static const double CONVERGED = 1e-15, ROUNDING = 1e-12;
+
+/* The matrix is kept as long as a change is smaller than the one before by this. */
+static const double KEPT = 1e-3;
+
+/* With the matrix of the change before, the error falls by twice the ratio of the last changes. */
+static const double FALL = 2.0, NEXT_CHANGE = 1e-16;
+
+int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_stage *stage)
+{
+    for (size_t s = 0; s < count; s++) {
+        const aoi_law *law = system->joint[stage[s].joint].law;
+        if (law->depends_on_rate || law->turns) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Blocks of a row of contacts: those up to span away on either side. */
+static size_t blocks_of(size_t span) { return 2 * span + 1; }
+
+static size_t half_width(size_t span) { return AOI_STAGES * (span + 1) - 1; }
+
+size_t aoi_collocation_size(size_t count, size_t span)
+{
+    const size_t rows = count * AOI_STAGES, width = 2 * half_width(span) + 1;
+    return 2 * count * blocks_of(span) * SQUARE + rows * width + rows;
+}
+
+/* Adds what contact t's force does to contact s (with a minus sign) by way of the bodies they share. */
+static void add_coupling(const aoi_system *system, const aoi_response *response, double h, size_t s,
+                         size_t t, double *displacement, double *rate)
+{
+    const aoi_joint *of = &system->joint[s], *by = &system->joint[t];
+    for (int i = 0; i < 4; i++) {
+        const int a = i / 2, c = i % 2;
+        if (of->body[a] != by->body[c]) {
+            continue;
+        }
+        const aoi_modes *body = &system->body[of->body[a]];
+        const aoi_response *answer = &response[of->body[a]];
+        const double sign = a == c ? 1.0 : -1.0;
+        const size_t pair = of->port[a] * body->ports + by->port[c];
+        const double residual = body->residual ? sign * body->residual[pair] : 0.0;
+        for (size_t k = 0; k < SQUARE; k++) {
+            displacement[k] += sign * answer->influence[pair * SQUARE + k];
+            if (rate) {
+                rate[k] += sign * answer->influence_rate[pair * SQUARE + k];
+            }
+        }
+        for (size_t k = 0; k < AOI_STAGES && residual != 0.0; k++) {
+            displacement[k * AOI_STAGES + k] += residual;
+            if (rate) {
+                aoi_stages_add(residual / h, aoi_radau_slope_at_node[k + 1], rate + k * AOI_STAGES);
+            }
+        }
+    }
+}
+
+/* All couplings: block (s, t) at s * blocks + t + span - s, by columns. */
+typedef struct couplings {
+    size_t count, span, blocks;
+    double *displacement, *rate;
+} couplings;
+
+static const double *block_of(const couplings *of, const double *values, size_t s, size_t t)
+{
+    return values + (s * of->blocks + t + of->span - s) * SQUARE;
+}
+
+static size_t first_of(const couplings *of, size_t s) { return s > of->span ? s - of->span : 0; }
+
+static size_t last_of(const couplings *of, size_t s)
+{
+    return s + of->span < of->count ? s + of->span : of->count - 1;
+}
+
+static void couple(const aoi_system *system, const aoi_response *response, double h,
+                   const aoi_stage *stage, couplings *of)
+{
+    const size_t size = of->count * of->blocks * SQUARE;
+    for (size_t k = 0; k < size; k++) {
+        of->displacement[k] = 0.0;
+    }
+    for (size_t k = 0; of->rate && k < size; k++) {
+        of->rate[k] = 0.0;
+    }
+    for (size_t s = 0; s < of->count; s++) {
+        for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
+            const size_t at = (size_t)(block_of(of, of->displacement, s, t) - of->displacement);
+            add_coupling(system, response, h, stage[s].joint, stage[t].joint, of->displacement + at,
+                         of->rate ? of->rate + at : NULL);
+        }
+    }
+}
+
+/* Gauss without pivoting within a band: I + influence diag(stiffness), with influence nearly a
+ * Volterra operator, has pivots near or above one. Element (i, j) is matrix[i * stride + j]. Leaves the
+ * factors to the left of the diagonal, and the inverse pivots on it. */
+static void factorise_band(size_t n, size_t half, size_t stride, double *matrix)
+{
+    for (size_t k = 0; k < n; k++) {
+        const double inverse = 1.0 / matrix[k * stride + k];
+        const size_t last = k + half < n ? k + half : n - 1;
+        const double *pivot_row = matrix + k * stride;
+        for (size_t i = k + 1; i <= last; i++) {
+            double *row = matrix + i * stride;
+            const double factor = row[k] * inverse;
+            for (size_t q = k + 1; q <= last; q++) {
+                row[q] -= factor * pivot_row[q];
+            }
+            row[k] = factor;
+        }
+        matrix[k * stride + k] = inverse;
+    }
+}
+
+static void substitute(size_t n, size_t half, size_t stride, const double *matrix, double *right)
+{
+    for (size_t k = 1; k < n; k++) {
+        double sum = right[k];
+        for (size_t q = k > half ? k - half : 0; q < k; q++) {
+            sum -= matrix[k * stride + q] * right[q];
+        }
+        right[k] = sum;
+    }
+    /* The newest entry last, and no division: each step waits for one product of the step before. */
+    for (size_t k = n; k-- > 0;) {
+        double sum = right[k];
+        for (size_t q = k + half < n ? k + half : n - 1; q > k; q--) {
+            sum -= matrix[k * stride + q] * right[q];
+        }
+        right[k] = sum * matrix[k * stride + k];
+    }
+}
+
+void aoi_edge_reach(enum aoi_edge edge, double start, const double *nodes, double *points)
+{
+    aoi_stages_multiply_from(start, &aoi_radau_indentation_at_edge[edge][0][0], nodes, points);
+}
+
+void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
+{
+    aoi_stages_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
+}
+
+void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
+                             double h, const double *legendre, double place, double *force)
+{
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        aoi_law_value value;
+        double slope;
+        const double indentation = aoi_legendre_evaluate(
+            AOI_STAGES + 1, legendre, place * aoi_radau_edge_point[edge][k], &slope);
+        aoi_law_force(law, memory, piece, indentation, slope / h, &value);
+        force[k] = value.force;
+    }
+    aoi_edge_project(edge, force, force);
+}
+
+void aoi_collocation_ask(const aoi_law *law, const aoi_stage *stage, int with_rates,
+                         aoi_law_values *of)
+{
+    double at_points[AOI_STAGES], rates_there[AOI_STAGES];
+    const double *indentation = stage->indentation, *rate = stage->rate;
+    if (stage->piece == AOI_SLACK) {
+        *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
+        return;
+    }
+    if (stage->edge != AOI_EDGE_NONE) {
+        aoi_edge_reach(stage->edge, stage->start, stage->indentation, at_points);
+        indentation = at_points;
+    }
+    if (stage->edge != AOI_EDGE_NONE && with_rates) {
+        aoi_edge_reach(stage->edge, stage->start_rate, stage->rate, rates_there);
+        rate = rates_there;
+    }
+    aoi_law_forces(law, stage->memory, stage->piece, indentation, rate, of);
+}
+
+void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *column, double *to)
+{
+    double there[AOI_STAGES];
+    if (edge != AOI_EDGE_NONE) {
+        aoi_edge_reach(edge, 0.0, column, there);
+        column = there;
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        to[i] = by[i] * column[i];
+    }
+    if (edge != AOI_EDGE_NONE) {
+        aoi_edge_project(edge, to, to);
+    }
+}
+
+/* Adds a block, its columns weighed. */
+static void add_block(enum aoi_edge edge, const double *by, const double *block, size_t stride,
+                      double *matrix)
+{
+    for (size_t q = 0; q < AOI_STAGES; q++) {
+        double column[AOI_STAGES];
+        aoi_collocation_weigh(edge, by, block + q * AOI_STAGES, column);
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            matrix[i * stride + q] += column[i];
+        }
+    }
+}
+
+/* Newton's equations for the forces, (1 + stiffness A + damping B) F = f + stiffness (delta_h - delta) +
+ * damping (rate_h - rate), and later for their changes: the same matrix, with f - F on the right. */
+typedef struct equations {
+    size_t n, half, stride, size;
+    double *storage, *matrix; /* element (i, j) is matrix[i * stride + j] */
+    double *right;            /* and the solution                         */
+} equations;
+
+/* In work space behind the couplings. */
+static equations lay_out(size_t count, size_t span, double *work)
+{
+    const size_t n = count * AOI_STAGES, half = half_width(span);
+    const size_t size = n * (2 * half + 1);
+    return (equations){n, half, 2 * half, size, work, work + half, work + size};
+}
+
+/* Rows of a contact. */
+static void set_rows(const couplings *of, const aoi_stage *stage, size_t s, const aoi_law_values *law,
+                     const equations *to)
+{
+    double *rows = to->matrix + s * AOI_STAGES * to->stride;
+    for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
+        double *block = rows + t * AOI_STAGES;
+        add_block(stage[s].edge, law->stiffness, block_of(of, of->displacement, s, t), to->stride, block);
+        if (of->rate) {
+            add_block(stage[s].edge, law->damping, block_of(of, of->rate, s, t), to->stride, block);
+        }
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        rows[i * to->stride + s * AOI_STAGES + i] += 1.0;
+    }
+}
+
+/* Adds factor times what the values lack of their aim, where the law is asked. */
+static void add_lack(const aoi_stage *stage, const double *aim, const double *values,
+                     const double *factor, double *to)
+{
+    double lack[AOI_STAGES], at_points[AOI_STAGES];
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        lack[i] = at_points[i] = aim[i] - values[i];
+    }
+    if (stage->edge != AOI_EDGE_NONE) {
+        aoi_edge_reach(stage->edge, 0.0, lack, at_points);
+    }
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        to[k] += factor[k] * at_points[k];
+    }
+}
+
+void aoi_collocation_aim(const aoi_stage *stage, int first, int with_rates, aoi_law_values *law)
+{
+    if (first) {
+        add_lack(stage, stage->homogeneous, stage->indentation, law->stiffness, law->force);
+    }
+    if (first && with_rates) {
+        add_lack(stage, stage->homogeneous_rate, stage->rate, law->damping, law->force);
+    }
+    if (stage->edge != AOI_EDGE_NONE) {
+        aoi_edge_project(stage->edge, law->force, law->force);
+    }
+    for (size_t i = 0; i < AOI_STAGES && !first; i++) {
+        law->force[i] -= stage->force[i];
+    }
+}
+
+/* The right-hand sides, and the matrix if it is to be renewed. */
+static void set_equations(const aoi_system *system, const couplings *of, const aoi_stage *stage,
+                          const aoi_newton *newton, const equations *to)
+{
+    const int with_rates = of->rate != NULL;
+    for (size_t k = 0; k < to->size && newton->renew; k++) {
+        to->storage[k] = 0.0;
+    }
+    for (size_t s = 0; s < of->count; s++) {
+        aoi_law_values law;
+        aoi_collocation_ask(system->joint[stage[s].joint].law, &stage[s], with_rates, &law);
+        if (newton->renew) {
+            set_rows(of, stage, s, &law, to);
+        }
+        aoi_collocation_aim(&stage[s], newton->iteration == 0, with_rates, &law);
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            to->right[s * AOI_STAGES + i] = law.force[i];
+        }
+    }
+}
+
+/* What forces of all contacts do to contact s at its nodes. */
+static void answer_of(const couplings *of, const double *values, size_t s, const double *force,
+                      double *answer)
+{
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        answer[i] = 0.0;
+    }
+    for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
+        double share[AOI_STAGES];
+        aoi_stages_multiply(block_of(of, values, s, t), force + t * AOI_STAGES, share);
+        aoi_stages_add(1.0, share, answer);
+    }
+}
+
+/* From changes of the forces (the first: from nothing) to those of indentations and rates. Returns the
+ * largest relative to scale. */
+static double update(const couplings *of, const double *by, int first, aoi_stage *stage)
+{
+    double largest = 0.0, answer[AOI_STAGES];
+    for (size_t s = 0; s < of->count; s++) {
+        aoi_stage *here = &stage[s];
+        const double inverse = 1.0 / here->scale;
+        answer_of(of, of->displacement, s, by, answer);
+        for (size_t i = 0; i < AOI_STAGES; i++) {
+            const double next = (first ? here->homogeneous[i] : here->indentation[i]) - answer[i];
+            const double change = fabs(next - here->indentation[i]) * inverse;
+            largest = change <= largest ? largest : change; /* NaN, too, is large */
+            here->indentation[i] = next;
+            here->force[i] = (first ? 0.0 : here->force[i]) + by[s * AOI_STAGES + i];
+        }
+        if (of->rate) {
+            answer_of(of, of->rate, s, by, answer);
+            for (size_t i = 0; i < AOI_STAGES; i++) {
+                here->rate[i] = (first ? here->homogeneous_rate[i] : here->rate[i]) - answer[i];
+            }
+        }
+    }
+    return largest;
+}
+
+int aoi_newton_goes_on(const aoi_newton *newton, double change)
+{
+    return isfinite(change) && newton->iteration < MOST_ITERATIONS;
+}
+
+int aoi_newton_done(aoi_newton *newton, double change)
+{
+    const int first = newton->iteration++ == 0;
+    const double ratio = change / newton->before;
+    newton->renew = !first && !(ratio < KEPT);
+    newton->before = change;
+    return change <= CONVERGED || (change <= ROUNDING && ratio >= 0.5) ||
+           (!first && ratio < KEPT && FALL * ratio * change <= NEXT_CHANGE);
+}
+
+int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
+                          size_t count, size_t span, aoi_stage *stage, double *work)
+{
+    if (count == 1) {
+        return aoi_collocation_solve_one(system, response, h, stage);
+    }
+    const size_t blocks = blocks_of(span), size = count * blocks * SQUARE;
+    const int with_rates = aoi_collocation_wants_rates(system, count, stage);
+    couplings of = {count, span, blocks, work, with_rates ? work + size : NULL};
+    const equations to = lay_out(count, span, work + 2 * size);
+    aoi_newton newton = {0, 1, HUGE_VAL};
+    double change;
+    couple(system, response, h, stage, &of);
+    do {
+        set_equations(system, &of, stage, &newton, &to);
+        if (newton.renew) {
+            factorise_band(to.n, to.half, to.stride, to.matrix);
+        }
+        substitute(to.n, to.half, to.stride, to.matrix, to.right);
+        change = update(&of, to.right, newton.iteration == 0, stage);
+        if (aoi_newton_done(&newton, change)) {
+            return AOI_OK;
+        }
+    } while (aoi_newton_goes_on(&newton, change));
+    return AOI_ERROR_NO_CONVERGENCE;
+}
+
+/* What a contact of both bodies answers to at the nodes after a unit impulse. */
+static void answers(const aoi_response *response, const aoi_joint *joint, double *answer)
+{
+    const double *first = response[joint->body[0]].answer + joint->port[0] * AOI_STAGES;
+    const double *second = response[joint->body[1]].answer + joint->port[1] * AOI_STAGES;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        answer[i] = first[i] + second[i];
+    }
+}
+
+/* Between the nodes: the law's force minus the polynomial's. */
+static void defects(const aoi_law *law, const aoi_stage *stage, double h, const double *answer,
+                    aoi_collocation_error *error)
+{
+    const double *at = &aoi_radau_indentation_at_extra[0][0];
+    double indentation[AOI_STAGES], rate[AOI_STAGES] = {0.0}, force[AOI_STAGES];
+    aoi_law_values there;
+    aoi_stages_multiply_from(stage->start, at, stage->indentation, indentation);
+    if (law->depends_on_rate) {
+        aoi_stages_multiply_from(stage->start_rate, at, stage->rate, rate);
+    }
+    aoi_stages_multiply(&aoi_radau_force_at_extra[0][0], stage->force, force);
+    aoi_law_forces(law, stage->memory, stage->piece, indentation, rate, &there);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        const double weighted =
+            h * aoi_radau_extra_weight[i] * (there.force[i] - force[i]);
+        error->impulse += weighted;
+        error->indentation += answer[i] * weighted;
+    }
+}
+
+/* The same somewhere in the step; at: the cardinal polynomials of 0 and the nodes there, of: those of the
+ * nodes. */
+static double defect_at(const aoi_law *law, const aoi_stage *stage, const double *at, const double *of)
+{
+    aoi_law_value value;
+    const double indentation = at[0] * stage->start + aoi_stages_dot(at + 1, stage->indentation);
+    const double rate = law->depends_on_rate
+                            ? at[0] * stage->start_rate + aoi_stages_dot(at + 1, stage->rate)
+                            : 0.0;
+    aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
+    return value.force - aoi_stages_dot(of, stage->force);
+}
+
+/* At an edge, by a finer rule. */
+static void edge_defects(const aoi_law *law, const aoi_stage *stage, double h, const double *answer,
+                         aoi_collocation_error *error)
+{
+    for (size_t k = 0; k < AOI_EDGE_CHECKS; k++) {
+        const double weighted = h * aoi_radau_check_weight[k] *
+                                defect_at(law, stage, aoi_radau_indentation_at_check[stage->edge][k],
+                                          aoi_radau_force_at_check[stage->edge][k]);
+        error->impulse += weighted;
+        error->indentation +=
+            weighted * aoi_stages_dot(aoi_radau_answer_at_check[stage->edge][k], answer);
+    }
+}
+
+void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
+                              aoi_stage *stage, aoi_collocation_error *error)
+{
+    const aoi_joint *joint = &system->joint[stage->joint];
+    double values[AOI_STAGES + 1] = {stage->start}, answer[AOI_STAGES];
+    *error = (aoi_collocation_error){0.0, 0.0, 0.0};
+    answers(response, joint, answer);
+    if (stage->piece != AOI_SLACK) {
+        (stage->edge == AOI_EDGE_NONE ? defects : edge_defects)(joint->law, stage, h, answer, error);
+    }
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        values[i + 1] = stage->indentation[i];
+    }
+    aoi_legendre_fit(values, stage->legendre);
+    const double *c = stage->legendre;
+    const double last = fabs(c[AOI_STAGES]) + 0.2 * fabs(c[AOI_STAGES - 1]);
+    const double before = fabs(c[AOI_STAGES - 2]) + 0.2 * fabs(c[AOI_STAGES - 3]);
+    /* The terms left out go on falling as the last ones did. */
+    error->tail = last < before ? last * sqrt(last / before) : last;
+}
+
+double aoi_collocation_impulse(const aoi_stage *stage, double h)
+{
+    return h * aoi_stages_dot(aoi_radau_to_legendre[0], stage->force);
+}
+
+double aoi_collocation_work(const aoi_stage *stage)
+{
+    double slope[AOI_STAGES], sum = 0.0;
+    aoi_stages_multiply_from(stage->start, &aoi_radau_slope_at_node[0][0], stage->indentation, slope);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        sum += aoi_radau_to_legendre[0][i] * stage->force[i] * slope[i];
+    }
+    return sum;
+}

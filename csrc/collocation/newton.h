@@ -1,0 +1,42 @@
+/* Private to collocation/: what many.c (all contacts of a step) and one.c (a single one)
+ * share. */
+#ifndef AOI_COLLOCATION_H
+#define AOI_COLLOCATION_H
+
+#include "collocation/collocation.h"
+#include "law/law.h"
+#include "motion/response.h"
+
+/* Where Newton's method is. */
+typedef struct aoi_newton {
+    int iteration;
+    int renew;     /* the matrix is to be made anew */
+    double before; /* the last change */
+} aoi_newton;
+
+/* Takes note of a change of the indentation, relative to its scale. Returns whether that was the last. */
+int aoi_newton_done(aoi_newton *newton, double change);
+
+/* Whether it still can be. */
+int aoi_newton_goes_on(const aoi_newton *newton, double change);
+
+/* The law where it is asked: at the nodes, or at the points of an edge. */
+void aoi_collocation_ask(const aoi_law *law, const aoi_stage *stage, int with_rates,
+                         aoi_law_values *of);
+
+/* From values at the start and the nodes to the points of an edge; from forces there to the polynomial
+ * nearest to them. In place, too. */
+void aoi_edge_reach(enum aoi_edge edge, double start, const double *nodes, double *points);
+void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes);
+
+/* A column of a coupling, times a derivative of the law where that is asked. */
+void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *column, double *to);
+
+/* The right-hand side of the first iteration in place of the law's force, or of later ones. */
+void aoi_collocation_aim(const aoi_stage *stage, int first, int with_rates, aoi_law_values *law);
+
+/* aoi_collocation_solve where there is one contact. */
+int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
+                              aoi_stage *stage);
+
+#endif

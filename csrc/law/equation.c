@@ -1,0 +1,170 @@
+/* The one nonlinear equation of a step. Everything else in a step is linear, so Newton-Raphson of
+ * the paper's section 3.1 reduces to it whatever the number of degrees of freedom. */
+#include "law/equation.h"
+#include "law/law.h"
+
+#include <float.h>
+#include <math.h>
+
+/* A few from a near guess; far above the root of a steep law, Newton only takes off a share 1/n. */
+enum { FEW_ITERATIONS = 50, MOST_ITERATIONS = 2000 };
+
+/* By how much the terms of a force are larger than it where digits are lost. */
+static const double CANCELS = 16.0;
+
+typedef struct search {
+    const aoi_law *law;
+    const double *memory;
+    const aoi_contact_equation *equation;
+    double rate_per_indentation, rest;
+} search;
+
+static double rate_at(const search *s, double x)
+{
+    const aoi_contact_equation *e = s->equation;
+    return e->rate_free + s->rate_per_indentation * (x - e->indentation_free);
+}
+
+/* By how much an indentation is too deep for the force that it makes. */
+static double excess_at(const search *s, double x, aoi_law_value *value)
+{
+    const aoi_contact_equation *e = s->equation;
+    aoi_law_push(s->law, s->memory, x, rate_at(s, x), value);
+    return x - e->indentation_free + e->compliance * value->force;
+}
+
+/* What rounding may leave of that: of an indentation far below the free one, and of a rate that a damper
+ * has all but stopped, the last digits are not known. */
+static double rounding_at(const search *s, const aoi_law_value *value)
+{
+    const aoi_contact_equation *e = s->equation;
+    const double stopped = e->compliance * value->damping * e->rate_free;
+    return 4.0 * DBL_EPSILON * (fabs(e->indentation_free) + fabs(stopped));
+}
+
+/* The force there, where its derivatives are of no use. */
+static double force_at(const search *s, double x)
+{
+    return aoi_law_push_only(s->law, s->memory, x, rate_at(s, x));
+}
+
+/* A force that depends on the rate may be there at once when the bodies touch, and be more than the
+ * bodies need to be kept from moving in: then the indentation is rest, and the force what they need.
+ * Returns 1 where that, or no contact at all, is the solution. */
+static int ends_at_rest(const search *s, double *force, double *indentation)
+{
+    const aoi_contact_equation *e = s->equation;
+    const double above = fmax(s->rest * (1.0 + 2.0 * DBL_EPSILON), s->rest + DBL_MIN);
+    if (!(e->compliance > 0.0) ||
+        !(above - e->indentation_free + e->compliance * force_at(s, above) >= 0.0)) {
+        return 0;
+    }
+    if (e->indentation_free > s->rest) {
+        *force = (e->indentation_free - s->rest) / e->compliance;
+        *indentation = s->rest;
+    }
+    return 1;
+}
+
+/* An indentation that is not below the solution. Only a force that pulls leads beyond the free one. */
+static double upper_end(const search *s)
+{
+    const aoi_contact_equation *e = s->equation;
+    double high = e->indentation_free;
+    if (s->law->pulls) {
+        aoi_law_value value;
+        high = high > s->rest ? high : fmin(e->guess, DBL_MAX / 4.0);
+        while (excess_at(s, high, &value) < 0.0 && high < DBL_MAX / 4.0) {
+            high = s->rest + 2.0 * (high - s->rest);
+        }
+    }
+    return high;
+}
+
+/* The force at the solution x. One that is a small difference of large terms, of which one goes with the
+ * rate, loses more digits to the rounding of x than the equation does. */
+static double force_found(const search *s, double x)
+{
+    const aoi_contact_equation *e = s->equation;
+    if (!s->law->depends_on_rate || !(e->compliance > 0.0)) {
+        return force_at(s, x);
+    }
+    aoi_law_value value;
+    (void)excess_at(s, x, &value);
+    const double slope = value.stiffness + value.damping * s->rate_per_indentation;
+    const double by_equation = (e->indentation_free - x) / e->compliance;
+    const double rates = fabs(e->rate_free) + fabs(e->rate_compliance * by_equation);
+    const double terms = fabs(value.stiffness * x) + fabs(value.damping) * rates;
+    return e->compliance * slope > 1.0 && terms > CANCELS * fabs(by_equation) ? by_equation
+                                                                              : value.force;
+}
+
+/* Newton's method between low and high, by bisection where it would leave them. */
+static int find_root(const search *s, double low, double high, double *force, double *indentation)
+{
+    const aoi_contact_equation *e = s->equation;
+    double x = e->guess > low && e->guess < high ? e->guess : high;
+    for (int i = 0; i < MOST_ITERATIONS; i++) {
+        aoi_law_value value;
+        const double excess = excess_at(s, x, &value);
+        const double slope = 1.0 + e->compliance * (value.stiffness +
+                                                    value.damping * s->rate_per_indentation);
+        if (isnan(excess)) { /* infinite is merely too deep */
+            return isnan(value.force) ? AOI_ERROR_LAW : AOI_ERROR_NOT_FINITE;
+        }
+        if (excess > 0.0) {
+            high = x;
+        } else {
+            low = x;
+        }
+        /* An infinite slope would make any guess the root: then by bisection. */
+        const double newton = isinf(slope) && excess != 0.0 ? HUGE_VAL : excess / slope;
+        const double enough = 4.0 * DBL_EPSILON * x;
+        double next = x - newton;
+        /* Strictly inside, or Newton could jump from end to end of the bracket for ever. */
+        if (!(fabs(newton) <= enough || (next > low && next < high))) {
+            next = 0.5 * (low + high);
+        }
+        const int there = fabs(newton) <= enough || fabs(next - x) <= enough || excess == 0.0 ||
+                          (i >= FEW_ITERATIONS && fabs(excess) <= rounding_at(s, &value));
+        x = next;
+        if (there) {
+            *force = force_found(s, x);
+            *indentation = x;
+            return AOI_OK;
+        }
+    }
+    return AOI_ERROR_NO_CONVERGENCE;
+}
+
+int aoi_contact_solve(const aoi_law *law, const double *memory,
+                      const aoi_contact_equation *equation, double *force, double *indentation)
+{
+    const double free_end = equation->indentation_free, compliance = equation->compliance;
+    const double rest = law->rest ? aoi_law_rest(law, memory) : 0.0;
+    if (!isfinite(free_end) || !isfinite(equation->rate_free) || !isfinite(compliance) ||
+        !isfinite(equation->rate_compliance)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
+    if (compliance < 0.0 || equation->rate_compliance < 0.0) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    *force = 0.0;
+    *indentation = free_end;
+    if (free_end <= rest && !(law->pulls && equation->guess > rest)) {
+        return AOI_OK;
+    }
+    const search s = {law, memory, equation,
+                      compliance > 0.0 ? equation->rate_compliance / compliance : 0.0, rest};
+    if (!((law->depends_on_rate || law->pulls) && ends_at_rest(&s, force, indentation))) {
+        const int status = find_root(&s, rest, upper_end(&s), force, indentation);
+        if (status != AOI_OK) {
+            return status;
+        }
+    }
+    /* The last step of the search leads to where the law has not been asked yet. */
+    if (isnan(*force)) {
+        return AOI_ERROR_LAW;
+    }
+    return isfinite(*force) && isfinite(*indentation) ? AOI_OK : AOI_ERROR_NOT_FINITE;
+}

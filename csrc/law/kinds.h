@@ -1,0 +1,38 @@
+/* Private to law/: what the files of contact laws hand to law.c, their kinds in tables. */
+#ifndef AOIMPACT_LAW_H
+#define AOIMPACT_LAW_H
+
+#include "aoimpact.h"
+
+#include <float.h>
+#include <math.h>
+
+/* In place of a bound, for parameters above zero: the least number there is may be taken for zero. */
+#define AOI_POSITIVE (-1.0)
+
+/* A law by its name; each of its count parameters must be finite and from least to most. */
+typedef struct aoi_law_kind {
+    const char *name;
+    size_t count;
+    double least[AOI_LAW_PARAMETERS], most[AOI_LAW_PARAMETERS];
+    aoi_law law;                   /* functions and flags                               */
+    void (*prepare)(aoi_law *law); /* NULL, or fills in parameters that follow from the others */
+} aoi_law_kind;
+
+extern const aoi_law_kind aoi_laws_elastic[];
+extern const size_t aoi_laws_elastic_count;
+extern const aoi_law_kind aoi_laws_viscous[];
+extern const size_t aoi_laws_viscous_count;
+extern const aoi_law_kind aoi_law_thornton;
+
+/* d^(n-1) for d > 0. The exponents that people use cost a square root at most: pow is ten times
+ * dearer. */
+static inline double aoi_law_power(double d, double n)
+{
+    if (n == 1.5) {
+        return sqrt(d);
+    }
+    return n == 1.0 ? 1.0 : n == 2.0 ? d : pow(d, n - 1.0);
+}
+
+#endif

@@ -1,0 +1,396 @@
+/* What holds for every contact law: it is made by name, taken on the piece that the motion is on, a
+ * patch's own compliance is taken out of it, and it does not pull unless that is meant. */
+#include "law/kinds.h"
+#include "law/law.h"
+#include "linear/vector.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Halley's method takes a few iterations; what it has not found by then is left to bisection. */
+enum { HALLEYS = 40, MOST_ITERATIONS = 200 };
+
+/* Where a law's own digits end, its force goes in steps: a caller's may be right to six. */
+static const double LAW_NOISE = 1e-6;
+
+/* With its compliance taken out, a law grows stiffer by 1/(1 - c dF/dd). Beyond this share the law
+ * goes on as a straight line: its own slope would soon be infinite. */
+static const double MOST_SHARE = 0.95;
+
+static int create(aoi_law *law, const aoi_law_kind *kind, size_t count, const double *parameter)
+{
+    if (count != kind->count) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    *law = kind->law;
+    law->limit = HUGE_VAL;
+    for (size_t i = 0; i < count; i++) {
+        const double p = parameter[i];
+        if (!isfinite(p) || p < kind->least[i] || p > kind->most[i] ||
+            (kind->least[i] == AOI_POSITIVE && !(p > 0.0))) {
+            return AOI_ERROR_ARGUMENT;
+        }
+        law->parameter[i] = p;
+    }
+    if (kind->prepare) {
+        kind->prepare(law);
+    }
+    return aoi_vector_is_finite(AOI_LAW_PARAMETERS, law->parameter) ? AOI_OK : AOI_ERROR_ARGUMENT;
+}
+
+int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter)
+{
+    const struct {
+        const aoi_law_kind *kind;
+        size_t count;
+    } tables[] = {{aoi_laws_elastic, aoi_laws_elastic_count},
+                  {aoi_laws_viscous, aoi_laws_viscous_count},
+                  {&aoi_law_thornton, 1}};
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
+        for (size_t j = 0; j < tables[i].count; j++) {
+            if (strcmp(name, tables[i].kind[j].name) == 0) {
+                return create(law, &tables[i].kind[j], count, parameter);
+            }
+        }
+    }
+    return AOI_ERROR_ARGUMENT;
+}
+
+int aoi_law_check(const aoi_law *law)
+{
+    const int usable = law->force && law->potential && isfinite(law->compliance) &&
+                       law->compliance >= 0.0 && law->limit > 0.0;
+    return usable ? AOI_OK : AOI_ERROR_ARGUMENT;
+}
+
+/* A NaN is noted with the state that gave it. */
+static void note_nan(const aoi_law *law, double indentation, double rate,
+                     const aoi_law_value *value)
+{
+    if (law->note && isnan(value->force + value->stiffness + value->damping)) {
+        law->note[0] = indentation;
+        law->note[1] = rate;
+        law->note[2] = AOI_ERROR_LAW;
+    }
+}
+
+/* The law's own force on a piece. */
+static void own_force(const aoi_law *law, const double *memory, int piece, double indentation,
+                      double rate, aoi_law_value *value)
+{
+    law->force(law, memory, piece, indentation, rate, value);
+    note_nan(law, indentation, rate, value);
+}
+
+/* From the law's value at its own indentation d to that over the total one, d - c F. */
+static void stiffen(double compliance, aoi_law_value *value)
+{
+    const double share = compliance * value->stiffness;
+    const double stiffer = 1.0 / (1.0 - (share < MOST_SHARE ? share : MOST_SHARE));
+    value->stiffness *= stiffer;
+    value->damping *= stiffer;
+}
+
+/* d at which c dF/dd is MOST_SHARE, between one where it is less and one where it is not. */
+static double steepest(const aoi_law *law, const double *memory, int piece, double rate, double low,
+                       double high, aoi_law_value *value)
+{
+    for (int i = 0; i < MOST_ITERATIONS && high - low > 2.0 * DBL_EPSILON * high; i++) {
+        const double middle = 0.5 * (low + high);
+        own_force(law, memory, piece, middle, rate, value);
+        if (law->compliance * value->stiffness < MOST_SHARE) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    own_force(law, memory, piece, low, rate, value);
+    return low;
+}
+
+/* The search for d with d - c F(d) = indentation, on one piece at one rate. */
+typedef struct search {
+    const aoi_law *law;
+    const double *memory;
+    int piece;
+    double indentation, rate;
+    double low, high;
+} search;
+
+/* Below the root, where c dF/dd has reached MOST_SHARE at d. If the law is steep only at its start
+ * (d^(1/4)), d goes past that; if the root lies nearer than where the share is reached, the bracket
+ * closes. Else there is no root to be trusted: the line through the place of that share is the law;
+ * 1 is returned, and as d the one of the same force. */
+static int too_steep(search *s, double *d, aoi_law_value *value)
+{
+    const double c = s->law->compliance, further = s->indentation + c * value->force;
+    aoi_law_value there;
+    own_force(s->law, s->memory, s->piece, further, s->rate, &there);
+    if (there.stiffness < value->stiffness) {
+        *d = further;
+        return 0;
+    }
+    s->low = fmax(s->low, aoi_law_rest(s->law, s->memory));
+    s->high = steepest(s->law, s->memory, s->piece, s->rate, s->low, *d, value);
+    const double beyond = s->indentation - (s->high - c * value->force);
+    if (beyond < 0.0) {
+        *d = 0.5 * (s->low + s->high);
+        return 0;
+    }
+    value->force += beyond * value->stiffness / (1.0 - MOST_SHARE);
+    *d = s->indentation + c * value->force;
+    return 1;
+}
+
+/* Halley's step from d, Newton's where the law is no power: n = d F'/F, F'' = (n - 1) F'/d. */
+static double step_of(double c, double missing, double d, const aoi_law_value *value)
+{
+    const double slope = value->stiffness, force = value->force;
+    const double give = 1.0 - (c * slope < MOST_SHARE ? c * slope : MOST_SHARE);
+    const double excess = d * slope - force; /* (n - 1) F */
+    if (!(force > 0.0 && excess > 0.0 && excess < 3.0 * force)) {
+        return missing / give;
+    }
+    const double bend = 0.5 * c * missing * slope * excess / (force * d * give);
+    return missing / (give - (bend < 0.5 * give ? bend : 0.5 * give));
+}
+
+/* Where to look after d, from which `missing` is missing: inside the bracket, once there is one. */
+static double next_of(const search *s, double missing, double d, int iteration,
+                      const aoi_law_value *value)
+{
+    const double next = d + step_of(s->law->compliance, missing, d, value);
+    const int closed = s->low > -HUGE_VAL && s->high < HUGE_VAL;
+    const int inside = next > s->low && next < s->high && iteration < HALLEYS;
+    return closed && !inside ? 0.5 * (s->low + s->high) : next;
+}
+
+/* Solves d - c F(d) = indentation for the law's own indentation d; value: the law there. Halley's
+ * method, with the curvature of the power of d that the law is like here, from d = indentation; the
+ * bracket holds it where the law is not like one. AOI_ERROR_PATCH where a line has been drawn on for
+ * the law; AOI_ERROR_LAW_JUMPS where there is no such d, since the force falls from one value to
+ * another. NaN goes through. */
+static int own_indentation(const aoi_law *law, const double *memory, int piece,
+                           double indentation, double rate, double *own, aoi_law_value *value)
+{
+    search s = {law, memory, piece, indentation, rate, -HUGE_VAL, HUGE_VAL};
+    double missing = HUGE_VAL, *d = own;
+    *d = indentation;
+    for (int i = 0; i < MOST_ITERATIONS; i++) {
+        own_force(law, memory, piece, *d, rate, value);
+        missing = indentation - (*d - law->compliance * value->force);
+        if (isnan(missing)) {
+            return AOI_OK;
+        }
+        if (missing > 0.0 && law->compliance * value->stiffness >= MOST_SHARE) {
+            if (too_steep(&s, d, value)) {
+                return AOI_ERROR_PATCH;
+            }
+            continue;
+        }
+        if (fabs(missing) <= 2.0 * DBL_EPSILON * fmax(fabs(*d), fabs(indentation))) {
+            return AOI_OK; /* the rounding of its terms: one that pulls has the least d */
+        }
+        *(missing > 0.0 ? &s.low : &s.high) = *d;
+        const double next = next_of(&s, missing, *d, i, value);
+        if (next == *d || next == s.low || next == s.high) {
+            break; /* nothing between */
+        }
+        *d = next;
+    }
+    return fabs(missing) <= LAW_NOISE * fmax(fabs(*d), fabs(indentation)) ? AOI_OK
+                                                                           : AOI_ERROR_LAW_JUMPS;
+}
+
+/* The answer of a law that has none: NaN, by which whoever integrates stops. */
+static void no_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
+{
+    *value = (aoi_law_value){(double)NAN, (double)NAN, (double)NAN};
+    if (law->note) {
+        law->note[0] = indentation;
+        law->note[1] = rate;
+        law->note[2] = AOI_ERROR_LAW_JUMPS;
+    }
+}
+
+void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
+                   double rate, aoi_law_value *value)
+{
+    double own;
+    if (law->compliance == 0.0) {
+        own_force(law, memory, piece, indentation, rate, value);
+    } else if (piece == AOI_NO_PIECE || own_indentation(law, memory, piece, indentation, rate, &own,
+                                                        value) == AOI_ERROR_LAW_JUMPS) {
+        no_force(law, indentation, rate, value);
+    } else {
+        stiffen(law->compliance, value);
+    }
+}
+
+void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const double *indentation,
+                    const double *rate, aoi_law_values *values)
+{
+    if (law->together && law->compliance == 0.0 && !law->note) {
+        law->together(law, indentation, rate, values);
+        return;
+    }
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        aoi_law_value value;
+        aoi_law_force(law, memory, piece, indentation[k], rate[k], &value);
+        values->force[k] = value.force;
+        values->stiffness[k] = value.stiffness;
+        values->damping[k] = value.damping;
+    }
+}
+
+double aoi_law_rest(const aoi_law *law, const double *memory)
+{
+    return law->rest ? law->rest(law, memory) : 0.0;
+}
+
+/* The end of a piece, given by the law's own indentation there, as total indentation. */
+static double total_at(const aoi_law *law, const double *memory, int piece, double end)
+{
+    aoi_law_value value;
+    if (law->compliance == 0.0 || fabs(end) == HUGE_VAL) {
+        return end;
+    }
+    own_force(law, memory, piece, end, 0.0, &value);
+    return end - law->compliance * value.force;
+}
+
+/* Up to where a piece reaches: without end where c dF/dd is too much at its end, since the law's limit
+ * comes before, and the total indentation may even fall from there on. */
+static double reach_of(const aoi_law *law, const double *memory, int piece, double end)
+{
+    aoi_law_value value;
+    if (fabs(end) == HUGE_VAL) {
+        return end;
+    }
+    own_force(law, memory, piece, end, 0.0, &value);
+    return law->compliance * value.stiffness < MOST_SHARE ? end - law->compliance * value.force
+                                                          : HUGE_VAL;
+}
+
+int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, int rising,
+                  double *low, double *high)
+{
+    *low = -HUGE_VAL;
+    *high = HUGE_VAL;
+    if (!law->piece) {
+        return 0;
+    }
+    int piece = law->piece(law, memory, indentation, rising, low, high);
+    if (law->compliance == 0.0) {
+        return piece;
+    }
+    /* With a compliance d > indentation: go up from piece to piece until one reaches as far. At an
+     * end, to rounding, only a rising motion goes on to the next. */
+    double end = reach_of(law, memory, piece, *high);
+    const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
+    while (end <= indentation + rounding && *high < HUGE_VAL) {
+        const double before = *high;
+        piece = law->piece(law, memory, *high, 1, low, high);
+        if (!(*high > before)) {
+            return AOI_NO_PIECE;
+        }
+        end = reach_of(law, memory, piece, *high);
+    }
+    *low = total_at(law, memory, piece, *low);
+    *high = end;
+    return piece;
+}
+
+void aoi_law_remember(const aoi_law *law, double indentation, double rate, double *memory)
+{
+    if (!law->remember) {
+        return;
+    }
+    if (law->compliance > 0.0 && indentation > aoi_law_rest(law, memory)) {
+        aoi_law_value value;
+        double low, high;
+        const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
+        if (piece == AOI_NO_PIECE ||
+            own_indentation(law, memory, piece, indentation, rate, &indentation, &value) ==
+                AOI_ERROR_LAW_JUMPS) {
+            return; /* as the force there, which stops the run */
+        }
+    }
+    law->remember(law, indentation, rate, memory);
+}
+
+void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
+                  aoi_law_value *value)
+{
+    if (indentation <= aoi_law_rest(law, memory)) {
+        *value = (aoi_law_value){0.0, 0.0, 0.0};
+        return;
+    }
+    int piece = 0;
+    if (law->piece) {
+        double low, high;
+        piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
+    }
+    aoi_law_force(law, memory, piece, indentation, rate, value);
+    if (value->force < 0.0 && !law->pulls) {
+        *value = (aoi_law_value){0.0, 0.0, 0.0};
+    }
+}
+
+double aoi_law_push_only(const aoi_law *law, const double *memory, double indentation, double rate)
+{
+    aoi_law_value value = {0.0, 0.0, 0.0};
+    if (!law->alone || law->compliance > 0.0 || indentation <= aoi_law_rest(law, memory)) {
+        aoi_law_push(law, memory, indentation, rate, &value);
+        return value.force;
+    }
+    value.force = law->alone(law, indentation, rate);
+    note_nan(law, indentation, rate, &value);
+    return value.force < 0.0 && !law->pulls ? 0.0 : value.force;
+}
+
+int aoi_law_stands(const aoi_law *law, const double *memory, double indentation, double rate)
+{
+    if (indentation > law->limit) {
+        return 0;
+    }
+    if (law->compliance == 0.0 || !law->depends_on_rate || indentation <= aoi_law_rest(law, memory)) {
+        return 1;
+    }
+    aoi_law_value value;
+    double low, high, own;
+    const int piece = aoi_law_piece(law, memory, indentation, rate > 0.0, &low, &high);
+    return piece == AOI_NO_PIECE ||
+           own_indentation(law, memory, piece, indentation, rate, &own, &value) != AOI_ERROR_PATCH;
+}
+
+/* That of a law with a compliance, up to its limit. */
+static double inner_potential(const aoi_law *law, const double *memory, double indentation)
+{
+    aoi_law_value value;
+    double low, high;
+    const int piece = aoi_law_piece(law, memory, indentation, 0, &low, &high);
+    double d;
+    if (piece == AOI_NO_PIECE ||
+        own_indentation(law, memory, piece, indentation, 0.0, &d, &value) == AOI_ERROR_LAW_JUMPS) {
+        no_force(law, indentation, 0.0, &value);
+        return value.force;
+    }
+    return law->potential(law, memory, d) - 0.5 * law->compliance * value.force * value.force;
+}
+
+double aoi_law_potential(const aoi_law *law, const double *memory, double indentation)
+{
+    if (law->compliance == 0.0 || indentation <= aoi_law_rest(law, memory)) {
+        return law->potential(law, memory, indentation);
+    }
+    const double past = indentation - law->limit;
+    if (!(past > 0.0)) {
+        return inner_potential(law, memory, indentation);
+    }
+    aoi_law_value end;
+    aoi_law_push(law, memory, law->limit, 0.0, &end);
+    return inner_potential(law, memory, law->limit) +
+           past * (end.force + 0.5 * end.stiffness * past);
+}

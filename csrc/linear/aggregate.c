@@ -1,0 +1,70 @@
+/* Aggregation of the nodes of a graph: the coarse nodes of smoothed aggregation. */
+#include "linear/multigrid.h"
+
+enum { FREE = -1 };
+
+/* Whether node i and all its neighbours are free. */
+static int surrounded_by_free(const int32_t *start, const int32_t *indices,
+                              const int32_t *aggregate, size_t i)
+{
+    if (aggregate[i] != FREE) {
+        return 0;
+    }
+    for (int32_t p = start[i]; p < start[i + 1]; p++) {
+        if (aggregate[indices[p]] != FREE) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Gives node i and those of its neighbours that are free the same number. */
+static void gather(const int32_t *start, const int32_t *indices, int32_t *aggregate, size_t i,
+                   size_t number)
+{
+    aggregate[i] = (int32_t)number;
+    for (int32_t p = start[i]; p < start[i + 1]; p++) {
+        if (aggregate[indices[p]] == FREE) {
+            aggregate[indices[p]] = (int32_t)number;
+        }
+    }
+}
+
+/* The first aggregate of the first pass beside a free node, or FREE. */
+static int32_t beside(const int32_t *start, const int32_t *indices, const int32_t *aggregate,
+                      size_t i)
+{
+    for (int32_t p = start[i]; p < start[i + 1]; p++) {
+        if (aggregate[indices[p]] >= 0) {
+            return aggregate[indices[p]];
+        }
+    }
+    return FREE;
+}
+
+size_t aoi_graph_aggregate(size_t n, const int32_t *start, const int32_t *indices,
+                           int32_t *aggregate)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < n; i++) {
+        aggregate[i] = FREE;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (surrounded_by_free(start, indices, aggregate, i)) {
+            gather(start, indices, aggregate, i, count++);
+        }
+    }
+    /* Those that join are marked by numbers below FREE, so that no chain grows out of one aggregate
+     * while the pass goes on. After the first pass each free node has one beside it. */
+    for (size_t i = 0; i < n; i++) {
+        if (aggregate[i] == FREE) {
+            aggregate[i] = FREE - 1 - beside(start, indices, aggregate, i);
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (aggregate[i] < FREE) {
+            aggregate[i] = FREE - 1 - aggregate[i];
+        }
+    }
+    return count;
+}

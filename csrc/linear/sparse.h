@@ -1,0 +1,70 @@
+/* Sparse symmetric matrices, linear solvers as the core sees them, and factors. */
+#ifndef AOI_LINEAR_SPARSE_H
+#define AOI_LINEAR_SPARSE_H
+
+#include "aoimpact.h"
+
+/* A symmetric n x n matrix by compressed rows, all entries stored (both triangles): row i has
+ * indices[p], values[p] for start[i] <= p < start[i+1]. The arrays belong to the caller. */
+typedef struct aoi_sparse {
+    size_t n;
+    const int32_t *start, *indices;
+    const double *values;
+} aoi_sparse;
+
+/* Checks that an aoi_sparse of stored_count entries can be read safely: start rises from 0 to
+ * stored_count, indices lie in 0..n-1. AOI_ERROR_ARGUMENT where they do not. */
+int aoi_sparse_check(const aoi_sparse *matrix, size_t stored_count);
+
+/* y = A x; x and y of n doubles, not overlapping. */
+void aoi_sparse_multiply(const aoi_sparse *matrix, const double *x, double *y);
+
+/* y = A x for each of count vectors, which stand one after the other: four at a time share one pass
+ * through A. Each comes out as by itself, bit for bit. */
+void aoi_sparse_multiply_each(const aoi_sparse *matrix, size_t count, const double *x, double *y);
+
+/* x^T A x without work space. */
+double aoi_sparse_quadratic(const aoi_sparse *matrix, const double *x);
+
+/* A linear solver seen by the core: solve() overwrites x (n doubles: right-hand side in, solution
+ * out) and returns 0, or anything else for a failure. data is passed through untouched. */
+typedef struct aoi_solver {
+    int (*solve)(void *data, double *x);
+    void *data;
+} aoi_solver;
+
+/* A linear solver of K + s^2 M that has looked at its residual f - K x - s^2 M x: as aoi_solver, and
+ * it leaves K x in kx and M x in mx, n doubles each. */
+typedef struct aoi_residual_solver {
+    int (*solve)(void *data, double *x, double *kx, double *mx);
+    void *data;
+} aoi_residual_solver;
+
+/* Factors of a symmetric positive definite matrix, P A P^T = L D L^T: L unit lower triangular by
+ * compressed columns WITHOUT its diagonal, rows of a column ascending; D the n pivots, all
+ * positive; row i of A is row place[i] of P A P^T. Columns of like pattern stand in panels, which
+ * are swept together: panel p is columns panel[p] .. panel[p+1]-1, panel[panel_count] = n. work: n
+ * doubles. An aoi_factors is one thread's. pause: or NULL. */
+typedef struct aoi_factors {
+    size_t n;
+    const int32_t *start, *rows;
+    const double *values, *pivots;
+    const int32_t *place;
+    const int32_t *panel;
+    size_t panel_count;
+    double *work;
+    const aoi_pause *pause;
+} aoi_factors;
+
+/* Finds the widest panels: runs of columns of which each has the rows of the next, and the next
+ * itself. panel: room for n+1 in, panel_count+1 out. The indices must be sound. */
+size_t aoi_factors_find_panels(size_t n, const int32_t *start, const int32_t *rows, int32_t *panel);
+
+/* Checks indices, places and panels, and that the pivots are positive (AOI_ERROR_NOT_POSITIVE: A was
+ * not definite). Overwrites work. */
+int aoi_factors_check(const aoi_factors *factors, size_t stored_count);
+
+/* x <- A^-1 x by two triangular sweeps; data is an aoi_factors: it fits aoi_solver.solve. */
+int aoi_factors_solve(void *data, double *x);
+
+#endif

@@ -1,0 +1,561 @@
+/* The contact equations of a scene, coupled through the bodies that contacts share.
+ *
+ * With the other contacts' forces given, each contact is an equation of its own: it sees its bodies
+ * come to z = free - sum of the others' C F (and their rate w likewise), and contact.c finds its own
+ * force F(z, w), whatever corners and jumps its law has. What is left,
+ *   z_i = free_i - sum_(j not i) C_ij F_j(z_j, w_j),
+ * is solved by Newton's method on all contacts at once. Its functions are tame: F rises with z by no
+ * more than 1/C_ii, however steep the law. With the stiffness k and the damping c of the laws,
+ *   dF = a dz + b dw,  a = k/(1 + k C_ii + c Cr_ii),  b = c/(1 + k C_ii + c Cr_ii),
+ * and a = 1/C_ii, b = 0 where a jump holds the bodies at rest. (1 + a C' + b Cr') dF = -(a R + b S),
+ * C' and Cr' without their diagonals, needs no pivoting. A step is shortened until it leads nearer;
+ * where none does, contacts are solved in turn, which always does, if slowly. */
+#include "model/coupled.h"
+#include "linear/work.h"
+#include "law/equation.h"
+#include "law/law.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
+
+/* Rounding of a sum of a few terms; and what is left to be content with where rounding does more than
+ * it should (dashpots too stiff for the step). */
+static const double ROUNDING = 16.0 * DBL_EPSILON, ROUGH = 1e-9;
+
+/* Digits beyond this share of the deepest contact's are of no use: bodies barely touch there. */
+static const double SHARE = 1e-6;
+
+/* A law's force has lost digits where its terms are so many times larger (a power law's are not). */
+static const double CANCELS = 16.0;
+
+/* What each contact sees, and its answer; indentation and force are the solution in the end. */
+typedef struct iterate {
+    double *seen, *seen_rate; /* z, w */
+    double *indentation, *force;
+    double *of_place, *of_rate; /* a, b */
+    double *off, *rate_off;     /* R, S */
+} iterate;
+
+typedef struct newton {
+    const aoi_coupled *e;
+    const aoi_contact *contact;
+    size_t width;
+    double deepest; /* without forces */
+    double rounding; /* relative error at which an equation counts as solved */
+    iterate now, trial;
+    double *size, *rate_size;
+    double *matrix, *change; /* of the forces */
+    double *move, *rate_move;
+} newton;
+
+enum { VECTORS = 20 };
+
+size_t aoi_coupled_size(size_t count, size_t band)
+{
+    return count > 1 ? (VECTORS + 2 * band + 1) * count : 0;
+}
+
+static void iterate_lay_out(iterate *at, double **work, size_t n)
+{
+    at->seen = aoi_work_take(work, n);
+    at->seen_rate = aoi_work_take(work, n);
+    at->of_place = aoi_work_take(work, n);
+    at->of_rate = aoi_work_take(work, n);
+    at->off = aoi_work_take(work, n);
+    at->rate_off = aoi_work_take(work, n);
+}
+
+static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact *contact, double *work)
+{
+    const size_t n = e->count;
+    *s = (newton){.e = e, .contact = contact, .width = 2 * e->band + 1};
+    s->now.indentation = e->indentation;
+    s->now.force = e->force;
+    iterate_lay_out(&s->now, &work, n);
+    s->trial.indentation = aoi_work_take(&work, n);
+    s->trial.force = aoi_work_take(&work, n);
+    iterate_lay_out(&s->trial, &work, n);
+    s->size = aoi_work_take(&work, n);
+    s->rate_size = aoi_work_take(&work, n);
+    s->change = aoi_work_take(&work, n);
+    s->move = aoi_work_take(&work, n);
+    s->rate_move = aoi_work_take(&work, n);
+    s->matrix = aoi_work_take(&work, s->width * n);
+}
+
+/* The columns of row i are first .. last-1, column j at [i * width + band + j - i]. */
+static size_t first_of(const aoi_coupled *e, size_t i) { return i > e->band ? i - e->band : 0; }
+
+static size_t last_of(const aoi_coupled *e, size_t i)
+{
+    return i + e->band < e->count ? i + e->band + 1 : e->count;
+}
+
+static const double *row_of(const aoi_coupled *e, const double *matrix, size_t i)
+{
+    return matrix + (i * (2 * e->band + 1) + e->band) - i; /* to be indexed by the column */
+}
+
+/* Row i times x, but for the diagonal; size: the same with all terms positive. */
+static double others(const aoi_coupled *e, const double *matrix, size_t i, const double *x,
+                     double *size)
+{
+    const double *row = row_of(e, matrix, i);
+    double sum = 0.0;
+    *size = 0.0;
+    for (size_t j = first_of(e, i), last = last_of(e, i); j < last; j++) {
+        if (j != i) {
+            sum += row[j] * x[j];
+            *size += fabs(row[j] * x[j]);
+        }
+    }
+    return sum;
+}
+
+static double own(const aoi_coupled *e, const double *matrix, size_t i)
+{
+    return row_of(e, matrix, i)[i];
+}
+
+/* a and b of contact i at its solution. */
+static void find_slopes(const newton *s, iterate *at, size_t i)
+{
+    const aoi_coupled *e = s->e;
+    const aoi_contact *contact = &s->contact[i];
+    const double compliance = own(e, e->compliance, i), rate = own(e, e->rate_compliance, i);
+    const double rest = aoi_law_rest(contact->law, contact->memory);
+    const double speed = at->seen_rate[i] - rate * at->force[i];
+    aoi_law_value value = {0.0, 0.0, 0.0};
+    if (at->indentation[i] == rest && at->force[i] != 0.0) {
+        at->of_place[i] = 1.0 / compliance;
+        at->of_rate[i] = 0.0;
+        return;
+    }
+    if (at->force[i] != 0.0) {
+        /* Not cut at zero: a force that is there may be below its rate's rounding. */
+        double low, high;
+        const int piece = aoi_law_piece(contact->law, contact->memory, at->indentation[i],
+                                        speed > 0.0, &low, &high);
+        aoi_law_force(contact->law, contact->memory, piece, at->indentation[i], speed, &value);
+        /* Where a law falls, the matrix would need pivoting: there the steps are only nearly Newton's. */
+        value.stiffness = fmax(value.stiffness, 0.0);
+        value.damping = fmax(value.damping, 0.0);
+    }
+    const double whole = 1.0 + value.stiffness * compliance + value.damping * rate;
+    const double terms = value.stiffness * fabs(at->indentation[i]) +
+                         value.damping * (fabs(at->seen_rate[i]) + fabs(rate * at->force[i]));
+    if (whole > 2.0 && terms > CANCELS * fabs(at->force[i])) {
+        /* The law's force is a small difference of large terms: the equation has more digits. */
+        at->force[i] = (at->seen[i] - at->indentation[i]) / compliance;
+    }
+    at->of_place[i] = isfinite(whole) ? value.stiffness / whole : 1.0 / compliance;
+    at->of_rate[i] = isfinite(whole) ? value.damping / whole : 0.0;
+}
+
+/* Contact i by itself, from the indentation it has. */
+static int solve_one(const newton *s, iterate *at, size_t i)
+{
+    const aoi_coupled *e = s->e;
+    const aoi_contact *contact = &s->contact[i];
+    const aoi_contact_equation equation = {
+        at->seen[i], own(e, e->compliance, i), at->seen_rate[i], own(e, e->rate_compliance, i),
+        contact->law->pulls ? contact->indentation : at->indentation[i]};
+    const int status = aoi_contact_solve(contact->law, contact->memory, &equation, &at->force[i],
+                                         &at->indentation[i]);
+    if (status == AOI_OK) {
+        find_slopes(s, at, i);
+    }
+    return status;
+}
+
+static int solve_each(const newton *s, iterate *at)
+{
+    int status = AOI_OK;
+    for (size_t i = 0; i < s->e->count && status == AOI_OK; i++) {
+        status = solve_one(s, at, i);
+    }
+    return status;
+}
+
+/* R and S of contact i, and the sizes of their terms. */
+static void find_off(const newton *s, iterate *at, size_t i)
+{
+    const aoi_coupled *e = s->e;
+    double size, rate_size;
+    at->off[i] = at->seen[i] - e->free[i] + others(e, e->compliance, i, at->force, &size);
+    at->rate_off[i] =
+        at->seen_rate[i] - e->rate_free[i] + others(e, e->rate_compliance, i, at->force, &rate_size);
+    s->size[i] = fabs(e->free[i]) + size;
+    s->rate_size[i] = fabs(e->rate_free[i]) + rate_size;
+}
+
+/* The rounding of rates makes the forces of damped laws uncertain, and with them, by the compliance
+ * (or the other matrix), all indentations (or rates). */
+static double uncertainty(const newton *s, const iterate *at, const double *matrix, size_t i)
+{
+    const double *row = row_of(s->e, matrix, i);
+    double sum = 0.0;
+    for (size_t j = first_of(s->e, i), last = last_of(s->e, i); j < last; j++) {
+        sum += fabs(row[j]) * at->of_rate[j] * s->rate_size[j];
+    }
+    return sum;
+}
+
+/* How far off all equations are beyond rounding, in J; zero where they are solved. */
+static double find_merit(const newton *s, iterate *at)
+{
+    const aoi_coupled *e = s->e;
+    double merit = 0.0, damped = 0.0;
+    for (size_t i = 0; i < e->count; i++) {
+        find_off(s, at, i);
+        damped += at->of_rate[i];
+    }
+    for (size_t i = 0; i < e->count; i++) {
+        double size = s->size[i], rate_size = s->rate_size[i];
+        if (damped > 0.0) {
+            size += uncertainty(s, at, e->compliance, i);
+            rate_size += uncertainty(s, at, e->rate_compliance, i);
+        }
+        const double enough = s->rounding * fmax(size, SHARE * s->deepest);
+        const double beyond = fabs(at->off[i]) - enough; /* NaN stays NaN */
+        const double rate_beyond = fabs(at->rate_off[i]) - s->rounding * rate_size;
+        const double compliance = own(e, e->compliance, i);
+        const double of_rate =
+            rate_beyond <= 0.0 ? 0.0 : compliance * at->of_rate[i] * rate_beyond;
+        merit += ((beyond <= 0.0 ? 0.0 : beyond * beyond) + of_rate * of_rate) / compliance;
+    }
+    return merit;
+}
+
+static void fill_matrix(const newton *s)
+{
+    const aoi_coupled *e = s->e;
+    for (size_t i = 0; i < e->count; i++) {
+        const double *compliance = e->compliance + i * s->width;
+        const double *rates = e->rate_compliance + i * s->width;
+        const double a = s->now.of_place[i], b = s->now.of_rate[i];
+        double *row = s->matrix + i * s->width;
+        for (size_t j = 0; j < s->width; j++) {
+            row[j] = a * compliance[j] + b * rates[j];
+        }
+        row[e->band] = 1.0;
+        s->change[i] = -(a * s->now.off[i] + b * s->now.rate_off[i]);
+    }
+}
+
+/* Elimination within the band, no pivoting; 0 where a pivot is not positive. */
+static int eliminate(const newton *s)
+{
+    const size_t n = s->e->count, band = s->e->band, width = s->width;
+    for (size_t p = 0; p < n; p++) {
+        const double *row = s->matrix + p * width;
+        if (!(row[band] > 0.0) || !isfinite(row[band])) {
+            return 0;
+        }
+        for (size_t i = p + 1; i < last_of(s->e, p); i++) {
+            double *other = s->matrix + i * width + (p + band - i); /* column p of row i */
+            const double factor = other[0] / row[band];
+            for (size_t j = 1; factor != 0.0 && j <= band; j++) {
+                other[j] -= factor * row[band + j];
+            }
+            s->change[i] -= factor * s->change[p];
+        }
+    }
+    for (size_t p = n; p-- > 0;) {
+        const double *row = row_of(s->e, s->matrix, p);
+        for (size_t j = p + 1; j < last_of(s->e, p); j++) {
+            s->change[p] -= row[j] * s->change[j];
+        }
+        s->change[p] /= row[p];
+    }
+    return 1;
+}
+
+static void find_moves(const newton *s)
+{
+    const aoi_coupled *e = s->e;
+    double size;
+    for (size_t i = 0; i < e->count; i++) {
+        s->move[i] = -s->now.off[i] - others(e, e->compliance, i, s->change, &size);
+        s->rate_move[i] = -s->now.rate_off[i] - others(e, e->rate_compliance, i, s->change, &size);
+    }
+}
+
+static int find_trial(newton *s, double share, double *merit)
+{
+    const aoi_coupled *e = s->e;
+    for (size_t i = 0; i < e->count; i++) {
+        const double give = s->move[i] - own(e, e->compliance, i) * s->change[i];
+        s->trial.seen[i] = s->now.seen[i] + share * s->move[i];
+        s->trial.seen_rate[i] = s->now.seen_rate[i] + share * s->rate_move[i];
+        s->trial.indentation[i] = s->now.indentation[i] + share * give; /* a guess */
+    }
+    const int status = solve_each(s, &s->trial);
+    *merit = status == AOI_OK ? find_merit(s, &s->trial) : 0.0;
+    return status;
+}
+
+/* The trial becomes what is now; indentation and force stay in the caller's arrays. */
+static void accept(newton *s)
+{
+    const size_t bytes = s->e->count * sizeof(double);
+    const iterate last = s->now;
+    memcpy(last.indentation, s->trial.indentation, bytes);
+    memcpy(last.force, s->trial.force, bytes);
+    s->now = s->trial;
+    s->now.indentation = last.indentation;
+    s->now.force = last.force;
+    const iterate spare = s->trial;
+    s->trial = last;
+    s->trial.indentation = spare.indentation;
+    s->trial.force = spare.force;
+}
+
+/* One of Newton's steps, shortened until it leads nearer; says whether it did. */
+static int newton_step(newton *s, double *merit, int *nearer)
+{
+    int status = AOI_OK;
+    double share = 1.0, after;
+    *nearer = 0;
+    fill_matrix(s);
+    if (!eliminate(s)) {
+        return AOI_OK;
+    }
+    find_moves(s);
+    for (int i = 0; i < MOST_HALVINGS && !*nearer && status == AOI_OK; i++, share *= 0.5) {
+        status = find_trial(s, share, &after);
+        *nearer = status == AOI_OK && after <= (1.0 - 0.1 * share) * *merit;
+    }
+    if (*nearer) {
+        accept(s);
+        *merit = after;
+    }
+    return status;
+}
+
+/* All contacts in turn, forwards and backwards, each with the newest forces of the others. */
+static int sweep(newton *s, double *merit)
+{
+    const aoi_coupled *e = s->e;
+    int status = AOI_OK;
+    for (size_t k = 0; k < 2 * e->count && status == AOI_OK; k++) {
+        const size_t i = k < e->count ? k : 2 * e->count - 1 - k;
+        double size;
+        s->now.seen[i] = e->free[i] - others(e, e->compliance, i, s->now.force, &size);
+        s->now.seen_rate[i] =
+            e->rate_free[i] - others(e, e->rate_compliance, i, s->now.force, &size);
+        status = solve_one(s, &s->now, i);
+    }
+    *merit = find_merit(s, &s->now);
+    return status;
+}
+
+/* From forces and indentations as they are, at most so many steps. */
+static int solve_from_here(newton *s, int most_steps)
+{
+    const aoi_coupled *e = s->e;
+    double size;
+    for (size_t i = 0; i < e->count; i++) {
+        s->now.seen[i] = e->free[i] - others(e, e->compliance, i, e->force, &size);
+        s->now.seen_rate[i] = e->rate_free[i] - others(e, e->rate_compliance, i, e->force, &size);
+    }
+    int status = solve_each(s, &s->now);
+    double merit = find_merit(s, &s->now);
+    for (int step = 0; status == AOI_OK && merit > 0.0; step++) {
+        int nearer = 0;
+        if (step == most_steps) {
+            return AOI_ERROR_NO_CONVERGENCE;
+        }
+        status = newton_step(s, &merit, &nearer);
+        for (int i = 0; i < SWEEPS && !nearer && status == AOI_OK; i++) {
+            status = sweep(s, &merit);
+        }
+    }
+    return status == AOI_OK && !(merit == 0.0) ? AOI_ERROR_NOT_FINITE : status;
+}
+
+static int solve_all(newton *s)
+{
+    const aoi_coupled *e = s->e;
+    int status = solve_from_here(s, FIRST_STEPS);
+    for (int attempt = 0; attempt < 2 && (status == AOI_ERROR_NO_CONVERGENCE ||
+                                          status == AOI_ERROR_NOT_FINITE); attempt++) {
+        /* The guess has led astray: once more from bodies that do not touch. */
+        for (size_t i = 0; i < e->count; i++) {
+            e->indentation[i] = e->free[i];
+            e->force[i] = 0.0;
+        }
+        s->rounding = attempt == 0 ? ROUNDING : ROUGH;
+        status = solve_from_here(s, MOST_STEPS);
+    }
+    for (size_t i = 0; i < e->count; i++) {
+        e->rate[i] = s->now.seen_rate[i] - own(e, e->rate_compliance, i) * e->force[i];
+    }
+    return status;
+}
+
+/* One contact: nothing is coupled. Most steps of most runs are without force; they leave at once. */
+static int solve_single(aoi_coupled *e, const aoi_contact *contact)
+{
+    const aoi_law *law = contact->law;
+    const double last = contact->indentation, free_end = e->free[0];
+    if (free_end <= 0.0 && free_end >= -DBL_MAX && !law->rest && !law->pulls) {
+        e->force[0] = 0.0;
+        e->indentation[0] = free_end;
+        e->rate[0] = e->rate_free[0];
+        return AOI_OK;
+    }
+    const aoi_contact_equation equation = {
+        free_end, e->compliance[0], e->rate_free[0], e->rate_compliance[0],
+        law->pulls ? last : 2.0 * last - contact->last_indentation};
+    const int status =
+        aoi_contact_solve(law, contact->memory, &equation, e->force, e->indentation);
+    e->rate[0] = e->rate_free[0] - e->rate_compliance[0] * e->force[0];
+    return status;
+}
+
+/* ------------------------------------------------ only those that touch: segments of contacts */
+
+/* How many places, in bands, a segment reaches beyond its contacts: pressed ones next to them, and
+ * what those press. */
+enum { REACH = 4 };
+
+/* How deep contacts could be without forces, or are if they touch: the deepest. */
+static double find_deepest(const aoi_coupled *e, const aoi_contact *contact)
+{
+    double deepest = 0.0;
+    for (size_t i = 0; i < e->count; i++) {
+        const double rest = aoi_law_rest(contact[i].law, contact[i].memory);
+        const double last = contact[i].force != 0.0 ? contact[i].indentation : rest;
+        deepest = fmax(deepest, fmax(e->free[i], last) - rest);
+    }
+    return deepest;
+}
+
+/* What is less deep than this, or would be without its force, is as good as apart. */
+static double as_good_as_apart(double deepest) { return ROUNDING * SHARE * deepest; }
+
+/* Says which contacts would touch, and guesses where all end: without forces, or for those by the
+ * last two steps. */
+static void guess(const aoi_coupled *e, const aoi_contact *contact, double deepest, double *awake)
+{
+    const double least = as_good_as_apart(deepest);
+    for (size_t i = 0; i < e->count; i++) {
+        const aoi_contact *c = &contact[i];
+        const double rest = aoi_law_rest(c->law, c->memory), free_end = e->free[i];
+        const double ahead = 2.0 * c->indentation - c->last_indentation;
+        const int stays = c->law->pulls && c->indentation > rest;
+        awake[i] = free_end - rest > least || stays ||
+                   fabs(c->force) * own(e, e->compliance, i) > least;
+        e->indentation[i] = stays ? c->indentation : free_end;
+        e->rate[i] = e->rate_free[i];
+        e->force[i] = 0.0;
+        if (awake[i] != 0.0 && ahead > rest && c->force != 0.0) {
+            /* No more than twice the last force, or what the bodies can bring up. */
+            const double most = fmax(2.0 * fabs(c->force), free_end / own(e, e->compliance, i));
+            aoi_law_value value;
+            aoi_law_push(c->law, c->memory, ahead, c->rate, &value);
+            e->indentation[i] = ahead;
+            e->force[i] = fabs(value.force) <= most ? value.force : c->force;
+        }
+    }
+}
+
+/* The next segment from `from` on: contacts that would touch, and some on both sides. No two segments
+ * are coupled. Returns 0 where there is none. */
+static int next_segment(const aoi_coupled *e, const double *awake, size_t from, size_t *low,
+                        size_t *high)
+{
+    const size_t beyond = REACH * e->band;
+    size_t i = from;
+    while (i < e->count && awake[i] == 0.0) {
+        i++;
+    }
+    if (i == e->count) {
+        return 0;
+    }
+    *low = i > from + beyond ? i - beyond : from;
+    size_t last = i;
+    for (; i < e->count && i - last <= 2 * beyond + e->band; i++) {
+        last = awake[i] != 0.0 ? i : last;
+    }
+    *high = e->count - last > beyond + 1 ? last + beyond + 1 : e->count;
+    return 1;
+}
+
+static int solve_segment(const aoi_coupled *e, const aoi_contact *contact, size_t low, size_t high,
+                         double deepest, double *work)
+{
+    const size_t width = 2 * e->band + 1;
+    const aoi_coupled part = {high - low,
+                              e->band,
+                              e->compliance + low * width,
+                              e->rate_compliance + low * width,
+                              e->free + low,
+                              e->rate_free + low,
+                              e->indentation + low,
+                              e->rate + low,
+                              e->force + low,
+                              NULL};
+    newton s;
+    lay_out(&s, &part, contact + low, work);
+    s.deepest = deepest;
+    s.rounding = ROUNDING;
+    return solve_all(&s);
+}
+
+/* Solves for all that are awake; marks with 2 whatever was solved for. */
+static int solve_awake(const aoi_coupled *e, const aoi_contact *contact, double deepest,
+                       double *awake)
+{
+    size_t low, high = 0;
+    int status = AOI_OK;
+    while (status == AOI_OK && next_segment(e, awake, high, &low, &high)) {
+        status = solve_segment(e, contact, low, high, deepest, awake + e->count);
+        for (size_t i = low; i < high; i++) {
+            awake[i] = 2.0;
+        }
+    }
+    return status;
+}
+
+/* Moves the contacts that were not solved for; returns whether any of them touches after all. */
+static int wake(const aoi_coupled *e, const aoi_contact *contact, double deepest, double *awake)
+{
+    int woken = 0;
+    for (size_t i = 0; i < e->count; i++) {
+        if (awake[i] != 2.0) {
+            const double rest = aoi_law_rest(contact[i].law, contact[i].memory);
+            double size; /* its own force is zero */
+            e->indentation[i] = e->free[i] - others(e, e->compliance, i, e->force, &size);
+            e->rate[i] = e->rate_free[i] - others(e, e->rate_compliance, i, e->force, &size);
+            awake[i] = e->indentation[i] - rest > as_good_as_apart(deepest);
+            woken = woken || awake[i] != 0.0;
+        }
+    }
+    return woken;
+}
+
+int aoi_coupled_solve(aoi_coupled *e, const aoi_contact *contact)
+{
+    if (e->count == 1) {
+        return solve_single(e, contact);
+    }
+    for (size_t i = 0; i < e->count; i++) {
+        if (!isfinite(e->free[i]) || !isfinite(e->rate_free[i])) {
+            return AOI_ERROR_NOT_FINITE;
+        }
+    }
+    double *awake = e->work;
+    const double deepest = find_deepest(e, contact);
+    int status, woken = 1;
+    guess(e, contact, deepest, awake);
+    do {
+        status = solve_awake(e, contact, deepest, awake);
+        woken = status == AOI_OK && wake(e, contact, deepest, awake);
+    } while (woken);
+    return status;
+}

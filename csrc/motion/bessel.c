@@ -1,0 +1,174 @@
+/* Integrals of sines and cosines against Legendre polynomials: spherical Bessel functions
+ * (Abramowitz and Stegun, 10.1.14), each computed in the direction in which it is stable. */
+#include "motion/oscillator.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { MOST = 16, MARGIN = 24, SERIES_TERMS = 14 };
+
+/* y^l / (2l+1)!! (1 - y^2/2/(2l+3) + ...): for y < 1, where the recurrences lose digits. */
+static void series(double y, size_t count, double *bessel)
+{
+    double lead = 1.0;
+    for (size_t l = 0; l < count; l++) {
+        double term = lead, sum = lead;
+        for (int k = 1; k < SERIES_TERMS; k++) {
+            term *= -y * y / (2.0 * k * (2.0 * (double)l + 2.0 * k + 1.0));
+            sum += term;
+        }
+        bessel[l] = sum;
+        lead *= y / (2.0 * (double)l + 3.0);
+    }
+}
+
+/* Miller: downward from far above, scaled by whichever of j_0, j_1 is not near a zero. */
+static void downward(double y, double j0, double j1, size_t count, double *bessel)
+{
+    double above = 0.0, here = 1e-250;
+    for (size_t l = count + MARGIN; l > 0; l--) {
+        const double below = (2.0 * (double)l + 1.0) / y * here - above;
+        above = here;
+        here = below;
+        if (l - 1 < count) {
+            bessel[l - 1] = here;
+        }
+    }
+    const double scale = fabs(j0) > fabs(j1) ? j0 / bessel[0] : j1 / bessel[1];
+    for (size_t l = 0; l < count; l++) {
+        bessel[l] *= scale;
+    }
+}
+
+static void spherical_bessel(double y, double sine, double cosine, size_t count, double *bessel)
+{
+    const double j0 = sine / y, j1 = (j0 - cosine) / y;
+    if (y < 1.0) {
+        series(y, count, bessel);
+    } else if (y <= (double)count) {
+        downward(y, j0, j1, count, bessel);
+    } else {
+        bessel[0] = j0;
+        bessel[1] = j1;
+        for (size_t l = 1; l + 1 < count; l++) {
+            bessel[l + 1] = (2.0 * (double)l + 1.0) / y * bessel[l] - bessel[l - 1];
+        }
+    }
+}
+
+void aoi_bessel_trigonometric(double z, size_t count, double *sine, double *cosine)
+{
+    const double y = 0.5 * z, s = sin(y), c = cos(y);
+    double bessel[MOST] = {0.0};
+    spherical_bessel(y, s, c, count, bessel);
+    /* e^(iy) (-i)^l goes round through four quarters. */
+    const double real[4] = {c, s, -c, -s}, imaginary[4] = {s, -c, -s, c};
+    for (size_t l = 0; l < count; l++) {
+        sine[l] = imaginary[l % 4] * bessel[l];
+        cosine[l] = real[l % 4] * bessel[l];
+    }
+}
+
+/* ------------------------------------------------------------------------- complex arguments */
+
+enum { EXPONENTIAL_MARGIN = 48 };
+
+/* From here on the upward recurrence loses no more than a digit at the orders used. */
+static const double UPWARD_FROM = 20.0;
+
+typedef struct complex_number {
+    double re, im;
+} complex_number;
+
+static complex_number times(complex_number a, complex_number b)
+{
+    return (complex_number){a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+
+static complex_number over(complex_number a, complex_number b)
+{
+    const double size = b.re * b.re + b.im * b.im;
+    return (complex_number){(a.re * b.re + a.im * b.im) / size, (a.im * b.re - a.re * b.im) / size};
+}
+
+static complex_number scaled(complex_number a, double factor)
+{
+    return (complex_number){factor * a.re, factor * a.im};
+}
+
+static complex_number sum(complex_number a, complex_number b)
+{
+    return (complex_number){a.re + b.re, a.im + b.im};
+}
+
+/* e^-y i_l(y) by its power series, |y| < 1. */
+static void exponential_series(complex_number y, complex_number left, size_t count,
+                               complex_number *value)
+{
+    const complex_number square = times(y, y);
+    complex_number lead = left;
+    for (size_t l = 0; l < count; l++) {
+        complex_number term = lead, total = lead;
+        for (int k = 1; k < SERIES_TERMS; k++) {
+            term = scaled(times(term, square), 1.0 / (2.0 * k * (2.0 * (double)l + 2.0 * k + 1.0)));
+            total = sum(total, term);
+        }
+        value[l] = total;
+        lead = scaled(times(lead, y), 1.0 / (2.0 * (double)l + 3.0));
+    }
+}
+
+/* Miller: i_(l-1) = i_(l+1) + (2l+1)/y i_l from far above, scaled by the larger of i_0, i_1. */
+static void exponential_downward(complex_number y, complex_number i0, complex_number i1,
+                                 size_t count, complex_number *value)
+{
+    /* Small enough to grow by 113!!, large enough for its square. */
+    complex_number above = {0.0, 0.0}, here = {1e-60, 0.0};
+    const complex_number inverse = over((complex_number){1.0, 0.0}, y);
+    for (size_t l = count + EXPONENTIAL_MARGIN; l > 0; l--) {
+        const complex_number below =
+            sum(above, scaled(times(inverse, here), 2.0 * (double)l + 1.0));
+        above = here;
+        here = below;
+        if (l - 1 < count) {
+            value[l - 1] = here;
+        }
+    }
+    const int first = hypot(i0.re, i0.im) > hypot(i1.re, i1.im);
+    const complex_number factor = first ? over(i0, value[0]) : over(i1, value[1]);
+    for (size_t l = 0; l < count; l++) {
+        value[l] = times(value[l], factor);
+    }
+}
+
+void aoi_bessel_exponential(double real, double imaginary, size_t count, double *re, double *im)
+{
+    const complex_number y = {0.5 * real, 0.5 * imaginary};
+    const double size = hypot(y.re, y.im), left = exp(-real);
+    /* e^-2y, e^-y */
+    const complex_number twice = {left * cos(imaginary), -left * sin(imaginary)};
+    complex_number value[MOST] = {{0.0, 0.0}};
+    if (size < 1.0) {
+        const double half_left = exp(-y.re);
+        exponential_series(y, (complex_number){half_left * cos(y.im), -half_left * sin(y.im)}, count,
+                           value);
+    } else {
+        const complex_number one = {1.0, 0.0};
+        const complex_number i0 = scaled(over(sum(one, scaled(twice, -1.0)), y), 0.5);
+        const complex_number i1 = over(sum(scaled(sum(one, twice), 0.5), scaled(i0, -1.0)), y);
+        if (size < UPWARD_FROM) {
+            exponential_downward(y, i0, i1, count, value);
+        } else {
+            value[0] = i0;
+            value[1] = i1;
+            for (size_t l = 1; l + 1 < count; l++) {
+                value[l + 1] = sum(value[l - 1],
+                                   scaled(over(value[l], y), -(2.0 * (double)l + 1.0)));
+            }
+        }
+    }
+    for (size_t l = 0; l < count; l++) {
+        re[l] = value[l].re;
+        im[l] = value[l].im;
+    }
+}

@@ -1,0 +1,238 @@
+/* Where a body's energy is, and what loads and damping have done to it. */
+#include "motion/energy.h"
+#include "motion/modes.h"
+#include "motion/path.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/stages.h"
+#include "linear/vector.h"
+#include "law/law.h"
+
+#include <math.h>
+
+void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, const double *force,
+                      double *kinetic, double *elastic)
+{
+    *kinetic = *elastic = 0.0;
+    for (size_t j = 0; j < body->n; j++) {
+        const double omega_x = body->omega[j] * x[j];
+        *kinetic += 0.5 * body->inertia[j] * v[j] * v[j];
+        *elastic += 0.5 * body->inertia[j] * omega_x * omega_x;
+    }
+    for (size_t k = 0; force && body->residual && k < body->ports * body->ports; k++) {
+        *elastic +=
+            0.5 * force[k / body->ports] * body->residual[k] * force[k % body->ports];
+    }
+}
+
+static double energy_of(const aoi_modes *body, const double *x, const double *v)
+{
+    double kinetic, elastic;
+    aoi_modes_energy(body, x, v, NULL, &kinetic, &elastic);
+    return kinetic + elastic;
+}
+
+static double gravity_work(const aoi_modes *body, const double *x0, const double *x1)
+{
+    double work = 0.0;
+    for (size_t j = 0; body->gravity && j < body->n; j++) {
+        work += body->inertia[j] * body->gravity[j] * (x1[j] - x0[j]);
+    }
+    return work;
+}
+
+/* Loads of a time times displacements. */
+static double loaded(const aoi_modes *body, double time, const double *x)
+{
+    double work = 0.0;
+    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+        double force, slope;
+        aoi_modes_load(body, p, time, &force, &slope);
+        work += force * aoi_vector_dot(body->n, body->shape + p * body->n, x);
+    }
+    return work;
+}
+
+static int loads_rise(const aoi_modes *body, double time)
+{
+    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+        double force, slope;
+        aoi_modes_load(body, p, time, &force, &slope);
+        if (slope != 0.0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* f^T R f' of loads that do not bend meanwhile: what they store in the residual compliance. */
+static double residual_work(const aoi_modes *body, double from, double to)
+{
+    const double length = to - from;
+    double work = 0.0;
+    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+        double force, rise, other, other_rise;
+        aoi_modes_load(body, k / body->ports, from, &force, &rise);
+        aoi_modes_load(body, k % body->ports, from, &other, &other_rise);
+        work += body->residual[k] * other_rise * (force * length + 0.5 * rise * length * length);
+    }
+    return work;
+}
+
+double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force)
+{
+    double work = 0.0;
+    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+        double load, other, rise;
+        aoi_modes_load(body, k / body->ports, time, &load, &rise);
+        aoi_modes_load(body, k % body->ports, time, &other, &rise);
+        work += load * body->residual[k] * (force[k % body->ports] - other);
+    }
+    return work;
+}
+
+/* ---------------------------------------------------------------------------------- in flight */
+
+/* What the loads' rise does in all to mode j: sum of slope and shape over the ports. */
+static double rise_on(const aoi_modes *body, size_t j, double time)
+{
+    double sum = 0.0;
+    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+        double load, slope;
+        aoi_modes_load(body, p, time, &load, &slope);
+        sum += slope * body->shape[p * body->n + j];
+    }
+    return sum;
+}
+
+/* A mode under loads that run straight for a time: force, its Legendre coefficients, set. */
+static aoi_path path_of(const aoi_modes *body, size_t j, double from, double length, double x, double v,
+                        double *force)
+{
+    double load, slope;
+    aoi_modes_drive(body, j, from, &load, &slope);
+    for (size_t k = 2; k < AOI_STAGES; k++) {
+        force[k] = 0.0;
+    }
+    force[1] = 0.5 * slope * length;
+    force[0] = load + force[1];
+    return (aoi_path){body->omega[j], body->decay ? body->decay[j] : 0.0, length, x, v, 1.0, force, 1};
+}
+
+/* Work on the modes of rising loads over a stretch in which they do not bend. x, v are taken to its end. */
+static double rising_work(const aoi_modes *body, double from, double to, double *x, double *v)
+{
+    double work = 0.0;
+    for (size_t j = 0; j < body->n; j++) {
+        const double rise = rise_on(body, j, from);
+        double force[AOI_STAGES], squared, moment;
+        if (rise != 0.0) {
+            const aoi_path path = path_of(body, j, from, to - from, x[j], v[j], force);
+            aoi_path_integrals(&path, &squared, &moment);
+            work += rise * moment;
+        }
+    }
+    work -= loaded(body, from, x);
+    aoi_modes_fly(body, from, to, x, v);
+    return work + loaded(body, from, x);
+}
+
+/* The same from bend to bend. */
+static double changing_work(const aoi_modes *body, double from, double to, const double *x0,
+                            const double *v0, double *scratch)
+{
+    double work = 0.0;
+    for (size_t j = 0; j < body->n; j++) {
+        scratch[j] = x0[j];
+        scratch[body->n + j] = v0[j];
+    }
+    for (double at = from; at < to;) {
+        const double next = fmin(to, aoi_modes_next_bend(body, at));
+        work += rising_work(body, at, next, scratch, scratch + body->n);
+        at = next;
+    }
+    return work;
+}
+
+void aoi_modes_flight_work(const aoi_modes *body, double from, double to, const double *x0,
+                           const double *v0, const double *x1, const double *v1, double *scratch,
+                           double *work, double *dissipated)
+{
+    const double gained = energy_of(body, x1, v1) - energy_of(body, x0, v0);
+    const int changing = loads_rise(body, from) || aoi_modes_next_bend(body, from) < to;
+    if (!changing) {
+        *work = gravity_work(body, x0, x1) + loaded(body, from, x1) - loaded(body, from, x0);
+    } else if (!body->decay) {
+        *work = gained; /* nothing else can be where it comes from */
+    } else {
+        *work = gravity_work(body, x0, x1) + changing_work(body, from, to, x0, v0, scratch);
+    }
+    *dissipated = body->decay ? *work - gained : 0.0;
+    for (double at = from; body->residual && at < to;) {
+        const double next = fmin(to, aoi_modes_next_bend(body, at));
+        *work += residual_work(body, at, next);
+        at = next;
+    }
+}
+
+/* -------------------------------------------------------------------------- in a step of contact */
+
+/* Integrals over a part of a step: what damping takes, and what rising loads add to those at the start. */
+typedef struct step_integrals {
+    double lost, rising;
+} step_integrals;
+
+/* Adds mode j's share. */
+static void add_mode(const aoi_modes *body, size_t j, double from, double h, double place,
+                     const double *force, double x, double v, step_integrals *sum)
+{
+    const double rise = rise_on(body, j, from), decay = body->decay ? body->decay[j] : 0.0;
+    double push[AOI_STAGES] = {0.0}, whole[AOI_STAGES], squared, moment;
+    if (rise == 0.0 && decay == 0.0) {
+        return;
+    }
+    aoi_path path = path_of(body, j, from, h, x, v, whole);
+    path.place = place;
+    path.straight = 0;
+    for (size_t p = 0; p < body->ports; p++) {
+        aoi_stages_add(body->push[p * body->n + j], force + p * AOI_STAGES, push);
+    }
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        whole[k] += aoi_stages_dot(aoi_radau_to_legendre[k], push);
+    }
+    aoi_path_integrals(&path, &squared, &moment);
+    sum->lost += 2.0 * decay * body->inertia[j] * squared;
+    sum->rising += rise * moment;
+}
+
+/* The loads' rise times what the contact forces bend the residual compliance by. */
+static double bent_by(const aoi_modes *body, double from, double h, double place, const double *force)
+{
+    double sum = 0.0;
+    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+        const double *by = force + k % body->ports * AOI_STAGES;
+        double load, slope, legendre[AOI_STAGES], ignored;
+        aoi_modes_load(body, k / body->ports, from, &load, &slope);
+        for (size_t l = 0; l < AOI_STAGES; l++) {
+            legendre[l] = aoi_stages_dot(aoi_radau_to_legendre[l], by);
+        }
+        for (size_t i = 0; i < AOI_STAGES && slope != 0.0; i++) {
+            sum += aoi_radau_to_legendre[0][i] * place * h * slope * body->residual[k] *
+                   aoi_legendre_evaluate(AOI_STAGES, legendre, place * aoi_radau_node[i], &ignored);
+        }
+    }
+    return sum;
+}
+
+void aoi_modes_step_work(const aoi_modes *body, double from, double h, double place,
+                         const double *force, const double *x0, const double *v0, const double *x1,
+                         double *work, double *dissipated)
+{
+    step_integrals sum = {0.0, 0.0};
+    for (size_t j = 0; j < body->n && (body->decay || loads_rise(body, from)); j++) {
+        add_mode(body, j, from, h, place, force, x0[j], v0[j], &sum);
+    }
+    *work = gravity_work(body, x0, x1) + loaded(body, from, x1) - loaded(body, from, x0) + sum.rising +
+            residual_work(body, from, from + place * h) - bent_by(body, from, h, place, force);
+    *dissipated = sum.lost;
+}

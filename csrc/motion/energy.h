@@ -1,0 +1,29 @@
+/* Where the energy of a body in modes is, and what loads and damping have done to it. */
+#ifndef AOI_MOTION_ENERGY_H
+#define AOI_MOTION_ENERGY_H
+
+#include "aoimpact.h"
+
+/* Energies of a body, J. force: of all kinds on its ports, or NULL (the residual compliance stores it). */
+void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, const double *force,
+                      double *kinetic, double *elastic);
+
+/* Work of gravity and loads on a body that has gone from x0, v0 to x1, v1 without contact, and what its
+ * damping has taken meanwhile, J. scratch: 2n doubles. */
+void aoi_modes_flight_work(const aoi_modes *body, double from, double to, const double *x0,
+                           const double *v0, const double *x1, const double *v1, double *scratch,
+                           double *work, double *dissipated);
+
+/* The same for a part of a step under force[port][stage], from its start to place (0 .. 1) of h; x0, v0:
+ * at its start, x1: at place. The work leaves out the change of aoi_modes_bent_work, which knows the forces of
+ * both moments. What damping takes is the integral of its power along the motion: the balance of energies, of
+ * which it is no part, shows whether that is right. */
+void aoi_modes_step_work(const aoi_modes *body, double from, double h, double place,
+                         const double *force, const double *x0, const double *v0, const double *x1,
+                         double *work, double *dissipated);
+
+/* Loads times what the contact forces of the moment bend the residual compliance at them, J. force: of
+ * all kinds on the ports. Their work since a moment without contact has this in it. */
+double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force);
+
+#endif

@@ -1,0 +1,291 @@
+/* Between contacts everything is linear: the closed form, and the next touch found with certainty. */
+#include "motion/flight.h"
+#include "motion/modes.h"
+#include "motion/polynomial.h"
+#include "law/law.h"
+
+#include <float.h>
+#include <math.h>
+
+void aoi_forced_fit(double from, double length, const double *values, aoi_forced *forced)
+{
+    forced->from = from;
+    forced->length = length;
+    forced->bend = 0.0;
+    aoi_legendre_fit(values, forced->series[0]);
+    for (size_t d = 1; d <= AOI_DERIVATIVES; d++) {
+        aoi_legendre_derive(AOI_STAGES + 1, forced->series[d - 1], forced->series[d]);
+        for (size_t k = 0; k <= AOI_STAGES; k++) {
+            forced->series[d][k] /= length;
+        }
+    }
+    for (size_t k = 0; k <= AOI_STAGES; k++) { /* |P_k| <= 1 */
+        forced->bend += fabs(forced->series[2][k]);
+    }
+}
+
+/* A derivative of what contact forces add; 0: itself. */
+static double forced_at(const aoi_flight *pair, int derivative)
+{
+    const aoi_forced *forced = pair->forced;
+    double slope;
+    return forced ? aoi_legendre_evaluate(AOI_STAGES + 1, forced->series[derivative],
+                                          (pair->time - forced->from) / forced->length, &slope)
+                  : 0.0;
+}
+
+void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double *rate,
+                            double *acceleration)
+{
+    *indentation = forced_at(pair, 0) - pair->gap;
+    *rate = forced_at(pair, 1);
+    *acceleration = forced_at(pair, 2);
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair->body[side];
+        const double sign = side == 0 ? 1.0 : -1.0;
+        double displacement, velocity, force, rise;
+        aoi_modes_port(body, pair->port[side], pair->x[side], pair->v[side], &displacement,
+                       &velocity);
+        for (size_t q = 0; body->residual && q < body->ports; q++) {
+            const double compliance = body->residual[pair->port[side] * body->ports + q];
+            aoi_modes_load(body, q, pair->time, &force, &rise);
+            displacement += compliance * force;
+            velocity += compliance * rise;
+        }
+        *indentation += sign * displacement;
+        *rate += sign * velocity;
+        for (size_t j = 0; j < body->n; j++) {
+            double load, slope;
+            aoi_modes_drive(body, j, pair->time, &load, &slope);
+            const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
+            load -= omega * omega * pair->x[side][j] + 2.0 * decay * pair->v[side][j];
+            *acceleration += sign * body->shape[pair->port[side] * body->n + j] * load;
+        }
+    }
+}
+
+double aoi_flight_jerk(const aoi_flight *pair)
+{
+    double jerk = forced_at(pair, 3);
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair->body[side];
+        for (size_t j = 0; j < body->n; j++) {
+            double load, slope;
+            aoi_modes_drive(body, j, pair->time, &load, &slope);
+            const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
+            const double x = pair->x[side][j], v = pair->v[side][j];
+            const double a = load - omega * omega * x - 2.0 * decay * v;
+            jerk += (side == 0 ? 1.0 : -1.0) * body->shape[pair->port[side] * body->n + j] *
+                    (slope - omega * omega * v - 2.0 * decay * a);
+        }
+    }
+    return jerk;
+}
+
+/* The first positive root of c + b t + a t^2, or infinity. With c < 0 that is where it becomes
+ * positive; with c = 0 (just let go) where it does so again. */
+static double first_root(double c, double b, double a)
+{
+    if (c > 0.0 || (c == 0.0 && (b > 0.0 || (b == 0.0 && a > 0.0)))) {
+        return 0.0;
+    }
+    if (a == 0.0) {
+        return b > 0.0 ? -c / b : HUGE_VAL;
+    }
+    const double discriminant = b * b - 4.0 * a * c;
+    if (discriminant < 0.0) {
+        return HUGE_VAL; /* a < 0: its top lies below zero */
+    }
+    const double q = -0.5 * (b + copysign(sqrt(discriminant), b));
+    const double roots[2] = {q / a, q != 0.0 ? c / q : 0.0};
+    double first = HUGE_VAL;
+    for (int i = 0; i < 2; i++) {
+        if (roots[i] > 0.0 && roots[i] < first) {
+            first = roots[i];
+        }
+    }
+    return first;
+}
+
+/* A mode that turns by less than this in all the time there is (rad) is only taken as a slow one: its
+ * place of rest under a load may be very far off. */
+static const double HARDLY_TURNS = 0.1;
+
+/* A mode's share in the indentation, bounded from above for a time: as a slow one by a parabola, as a
+ * fast one by its amplitude about a place of rest that its loads may move. */
+typedef struct bound {
+    double level, rate, bend; /* as a slow one */
+    double rest, drift;       /* as a fast one */
+    double now, later;        /* of one that does not turn: its acceleration is always between these */
+} bound;
+
+static int only_slow(double omega, double within) { return omega * within < HARDLY_TURNS; }
+
+static bound bound_of(const aoi_flight *pair, int side, size_t j, double within)
+{
+    const aoi_modes *body = pair->body[side];
+    const double shape =
+        (side == 0 ? 1.0 : -1.0) * body->shape[pair->port[side] * body->n + j];
+    const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
+    const double x = pair->x[side][j], v = pair->v[side][j];
+    double load, slope;
+    aoi_modes_drive(body, j, pair->time, &load, &slope);
+    bound made = {.level = shape * x, .rate = shape * v};
+    if (omega == 0.0) {
+        const double rise = slope != 0.0 && isfinite(within) ? slope * within : 0.0;
+        made.now = shape * (load - 2.0 * decay * v);
+        made.later = decay == 0.0 ? made.now + shape * rise : shape * slope / (2.0 * decay);
+        return made;
+    }
+    const double drift = slope / (omega * omega);
+    const double rest = load / (omega * omega) - 2.0 * decay * drift / (omega * omega);
+    const double amplitude = fabs(shape) * hypot(x - rest, (v - drift) / omega);
+    made.bend = 0.5 * omega * (omega + 2.0 * decay) * amplitude;
+    if (!only_slow(omega, within)) {
+        made.rest = shape * rest + amplitude;
+        made.drift = shape * drift;
+    }
+    return made;
+}
+
+/* The next mode of both bodies together by ascending omega; which of the sides has it. */
+static int next_side(const aoi_flight *pair, const size_t *at)
+{
+    if (at[0] == pair->body[0]->n || at[1] == pair->body[1]->n) {
+        return at[0] == pair->body[0]->n;
+    }
+    return pair->body[1]->omega[at[1]] < pair->body[0]->omega[at[0]];
+}
+
+/* Modes of both bodies that do not turn, taken together: what moves both alike does not part them. Their
+ * accelerations go over from now to later by the same law of time if the decays are equal. */
+typedef struct drifting {
+    double now, later, apart; /* sums, and that of the larger of each mode's two */
+    double decay;
+    int count, alike;
+} drifting;
+
+static void add_drifting(const bound *of, double decay, drifting *sum)
+{
+    sum->alike = sum->count++ == 0 || (sum->alike && decay == sum->decay);
+    sum->decay = decay;
+    sum->now += of->now;
+    sum->later += of->later;
+    sum->apart += fmax(of->now, of->later);
+}
+
+static double bend_of(const drifting *sum)
+{
+    return 0.5 * (sum->alike ? fmax(sum->now, sum->later) : sum->apart);
+}
+
+/* A time within which the bodies cannot touch: the best over all ways of cutting the modes into slow
+ * ones and fast ones. level, rate: of the bound with all of them fast. */
+static double safe_stride(const aoi_flight *pair, double level, double rate, double within)
+{
+    const size_t count = pair->body[0]->n + pair->body[1]->n;
+    size_t at[2] = {0, 0};
+    double bend = pair->forced ? 0.5 * pair->forced->bend : 0.0, best = 0.0;
+    drifting together = {.alike = 1};
+    for (size_t k = 0; k <= count; k++) {
+        const int side = k < count ? next_side(pair, at) : 0;
+        const aoi_modes *body = pair->body[side];
+        if (k == count || !only_slow(body->omega[at[side]], within)) {
+            const double stride = first_root(level, rate, bend + bend_of(&together));
+            best = stride > best ? stride : best;
+        }
+        if (k < count) {
+            const size_t j = at[side]++;
+            const bound of = bound_of(pair, side, j, within);
+            level += of.level - of.rest;
+            rate += of.rate - of.drift;
+            bend += of.bend;
+            if (body->omega[j] == 0.0) {
+                add_drifting(&of, body->decay ? body->decay[j] : 0.0, &together);
+            }
+        }
+    }
+    return best;
+}
+
+/* The bound's level and drift with all modes taken as fast, and the size of what is summed there. In:
+ * the indentation and its rate, which gap and residual compliance have a share in, too. */
+static void all_fast(const aoi_flight *pair, double within, double *level, double *drift,
+                     double *scale)
+{
+    *scale = fabs(pair->gap);
+    for (int side = 0; side < 2; side++) {
+        for (size_t j = 0; j < pair->body[side]->n; j++) {
+            const bound of = bound_of(pair, side, j, within);
+            *level += of.rest - of.level;
+            *drift += of.drift - of.rate;
+            *scale += fabs(of.level) + fabs(of.rest);
+        }
+    }
+}
+
+static void fly_pair(aoi_flight *pair, double to)
+{
+    for (int side = 0; side < 2; side++) {
+        aoi_modes_fly(pair->body[side], pair->time, to, pair->x[side], pair->v[side]);
+    }
+    pair->time = to;
+}
+
+/* Up to when no load bends. */
+static double stop_of(const aoi_flight *pair, double limit)
+{
+    const double bend = fmin(aoi_modes_next_bend(pair->body[0], pair->time),
+                             aoi_modes_next_bend(pair->body[1], pair->time));
+    return fmin(bend, limit);
+}
+
+/* Whether bodies at touch are about to be pressed together. */
+static int closes(const aoi_flight *pair, double rate, double acceleration)
+{
+    if (rate != 0.0 || acceleration != 0.0) {
+        return rate > 0.0 || (rate == 0.0 && acceleration > 0.0);
+    }
+    return aoi_flight_jerk(pair) > 0.0;
+}
+
+/* Bodies at zero to rounding that nothing presses together count as apart: they have just let go, or stay side by
+ * side until a load draws one away. */
+static void part(aoi_flight *pair, double within)
+{
+    double indentation, rate, acceleration, scale;
+    aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
+    double level = indentation, drift = rate;
+    all_fast(pair, within, &level, &drift, &scale);
+    const double rounding = 4.0 * DBL_EPSILON * scale;
+    if (indentation > -rounding && !closes(pair, rate, acceleration)) {
+        pair->gap += indentation + rounding;
+    }
+}
+
+int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touches)
+{
+    *touches = 0;
+    part(pair, stop_of(pair, limit) - pair->time);
+    for (size_t i = 0; i < most; i++) {
+        double indentation, rate, acceleration, scale;
+        const double stop = stop_of(pair, limit), within = stop - pair->time;
+        aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
+        double level = indentation, drift = rate;
+        all_fast(pair, within, &level, &drift, &scale);
+        if (indentation >= -4.0 * DBL_EPSILON * scale && closes(pair, rate, acceleration)) {
+            *touches = 1;
+            return AOI_OK;
+        }
+        double stride = safe_stride(pair, level, drift, within);
+        /* At rounding from a touch that does not come, go on by what the rounding is worth. */
+        const double least = rate != 0.0 ? DBL_EPSILON * scale / fabs(rate) : 0.0;
+        stride = fmax(stride, fmax(least, 2.0 * DBL_EPSILON * fabs(pair->time)));
+        const double next = pair->time + stride;
+        fly_pair(pair, next < stop ? next : stop);
+        if (!(pair->time < limit)) {
+            return AOI_OK;
+        }
+    }
+    return AOI_ERROR_NO_CONVERGENCE;
+}

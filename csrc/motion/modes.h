@@ -1,0 +1,23 @@
+/* A body in modes under its loads: what drives it, and its free motion. */
+#ifndef AOI_MOTION_MODES_H
+#define AOI_MOTION_MODES_H
+
+#include "aoimpact.h"
+
+/* The first time after `time` at which a load bends; infinite where there is none. */
+double aoi_modes_next_bend(const aoi_modes *body, double time);
+
+/* The load on a port just after a time, N, and its slope, N/s. */
+void aoi_modes_load(const aoi_modes *body, size_t port, double time, double *force, double *slope);
+
+/* Acceleration (but for contact forces, decay and spring) of mode j just after a time, and its slope. */
+void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load, double *slope);
+
+/* Takes x, v (n each) from one time to another without contact forces, in place. */
+void aoi_modes_fly(const aoi_modes *body, double from, double to, double *x, double *v);
+
+/* Displacement and velocity of a port, but for the residual compliance's share. */
+void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const double *v,
+                    double *displacement, double *velocity);
+
+#endif

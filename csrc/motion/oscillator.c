@@ -1,0 +1,186 @@
+/* One mode, x'' + 2 decay x' + omega^2 x = load + slope t, in closed form: after any time, and under a
+ * polynomial force. Undamped, damped, overdamped, or no spring at all. */
+#include "motion/oscillator.h"
+#include "law/law.h"
+
+#include <math.h>
+
+enum { SERIES_TERMS = 18 };
+
+/* Below these, the closed forms lose digits to cancellation. */
+static const double SERIES_LIMIT = 0.5, RAMP_LIMIT = 1.0;
+
+/* With omega below this share of the decay, the two exponentials are far enough apart to be subtracted. */
+static const double SLOW_SHARE = 0.5;
+
+/* Share of decay^2 within which omega^2 - decay^2 counts as critical damping. */
+static const double CRITICAL = 1e-6;
+
+/* (z - sin z) / z^3, z < 1. */
+static double ramp_series(double z)
+{
+    double term = 1.0 / 6.0, sum = term;
+    for (int k = 2; k < SERIES_TERMS / 2; k++) {
+        term *= -z * z / ((2.0 * k) * (2.0 * k + 1.0));
+        sum += term;
+    }
+    return sum;
+}
+
+static void undamped(double omega, double time, aoi_motion *motion)
+{
+    if (omega == 0.0) {
+        *motion = (aoi_motion){time, 1.0, 0.5 * time * time, time * time * time / 6.0};
+        return;
+    }
+    const double half = 0.5 * omega * time;
+    const double sine = sin(half), sinc = half > 0.0 ? sine / half : 1.0;
+    motion->impulse = time * sinc * cos(half);
+    motion->rate = 1.0 - 2.0 * sine * sine;
+    motion->step = 0.5 * time * time * sinc * sinc;
+    motion->ramp = 2.0 * half < RAMP_LIMIT ? time * time * time * ramp_series(2.0 * half)
+                                           : (time - motion->impulse) / (omega * omega);
+}
+
+/* The Taylor series of the impulse response from its own differential equation. */
+static void series(double omega, double decay, double time, aoi_motion *motion)
+{
+    const double damping = 2.0 * decay * time, spring = omega * time * (omega * time);
+    double before = 0.0, here = 1.0; /* coefficients k-1 and k of impulse / time */
+    *motion = (aoi_motion){0.0, 0.0, 0.0, 0.0};
+    for (int k = 1; k < SERIES_TERMS; k++) {
+        motion->impulse += here;
+        motion->rate += k * here;
+        motion->step += here / (k + 1.0);
+        motion->ramp += here / ((k + 1.0) * (k + 2.0));
+        const double next = -(damping * k * here + spring * before) / (k * (k + 1.0));
+        before = here;
+        here = next;
+    }
+    motion->impulse *= time;
+    motion->step *= time * time;
+    motion->ramp *= time * time * time;
+}
+
+/* Neither overdamped by far nor short: the integrals from the equation itself. */
+static void damped(double omega, double decay, double time, aoi_motion *motion)
+{
+    const double square = (omega - decay) * (omega + decay), turn = sqrt(fabs(square));
+    const double angle = turn * time, left = exp(-decay * time);
+    const double damping = 2.0 * decay, spring = omega * omega;
+    if (square > 0.0) {
+        motion->impulse = left * (angle > 0.0 ? sin(angle) / angle : 1.0) * time;
+        motion->rate = left * cos(angle) - decay * motion->impulse;
+    } else {
+        const double fast = decay + turn, slow = omega * (omega / fast);
+        motion->impulse = turn > 0.0 ? -exp(-slow * time) * expm1(-2.0 * angle) / (2.0 * turn)
+                                     : left * time;
+        motion->rate = exp(-fast * time) - slow * motion->impulse;
+    }
+    motion->step = (1.0 - motion->rate - damping * motion->impulse) / spring;
+    motion->ramp = (time - motion->impulse - damping * motion->step) / spring;
+}
+
+/* The first and the second integral of e^(-s t) over a time. */
+static void creep(double s, double time, double *once, double *twice)
+{
+    const double z = s * time;
+    *once = z > 0.0 ? -expm1(-z) / s : time;
+    if (z > RAMP_LIMIT) {
+        *twice = (time - *once) / s;
+        return;
+    }
+    double term = 0.5, total = term;
+    for (int k = 1; k < SERIES_TERMS; k++) {
+        term *= -z / (k + 2.0);
+        total += term;
+    }
+    *twice = time * time * total;
+}
+
+/* Two exponentials, the slow one far slower, and infinitely so without a spring. */
+static void overdamped(double omega, double decay, double time, aoi_motion *motion)
+{
+    const double split = sqrt((decay - omega) * (decay + omega)), fast = decay + split;
+    const double slow = omega * (omega / fast), apart = 2.0 * split;
+    double slow_once, slow_twice, fast_once, fast_twice;
+    creep(slow, time, &slow_once, &slow_twice);
+    creep(fast, time, &fast_once, &fast_twice);
+    motion->impulse = -exp(-slow * time) * expm1(-apart * time) / apart;
+    motion->rate = exp(-fast * time) - slow * motion->impulse;
+    motion->step = (slow_once - fast_once) / apart;
+    motion->ramp = (slow_twice - fast_twice) / apart;
+}
+
+void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *motion)
+{
+    if (decay == 0.0) {
+        undamped(omega, time, motion);
+    } else if (fmax(omega, decay) * time < SERIES_LIMIT) {
+        series(omega, decay, time, motion);
+    } else if (omega < SLOW_SHARE * decay) {
+        overdamped(omega, decay, time, motion);
+    } else {
+        damped(omega, decay, time, motion);
+    }
+}
+
+/* Both integrals where omega^2 - decay^2 = square is not near zero. slow: of the two rates of decay, if
+ * there are two. */
+static void damped_integrals(double square, double slow, double decay, double h, size_t count,
+                             double *impulse, double *rate)
+{
+    double real[AOI_STAGES], imaginary[AOI_STAGES], other[AOI_STAGES];
+    const double root = sqrt(fabs(square));
+    if (square > 0.0) {
+        aoi_bessel_exponential(decay * h, -root * h, count, real, imaginary);
+    } else {
+        aoi_bessel_exponential(slow * h, 0.0, count, real, other);
+        aoi_bessel_exponential((decay + root) * h, 0.0, count, imaginary, other);
+    }
+    for (size_t k = 0; k < count; k++) {
+        if (square > 0.0) {
+            impulse[k] = imaginary[k] / root;
+            rate[k] = real[k] - decay * impulse[k];
+        } else { /* real: of the slow exponential, imaginary: of the fast one */
+            impulse[k] = (real[k] - imaginary[k]) / (2.0 * root);
+            rate[k] = 0.5 * (real[k] + imaginary[k]) - decay * impulse[k];
+        }
+    }
+}
+
+/* sin(omega t)/omega and cos(omega t) with a damping that is small beside what it is over h. */
+void aoi_oscillator_integrals(double omega, double decay, double h, size_t count, double *impulse,
+                              double *rate)
+{
+    if (decay > 0.0) {
+        const double square = (omega - decay) * (omega + decay), near = CRITICAL * decay * decay;
+        if (fabs(square) >= near) {
+            const double slow = omega * (omega / (decay + sqrt(fabs(square))));
+            damped_integrals(square, slow, decay, h, count, impulse, rate);
+            return;
+        }
+        /* Nearly critical: even in the root of square, so a straight line through two places. */
+        double further[AOI_STAGES], further_rate[AOI_STAGES];
+        const double share = (square - near) / (3.0 * near);
+        damped_integrals(near, 0.0, decay, h, count, impulse, rate);
+        damped_integrals(4.0 * near, 0.0, decay, h, count, further, further_rate);
+        for (size_t k = 0; k < count; k++) {
+            impulse[k] += share * (further[k] - impulse[k]);
+            rate[k] += share * (further_rate[k] - rate[k]);
+        }
+        return;
+    }
+    const double z = omega * h;
+    if (z > 0.0) {
+        aoi_bessel_trigonometric(z, count, impulse, rate);
+        for (size_t k = 0; k < count; k++) {
+            impulse[k] /= omega;
+        }
+        return;
+    }
+    for (size_t k = 0; k < count; k++) {
+        impulse[k] = k == 0 ? 0.5 * h : (k == 1 ? -h / 6.0 : 0.0);
+        rate[k] = k == 0 ? 1.0 : 0.0;
+    }
+}

@@ -1,0 +1,32 @@
+/* One mode in closed form, and the integrals that this takes. */
+#ifndef AOI_MOTION_OSCILLATOR_H
+#define AOI_MOTION_OSCILLATOR_H
+
+#include "aoimpact.h"
+
+/* What x'' + 2 decay x' + omega^2 x = f does in a time from rest: impulse, the response to a unit
+ * impulse; rate, its derivative; step and ramp, its first two integrals, the responses to f = 1 and
+ * f = t. With x0, v0 at the start and f = load + slope t:
+ *   x = x0 + v0 impulse + (load - omega^2 x0) step + slope ramp,
+ *   x' = v0 rate + (load - omega^2 x0) impulse + slope step. */
+typedef struct aoi_motion {
+    double impulse, rate, step, ramp;
+} aoi_motion;
+
+/* omega, decay >= 0 in any proportion (0 and 0: a free mass), time >= 0; no digits are lost where the
+ * time is short. */
+void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *motion);
+
+/* The integrals over [0, 1] of that impulse response, and of its rate, at h (1 - x) against the shifted
+ * Legendre polynomials P_0 .. P_(count-1) of x; count <= AOI_STAGES. h > 0. */
+void aoi_oscillator_integrals(double omega, double decay, double h, size_t count, double *impulse,
+                              double *rate);
+
+/* i^-l e^(iz/2) j_l(z/2) for l < count, as sine (imaginary) and cosine (real) parts: the integrals of
+ * sin z(1-x) and cos z(1-x) against the shifted Legendre polynomials on [0, 1]. z > 0, 2 <= count <= 16. */
+void aoi_bessel_trigonometric(double z, size_t count, double *sine, double *cosine);
+
+/* e^(-z/2) i_l(z/2) for l < count and complex z with real part >= 0, z not 0: the integrals of e^(-z(1-x)). */
+void aoi_bessel_exponential(double real, double imaginary, size_t count, double *re, double *im);
+
+#endif

@@ -1,0 +1,144 @@
+/* A mode's way under a polynomial force: a polynomial of its own and a free oscillation about it. What damping
+ * takes, and what a rising load does, are integrals over it, exact however often the mode turns. */
+#include "motion/oscillator.h"
+#include "motion/path.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/stages.h"
+#include "law/law.h"
+
+#include <math.h>
+
+void aoi_path_follow(double omega, double decay, double h, const double *f, double *x)
+{
+    double above[2] = {0.0, 0.0}, slope_above[2] = {0.0, 0.0}; /* as in aoi_legendre_derive */
+    for (size_t k = AOI_STAGES; k-- > 0;) {
+        const double weight = 2.0 * (2.0 * (double)k + 1.0);
+        const double slope = weight * above[(k + 1) % 2] / h;
+        const double bend = weight * slope_above[(k + 1) % 2] / h;
+        x[k] = (f[k] - 2.0 * decay * slope - bend) / (omega * omega);
+        above[k % 2] += x[k];
+        slope_above[k % 2] += slope;
+    }
+}
+
+/* Coefficients of v where v' + 2 decay v = f, which runs straight. */
+static void follow_free(double decay, double h, const double *f, double *v)
+{
+    for (size_t k = 2; k < AOI_STAGES; k++) {
+        v[k] = 0.0;
+    }
+    v[1] = f[1] / (2.0 * decay);
+    v[0] = (f[0] - 2.0 * v[1] / h) / (2.0 * decay);
+}
+
+/* Above this, v dies away within the time: its square is no polynomial. */
+static const double STRONG = 0.1;
+
+/* The velocity along the polynomial at the nodes of the part; returns 0 where there is none to be had. What is
+ * left of x, v oscillates. */
+static int along(const aoi_path *path, double *velocity, double *x, double *v)
+{
+    double place[AOI_STAGES], rate[AOI_STAGES], slope;
+    *x = path->x;
+    *v = path->v;
+    if (path->omega * path->h > AOI_PATH_FAST && (path->decay <= path->omega || path->straight)) {
+        aoi_path_follow(path->omega, path->decay, path->h, path->force, place);
+        aoi_legendre_derive(AOI_STAGES, place, rate);
+        for (size_t k = 0; k < AOI_STAGES; k++) {
+            rate[k] /= path->h;
+        }
+        *x -= aoi_legendre_evaluate(AOI_STAGES, place, 0.0, &slope);
+    } else if (path->omega == 0.0 && path->straight && 2.0 * path->decay * path->h > AOI_PATH_FAST) {
+        follow_free(path->decay, path->h, path->force, rate);
+    } else {
+        return 0; /* too slow, or it does not oscillate */
+    }
+    *v -= aoi_legendre_evaluate(AOI_STAGES, rate, 0.0, &slope);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        velocity[i] = aoi_legendre_evaluate(AOI_STAGES, rate, path->place * aoi_radau_node[i], &slope);
+    }
+    return 1;
+}
+
+/* Displacement and velocity at a share of the part. */
+static void state_at(const aoi_path *path, double share, double *x, double *v)
+{
+    double values[AOI_STAGES], impulse[AOI_STAGES], rate[AOI_STAGES], slope;
+    const double part = path->place * share, time = part * path->h;
+    const double pull = path->omega * path->omega * path->x;
+    aoi_motion motion;
+    for (size_t k = 0; k < AOI_STAGES; k++) { /* the force on the way there */
+        values[k] = aoi_legendre_evaluate(AOI_STAGES, path->force, part * aoi_radau_node[k], &slope);
+    }
+    aoi_oscillator_motion(path->omega, path->decay, time, &motion);
+    aoi_oscillator_integrals(path->omega, path->decay, time, AOI_STAGES, impulse, rate);
+    *x = path->x + path->v * motion.impulse - pull * motion.step;
+    *v = path->v * motion.rate - pull * motion.impulse;
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        const double of = time * aoi_stages_dot(aoi_radau_to_legendre[k], values);
+        *x += of * impulse[k];
+        *v += of * rate[k];
+    }
+}
+
+/* The integrals by quadrature. Where damping is strong, that of v^2 by what the force does and the mode keeps:
+ * what dies away at once is hardly seen by the force. */
+static void by_quadrature(const aoi_path *path, double *squared, double *moment)
+{
+    const double time = path->place * path->h;
+    double x = path->x, v = path->v, work = 0.0, slope;
+    *squared = *moment = 0.0;
+    for (size_t i = 0; i < AOI_STAGES; i++) { /* the last node is the end */
+        const double weight = aoi_radau_to_legendre[0][i] * time;
+        state_at(path, aoi_radau_node[i], &x, &v);
+        *squared += weight * v * v;
+        *moment += weight * time * aoi_radau_node[i] * v;
+        work += weight * v *
+                aoi_legendre_evaluate(AOI_STAGES, path->force, path->place * aoi_radau_node[i], &slope);
+    }
+    if (path->decay * time > STRONG) {
+        const double before = path->v * path->v + path->omega * path->omega * path->x * path->x;
+        const double kept = v * v + path->omega * path->omega * x * x - before;
+        *squared = (work - 0.5 * kept) / (2.0 * path->decay);
+    }
+}
+
+/* Adds what the oscillation from x, v does, by itself and together with the velocity along the polynomial. */
+static void add_oscillation(const aoi_path *path, const double *velocity, double x, double v,
+                            double *squared, double *moment)
+{
+    const double time = path->place * path->h, pull = path->omega * path->omega * x;
+    double impulse[AOI_STAGES], rate[AOI_STAGES], sign = 1.0;
+    aoi_motion motion;
+    aoi_oscillator_motion(path->omega, path->decay, time, &motion);
+    aoi_oscillator_integrals(path->omega, path->decay, time, AOI_STAGES, impulse, rate);
+    for (size_t k = 0; k < AOI_STAGES; k++, sign = -sign) { /* those are for the time that is left */
+        const double of = sign * time * (v * rate[k] - pull * impulse[k]);
+        *squared += 2.0 * of * aoi_stages_dot(aoi_radau_to_legendre[k], velocity);
+        *moment += k < 2 ? 0.5 * time * of : 0.0; /* t = time (P_0 + P_1) / 2 */
+    }
+    if (path->decay > 0.0) {
+        const double later = v * motion.rate - pull * motion.impulse;
+        const double apart = path->omega * (x + v * motion.impulse - pull * motion.step);
+        const double lost = v * v - later * later + pull * x - apart * apart;
+        *squared += 0.25 * lost / path->decay;
+    }
+}
+
+void aoi_path_integrals(const aoi_path *path, double *squared, double *moment)
+{
+    const double time = path->place * path->h;
+    double velocity[AOI_STAGES], x, v;
+    if (!along(path, velocity, &x, &v)) {
+        by_quadrature(path, squared, moment);
+        return;
+    }
+    *squared = *moment = 0.0;
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        const double weight = aoi_radau_to_legendre[0][i] * time;
+        *squared += weight * velocity[i] * velocity[i];
+        *moment += weight * time * aoi_radau_node[i] * velocity[i];
+    }
+    add_oscillation(path, velocity, x, v, squared, moment);
+}

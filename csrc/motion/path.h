@@ -1,0 +1,25 @@
+/* How a mode moves over a time under a force that is a polynomial in it (path.c). */
+#ifndef AOI_PATH_H
+#define AOI_PATH_H
+
+#include "aoimpact.h"
+
+/* A mode that turns by more than this (rad) moves along a polynomial and oscillates about it; the motion of a
+ * slower one is a polynomial of the degree of a step's to 1e-9 of what its force does. */
+#define AOI_PATH_FAST 1.5
+
+/* The polynomial that solves x'' + 2 decay x' + omega^2 x = f over a time h, omega > 0. f, x: AOI_STAGES
+ * Legendre coefficients. Under strong damping (decay > omega) digits are lost unless f runs straight. */
+void aoi_path_follow(double omega, double decay, double h, const double *f, double *x);
+
+/* A mode from x, v on under a force f as above, which may run straight; how far of h it is looked at (0 .. 1). */
+typedef struct aoi_path {
+    double omega, decay, h, x, v, place;
+    const double *force;
+    int straight;
+} aoi_path;
+
+/* The integrals of v^2 and of t v over that part. */
+void aoi_path_integrals(const aoi_path *path, double *squared, double *moment);
+
+#endif

@@ -1,0 +1,168 @@
+/* Polynomials over one step, in shifted Legendre polynomials: values, falls through a level, tops. */
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/stages.h"
+#include "law/law.h"
+
+#include <float.h>
+#include <math.h>
+
+/* (k+1) P_(k+1) = (2k+1) xi P_k - k P_(k-1): (2k+1)/(k+1) and k/(k+1). One product and one difference
+ * from P_k to P_(k+1): steps wait for little else. */
+static const double of_last[AOI_STAGES + 1] = {1.0,     3.0 / 2,  5.0 / 3,  7.0 / 4, 9.0 / 5,
+                                               11.0 / 6, 13.0 / 7, 15.0 / 8, 17.0 / 9};
+static const double of_one_before[AOI_STAGES + 1] = {0.0,     1.0 / 2, 2.0 / 3, 3.0 / 4, 4.0 / 5,
+                                                     5.0 / 6, 6.0 / 7, 7.0 / 8, 8.0 / 9};
+
+double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope)
+{
+    const double xi = 2.0 * at - 1.0;
+    double before = 1.0, here = xi, slope_before = 0.0, slope_here = 2.0;
+    double value = coefficient[0];
+    *slope = 0.0;
+    for (size_t k = 1; k < count; k++) {
+        value += coefficient[k] * here;
+        *slope += coefficient[k] * slope_here;
+        const double next = (of_last[k] * xi) * here - of_one_before[k] * before;
+        const double slope_next = slope_before + (4.0 * (double)k + 2.0) * here;
+        before = here;
+        here = next;
+        slope_before = slope_here;
+        slope_here = slope_next;
+    }
+    return value;
+}
+
+/* P_k' = 2 ((2k-1) P_(k-1) + (2k-5) P_(k-3) + ...). */
+void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative)
+{
+    double above[2] = {0.0, 0.0}; /* sums of the coefficients above, of either parity */
+    for (size_t k = count; k-- > 0;) {
+        const double own = coefficient[k];
+        derivative[k] = 2.0 * (2.0 * (double)k + 1.0) * above[(k + 1) % 2];
+        above[k % 2] += own;
+    }
+}
+
+void aoi_legendre_fit(const double *values, double *coefficient)
+{
+    double sum[AOI_STAGES + 1] = {0.0};
+    for (size_t i = 0; i <= AOI_STAGES; i++) {
+        for (size_t k = 0; k <= AOI_STAGES; k++) {
+            sum[k] += aoi_radau_to_legendre_0[i][k] * values[i];
+        }
+    }
+    for (size_t k = 0; k <= AOI_STAGES; k++) {
+        coefficient[k] = sum[k];
+    }
+}
+
+/* The polynomial minus a level, or its slope. */
+static double value_at(size_t count, const double *coefficient, int of_slope, double level, double at)
+{
+    double slope;
+    const double value = aoi_legendre_evaluate(count, coefficient, at, &slope);
+    return of_slope ? slope : value - level;
+}
+
+/* Its zero between two places where its sign differs: the secant method, Illinois variant. */
+static double zero_between(size_t count, const double *coefficient, int of_slope, double level,
+                           double low, double high)
+{
+    double value_low = value_at(count, coefficient, of_slope, level, low);
+    double value_high = value_at(count, coefficient, of_slope, level, high);
+    if ((value_low > 0.0) == (value_high > 0.0)) { /* rounding has taken the change of sign */
+        return fabs(value_low) < fabs(value_high) ? low : high;
+    }
+    int side = 0;
+    for (int i = 0; i < 60 && high - low > DBL_EPSILON && value_high != value_low; i++) {
+        const double at = low - value_low * (high - low) / (value_high - value_low);
+        const double value = value_at(count, coefficient, of_slope, level, at);
+        if (value == 0.0) {
+            return at;
+        }
+        if ((value > 0.0) == (value_low > 0.0)) {
+            low = at;
+            value_low = value;
+            value_high *= side == 1 ? 0.5 : 1.0;
+            side = 1;
+        } else {
+            high = at;
+            value_high = value;
+            value_low *= side == 2 ? 0.5 : 1.0;
+            side = 2;
+        }
+    }
+    return fabs(value_low) < fabs(value_high) ? low : high;
+}
+
+int aoi_legendre_falls(const double *values, const double *coefficient, double level, double *place)
+{
+    for (size_t i = 1; i <= AOI_STAGES; i++) {
+        if (values[i] < level) {
+            *place = zero_between(AOI_STAGES + 1, coefficient, 0, level,
+                                  i > 1 ? aoi_radau_node[i - 2] : 0.0, aoi_radau_node[i - 1]);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* At the start, where that of P_k is -(-1)^k k (k + 1), and at the nodes. */
+static void slopes_of(size_t count, const double *coefficient, double *slope)
+{
+    double all[AOI_STAGES + 1] = {0.0}, sign = 1.0;
+    slope[0] = 0.0;
+    for (size_t k = 1; k < count; k++, sign = -sign) {
+        all[k] = coefficient[k];
+        slope[0] += sign * (double)(k * (k + 1)) * coefficient[k];
+    }
+    aoi_stages_multiply(&aoi_radau_legendre_slope[1][0], all + 1, slope + 1);
+}
+
+int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value)
+{
+    double slope[AOI_STAGES + 1], before = 0.0, rest = 0.0;
+    int found = 0;
+    for (size_t k = 2; k < count; k++) { /* |P_k'| <= k (k+1) on [0, 1] */
+        rest += fabs(coefficient[k]) * 0.5 * (double)(k * (k + 1));
+    }
+    if (fabs(coefficient[1]) > rest) {
+        return 0; /* it only rises or only falls */
+    }
+    slopes_of(count, coefficient, slope);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        if (slope[i] > 0.0 && slope[i + 1] <= 0.0) {
+            const double at = zero_between(count, coefficient, 1, 0.0, before, aoi_radau_node[i]);
+            double level;
+            const double here = aoi_legendre_evaluate(count, coefficient, at, &level);
+            if (!found || here > *value) {
+                *value = here;
+                *place = at;
+                found = 1;
+            }
+        }
+        before = aoi_radau_node[i];
+    }
+    return found;
+}
+
+int aoi_legendre_dips(const double *coefficient, double depth, double level, double *place)
+{
+    double turned[AOI_STAGES + 1], bottom = 0.0, value = 0.0, slope;
+    for (size_t k = 0; k <= AOI_STAGES; k++) {
+        turned[k] = -coefficient[k];
+    }
+    if (!aoi_legendre_top(AOI_STAGES + 1, turned, &bottom, &value) || !(-value < depth)) {
+        return 0;
+    }
+    double before = 0.0;
+    for (size_t i = 0; i < AOI_STAGES && aoi_radau_node[i] < bottom; i++) {
+        before = aoi_radau_node[i];
+    }
+    if (!(aoi_legendre_evaluate(AOI_STAGES + 1, coefficient, before, &slope) > level)) {
+        return 0;
+    }
+    *place = zero_between(AOI_STAGES + 1, coefficient, 0, level, before, bottom);
+    return 1;
+}

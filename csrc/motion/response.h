@@ -1,0 +1,42 @@
+/* What a body does over one step under forces that are polynomials. */
+#ifndef AOI_MOTION_RESPONSE_H
+#define AOI_MOTION_RESPONSE_H
+
+#include "aoimpact.h"
+
+/* What a body does over a step of length h under forces that are polynomials, given by their values at
+ * the AOI_STAGES Radau nodes: exact, whatever omega h. */
+typedef struct aoi_response {
+    double h;
+    int has_rates;                        /* influence_rate is filled                     */
+    double *impulse, *rate, *step, *ramp; /* [n][stage]: aoi_motion at the nodes          */
+    double *to_x, *to_v;                  /* [n][stage]: integrals against l_stage        */
+    double *influence, *influence_rate;   /* [port][port][stage][stage]: at the first port and the
+                                             second stage, of a force at the others */
+    double *answer;                       /* [port][stage]: displacement after a unit impulse */
+    double *scratch;
+} aoi_response;
+
+/* Doubles of the block behind the arrays. */
+size_t aoi_response_size(const aoi_modes *body);
+
+/* Fills the tables of a step of length h > 0; block as above, kept. */
+void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, int with_rates,
+                       double *block);
+
+/* Adds sign times the change of a port's displacement, and its rate (where not NULL), at the nodes, that
+ * is due to the state at the start and to the loads; time: of the start. */
+void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *body, size_t port,
+                              double sign, double time, const double *x, const double *v,
+                              double *displacement, double *rate);
+
+/* Takes x, v to the end of the step under force[port][stage] and the loads. */
+void aoi_response_propagate(const aoi_response *response, const aoi_modes *body, double time,
+                            const double *force, double *x, double *v);
+
+/* Adds what the forces did from the start of a step of length h up to place (0 .. 1) to x, v, which have
+ * flown freely to there. */
+void aoi_response_push(const aoi_modes *body, double h, const double *force, double place, double *x,
+                       double *v);
+
+#endif

@@ -1,0 +1,103 @@
+/* The inner loops of multigrid seen from Python. */
+#include "python/binding.h"
+#include "linear/multigrid.h"
+#include "linear/sparse.h"
+
+/* (start, indices, values, inverse); the number of rows and the size of a block follow from the
+ * lengths. */
+static int take_blocks(held *buffers, PyObject *tuple, size_t length, aoi_blocks *matrix)
+{
+    size_t rows = (size_t)-1, stored = (size_t)-1, entries = (size_t)-1, diagonal = (size_t)-1;
+    need_tuple(buffers, tuple, 4);
+    if (buffers->failed) {
+        return AOI_OK;
+    }
+    matrix->start = integers(buffers, PyTuple_GetItem(tuple, 0), "row starts", &rows);
+    matrix->indices = integers(buffers, PyTuple_GetItem(tuple, 1), "indices", &stored);
+    matrix->values = held_take(buffers, PyTuple_GetItem(tuple, 2), "values", 'f', 0, &entries);
+    matrix->inverse = held_take(buffers, PyTuple_GetItem(tuple, 3), "inverse", 'f', 0, &diagonal);
+    if (buffers->failed) {
+        return AOI_OK;
+    }
+    matrix->n = rows > 0 ? rows - 1 : 0;
+    matrix->size = matrix->n > 0 ? length / matrix->n : 0;
+    const size_t area = matrix->size * matrix->size;
+    if (matrix->n * matrix->size != length || matrix->n * area != diagonal ||
+        stored * area != entries) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    return aoi_blocks_check(matrix, stored);
+}
+
+PyObject *blocks_subtract(PyObject *self, PyObject *args)
+{
+    PyObject *matrix_in, *x_in, *r_out;
+    held buffers = {.failed = 0};
+    aoi_blocks matrix = {.n = 0};
+    size_t length = (size_t)-1;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!OO", &PyTuple_Type, &matrix_in, &x_in, &r_out)) {
+        return NULL;
+    }
+    const float *x = held_take(&buffers, x_in, "x", 'f', 0, &length);
+    float *r = held_take(&buffers, r_out, "r", 'f', 1, &length);
+    const int status = take_blocks(&buffers, matrix_in, length, &matrix);
+    if (!buffers.failed && status == AOI_OK) {
+        Py_BEGIN_ALLOW_THREADS
+        aoi_blocks_subtract(&matrix, x, r);
+        Py_END_ALLOW_THREADS
+    }
+    return finish(&buffers, status, "product of blocks");
+}
+
+PyObject *blocks_smooth(PyObject *self, PyObject *args)
+{
+    PyObject *matrix_in, *x_out, *r_out, *work_out;
+    held buffers = {.failed = 0};
+    aoi_blocks matrix = {.n = 0};
+    size_t length = (size_t)-1;
+    Py_ssize_t steps;
+    double low, high;
+    int finished;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!nddpOOO", &PyTuple_Type, &matrix_in, &steps, &low, &high,
+                          &finished, &x_out, &r_out, &work_out)) {
+        return NULL;
+    }
+    float *x = held_take(&buffers, x_out, "x", 'f', 1, &length);
+    float *r = held_take(&buffers, r_out, "r", 'f', 1, &length);
+    size_t twice = 2 * length;
+    float *work = held_take(&buffers, work_out, "work", 'f', 1, &twice);
+    int status = take_blocks(&buffers, matrix_in, length, &matrix);
+    if (!buffers.failed && status == AOI_OK) {
+        Py_BEGIN_ALLOW_THREADS
+        status = steps > 0 ? aoi_blocks_smooth(&matrix, (size_t)steps, low, high, finished, x, r, work)
+                           : AOI_ERROR_ARGUMENT;
+        Py_END_ALLOW_THREADS
+    }
+    return finish(&buffers, status, "smoothing");
+}
+
+PyObject *graph_aggregate(PyObject *self, PyObject *args)
+{
+    PyObject *start_in, *indices_in, *aggregate_out;
+    held buffers = {.failed = 0};
+    size_t rows = (size_t)-1, stored = (size_t)-1, count = 0;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "OOO", &start_in, &indices_in, &aggregate_out)) {
+        return NULL;
+    }
+    const int32_t *start = integers(&buffers, start_in, "row starts", &rows);
+    const int32_t *indices = integers(&buffers, indices_in, "indices", &stored);
+    size_t n = rows > 0 ? rows - 1 : 0;
+    int32_t *aggregate = held_take(&buffers, aggregate_out, "aggregates", 'i', 1, &n);
+    int status = AOI_OK;
+    if (!buffers.failed) {
+        const aoi_sparse graph = {n, start, indices, NULL};
+        status = rows > 0 ? aoi_sparse_check(&graph, stored) : AOI_ERROR_ARGUMENT;
+        count = status == AOI_OK ? aoi_graph_aggregate(n, start, indices, aggregate) : 0;
+    }
+    PyObject *done = finish(&buffers, status, "aggregation");
+    Py_XDECREF(done);
+    return done ? PyLong_FromSize_t(count) : NULL;
+}

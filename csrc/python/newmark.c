@@ -1,0 +1,340 @@
+/* Scenes by Newmark's rule seen from Python. */
+#include "python/binding.h"
+#include "linear/sparse.h"
+#include "model/coupled.h"
+#include "model/load.h"
+#include "newmark/body.h"
+#include "newmark/scene.h"
+
+#include <stdlib.h>
+
+/* One body of a scene with all that it needs to live. */
+typedef struct player {
+    aoi_body body;
+    aoi_star star;
+    aoi_modal modal;
+    aoi_full full;
+    aoi_factors factors;
+    double *u, *v; /* initial values in, final values out */
+    double *work;
+    double step_cost; /* rough nanoseconds */
+    listener *ear;    /* of the scene */
+} player;
+
+static PyObject *item(PyObject *tuple, Py_ssize_t i) { return PyTuple_GetItem(tuple, i); }
+
+/* The last four of a body's tuple: gravity (or None), centre, u, v, of n coordinates each. */
+static aoi_start take_start(held *buffers, PyObject *tuple, size_t n, player *one)
+{
+    const Py_ssize_t at = PyTuple_Size(tuple) - 4;
+    aoi_start start = {NULL, NULL, NULL, NULL, NULL};
+    if (item(tuple, at) != Py_None) {
+        start.gravity = doubles(buffers, item(tuple, at), "gravity", &n);
+    }
+    start.centre = doubles(buffers, item(tuple, at + 1), "centre", &n);
+    start.u = one->u = doubles_out(buffers, item(tuple, at + 2), "u", &n);
+    start.v = one->v = doubles_out(buffers, item(tuple, at + 3), "v", &n);
+    return start;
+}
+
+static double *take_work(held *buffers, size_t size)
+{
+    double *work = buffers->failed ? NULL : malloc((size + 1) * sizeof(double));
+    if (!buffers->failed && !work) {
+        buffers->failed = 1;
+        PyErr_NoMemory();
+    }
+    return work;
+}
+
+/* ("star", m0, k0, m, k, alpha, beta, gravity, centre, u, v) */
+static int take_star(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
+{
+    size_t n = (size_t)-1;
+    aoi_star *star = &one->star;
+    star->m0 = PyFloat_AsDouble(item(tuple, 1));
+    star->k0 = PyFloat_AsDouble(item(tuple, 2));
+    star->m = doubles(buffers, item(tuple, 3), "m", &n);
+    star->k = doubles(buffers, item(tuple, 4), "k", &n);
+    star->n = n;
+    const aoi_rayleigh damping = {PyFloat_AsDouble(item(tuple, 5)),
+                                  PyFloat_AsDouble(item(tuple, 6))};
+    const aoi_start start = take_start(buffers, tuple, n + 1, one);
+    one->work = take_work(buffers, buffers->failed ? 0 : aoi_body_star_size(n));
+    one->step_cost = 40.0 + 4.0 * (double)n;
+    return buffers->failed
+               ? AOI_OK
+               : aoi_body_start_star(&one->body, star, &damping, rule, &start, one->work);
+}
+
+/* ("modal", omega, decay, participation, residual, force or None, gravity, centre, u, v) */
+static int take_modal(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
+{
+    size_t n = (size_t)-1, square = (size_t)-1, ports = 0;
+    aoi_modal *modal = &one->modal;
+    modal->omega = doubles(buffers, item(tuple, 1), "omega", &n);
+    modal->decay = doubles(buffers, item(tuple, 2), "decay", &n);
+    modal->residual = doubles(buffers, item(tuple, 4), "residual", &square);
+    while (!buffers->failed && ports * ports < square) {
+        ports++;
+    }
+    size_t all = ports * n;
+    modal->participation = doubles(buffers, item(tuple, 3), "participation", &all);
+    modal->n = n;
+    modal->ports = ports;
+    aoi_start start = take_start(buffers, tuple, n, one);
+    if (item(tuple, 5) != Py_None) {
+        size_t both = 2 * ports;
+        start.force = doubles(buffers, item(tuple, 5), "force", &both);
+    }
+    one->work = take_work(buffers, buffers->failed ? 0 : aoi_body_modal_size(n, ports));
+    one->step_cost = 40.0 + 4.0 * (double)(n * (1 + ports));
+    if (buffers->failed || ports * ports != square) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    return aoi_body_start_modal(&one->body, modal, rule, &start, one->work);
+}
+
+/* ("full", K, M, b, alpha, beta, factors, gravity, centre, u, v) */
+static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
+{
+    aoi_full *full = &one->full;
+    size_t rows = (size_t)-1, all = (size_t)-1;
+    (void)doubles(buffers, item(tuple, 8), "centre", &rows);
+    const double *b = doubles(buffers, item(tuple, 3), "b", &all);
+    if (buffers->failed || rows == 0 || all % rows != 0) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    full->b = b;
+    full->ports = all / rows;
+    const size_t size = aoi_body_full_size(rows, full->ports);
+    one->work = take_work(buffers, size + rows);
+    if (buffers->failed) {
+        return AOI_OK;
+    }
+    one->factors.work = one->work + size;
+    int status = take_sparse(buffers, item(tuple, 1), rows, &full->K);
+    if (status == AOI_OK) {
+        status = take_sparse(buffers, item(tuple, 2), rows, &full->M);
+    }
+    if (status == AOI_OK) {
+        status = take_factors(buffers, item(tuple, 6), rows, &one->factors);
+    }
+    full->damping.alpha = PyFloat_AsDouble(item(tuple, 4));
+    full->damping.beta = PyFloat_AsDouble(item(tuple, 5));
+    const aoi_start start = take_start(buffers, tuple, rows, one);
+    if (buffers->failed || status != AOI_OK) {
+        return status;
+    }
+    full->solver = (aoi_solver){aoi_factors_solve, &one->factors};
+    one->step_cost = 2.0 * (3.0 * full->K.start[rows] + 2.0 * one->factors.start[rows]);
+    full->pause = one->factors.pause = &one->ear->pause;
+    listener_release(one->ear);
+    status = aoi_body_start_full(&one->body, full, rule, &start, one->work);
+    listener_regain(one->ear);
+    return status;
+}
+
+static int take_player(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
+{
+    static const struct {
+        const char *kind;
+        Py_ssize_t size;
+        int (*take)(held *, PyObject *, player *, const aoi_newmark *);
+    } kinds[] = {{"star", 11, take_star}, {"modal", 10, take_modal}, {"full", 11, take_full}};
+    PyObject *first = PyTuple_Check(tuple) && PyTuple_Size(tuple) > 0 ? item(tuple, 0) : Py_None;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (PyUnicode_Check(first) && PyUnicode_CompareWithASCIIString(first, kinds[i].kind) == 0) {
+            need_tuple(buffers, tuple, kinds[i].size);
+            return buffers->failed ? AOI_OK : kinds[i].take(buffers, tuple, one, rule);
+        }
+    }
+    if (!buffers->failed) {
+        buffers->failed = 1;
+        PyErr_SetString(PyExc_TypeError,
+                        "a body is a tuple that begins with \"star\", \"modal\" or \"full\"");
+    }
+    return AOI_OK;
+}
+
+/* (body, port, body, port, law, gap) */
+static int take_contact(held *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
+{
+    need_tuple(buffers, tuple, 6);
+    if (buffers->failed) {
+        return AOI_OK;
+    }
+    for (Py_ssize_t side = 0; side < 2; side++) {
+        contact->body[side] = PyLong_AsSize_t(item(tuple, 2 * side));
+        contact->port[side] = PyLong_AsSize_t(item(tuple, 2 * side + 1));
+    }
+    contact->gap = PyFloat_AsDouble(item(tuple, 5));
+    contact->law = law;
+    buffers->failed = PyErr_Occurred() != NULL;
+    return take_law(buffers, item(tuple, 4), law);
+}
+
+/* (body, port, times, forces) */
+static void take_load(held *buffers, PyObject *tuple, aoi_load *load)
+{
+    size_t count = (size_t)-1;
+    need_tuple(buffers, tuple, 4);
+    if (buffers->failed) {
+        return;
+    }
+    load->body = PyLong_AsSize_t(item(tuple, 0));
+    load->port = PyLong_AsSize_t(item(tuple, 1));
+    load->time = doubles(buffers, item(tuple, 2), "times of a load", &count);
+    load->force = doubles(buffers, item(tuple, 3), "forces of a load", &count);
+    load->count = count;
+}
+
+/* All that a scene is made of. */
+typedef struct cast {
+    player *player;
+    aoi_body **body;
+    aoi_contact *contact;
+    aoi_law *law;
+    aoi_load *load;
+    aoi_scene scene;
+    double step_cost;
+    listener ear;
+} cast;
+
+static void cast_release(cast *all, int copy)
+{
+    for (size_t b = 0; all->player && b < all->scene.body_count; b++) {
+        player *one = &all->player[b];
+        if (copy) {
+            one->body.copy_state(&one->body, one->u, one->v);
+        }
+        free(one->work);
+    }
+    free(all->player);
+    free(all->body);
+    free(all->contact);
+    free(all->law);
+    free(all->load);
+    free(all->scene.work);
+    free(all->scene.first_port);
+}
+
+static int cast_allocate(cast *all)
+{
+    const aoi_scene *scene = &all->scene;
+    all->player = calloc(scene->body_count + 1, sizeof *all->player);
+    all->body = calloc(scene->body_count + 1, sizeof *all->body);
+    all->contact = calloc(scene->contact_count + 1, sizeof *all->contact);
+    all->law = calloc(scene->contact_count + 1, sizeof *all->law);
+    all->load = calloc(scene->load_count + 1, sizeof *all->load);
+    all->scene.first_port = calloc(scene->body_count + 1, sizeof *scene->first_port);
+    if (!all->player || !all->body || !all->contact || !all->law || !all->load ||
+        !scene->first_port) {
+        PyErr_NoMemory();
+        return 0;
+    }
+    return 1;
+}
+
+/* Bodies, contacts and loads from their tuples. */
+static int cast_take(held *buffers, cast *all, PyObject *bodies, PyObject *contacts,
+                     PyObject *loads, const aoi_newmark *rule)
+{
+    aoi_scene *scene = &all->scene;
+    int status = AOI_OK;
+    listener_open(&all->ear);
+    for (size_t b = 0; b < scene->body_count && status == AOI_OK && !buffers->failed; b++) {
+        player *one = &all->player[b];
+        one->ear = &all->ear;
+        status = take_player(buffers, item(bodies, (Py_ssize_t)b), one, rule);
+        all->body[b] = &one->body;
+        all->step_cost += one->step_cost;
+    }
+    for (size_t c = 0; c < scene->contact_count && status == AOI_OK && !buffers->failed; c++) {
+        status = take_contact(buffers, item(contacts, (Py_ssize_t)c), &all->contact[c],
+                              &all->law[c]);
+        all->step_cost += 100.0;
+    }
+    for (size_t i = 0; i < scene->load_count && !buffers->failed; i++) {
+        take_load(buffers, item(loads, (Py_ssize_t)i), &all->load[i]);
+    }
+    scene->body = all->body;
+    scene->contact = all->contact;
+    scene->load = all->load;
+    buffers->failed = buffers->failed || PyErr_Occurred();
+    if (status == AOI_OK && !buffers->failed) {
+        status = aoi_scene_check(scene);
+    }
+    if (status == AOI_OK) {
+        scene->work = take_work(buffers, buffers->failed ? 0 : aoi_scene_size(scene));
+    }
+    return status;
+}
+
+/* Runs the steps in chunks without the GIL; between them signals are heard. */
+static int run_in_chunks(cast *all, double *record, size_t columns, size_t *done)
+{
+    const double in_20_ms = 2e7 / all->step_cost;
+    const size_t chunk = in_20_ms < 1.0 ? 1 : (size_t)in_20_ms, steps = columns - 1;
+    *done = 0;
+    listener_release(&all->ear);
+    int status = aoi_scene_start(&all->scene, record, columns);
+    listener_regain(&all->ear);
+    while (status == AOI_OK && *done < steps) {
+        const size_t first = *done + 1;
+        const size_t last = steps - *done < chunk ? steps : *done + chunk;
+        listener_release(&all->ear);
+        status = aoi_scene_run(&all->scene, record, columns, first, last, done);
+        listener_regain(&all->ear);
+        if (PyErr_CheckSignals() != 0) {
+            break;
+        }
+    }
+    return status;
+}
+
+PyObject *newmark_scene(PyObject *self, PyObject *args)
+{
+    PyObject *bodies, *contacts, *loads, *record_out, *start_force;
+    held buffers = {.failed = 0};
+    cast all = {.step_cost = 40.0};
+    aoi_newmark rule;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!O!O!dddOpO", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
+                          &PyTuple_Type, &loads, &rule.dt, &rule.beta, &rule.gamma, &record_out,
+                          &all.scene.energies, &start_force)) {
+        return NULL;
+    }
+    aoi_scene *scene = &all.scene;
+    size_t values = (size_t)-1, done = 0;
+    int status = AOI_OK;
+    double *record = doubles_out(&buffers, record_out, "record", &values);
+    scene->dt = rule.dt;
+    scene->body_count = (size_t)PyTuple_Size(bodies);
+    scene->contact_count = (size_t)PyTuple_Size(contacts);
+    scene->load_count = (size_t)PyTuple_Size(loads);
+    if (start_force != Py_None) {
+        size_t count = scene->contact_count;
+        scene->start_force = doubles(&buffers, start_force, "start_force", &count);
+    }
+    buffers.failed = buffers.failed || !cast_allocate(&all);
+    if (!buffers.failed) {
+        status = cast_take(&buffers, &all, bodies, contacts, loads, &rule);
+    }
+    if (!buffers.failed && status == AOI_OK) {
+        const size_t rows = aoi_scene_rows(scene), columns = rows > 0 ? values / rows : 0;
+        status = columns > 0 && columns * rows == values
+                     ? run_in_chunks(&all, record, columns, &done)
+                     : AOI_ERROR_ARGUMENT;
+    }
+    if (!buffers.failed && status != AOI_OK) {
+        raise_of_laws(status, "Newmark step", rule.dt * (double)(done + 1), all.law,
+                      scene->contact_count);
+    }
+    cast_release(&all, !buffers.failed && !PyErr_Occurred());
+    held_release(&buffers);
+    if (buffers.failed || PyErr_Occurred()) {
+        return NULL;
+    }
+    Py_RETURN_NONE;
+}

@@ -1,0 +1,93 @@
+/* Roots of the secular equation, each to full relative accuracy of its distance from the nearest
+ * pole: the way between the star and its modes with no dense matrix. The idea of working with that
+ * distance is LAPACK's (dlaed4); the iteration is a plain guarded Newton. */
+#include "star/secular.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Bisection alone goes through all powers of two that a double has. */
+enum { MOST_ITERATIONS = 2200 };
+
+/* s and s' at origin + offset, the poles' distances taken before anything is added up. */
+static void secular_evaluate(const aoi_secular *s, double origin, double offset, double *value,
+                             double *slope)
+{
+    double sum = 0.0, sum_of_squares = 0.0;
+    for (size_t j = 0; j < s->n; j++) {
+        const double inverse = 1.0 / ((s->pole[j] - origin) - offset);
+        const double term = s->weight[j] * inverse;
+        sum += term;
+        sum_of_squares += term * inverse;
+    }
+    if (s->power == 0) {
+        *value = s->constant + s->linear + sum;
+        *slope = sum_of_squares;
+    } else {
+        const double x = origin + offset;
+        *value = s->constant + x * (s->linear + sum);
+        *slope = s->linear + sum + x * sum_of_squares;
+    }
+}
+
+/* Root in (low, high) of the rising s; scaled: multiply by the offset first, which takes away the
+ * pole at offset 0 and leaves Newton a nearly straight line. */
+static int find_offset(const aoi_secular *s, double origin, double low, double high, int scaled,
+                       double *offset)
+{
+    double x = 0.5 * (low + high);
+    for (int i = 0; i < MOST_ITERATIONS; i++) {
+        double value, slope;
+        secular_evaluate(s, origin, x, &value, &slope);
+        if (isnan(value)) {
+            return AOI_ERROR_NOT_FINITE;
+        }
+        if (value == 0.0) {
+            *offset = x;
+            return AOI_OK;
+        }
+        if (value < 0.0) {
+            low = x;
+        } else {
+            high = x;
+        }
+        const double change = scaled ? -x * value / (value + x * slope) : -value / slope;
+        double next = x + change;
+        if (!(next > low && next < high)) {
+            next = 0.5 * (low + high);
+        }
+        const double moved = fabs(next - x);
+        x = next;
+        if (moved <= 2.0 * DBL_EPSILON * fabs(x)) {
+            *offset = x;
+            return AOI_OK;
+        }
+    }
+    return AOI_ERROR_NO_CONVERGENCE;
+}
+
+int aoi_secular_root(const aoi_secular *s, ptrdiff_t gap, double ceiling, size_t *nearest,
+                     double *offset)
+{
+    const ptrdiff_t last = (ptrdiff_t)s->n - 1;
+    if (gap < -1 || gap > last) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    const double left = gap < 0 ? 0.0 : s->pole[gap];
+    const double right = gap == last ? ceiling : s->pole[gap + 1];
+    if (!(right > left)) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    if (!(right - left < DBL_MAX / 4.0)) { /* halves of the ends' sum are looked at */
+        return AOI_ERROR_NOT_FINITE;
+    }
+    double value, slope;
+    const double half = 0.5 * (right - left);
+    secular_evaluate(s, left, half, &value, &slope);
+    if (gap == last || value >= 0.0) { /* the last gap has no pole on its right */
+        *nearest = gap < 0 ? s->n : (size_t)gap;
+        return find_offset(s, left, 0.0, gap == last ? right - left : half, gap >= 0, offset);
+    }
+    *nearest = (size_t)(gap + 1);
+    return find_offset(s, right, -half, 0.0, 1, offset);
+}

@@ -1,0 +1,525 @@
+/* Dense output: the record at any time of a track, from the rows that hold it. Between the start of a row
+ * and the time asked for, the bodies are taken on exactly as the run itself took them. */
+#include "track/sampler.h"
+#include "linear/vector.h"
+#include "law/law.h"
+#include "model/system.h"
+#include "motion/energy.h"
+#include "motion/modes.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
+#include "adaptive/row.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* A body in flight as it was when a load last bent: time, work and losses since its row; then x, v. */
+enum { BEND_TIME, BEND_WORK, BEND_LOST, BEND_STATE };
+
+/* Doubles of all bodies' such. */
+static size_t bends_size(const aoi_system *system)
+{
+    return BEND_STATE * system->body_count + 2 * system->first[system->body_count];
+}
+
+size_t aoi_sampler_size(const aoi_system *system)
+{
+    return system->first_port[system->body_count] * (AOI_STAGES + 3) +
+           6 * aoi_system_most_modes(system) + system->joint_count + 2 * bends_size(system);
+}
+
+size_t aoi_sampler_rows(const aoi_system *system)
+{
+    return AOI_CONTACT_ROWS * system->joint_count + AOI_BODY_ROWS * system->body_count +
+           AOI_PORT_ROWS * system->first_port[system->body_count];
+}
+
+static const double *row_of(const aoi_sampler *sampler, size_t row)
+{
+    return sampler->track + sampler->index[row];
+}
+
+/* The force's polynomial over a contact's row. */
+static void fit_force(const double *of, double *legendre)
+{
+    for (size_t k = 0; k < AOI_STAGES; k++) {
+        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
+    }
+}
+
+/* The force of a contact at the nodes of the part of its row up to place. At an edge that is the
+ * polynomial nearest on that part: the row's own is right only on the whole. */
+static void force_on_part(const aoi_sampler *sampler, size_t c, double place, double *force)
+{
+    const double *of = sampler->track + sampler->contact_at[c], *whole = of + AOI_TRACK_FORCE;
+    const double h = row_of(sampler, sampler->contact_row[c])[AOI_TRACK_LENGTH];
+    if (place < 1.0 && of[AOI_TRACK_EDGE] != AOI_EDGE_NONE) {
+        aoi_collocation_on_part((enum aoi_edge)of[AOI_TRACK_EDGE], sampler->system->joint[c].law,
+                                of + AOI_TRACK_MEMORY, (int)of[AOI_TRACK_PIECE], h,
+                                of + AOI_TRACK_INDENTATION, place, force);
+        return;
+    }
+    double legendre[AOI_STAGES], slope;
+    fit_force(of, legendre);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        const double at = place * aoi_radau_node[i];
+        force[i] = place < 1.0 ? aoi_legendre_evaluate(AOI_STAGES, legendre, at, &slope) : whole[i];
+    }
+}
+
+/* The forces on all ports, of a part of the present row; part: up to where. */
+static void gather(aoi_sampler *sampler, double part)
+{
+    const aoi_system *system = sampler->system;
+    const size_t ports = system->first_port[system->body_count];
+    sampler->part = part;
+    for (size_t k = 0; k < ports * AOI_STAGES; k++) {
+        sampler->port_force[k] = 0.0;
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (sampler->contact_row[c] != sampler->row) {
+            continue;
+        }
+        double force[AOI_STAGES];
+        force_on_part(sampler, c, part, force);
+        for (int side = 0; side < 2; side++) {
+            const size_t port = system->first_port[system->joint[c].body[side]] +
+                                system->joint[c].port[side];
+            aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, force,
+                           sampler->port_force + port * AOI_STAGES);
+        }
+    }
+}
+
+static double *bend_of(const aoi_sampler *sampler, double *of, size_t b)
+{
+    return of + BEND_STATE * b + 2 * sampler->system->first[b];
+}
+
+/* Takes note of the bodies and contacts of a row. */
+static void enter_row(aoi_sampler *sampler, size_t row)
+{
+    const aoi_system *system = sampler->system;
+    const double *here = sampler->track + sampler->index[row];
+    size_t at = sampler->index[row] + AOI_TRACK_FIXED;
+    sampler->row = row;
+    sampler->has_edge = 0;
+    for (size_t i = 0; i < (size_t)here[AOI_TRACK_BODIES]; i++) {
+        const size_t b = (size_t)sampler->track[at];
+        sampler->body_row[b] = row;
+        sampler->body_at[b] = at;
+        *bend_of(sampler, sampler->flown, b) = *bend_of(sampler, sampler->booked, b) = NAN;
+        at += AOI_TRACK_STATE + 2 * system->body[b].n;
+    }
+    for (size_t i = 0; i < (size_t)here[AOI_TRACK_CONTACTS]; i++) {
+        const size_t c = (size_t)sampler->track[at];
+        sampler->contact_row[c] = row;
+        sampler->contact_at[c] = at;
+        sampler->settled[c] = NAN;
+        sampler->has_edge |= sampler->track[at + AOI_TRACK_EDGE] != AOI_EDGE_NONE;
+        at += AOI_TRACK_CONTACT_SIZE;
+    }
+}
+
+/* A number of things in a track, below a limit. */
+static int number_below(double value, size_t limit, size_t *number)
+{
+    *number = 0;
+    if (!(value >= 0.0 && value < (double)limit)) {
+        return 0;
+    }
+    *number = (size_t)value;
+    return (double)*number == value;
+}
+
+/* Whether a contact of a row can be read. */
+static int contact_is_sound(const aoi_system *system, const double *of)
+{
+    size_t joint, edge, piece;
+    if (!number_below(of[AOI_TRACK_JOINT], system->joint_count, &joint) ||
+        !number_below(of[AOI_TRACK_EDGE], AOI_EDGE_NONE + 1, &edge)) {
+        return 0;
+    }
+    const aoi_law *law = system->joint[joint].law;
+    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* no law is asked: no edge of its force */
+        return edge == AOI_EDGE_NONE;
+    }
+    return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
+}
+
+/* Where a row ends that begins at a place; 0 if it does not lie within the track, or names what is not in
+ * the system. */
+static size_t end_of_row(const aoi_sampler *sampler, size_t at)
+{
+    const aoi_system *system = sampler->system;
+    size_t bodies, contacts, b, end = at + AOI_TRACK_FIXED;
+    if (sampler->size - at < AOI_TRACK_FIXED) {
+        return 0;
+    }
+    const double *track = sampler->track, *row = track + at;
+    if (!isfinite(row[AOI_TRACK_START]) || !isfinite(row[AOI_TRACK_LENGTH])) {
+        return 0;
+    }
+    if (!number_below(row[AOI_TRACK_BODIES], system->body_count + 1, &bodies) ||
+        !number_below(row[AOI_TRACK_CONTACTS], system->joint_count + 1, &contacts) ||
+        (contacts > 0 && !(row[AOI_TRACK_LENGTH] > 0.0))) {
+        return 0;
+    }
+    for (; bodies > 0; bodies--) {
+        if (end == sampler->size || !number_below(track[end], system->body_count, &b) ||
+            sampler->size - end < AOI_TRACK_STATE + 2 * system->body[b].n) {
+            return 0;
+        }
+        end += AOI_TRACK_STATE + 2 * system->body[b].n;
+    }
+    for (; contacts > 0; contacts--) {
+        if (sampler->size - end < AOI_TRACK_CONTACT_SIZE || !contact_is_sound(system, track + end)) {
+            return 0;
+        }
+        end += AOI_TRACK_CONTACT_SIZE;
+    }
+    return end;
+}
+
+/* Rows follow each other without holes and make up the track. */
+static int track_is_sound(const aoi_sampler *sampler)
+{
+    size_t end = 0;
+    for (size_t row = 0; row < sampler->rows; row++) {
+        if (sampler->index[row] != end) {
+            return 0;
+        }
+        end = end_of_row(sampler, end);
+        if (end == 0 ||
+            (row > 0 && row_of(sampler, row)[AOI_TRACK_START] < row_of(sampler, row - 1)[AOI_TRACK_START])) {
+            return 0;
+        }
+    }
+    return sampler->rows > 0 && end == sampler->size;
+}
+
+int aoi_sampler_start(aoi_sampler *sampler)
+{
+    const aoi_system *system = sampler->system;
+    if (aoi_system_check(system) != AOI_OK || !track_is_sound(sampler)) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    sampler->most_modes = aoi_system_most_modes(system);
+    sampler->port_force = sampler->work;
+    sampler->states =
+        sampler->work + system->first_port[system->body_count] * (AOI_STAGES + 3);
+    sampler->settled = sampler->states + 6 * sampler->most_modes;
+    sampler->flown = sampler->settled + system->joint_count;
+    sampler->booked = sampler->flown + bends_size(system);
+    for (size_t b = 0; b < system->body_count; b++) {
+        sampler->body_row[b] = sampler->rows;
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        sampler->contact_row[c] = sampler->rows;
+        sampler->contact_at[c] = 0;
+    }
+    enter_row(sampler, 0);
+    for (size_t b = 0; b < system->body_count; b++) {
+        if (sampler->body_row[b] == sampler->rows) {
+            return AOI_ERROR_ARGUMENT;
+        }
+    }
+    gather(sampler, 1.0);
+    return AOI_OK;
+}
+
+/* Where in the present row a time lies; 1 after it. */
+static double place_of(const aoi_sampler *sampler, double time)
+{
+    const double *row = row_of(sampler, sampler->row);
+    const double length = row[AOI_TRACK_LENGTH], into = time - row[AOI_TRACK_START];
+    return length > 0.0 ? fmin(1.0, into / length) : 1.0;
+}
+
+/* Goes on to the row of a time, and to the forces up to there. */
+static void advance(aoi_sampler *sampler, double time)
+{
+    const size_t before = sampler->row;
+    while (sampler->row + 1 < sampler->rows &&
+           row_of(sampler, sampler->row + 1)[AOI_TRACK_START] <= time) {
+        enter_row(sampler, sampler->row + 1);
+    }
+    const double place = place_of(sampler, time);
+    const double part = sampler->has_edge && place > 0.0 ? place : 1.0;
+    if (sampler->row != before || sampler->part != part) {
+        gather(sampler, part);
+    }
+}
+
+/* Takes a body that flies to the last bend of its loads before a time, from the one where it was left last:
+ * else each time would cost all bends since its row. with_work: and the ledger. */
+static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, int with_work)
+{
+    const aoi_modes *body = &sampler->system->body[b];
+    const double *held = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
+    const double start = row_of(sampler, sampler->body_row[b])[AOI_TRACK_START];
+    double *at = bend_of(sampler, with_work ? sampler->booked : sampler->flown, b);
+    double *x = at + BEND_STATE, *before = sampler->states + 2 * sampler->most_modes;
+    const size_t bytes = 2 * body->n * sizeof(double);
+    if (!(at[BEND_TIME] <= time)) { /* NaN: not yet asked for */
+        at[BEND_TIME] = start;
+        at[BEND_WORK] = at[BEND_LOST] = 0.0;
+        memcpy(x, held, bytes);
+    }
+    for (double bend = aoi_modes_next_bend(body, at[BEND_TIME]); bend < time;
+         bend = aoi_modes_next_bend(body, bend)) {
+        double work, lost;
+        memcpy(before, x, bytes);
+        aoi_modes_fly(body, at[BEND_TIME], bend, x, x + body->n);
+        if (with_work) {
+            aoi_modes_flight_work(body, at[BEND_TIME], bend, before, before + body->n, x, x + body->n,
+                                  before + 2 * sampler->most_modes, &work, &lost);
+            at[BEND_WORK] += work;
+            at[BEND_LOST] += lost;
+        }
+        at[BEND_TIME] = bend;
+    }
+    return at;
+}
+
+/* x, v of a body at a time, into state (2n). Returns whether forces have acted on it since its row. */
+static int state_at(const aoi_sampler *sampler, double time, size_t b, double *state)
+{
+    const aoi_modes *body = &sampler->system->body[b];
+    const double *held = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
+    const double *row = row_of(sampler, sampler->body_row[b]);
+    const double start = row[AOI_TRACK_START], length = row[AOI_TRACK_LENGTH];
+    const int pushed = sampler->body_row[b] == sampler->row && length > 0.0 && time > start;
+    if (!pushed) {
+        const double *bend = fly_to_bend(sampler, time, b, 0);
+        memcpy(state, bend + BEND_STATE, 2 * body->n * sizeof(double));
+        aoi_modes_fly(body, bend[BEND_TIME], time, state, state + body->n);
+        return 0;
+    }
+    const double place = place_of(sampler, time);
+    memcpy(state, held, 2 * body->n * sizeof(double));
+    aoi_modes_fly(body, start, start + place * length, state, state + body->n);
+    aoi_response_push(body, sampler->part * length,
+                      sampler->port_force + sampler->system->first_port[b] * AOI_STAGES,
+                      place / sampler->part, state, state + body->n);
+    aoi_modes_fly(body, start + length, time, state, state + body->n);
+    return 1;
+}
+
+void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state)
+{
+    advance(sampler, time);
+    (void)state_at(sampler, time, body, state);
+}
+
+/* Work on a contact over its row up to place: the quadrature of the run itself, on that part. */
+static double contact_work(const aoi_sampler *sampler, size_t c, double place)
+{
+    const double *of = sampler->track + sampler->contact_at[c];
+    double force[AOI_STAGES], work = 0.0;
+    force_on_part(sampler, c, place, force);
+    for (size_t i = 0; i < AOI_STAGES; i++) {
+        double slope;
+        (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION,
+                                    place * aoi_radau_node[i], &slope);
+        work += aoi_radau_to_legendre[0][i] * place * force[i] * slope;
+    }
+    return work;
+}
+
+/* A law that gives back all it takes: what its work does not balance is the run's own error. */
+static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law->remember; }
+
+static double force_at(const double *of, double place)
+{
+    double legendre[AOI_STAGES], slope;
+    fit_force(of, legendre);
+    return aoi_legendre_evaluate(AOI_STAGES, legendre, place, &slope);
+}
+
+/* The rows of a contact that is closed; its force and the rate of that for the bodies. */
+static double closed_contact(const aoi_sampler *sampler, size_t c, double place, int energies,
+                             double *record, size_t stride, double *force_rate)
+{
+    const aoi_law *law = sampler->system->joint[c].law;
+    const double *of = sampler->track + sampler->contact_at[c];
+    const double length = row_of(sampler, sampler->row)[AOI_TRACK_LENGTH];
+    const int piece = (int)of[AOI_TRACK_PIECE];
+    double slope;
+    aoi_law_value value = {0.0, 0.0, 0.0};
+    const double indentation =
+        aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
+    if (piece != AOI_SLACK) {
+        aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
+        if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {
+            /* The slope over a very short step is noise, but not at an edge. */
+            value.force = force_at(of, place);
+        }
+        value.force = law->pulls || value.force > 0.0 ? value.force : 0.0;
+    }
+    *force_rate = value.stiffness * slope / length;
+    record[0] = value.force;
+    record[stride] = indentation;
+    if (energies) {
+        const double elastic = piece == AOI_SLACK ? 0.0
+                                                  : aoi_law_potential(law, of + AOI_TRACK_MEMORY,
+                                                                      indentation);
+        record[2 * stride] = elastic;
+        record[3 * stride] =
+            is_elastic(law) ? 0.0 : of[AOI_TRACK_WORK] + contact_work(sampler, c, place) - elastic;
+    }
+    return value.force;
+}
+
+/* The indentation by the places of the ports. */
+static double between(const aoi_system *system, size_t c, const double *port_displacement)
+{
+    const aoi_joint *joint = &system->joint[c];
+    return port_displacement[system->first_port[joint->body[0]] + joint->port[0]] -
+           port_displacement[system->first_port[joint->body[1]] + joint->port[1]] - joint->gap;
+}
+
+/* What an open contact has lost, at its end too; computed once after each row of it. */
+static double lost_in(aoi_sampler *sampler, size_t c)
+{
+    if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->joint[c].law)) {
+        return 0.0;
+    }
+    if (isnan(sampler->settled[c])) {
+        const double *of = sampler->track + sampler->contact_at[c];
+        sampler->settled[c] = of[AOI_TRACK_WORK] + contact_work(sampler, c, 1.0) +
+                              of[AOI_TRACK_LOST];
+    }
+    return sampler->settled[c];
+}
+
+/* The rows of a contact that is open, from the displacements of its ports. */
+static void open_contact(aoi_sampler *sampler, size_t c, const double *port_displacement,
+                         int energies, double *record, size_t stride)
+{
+    record[0] = 0.0;
+    record[stride] = between(sampler->system, c, port_displacement);
+    if (energies) {
+        record[2 * stride] = 0.0;
+        record[3 * stride] = lost_in(sampler, c);
+    }
+}
+
+static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int pushed,
+                        const double *state, double *work, double *dissipated)
+{
+    const aoi_modes *body = &sampler->system->body[b];
+    const double *held = sampler->track + sampler->body_at[b];
+    const double *row = row_of(sampler, sampler->body_row[b]), start = row[AOI_TRACK_START];
+    const double *x0 = held + AOI_TRACK_STATE, *v0 = x0 + body->n;
+    double *scratch = sampler->states + 4 * sampler->most_modes, more, lost;
+    if (pushed) {
+        aoi_modes_step_work(body, start, sampler->part * row[AOI_TRACK_LENGTH],
+                            place_of(sampler, time) / sampler->part,
+                            sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, x0, v0,
+                            state, &more, &lost);
+    } else {
+        const double *bend = fly_to_bend(sampler, time, b, 1), *x = bend + BEND_STATE;
+        aoi_modes_flight_work(body, bend[BEND_TIME], time, x, x + body->n, state, state + body->n, scratch,
+                              &more, &lost);
+        more += bend[BEND_WORK];
+        lost += bend[BEND_LOST];
+    }
+    *work = held[1] + more;
+    *dissipated = held[2] + lost;
+}
+
+/* The rows of a body. force, force_rate: of all kinds on its ports. */
+static void write_body(aoi_sampler *sampler, double time, size_t b, int energies, const double *force,
+                       const double *force_rate, double *record, size_t stride,
+                       double *port_displacement)
+{
+    const aoi_modes *body = &sampler->system->body[b];
+    double *x = sampler->states, *v = x + body->n;
+    const int pushed = state_at(sampler, time, b, x);
+    record[0] = aoi_vector_dot(body->n, body->centre, x);
+    record[stride] = aoi_vector_dot(body->n, body->centre, v);
+    for (size_t p = 0; p < body->ports; p++) {
+        double displacement, velocity;
+        aoi_modes_port(body, p, x, v, &displacement, &velocity);
+        for (size_t q = 0; body->residual && q < body->ports; q++) {
+            displacement += body->residual[p * body->ports + q] * force[q];
+            velocity += body->residual[p * body->ports + q] * force_rate[q];
+        }
+        record[0] += body->centre_residual ? body->centre_residual[p] * force[p] : 0.0;
+        record[stride] += body->centre_residual ? body->centre_residual[p] * force_rate[p] : 0.0;
+        record[(AOI_BODY_ROWS + 2 * p) * stride] = port_displacement[p] = displacement;
+        record[(AOI_BODY_ROWS + 2 * p + 1) * stride] = velocity;
+    }
+    if (energies) {
+        aoi_modes_energy(body, x, v, force, &record[2 * stride], &record[3 * stride]);
+        body_ledger(sampler, time, b, pushed, x, &record[5 * stride], &record[4 * stride]);
+        record[5 * stride] += aoi_modes_bent_work(body, time, force);
+    }
+}
+
+/* The rows of the closed contacts; forces and their rates on all ports. */
+static void closed_contacts(aoi_sampler *sampler, double time, int energies, double *record,
+                            size_t stride, double *force, double *rate)
+{
+    const aoi_system *system = sampler->system;
+    const double place = place_of(sampler, time);
+    for (size_t b = 0; b < system->body_count; b++) {
+        for (size_t q = 0; q < system->body[b].ports; q++) {
+            const size_t port = system->first_port[b] + q;
+            aoi_modes_load(&system->body[b], q, time, &force[port], &rate[port]);
+        }
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (sampler->contact_row[c] != sampler->row) {
+            continue;
+        }
+        double change;
+        const double pressed = closed_contact(sampler, c, place, energies,
+                                              record + AOI_CONTACT_ROWS * c * stride, stride, &change);
+        for (int side = 0; side < 2; side++) {
+            const aoi_joint *joint = &system->joint[c];
+            const size_t port = system->first_port[joint->body[side]] + joint->port[side];
+            force[port] += side == 0 ? -pressed : pressed;
+            rate[port] += side == 0 ? -change : change;
+        }
+    }
+}
+
+void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
+                        size_t stride)
+{
+    const aoi_system *system = sampler->system;
+    const size_t ports = system->first_port[system->body_count];
+    double *force = sampler->work + ports * AOI_STAGES, *rate = force + ports;
+    double *displacement = rate + ports;
+    advance(sampler, time);
+    closed_contacts(sampler, time, energies, record, stride, force, rate);
+    double *of_body = record + AOI_CONTACT_ROWS * system->joint_count * stride;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const size_t port = system->first_port[b];
+        write_body(sampler, time, b, energies, force + port, rate + port, of_body, stride,
+                   displacement + port);
+        of_body += (AOI_BODY_ROWS + AOI_PORT_ROWS * system->body[b].ports) * stride;
+    }
+    for (size_t c = 0; c < system->joint_count; c++) {
+        if (sampler->contact_row[c] != sampler->row) {
+            open_contact(sampler, c, displacement, energies, record + AOI_CONTACT_ROWS * c * stride,
+                         stride);
+        }
+    }
+}
+
+void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t stride)
+{
+    advance(sampler, time);
+    const double place = place_of(sampler, time);
+    for (size_t c = 0; c < sampler->system->joint_count; c++) {
+        double record[2], rate;
+        const int closed = sampler->contact_row[c] == sampler->row;
+        force[c * stride] = closed ? closed_contact(sampler, c, place, 0, record, 1, &rate) : 0.0;
+    }
+}

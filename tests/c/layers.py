@@ -1,0 +1,60 @@
+"""The order of the core's folders: no #include, and no symbol, from a later folder.
+
+    python3 layers.py build     where build/<folder>/*.o are the compiled files
+
+A header whose first line says "Private to <folder>/" is included there only.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+CORE = Path(__file__).resolve().parents[2] / "csrc"
+
+# A folder may use those before it; newmark and motion know nothing of each other.
+ORDER = ["linear", "star", "law", "model", "newmark", "motion", "collocation", "adaptive"]
+ORDER += ["track", "python"]
+STRANGERS = {("motion", "newmark"), ("collocation", "newmark"), ("adaptive", "newmark")}
+
+
+def may_use(folder: str, other: str) -> bool:
+    earlier = ORDER.index(other) <= ORDER.index(folder)
+    return earlier and (folder, other) not in STRANGERS
+
+
+def wrong_includes() -> list[str]:
+    wrong = []
+    for path in sorted(CORE.glob("*/*.[ch]")):
+        folder = path.parent.name
+        for name in re.findall(r'#include "(\w+/\w+\.h)"', path.read_text()):
+            other, private = name.split("/")[0], "Private to" in (CORE / name).read_text()[:20]
+            if not may_use(folder, other) or (private and other != folder):
+                wrong.append(f"{folder}/{path.name} includes {name}")
+    return wrong
+
+
+def symbols(folder: Path, kind: str) -> set[str]:
+    files = [str(path) for path in folder.glob("*.o")]
+    told = subprocess.run(["nm", "-g", *files], capture_output=True, text=True, check=True).stdout
+    return set(re.findall(rf"^[\da-f ]* {kind} _?(aoi_\w+)$", told, re.MULTILINE))
+
+
+def wrong_symbols(build: Path) -> list[str]:
+    wrong = []
+    folders = [name for name in ORDER if (build / name).is_dir()]
+    defined = {name: symbols(build / name, "[TDRB]") for name in folders}
+    for folder in folders:
+        used = symbols(build / folder, "U") - defined[folder]
+        for other in folders:
+            if not may_use(folder, other):
+                wrong += [f"{folder}/ uses {name} of {other}/" for name in used & defined[other]]
+    return wrong
+
+
+if __name__ == "__main__":
+    found = wrong_includes() + wrong_symbols(Path(sys.argv[1]))
+    print("\n".join(found) or "layers: in order")
+    sys.exit(bool(found))
