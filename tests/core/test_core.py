@@ -28,11 +28,7 @@ from aoimpact.base import errors
 from aoimpact.linalg.superlu import factorize
 from aoimpact.reduction.modalbody import modal_body
 
-<<<<<<< HEAD:tests/core/test_core.py
-HEADER = Path(__file__).parents[2] / "csrc" / "aoimpact.h"
-=======
-HEADER = Path(__file__).parent.parent / "include" / "aoimpact.h"
->>>>>>> crooms:tests/test_core.py
+HEADER = Path(__file__).parents[2] / "include" / "aoimpact.h"
 REFUSALS = (TypeError, ValueError, BufferError)
 F, S = np.float64, np.float32
 
