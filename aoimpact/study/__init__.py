@@ -3,7 +3,7 @@
 from .compare import compare
 from .comparison import Comparison
 from .scenes import SCENES, report
+from .speed import work_precision
 from .table import WorkPrecision
-from .work_precision import work_precision
 
 __all__ = ["SCENES", "Comparison", "WorkPrecision", "compare", "report", "work_precision"]

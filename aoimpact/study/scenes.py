@@ -13,8 +13,8 @@ from ..base import writable_folder
 from ..fem import Material
 from ..laws import Hertz
 from ..reduction import AOModel, rigid
+from .speed import work_precision
 from .table import WorkPrecision
-from .work_precision import work_precision
 
 __all__ = ["SCENES", "beam_star", "report"]
 

@@ -16,6 +16,7 @@ import pytest
 import aoimpact as ao
 from aoimpact import paper
 from aoimpact.cli.main import main
+from aoimpact.paper.reproduction import Reproduction
 from aoimpact.paper.table import Row, Table
 
 from scenes import BAR, ROW
@@ -104,8 +105,8 @@ def test_prints_the_tables_and_the_files(
 ) -> None:
     table = Table("Table 1", (Row("mass", 32.67, "32.7", "g"),))
 
-    def done(out: Any) -> paper.Reproduction:
-        return paper.Reproduction((table,), (Path(out) / "results.csv",))
+    def done(out: Any) -> Reproduction:
+        return Reproduction((table,), (Path(out) / "results.csv",))
 
     monkeypatch.setattr(paper, "reproduce", done)
     assert main(["paper", "--out", str(tmp_path)]) == 0

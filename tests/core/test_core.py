@@ -746,7 +746,7 @@ print(blocks_after - blocks, peak_after - peak)
 @pytest.mark.parametrize("calls", [400, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_many_calls_leak_nothing(calls: int) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", LEAK_TEST, str(Path(__file__).parents[1]), str(calls)],
+        [sys.executable, "-c", LEAK_TEST, str(Path(__file__).parent), str(calls)],
         capture_output=True,
         text=True,
         timeout=300,
@@ -927,7 +927,7 @@ except KeyboardInterrupt:
     ids=["star", "full", "adaptive"],
 )
 def test_ctrl_c_stops_a_long_run(program: str) -> None:
-    command = [sys.executable, "-c", program, str(Path(__file__).parents[1])]
+    command = [sys.executable, "-c", program, str(Path(__file__).parent)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         try:

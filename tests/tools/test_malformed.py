@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 
+import aoimpact as ao
+
 TOOLS = Path(__file__).parents[2] / "tools"
+PACKAGE = Path(str(ao.__file__)).parents[1]
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a process's memory")
 
@@ -20,7 +23,8 @@ def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
     done = subprocess.run(
         [*command, "--seed", "20261122"],
         cwd=TOOLS,
-        env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.fspath(TOOLS)},
+        env=os.environ
+        | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": f"{TOOLS}{os.pathsep}{PACKAGE}"},
         capture_output=True,
         text=True,
         check=False,

@@ -11,7 +11,7 @@ import aoimpact as ao
 from aoimpact.cli.main import main
 from aoimpact.study.scenes import SCENES, beam_star
 from aoimpact.study.scipy_solvers import Outcome, ode_scene
-from aoimpact.study.work_precision import Reference, work_precision
+from aoimpact.study.speed import Reference, work_precision
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 MASS = 0.1
@@ -192,7 +192,7 @@ def test_text_html_csv_and_figure(tmp_path):
 
 
 def test_what_fails_is_a_row_that_says_so(monkeypatch):
-    monkeypatch.setattr("aoimpact.study.work_precision._LONGEST", 0.0)
+    monkeypatch.setattr("aoimpact.study.speed._LONGEST", 0.0)
     table = study(scipy=["RK45"])
     assert all("took too long" in row.failure for row in table.rows)
     assert table.reference.independent is None
