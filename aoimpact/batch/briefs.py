@@ -109,11 +109,11 @@ class _Stock:
             return None
         law, target = plan.joints[0].law, plan.bodies[1]
         self.laws.append(law.for_core())
-        drift = plan.drifts[0]
+        omitted = plan.omitted[0]
         models = tuple(body.model for body in plan.bodies)
         return _Pair(
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
-            0.0 if drift is None else drift.share,
+            0.0 if omitted is None else omitted.share,
             target.held or (target.mass is not None and math.isinf(target.mass)),
             fitted_times(models),
             models,

@@ -11,39 +11,33 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, IntArray, finite_array, unit_vector
 from ..fem import Body, selected_nodes
+from ..integrate import Motion
 from ..mesh import node_at, weights_at
+from ..scene import FreeMotion
 from .fielderror import FieldError, History
 from .fields import Field, Probe, solid, warn_if_wrong
-from .motion import Motion
 from .recovery import Recovery
 from .stress import stress_rows
 
-__all__ = ["FreeMotion", "Response"]
+__all__ = ["OmittedMotion", "Response"]
 
 
-# Times of a blow at which is looked what a model misses of it.
+# Times in a contact at which is looked what a model misses of it.
 _IN_CONTACT = 24
 
 
 @dataclass(frozen=True, eq=False)
-class FreeMotion:
-    """A rigid motion that no contact feels.
+class OmittedMotion:
+    """A rigid motion that a reduced model does not contain, since no contact excites it.
 
     Attributes
     ----------
     shape : ndarray, shape (n_dofs,)
-    velocity, acceleration : float
-        At t = 0, m/s, and constant, m/s².
+    motion : FreeMotion
     """
 
     shape: FloatArray
-    velocity: float
-    acceleration: float
-
-    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far it has gone, m, and how fast it is, m/s, at `times`."""
-        way = times * (self.velocity + 0.5 * self.acceleration * times)
-        return way, self.velocity + self.acceleration * times
+    motion: FreeMotion
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +51,7 @@ class Response:
         Of the body's own dofs, or of its reduced model's coordinates.
     recovery : Recovery or None
         From the reduced model's coordinates to the dofs; None where `motion` has these.
-    free_motion : FreeMotion or None
+    omitted : OmittedMotion or None
         What a free body does beside what its model contains.
     peak_time : float
         When the largest force acts, s.
@@ -72,7 +66,7 @@ class Response:
     body: Body
     motion: Motion
     recovery: Recovery | None
-    free_motion: FreeMotion | None
+    omitted: OmittedMotion | None
     peak_time: float
     contacts: tuple[tuple[float, float], ...] = ()
     free_from: float = 0.0
@@ -98,10 +92,10 @@ class Response:
             rates = self.recovery.displacement(rates, self.motion.force_rate(wanted))
         if self.static_deflection is not None:
             coordinates = coordinates + self.static_deflection[:, None]
-        if self.free_motion is not None:
-            way, speed = self.free_motion.at(wanted)
-            coordinates = coordinates + np.outer(self.free_motion.shape, way)
-            rates = rates + np.outer(self.free_motion.shape, speed)
+        if self.omitted is not None:
+            way, speed = self.omitted.motion.at(wanted)
+            coordinates = coordinates + np.outer(self.omitted.shape, way)
+            rates = rates + np.outer(self.omitted.shape, speed)
         moved, speeds = self._at_nodes(coordinates), self._at_nodes(rates)
         return Field(self.body, wanted, moved, speeds, partial(self._error, wanted))
 
@@ -115,10 +109,10 @@ class Response:
             s.
         """
         row = functional if self.recovery is None else functional @ self.recovery.reduced.basis
-        seen: FloatArray = self.motion.observed(row[None], times)[0][0]
-        if self.free_motion is None:
-            return seen
-        return seen + float(functional @ self.free_motion.shape) * self.free_motion.at(times)[0]
+        found: FloatArray = self.motion.observed(row[None], times)[0][0]
+        if self.omitted is None:
+            return found
+        return found + float(functional @ self.omitted.shape) * self.omitted.motion.at(times)[0]
 
     @cached_property
     def _estimator(self) -> FieldError | None:
@@ -129,8 +123,8 @@ class Response:
         if self._estimator is None:
             return None
         looks = [np.linspace(start, end, _IN_CONTACT) for start, end in self.contacts]
-        blow = self._history(np.unique([self.peak_time, *np.concatenate(looks)]))
-        return self._estimator.estimate(blow, self._history(times), times - self.free_from)
+        contact = self._history(np.unique([self.peak_time, *np.concatenate(looks)]))
+        return self._estimator.estimate(contact, self._history(times), times - self.free_from)
 
     def _history(self, times: FloatArray) -> History:
         return History(times, *self.motion.observed(None, times), self.motion.force(times))
@@ -178,10 +172,10 @@ class Response:
             v = v + of_forces @ self.motion.force_rate(times)
         if self.static_deflection is not None:
             u = u + (rows @ self.static_deflection)[:, None]
-        if self.free_motion is not None:
-            way, speed = self.free_motion.at(times)
-            seen = rows @ self.free_motion.shape
-            u, v = u + np.outer(seen, way), v + np.outer(seen, speed)
+        if self.omitted is not None:
+            way, speed = self.omitted.motion.at(times)
+            moved = rows @ self.omitted.shape
+            u, v = u + np.outer(moved, way), v + np.outer(moved, speed)
         return u, v
 
     def _at_nodes(self, dofs: FloatArray) -> FloatArray:

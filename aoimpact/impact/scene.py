@@ -172,7 +172,7 @@ class Scene:
         between = effective_law(law, ends)
         gap = normal_gap(apart)
         joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends)
-        beside = self._between.setdefault(joint.ends_at, [])
+        beside = self._between.setdefault(joint[:4], [])
         for number in beside:
             other = self._joints[number]
             if (other.law, other.gap) == (joint.law, joint.gap):

@@ -48,7 +48,7 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
         return
     said = set()
     for joint, events in zip(plan.joints, run.events, strict=True):
-        for body, port in (joint.ends_at[:2], joint.ends_at[2:]):
+        for body, port in joint.ports:
             fitted = fitted_time(models[body])
             if fitted is None or body in said or not events.contacts:
                 continue

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -13,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, InputError, InputTypeError, finite_array, quantity
-from ..fields import response_of
-from ..integrate import Events, Recorder, find_events
-from ..scene import BODY_ROWS, CONTACT_ROWS, Drift, Plan
+from ..fields import Response, response_of
+from ..integrate import Events, Recorder
+from ..scene import Plan, RecordLayout
 from . import plot
 from .misfit import warn_of_later_motion
 from .motion import BodyEnergy, BodyInfo, BodyResult, ContactResult, Energy, ErrorEstimate
@@ -129,16 +128,6 @@ class Run:
         """Whether energies are recorded."""
         return self.plan.energies
 
-    @property
-    def ends(self) -> tuple[tuple[int, int, int, int], ...]:
-        """Body, port, body and port of the contacts."""
-        return self.plan.ends
-
-    @property
-    def joints(self) -> int:
-        """Number of contacts."""
-        return len(self.plan.joints)
-
     @cached_property
     def infos(self) -> tuple[BodyInfo, ...]:
         """What is known of the bodies beside their histories."""
@@ -150,15 +139,13 @@ class Run:
                 body.centre_known,
                 partial(self.recorder.state, i),
                 body.ports,
-                partial(response_of, self.plan, self.recorder, i),
+                partial(self._response, i),
             )
             for i, body in enumerate(self.plan.bodies)
         )
 
-    @cached_property
-    def drifts(self) -> tuple[Drift | None, ...]:
-        """What each reduced body leaves out."""
-        return self.plan.drifts
+    def _response(self, body: int) -> Response | None:
+        return response_of(self.plan, self.recorder, self.events, body)
 
     # ------------------------------------------------------------------- histories
 
@@ -171,31 +158,26 @@ class Run:
 
     @cached_property
     def _rows(self) -> FloatArray:
-        return self._complete(self.t)
-
-    def _complete(self, t: FloatArray) -> FloatArray:
-        """The record at times, with what the reduced bodies leave out."""
-        rows = self.recorder.rows(t, self.energies)
-        for body, drift in enumerate(self.drifts):
-            if drift is not None:
-                drift.add(rows[self._first[body] :], t)
+        """The record at the times, with what the reduced bodies leave out."""
+        rows = self.recorder.rows(self.t, self.energies)
+        for body, omitted in enumerate(self.plan.omitted):
+            if omitted is not None:
+                omitted.add_to(self._layout.body(rows, body), self.t)
         rows.flags.writeable = False
         return rows
+
+    @property
+    def _layout(self) -> RecordLayout:
+        return self.plan.layout
 
     @cached_property
     def forces(self) -> FloatArray:
         """Of all contacts, N, shape (contacts, n); made without the motions, which cost more."""
         if "_rows" in self.__dict__:
-            return self._rows[: CONTACT_ROWS * self.joints : CONTACT_ROWS]
+            return self._layout.forces(self._rows)
         forces = self.recorder.forces(self.t)
         forces.flags.writeable = False
         return forces
-
-    @cached_property
-    def _first(self) -> tuple[int, ...]:
-        """First rows of the bodies."""
-        sizes = (BODY_ROWS + 2 * info.ports for info in self.infos)
-        return tuple(itertools.accumulate(sizes, initial=CONTACT_ROWS * self.joints))
 
     @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
@@ -215,28 +197,21 @@ class Run:
             raise InputError(f"there is no body {index}: the scene has {len(self.infos)}")
         return self.bodies[index]
 
-    def _velocity(self, body: int, port: int) -> FloatArray:
-        velocity: FloatArray = self._rows[self._first[body] + BODY_ROWS + 2 * port + 1]
-        return velocity
-
     def _body(self, index: int) -> BodyResult:
-        info, first = self.infos[index], self._first[index]
-        ports = self._rows[first + BODY_ROWS : first + BODY_ROWS + 2 * info.ports]
+        info, rows = self.infos[index], self._layout.body(self._rows, index)
         coordinates, rates = info.state()
-        centre = self._rows[first : first + 2]
-        if not info.centre_known:
-            centre = np.full(centre.shape, np.nan)
+        unknown = np.full(len(self.t), np.nan)
         return BodyResult(
             label=info.label,
             mass=info.mass,
             held=info.held,
-            centre_displacement=centre[0],
-            centre_velocity=centre[1],
+            centre_displacement=rows.displacement if info.centre_known else unknown,
+            centre_velocity=rows.velocity if info.centre_known else unknown.copy(),
             energy=self.energy.bodies[index] if self.energies else None,
             coordinates=coordinates,
             rates=rates,
-            port_displacements=ports[0::2],
-            port_velocities=ports[1::2],
+            port_displacements=rows.port_displacements,
+            port_velocities=rows.port_velocities,
             _times=self.t,
             _respond=info.response,
             _doubt=None if self._asked_for_motion else partial(self._doubt, index),
@@ -255,24 +230,16 @@ class Run:
 
         Where a centre is not known, the mean over the static mode: good to compare runs by.
         """
-        return self._rows[[first + 1 for first in self._first[:-1]]]
+        return self._layout.centre_velocities(self._rows)
 
     @cached_property
     def contacts(self) -> tuple[ContactResult, ...]:
         """The contacts, in the order of `connect`."""
         found = []
-        for joint in range(self.joints):
-            at = CONTACT_ROWS * joint
-            force, indentation, elastic, dissipated = self._rows[at : at + CONTACT_ROWS]
-            found.append(
-                ContactResult(
-                    force,
-                    indentation,
-                    elastic if self.energies else None,
-                    dissipated if self.energies else None,
-                    self.events[joint],
-                )
-            )
+        for number, events in enumerate(self.events):
+            rows = self._layout.contact(self._rows, number)
+            stored, lost = (rows.elastic, rows.dissipated) if self.energies else (None, None)
+            found.append(ContactResult(rows.force, rows.indentation, stored, lost, events))
         return tuple(found)
 
     @cached_property
@@ -289,7 +256,7 @@ class Run:
                 "this run has no energies: it was made with energies=False; "
                 "call simulate(..., energies=True)"
             )
-        return _energy(self._rows, self.joints, self._first[:-1])
+        return _energy(self._rows, self._layout)
 
     def at(self, times: npt.ArrayLike) -> Run:
         """Return the same run at other times: dense output, as exact as the run itself.
@@ -329,18 +296,7 @@ class Run:
     @property
     def events(self) -> tuple[Events, ...]:
         """Of each contact: the solver's own where it locates them, else found between the steps."""
-        located = self.recorder.events
-        return self._found if located is None else located
-
-    @cached_property
-    def _found(self) -> tuple[Events, ...]:
-        found = []
-        for joint in range(self.joints):
-            force, indentation = self._rows[CONTACT_ROWS * joint : CONTACT_ROWS * joint + 2]
-            first, port, second, other = self.plan.joints[joint].ends_at
-            rate = self._velocity(first, port) - self._velocity(second, other)
-            found.append(find_events(self.t, force, indentation, rate))
-        return tuple(found)
+        return self.recorder.events
 
     @property
     def in_contact_at_end(self) -> bool:
@@ -407,8 +363,9 @@ class Run:
             count = len(events.contacts)
             times = f"{count} times{told(f'contacts.{i}.intervals')}"
             lines.append((f"contact {i}", f"{peak}, {times}" if count else "none"))
-        if max(len(self.infos), self.joints) > _SHOWN:
-            lines.append(("…", f"{len(self.infos)} bodies and {self.joints} contacts in all"))
+        bodies, contacts = len(self.infos), len(self.events)
+        if max(bodies, contacts) > _SHOWN:
+            lines.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
         lines.append(("solver", self.solver))
         return lines
 
@@ -421,16 +378,16 @@ class Run:
 _SHOWN = 12
 
 
-def _energy(rows: FloatArray, joints: int, first: Sequence[int]) -> Energy:
-    bodies = tuple(
-        BodyEnergy(rows[at + 2], rows[at + 3], rows[at + 4], rows[at + 5]) for at in first
-    )
+def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:
+    recorded = [layout.body(rows, number) for number in range(len(layout.ports))]
+    bodies = tuple(BodyEnergy(of.kinetic, of.elastic, of.dissipated, of.work) for of in recorded)
+    contacts = [layout.contact(rows, number) for number in range(layout.contacts)]
     nothing = np.zeros(rows.shape[1])
     kinetic = sum((body.kinetic for body in bodies), nothing)
     elastic = sum((body.elastic for body in bodies), nothing)
     work = sum((body.work for body in bodies), nothing)
-    contact = sum((rows[CONTACT_ROWS * joint + 2] for joint in range(joints)), nothing)
-    dissipated = sum((rows[CONTACT_ROWS * joint + 3] for joint in range(joints)), nothing)
+    contact = sum((of.elastic for of in contacts), nothing)
+    dissipated = sum((of.dissipated for of in contacts), nothing)
     dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
     total = kinetic + elastic + contact + dissipated - work
     return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)

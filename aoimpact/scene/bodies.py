@@ -97,7 +97,7 @@ class SceneBody(ABC):
         return 1
 
     @property
-    def unseen(self) -> tuple[float, float]:
+    def omitted(self) -> tuple[float, float]:
         """Share of the centre of mass's velocity, and mass, kg, that the model leaves out."""
         return 0.0, 0.0
 
@@ -111,10 +111,10 @@ class SceneBody(ABC):
         """Return the forces of gravity, m/s², on the coordinates that `stepped` takes them for."""
 
     @abstractmethod
-    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+    def preloaded(self, x: FloatArray, beside: FloatArray) -> State:
         """Return the state, as `stepped` takes it, moving from modes `x` with its velocity.
 
-        `bent`, shape (p,), is what the modes leave out of the displacements of massless ports, m.
+        `beside`, shape (p,), is what the modes leave out of the displacements of massless ports, m.
         """
 
     def stepped(
@@ -190,12 +190,12 @@ class StarBody(SceneBody):
         return modal_body(self.model)
 
     @property
-    def unseen(self) -> tuple[float, float]:
+    def omitted(self) -> tuple[float, float]:
         """A free body hit off its centre also moves in ways that its star does not contain."""
         if self.model.origin is None or not self.model.origin.translates:
             return 0.0, 0.0
-        seen = float(self.model.centre_weights.sum())
-        return 1.0 - seen, self.model.mass - self.model.static_mass
+        share = float(self.model.centre_weights.sum())
+        return 1.0 - share, self.model.mass - self.model.static_mass
 
     @property
     def undeformed(self) -> State:
@@ -208,9 +208,9 @@ class StarBody(SceneBody):
         forces: FloatArray = gravity * star.mass * star.centre_weights
         return forces
 
-    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+    def preloaded(self, x: FloatArray, beside: FloatArray) -> State:
         coordinates = self.modal.coordinates(x)
-        coordinates[0] += bent[0]
+        coordinates[0] += beside[0]
         return coordinates, self.undeformed[1]
 
     @cached_property
@@ -342,7 +342,7 @@ class FullBody(SceneBody):
         forces: FloatArray = gravity * self.tip.body.mass * self._centre_of[0]
         return forces
 
-    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+    def preloaded(self, x: FloatArray, beside: FloatArray) -> State:
         return self._whole.expand(self.modal.coordinates(x)), self._start
 
     @cached_property
@@ -462,12 +462,12 @@ class InterfaceBody(SceneBody):
 
     @property
     def undeformed(self) -> State:
-        return self.pressed(np.zeros(self.modal.n), np.zeros(self.ports))
+        return self.preloaded(np.zeros(self.modal.n), np.zeros(self.ports))
 
     def weight(self, gravity: float) -> FloatArray | None:
         return gravity * self.modal.weight
 
-    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+    def preloaded(self, x: FloatArray, beside: FloatArray) -> State:
         return x, self.velocity * self.modal.moving
 
     def _stepped(

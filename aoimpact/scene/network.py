@@ -21,14 +21,12 @@ from scipy.sparse.csgraph import connected_components
 
 from ..base import FloatArray
 from ..reduction import ModalBody
+from .contact import Port
 
-__all__ = ["Bound", "ContactNetwork", "End"]
+__all__ = ["Bound", "ContactNetwork"]
 
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
-
-# A body and one of its ports.
-End = tuple[int, int]
 
 # Ground springs on what may move freely: of one body of a group that nothing else holds, as stiff
 # as its contacts; of bodies touched in several places, whose rigid motions the others may
@@ -43,12 +41,12 @@ class ContactNetwork:
     Attributes
     ----------
     bodies : sequence of ModalBody
-    ends : sequence of (end, end)
+    ends : sequence of (Port, Port)
         Of each contact; the indentation is the first's coordinate minus the second's.
     """
 
     bodies: Sequence[ModalBody]
-    ends: Sequence[tuple[End, End]]
+    ends: Sequence[tuple[Port, Port]]
 
     @cached_property
     def first(self) -> tuple[int, ...]:
@@ -120,12 +118,16 @@ class ContactNetwork:
         """How much coordinates of any sign may move contacts, shape (contacts, n)."""
         return abs(self.directions)
 
-    def bent(self, x: FloatArray) -> list[FloatArray]:
+    def modes(self, x: FloatArray) -> tuple[FloatArray, ...]:
+        """Return the modes of each body, shape (n,), among the coordinates."""
+        return tuple(x[first:end] for first, end in itertools.pairwise(self.first))
+
+    def beside(self, x: FloatArray) -> tuple[FloatArray, ...]:
         """Return displacements of each body's ports, m, shape (p,), beside those of its modes."""
         found = [np.zeros(body.ports) for body in self.bodies]
         for number, _, shape in self._massless:
             found[number] += shape @ x[self._shapes[number][1][0]]
-        return found
+        return tuple(found)
 
     def load(self, gravity: float, forces: Sequence[FloatArray]) -> FloatArray:
         """Return the forces on the coordinates, shape (n,).

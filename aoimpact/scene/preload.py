@@ -14,12 +14,12 @@ from functools import cached_property
 import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputError, LawLimitError
-from ..laws import ContactLaw
 from ..reduction import ModalBody
-from .network import Bound, ContactNetwork, End
+from .contact import Joint
+from .network import Bound, ContactNetwork
 from .springs import Springs
 
-__all__ = ["Pressed", "equilibrium"]
+__all__ = ["Equilibrium", "equilibrium"]
 
 
 _MOST_STEPS = 2000
@@ -54,20 +54,19 @@ _MOST_LOOPED = 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Pressed:
-    """A contact as statics sees it: δ = u of the first end - u of the second - gap.
+class Equilibrium:
+    """Bodies at rest.
 
     Attributes
     ----------
-    ends : (end, end)
-    gap : float
-        m.
-    law : ContactLaw
+    modes : tuple of ndarrays, shape (n,)
+        Displacements of each body's modes.
+    beside : tuple of ndarrays, shape (p,)
+        What these leave out of the displacements of massless ports, m.
     """
 
-    ends: tuple[End, End]
-    gap: float
-    law: ContactLaw
+    modes: tuple[FloatArray, ...]
+    beside: tuple[FloatArray, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,38 +246,32 @@ class _Statics:
 
 def equilibrium(
     bodies: Sequence[ModalBody],
-    contacts: Sequence[Pressed],
+    contacts: Sequence[Joint],
     *,
     gravity: float,
     forces: Sequence[FloatArray],
-) -> tuple[FloatArray, list[FloatArray]]:
-    """Return all bodies at rest: their modes, and what these leave out of massless ports.
+) -> Equilibrium:
+    """Return all bodies at rest.
 
     Parameters
     ----------
     bodies : sequence of ModalBody
-    contacts : sequence of Pressed
+    contacts : sequence of Joint
     gravity : float
         m/s².
     forces : sequence of ndarrays, shape (p,)
         On the ports of each body at the start, N.
 
-    Returns
-    -------
-    ndarray, shape (n,)
-    list of ndarrays, shape (p,)
-        Displacements of each body's ports beside those of its modes, m.
-
     Raises
     ------
     ConvergenceError
-        If they come to no rest: nothing holds some body against its loads.
+        If there is no static equilibrium: some body is free to move under its loads.
     InputError
         If the forces at rest are not determined.
     LawLimitError
-        If a contact is deeper than its law stands for.
+        If a contact is deeper than its law is valid for.
     """
-    network = ContactNetwork(bodies, [of.ends for of in contacts])
+    network = ContactNetwork(bodies, [of.ports for of in contacts])
     springs = Springs([of.law for of in contacts])
     statics = _Statics(
         network, network.load(gravity, forces), springs, np.array([of.gap for of in contacts])
@@ -290,7 +283,7 @@ def equilibrium(
         size = max(statics.size(at), _NEGLIGIBLE * statics.size(first))
         statics.check_rounding(at, at.slope, size)
         statics.check_depth(at)
-        return at.x[: network.first[-1]], network.bent(at.x)
+        return Equilibrium(network.modes(at.x), network.beside(at.x))
     statics.check_rounding(first, statics.slopes, statics.size(first))
     statics.check_limits(at)
     worst = int(np.abs(at.balance).argmax()) if unheld is None else unheld

@@ -184,7 +184,7 @@ def _scipy_run(
     ode: OdeScene | None, projectile: SceneBody, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
-    unseen = projectile.unseen[0] * velocity
+    unseen = projectile.omitted[0] * velocity
 
     def run() -> Outcome:
         done = ode.run(method, rtol, _LONGEST)

@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 import aoimpact as ao
 from aoimpact.fem.damping import ModalDamping, Rayleigh
-from aoimpact.fields.motion import DenseMotion, ForcedMotion
-from aoimpact.integrate import Sampled, solve_adaptive
+from aoimpact.integrate import solve_adaptive
+from aoimpact.integrate.motion import DenseMotion, ForcedMotion
 from aoimpact.scene import Equations, Joint, Load, Plan, scene_body
 
 from slender import beam
@@ -91,12 +91,7 @@ def test_a_body_goes_through_the_states_of_its_run(which: str) -> None:
     pulses = np.array([0.0, 1e-3, 3e-3]), np.array([20.0, -50.0, 10.0])
     scene.apply(target, force=pulses)
     run = scene.simulate(duration=4e-3, solver=rule)
-    one = scene_body("body", body, 0.0)
-    forces = np.zeros((one.ports, len(run.t)))
-    forces[0] = run.contacts[0].force + np.interp(run.t, *pulses)
-    core = one.stepped(ports=run.recorder.ports[target.body])
-    forced = ForcedMotion(core.equations, rule, dt, forces, one.coordinates)
-    u, v = forced.observed(None, run.t[-1:])
+    u, v = run.recorder.motion(target.body).observed(None, run.t[-1:])
     found, size = run[target], np.abs(run[target].coordinates).max()
     np.testing.assert_allclose(u[:, 0], found.coordinates, atol=1e-9 * size)
     moving = slice(1 if which == "massless" else 0, None)  # no velocity of its own without mass
@@ -128,29 +123,24 @@ def test_equations_of_a_star_have_its_receptance() -> None:
 # --------------------------------------------------------------------------- dense motion
 
 
-def track_of(target: ao.AOModel, *, loaded: bool = False) -> tuple[DenseMotion, DenseMotion]:
+def motions(target: ao.AOModel, *, loaded: bool = False) -> tuple[DenseMotion, DenseMotion]:
     """The ball and the target of an impact at 1 m/s, the target pushed about as well."""
     loads = (Load(1, 0, *PULSE),) if loaded else ()
     bodies = scene_body("ball", BALL, 1.0), scene_body("target", target, 0.0)
     plan = Plan(bodies, (1.0, 0.0), (Joint(0, 0, 1, 0, LAW, 0.0),), loads, 0.0, DURATION, True)
-    sampled = solve_adaptive(plan, ao.Adaptive(rtol=1e-10))[0]
-    assert isinstance(sampled, Sampled)
-    return DenseMotion(sampled.track, plan, 0), DenseMotion(sampled.track, plan, 1)
-
-
-# Rows of the record: four of the contact, then six and two of each body.
-PORTS = (10, 18)
+    run = solve_adaptive(plan, ao.Adaptive(rtol=1e-10))[0]
+    return run.motion(0), run.motion(1)
 
 
 @pytest.mark.parametrize("target", [star(0.01), star(0.0)])
 def test_the_contact_coordinates_are_those_of_the_record(target: ao.AOModel) -> None:
     times = TIMES[1:]  # when they touch, the force bends
-    for dense, first in zip(track_of(target), PORTS, strict=True):
-        rows = dense.track.sample(times)
+    for dense in motions(target):
+        rows = dense.run.plan.layout.body(dense.run.rows(times, energies=False), dense.body)
+        place, speed = rows.port_displacements[0], rows.port_velocities[0]
         u, v = dense.observed(None, times)
-        size, speed = np.abs(rows[first]).max(), np.abs(rows[first + 1]).max()
-        np.testing.assert_allclose(u[0], rows[first], atol=1e-12 * size)
-        np.testing.assert_allclose(v[0], rows[first + 1], atol=1e-5 * speed)
+        np.testing.assert_allclose(u[0], place, atol=1e-12 * np.abs(place).max())
+        np.testing.assert_allclose(v[0], speed, atol=1e-5 * np.abs(speed).max())
 
 
 def test_all_coordinates_follow_the_equations_of_motion() -> None:
@@ -171,18 +161,18 @@ def test_all_coordinates_follow_the_equations_of_motion() -> None:
     exact = solve_ivp(
         rates, (0.0, DURATION), start, "DOP853", TIMES, rtol=1e-11, atol=1e-14, max_step=1e-5
     ).y
-    seen = [dense.observed(None, TIMES) for dense in track_of(star(0.01), loaded=True)]
+    seen = [dense.observed(None, TIMES) for dense in motions(star(0.01), loaded=True)]
     places, speeds = (np.concatenate(values) for values in zip(*seen, strict=True))
     np.testing.assert_allclose(places, exact[:n], atol=1e-8 * np.abs(exact[:n]).max())
     np.testing.assert_allclose(speeds, exact[n:], atol=1e-6)
 
 
 def test_the_force_presses_the_bodies_apart_and_its_rate_is_its_slope() -> None:
-    projectile, target = track_of(star(0.01))
-    track = target.track
-    np.testing.assert_array_equal(target.force(TIMES)[0], track.sample(TIMES)[0])
+    projectile, target = motions(star(0.01))
+    run = target.run
+    np.testing.assert_array_equal(target.force(TIMES)[0], run.forces(TIMES)[0])
     np.testing.assert_array_equal(projectile.force(TIMES), -target.force(TIMES))
-    peak, largest = track.events[0].peak_time, track.events[0].peak_force
+    peak, largest = run.events[0].peak_time, run.events[0].peak_force
     around = np.array([0.5 * peak, peak])
     step = 1e-4 * peak
     slope = (target.force(around + step) - target.force(around - step))[0] / (2.0 * step)
@@ -192,13 +182,13 @@ def test_the_force_presses_the_bodies_apart_and_its_rate_is_its_slope() -> None:
 
 
 def test_loads_are_forces_too() -> None:
-    (_, loaded) = track_of(star(0.01), loaded=True)
-    force = loaded.force(TIMES)[0] - loaded.track.sample(TIMES)[0]
+    (_, loaded) = motions(star(0.01), loaded=True)
+    force = loaded.force(TIMES)[0] - loaded.run.forces(TIMES)[0]
     np.testing.assert_allclose(force, np.interp(TIMES, *PULSE), atol=1e-12)
 
 
 def test_rows_of_a_dense_motion_are_products_with_the_coordinates() -> None:
-    (_, dense) = track_of(star(0.01))
+    (_, dense) = motions(star(0.01))
     rows = np.array([[1.0, -2.0, 0.5]])
     for seen, whole in zip(dense.observed(rows, TIMES), dense.observed(None, TIMES), strict=True):
         np.testing.assert_allclose(seen, rows @ whole)

@@ -9,14 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from ..base import FloatArray
-from ..integrate import Newmark, Track
 from ..linalg import factorize
-from ..scene import Equations, Plan
+from ..scene import Equations
+from .newmark import Newmark
+
+if TYPE_CHECKING:
+    from .dense import DenseRecorder
 
 __all__ = ["DenseMotion", "ForcedMotion", "Motion"]
 
@@ -53,24 +56,21 @@ class DenseMotion:
 
     Attributes
     ----------
-    track : Track
-    plan : Plan
-        What was run.
+    run : DenseRecorder
     body : int
         Its number in the scene.
     """
 
-    track: Track
-    plan: Plan
+    run: DenseRecorder
     body: int
 
     @property
     def duration(self) -> float:
-        return self.track.duration
+        return self.run.duration
 
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        modal = self.plan.modal[self.body]
-        u, v = (modal.coordinates(of) for of in self.track.states(times, self.body))
+        modal = self.run.plan.modal[self.body]
+        u, v = (modal.coordinates(of) for of in self.run.modes(times, self.body))
         if modal.residual is not None and modal.ports == 1:
             residual = float(modal.residual[0, 0])  # a massless contact follows at once
             u[0] += residual * self.force(times)[0]
@@ -78,12 +78,11 @@ class DenseMotion:
         return (u, v) if rows is None else (rows @ u, rows @ v)
 
     def force(self, times: FloatArray) -> FloatArray:
-        record = self.track.sample(times, energies=False)
-        return self.plan.port_forces(self.body, times, record)
+        return self.run.plan.port_forces(self.body, times, self.run.forces(times))
 
     def force_rate(self, times: FloatArray) -> FloatArray:
-        touches = [end - start for of in self.track.events for start, end in of.contacts]
-        step = _DIFFERENCE * min(touches, default=self.duration)
+        lengths = [end - start for of in self.run.events for start, end in of.contacts]
+        step = _DIFFERENCE * min(lengths, default=self.duration)
         after = np.minimum(times + step, self.duration)
         before = np.maximum(times - step, 0.0)
         rate: FloatArray = (self.force(after) - self.force(before)) / (after - before)
