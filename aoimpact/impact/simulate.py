@@ -15,7 +15,7 @@ from ..laws import ContactLaw, effective_law
 from ..linalg import Solver
 from ..reduction import InterfaceModel
 from ..results import Result, warn_of_misfit
-from ..scene import Joint, Plan, normal_gap, player
+from ..scene import Joint, Plan, normal_gap, scene_body
 from .scene import checked_duration, checked_speed, solve, warn_of_centres
 
 __all__ = ["checked_numbers", "plan_impact", "simulate"]
@@ -154,7 +154,7 @@ def plan_impact(
         For an argument that makes no sense.
     """
     speed, length, distance = checked_numbers(law, velocity, duration, gap, energies)
-    bodies = player("projectile", projectile, speed), player("target", target, 0.0)
+    bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body.model, InterfaceModel):
             raise InputTypeError(
