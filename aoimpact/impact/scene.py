@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import Models, checked_linear_solver, scene_answer, sufficient
+from ..accuracy import Models, checked_linear_solver, choose_models, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -351,10 +351,10 @@ class Scene:
         """The run of the least models that do."""
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
-        asked = scene_answer("force" if quantity is None else quantity, self._bodies)
-        if isinstance(asked.quantity, str) and not self._joints:
+        interest = scene_quantity(quantity, self._bodies)
+        if interest.of_contacts and not self._joints:
             raise InputError(
-                f"quantity={asked.quantity!r}: the scene has no contacts; connect bodies, or ask "
+                f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or ask "
                 "for the displacement of one by its handle"
             )
         different = list({id(body): body for body in self._bodies}.values())
@@ -363,8 +363,8 @@ class Scene:
         def run(models: Models, rule: Solver, seen: bool) -> Run:
             return solve(self._plan([models[i] for i in which], length, seen, preload), rule)
 
-        done, found = sufficient(
-            run, different, asked, rtol, solver, energies=energies, linear_solver=linear_solver
+        done, found = choose_models(
+            run, different, interest, rtol, solver, energies=energies, linear_solver=linear_solver
         )
         warn_of_centres(done.plan, self._every_name())
         models = tuple(found.models[i] for i in which)
