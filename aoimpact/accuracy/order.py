@@ -18,7 +18,7 @@ from ..base import AOImpactError, ConvergenceError, FloatArray, InputError
 from ..fem import ContactPoint
 from ..linalg import Solver
 from ..reduction import own_contact_time
-from .hierarchy import Ladder, Models, ladder
+from .hierarchy import Hierarchy, Models, model_hierarchy
 from .quantities import Quantity, R
 
 __all__ = ["Orders", "first_guess", "least_orders"]
@@ -123,9 +123,9 @@ def least_orders(
     for fit in range(1, _MOST_FITS + 1):
         slow = length if length > _LONG * contact_time else None
         # Equal bodies struck at the same place, as two like spheres are, share one basis.
-        made = {id(body): ladder(body, contact_time, slow, solver) for body in bodies}
-        ladders = tuple(made[id(body)] for body in bodies)
-        search = _Search(ladders, run, quantity, rtol)
+        made = {id(body): model_hierarchy(body, contact_time, slow, solver) for body in bodies}
+        hierarchies = tuple(made[id(body)] for body in bodies)
+        search = _Search(hierarchies, run, quantity, rtol)
         first = search.at((_FIRST_ORDER,) * len(bodies))
         found = (None if first is None else quantity.contact_time(first)) or contact_time
         if max(found / contact_time, contact_time / found) > _REFIT and fit < _MOST_FITS:
@@ -145,28 +145,28 @@ def first_guess(
     own = [own_contact_time(tip) for tip in tips if isinstance(tip, ContactPoint)]
     otherwise = min((time for time in own if math.isfinite(time)), default=1.0)
     try:
-        result = run(tuple(ladder(body, otherwise, None).model(0) for body in bodies))
+        result = run(tuple(model_hierarchy(body, otherwise, None).model(0) for body in bodies))
     except (InputError, ConvergenceError):  # e.g. where nothing gives way between two walls
         return otherwise, 0.0
     return quantity.contact_time(result) or otherwise, quantity.span(result)
 
 
 class _Search(Generic[R]):
-    """Runs of the ladders' models, each made once, and compared with the largest."""
+    """Runs of the hierarchies' models, each made once, and compared with the largest."""
 
     def __init__(
         self,
-        ladders: tuple[Ladder, ...],
+        hierarchies: tuple[Hierarchy, ...],
         run: Callable[[Models], R],
         quantity: Quantity,
         rtol: float,
     ) -> None:
-        self.ladders, self.quantity, self.rtol = ladders, quantity, rtol
+        self.hierarchies, self.quantity, self.rtol = hierarchies, quantity, rtol
         self.run: Callable[[Models], R] = run
         self.results: dict[tuple[int, ...], R | None] = {}
         self.deviations: dict[tuple[tuple[int, ...], tuple[int, ...]], FloatArray | None] = {}
         self.failure: AOImpactError | None = None
-        self.truth = (0,) * len(ladders)
+        self.truth = (0,) * len(hierarchies)
         self.truth_error = 0.0
         self.before = self.truth  # the orders that stood for it last
         # Errors add up as the sums of their powers with this exponent.
@@ -175,12 +175,12 @@ class _Search(Generic[R]):
         self.companion = self.truth
 
     def models(self, orders: tuple[int, ...]) -> Models:
-        return tuple(one.model(n) for one, n in zip(self.ladders, orders, strict=True))
+        return tuple(one.model(n) for one, n in zip(self.hierarchies, orders, strict=True))
 
     def at(self, orders: tuple[int, ...]) -> R | None:
         """The run of such orders; None where models that small cannot be run."""
         models = self.models(orders)
-        key = tuple(one.at_most(n) for one, n in zip(self.ladders, orders, strict=True))
+        key = tuple(one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True))
         if key not in self.results:
             try:
                 self.results[key] = self.run(models)
@@ -209,20 +209,20 @@ class _Search(Generic[R]):
     def reference(self) -> R:
         """Enlarge all models until the answer stands."""
         order, changes, error = _FIRST_ORDER, [math.inf], math.inf
-        tried, exponents = [(order,) * len(self.ladders)], [1.0]
+        tried, exponents = [(order,) * len(self.hierarchies)], [1.0]
         results = [self.at(tried[0])]
         while order <= _MOST_ORDER:
-            costly = any(one.is_costly(order) for one in self.ladders)
+            costly = any(one.is_costly(order) for one in self.hierarchies)
             share = _FAIR_REFERENCE if costly else _GOOD_REFERENCE
             if costly and self.exponent >= _UNRELATED:
                 share = _POOR_REFERENCE
             if error <= share * self.rtol:
                 break
             order = math.ceil(_GROWTH * order)
-            truth = tuple(one.stand_in(order) for one in self.ladders)
+            truth = tuple(one.reference_order(order) for one in self.hierarchies)
             now = self.at(truth)
             changes.append(_largest(self._apart(results[-1], now)))
-            whole = all(one.is_whole(n) for one, n in zip(self.ladders, truth, strict=True))
+            whole = all(one.is_whole(n) for one, n in zip(self.hierarchies, truth, strict=True))
             if self.quantity.is_history and len(results) > 1:
                 both = _largest(self._apart(results[-2], now))
                 exponents.append(_exponent(changes[-2], changes[-1], both))
@@ -257,7 +257,7 @@ class _Search(Generic[R]):
         found = self.truth
         for share in (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.1):
             allowed = max(share * self.rtol, self.truth_error)
-            orders = tuple(self._alone(which, allowed) for which in range(len(self.ladders)))
+            orders = tuple(self._alone(which, allowed) for which in range(len(self.hierarchies)))
             if self.error(orders) <= self.rtol:
                 found = orders
                 break
@@ -266,13 +266,13 @@ class _Search(Generic[R]):
             found = self._balanced(pair, found)
         for which in range(len(found)):
             found = self._without(which, found)
-        finished = (one.finished(n) for one, n in zip(self.ladders, found, strict=True))
+        finished = (one.finished(n) for one, n in zip(self.hierarchies, found, strict=True))
         known = (found, self.truth) if self.truth_error == 0.0 else (found, self.truth, self.before)
         runs = tuple(run for run in map(self.at, known) if run is not None)
         return Orders(found, tuple(finished), self.error(found), runs)
 
     def _oscillators(self, which: int, order: int) -> int:
-        return max(0, order - self.ladders[which].first)
+        return max(0, order - self.hierarchies[which].first)
 
     def _balanced(self, pair: tuple[int, int], found: tuple[int, ...]) -> tuple[int, ...]:
         """Find fewer oscillators of two bodies whose errors do, those of the others being as found.
@@ -289,8 +289,8 @@ class _Search(Generic[R]):
         )
         shares = []
         for i in pair:
-            ladder = self.ladders[i]
-            last = min(most - 1 + ladder.first, ladder.at_most(_FORESEEN))
+            hierarchy = self.hierarchies[i]
+            last = min(most - 1 + hierarchy.first, hierarchy.at_most(_FORESEEN))
             alone = [self._deviation(_with(self.companion, i, n)) for n in range(last + 1)]
             shares.append([(n, one - common) for n, one in enumerate(alone) if one is not None])
         foreseen = []
