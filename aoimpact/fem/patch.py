@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.special import roots_jacobi
 
-from ..base import FloatArray, InputError, IntArray
+from ..base import FloatArray, InputError, IntArray, checked, integer, nonnegative, positive
 from ..mesh import Place, Surface, plane_of
 from .material import Material
 
@@ -59,6 +60,13 @@ class Patch:
     compliance: float
     faces: int
     edges: float
+
+    def __post_init__(self) -> None:
+        checked(self, radius=partial(positive, unit="m"), modulus=partial(positive, unit="Pa"))
+        checked(
+            self, compliance=partial(nonnegative, unit="m/N"), edges=partial(positive, unit="m")
+        )
+        checked(self, faces=partial(integer, low=1))
 
 
 @dataclass(frozen=True, eq=False)

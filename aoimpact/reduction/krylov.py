@@ -22,6 +22,7 @@ from ..base import (
     InputError,
     InputTypeError,
     SingularError,
+    boolean,
     integer,
     positive,
     require,
@@ -476,7 +477,7 @@ class KrylovSpace:
         self.tip = tip
         self.shift = fitted_shifts([tip], contact_time, None)[0]
         self.contact_time = SHIFT_TIMES_DURATION / self.shift
-        highest = highest_shift(tip) if sharpened else 0.0
+        highest = highest_shift(tip) if boolean("sharpened", sharpened) else 0.0
         self._space = Subspace([tip], [self.shift], highest=highest, solver=solver)
         if duration is not None:
             self.include(duration)
@@ -516,7 +517,8 @@ class KrylovSpace:
 
         It is made for much less, and holds the whole space as long as it lives.
         """
-        omega2, coordinates = self._space.ritz_on_basis(self._first + n)
+        vectors = integer("n", n, low=0)
+        omega2, coordinates = self._space.ritz_on_basis(self._first + vectors)
         return star_of_modes(
             self.tip,
             omega2,
