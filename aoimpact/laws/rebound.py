@@ -10,9 +10,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import scipy.integrate
-import scipy.optimize
-import scipy.special
+import scipy
 
 from ..base import FloatArray
 
