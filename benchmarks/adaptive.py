@@ -42,7 +42,7 @@ from aoimpact import _core
 from aoimpact.base.units import quantity
 from aoimpact.integrate.adaptive import adaptive_run
 from aoimpact.integrate.newmark import newmark_scene
-from aoimpact.scene.bodies import StarPlayer, player
+from aoimpact.scene.bodies import StarBody, scene_body
 from aoimpact.scene.plan import Joint, Plan
 from aoimpact.study.scipy_solvers import Outcome
 
@@ -58,8 +58,8 @@ def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
 def plan_of(scene: dict[str, Any]) -> Plan:
     """The scene as `simulate` hands it on."""
     bodies = (
-        player("projectile", scene["projectile"], scene["velocity"]),
-        player("target", scene["target"], 0.0),
+        scene_body("projectile", scene["projectile"], scene["velocity"]),
+        scene_body("target", scene["target"], 0.0),
     )
     joint = Joint(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
     speeds = scene["velocity"], 0.0
@@ -107,13 +107,13 @@ def newmark_call(case: Case, exact: Outcome) -> Iterator[Run]:
 
 def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
     scene = case.scene
-    players = StarPlayer(case.stars[0], scene["velocity"]), StarPlayer(case.stars[1], 0.0)
+    bodies = StarBody(case.stars[0], scene["velocity"]), StarBody(case.stars[1], 0.0)
     for dt in newmark_steps(case):
         rule = ao.Newmark(dt=dt, estimate=False)
 
         def run(dt: float = dt, rule: ao.Newmark = rule) -> None:
             newmark_scene(
-                [player.stepped() for player in players],
+                [body.stepped() for body in bodies],
                 [(0, 0, 1, 0, scene["law"], 0.0)],
                 rule=rule,
                 dt=dt,

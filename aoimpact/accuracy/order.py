@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic
 
 import numpy as np
 
@@ -19,33 +19,9 @@ from ..fem import ContactPoint
 from ..linalg import Solver
 from ..reduction import own_contact_time
 from .hierarchy import Ladder, Models, ladder
+from .quantities import Quantity, R
 
 __all__ = ["Orders", "first_guess", "least_orders"]
-
-R = TypeVar("R")
-R_contra = TypeVar("R_contra", contravariant=True)
-
-
-class Asked(Protocol[R_contra]):
-    """What is asked of a run: a `Result`, or a scene's `Run`."""
-
-    @property
-    def is_history(self) -> bool:
-        """Whether it is a history, or several, rather than numbers."""
-        ...
-
-    def deviation(self, result: R_contra, exact: R_contra, /) -> FloatArray:
-        """By how much a run gives more than a more exact one, relative; flat."""
-        ...
-
-    def span(self, result: R_contra, /) -> float:
-        """How long, s, the motion in a run must be right for its answer."""
-        ...
-
-    def contact_time(self, result: R_contra, /) -> float | None:
-        """How long the blow lasts, s; None where no contact ends in the record."""
-        ...
-
 
 # Orders of the models that stand for the truth grow by this factor. Two of them agree by chance,
 # three hardly.
@@ -120,7 +96,7 @@ def least_orders(
     bodies: Sequence[Any],
     *,
     run: Callable[[Models], R],
-    asked: Asked[R],
+    quantity: Quantity,
     rtol: float,
     solver: Solver = "auto",
 ) -> Orders:
@@ -132,8 +108,7 @@ def least_orders(
         ContactPoint, tuple of ContactPoint, AOModel, ModalModel or InterfaceModel.
     run : callable
         Simulates with given models, one for each body.
-    asked : Asked
-        Of the runs.
+    quantity : Quantity
     rtol : float
         Relative.
     solver : str or callable, optional
@@ -144,26 +119,26 @@ def least_orders(
     ConvergenceError
         If not even the largest models looked at agree to within the tolerance.
     """
-    contact_time, length = first_guess(bodies, run, asked)
+    contact_time, length = first_guess(bodies, run, quantity)
     for fit in range(1, _MOST_FITS + 1):
         slow = length if length > _LONG * contact_time else None
         # Equal bodies struck at the same place, as two like spheres are, share one basis.
         made = {id(body): ladder(body, contact_time, slow, solver) for body in bodies}
         ladders = tuple(made[id(body)] for body in bodies)
-        search = _Search(ladders, run, asked, rtol)
+        search = _Search(ladders, run, quantity, rtol)
         first = search.at((_FIRST_ORDER,) * len(bodies))
-        found = (None if first is None else asked.contact_time(first)) or contact_time
+        found = (None if first is None else quantity.contact_time(first)) or contact_time
         if max(found / contact_time, contact_time / found) > _REFIT and fit < _MOST_FITS:
             contact_time = found
             continue
-        length = asked.span(search.reference())
+        length = quantity.span(search.reference())
         if slow is not None or length <= _LONG * contact_time:
             break
     return search.least()
 
 
 def first_guess(
-    bodies: Sequence[Any], run: Callable[[Models], R], asked: Asked[R]
+    bodies: Sequence[Any], run: Callable[[Models], R], quantity: Quantity
 ) -> tuple[float, float]:
     """Guess the contact time, and how long motion must be right, both in s, by rigid bodies."""
     tips = [tip for body in bodies for tip in (body if isinstance(body, tuple) else (body,))]
@@ -173,7 +148,7 @@ def first_guess(
         result = run(tuple(ladder(body, otherwise, None).model(0) for body in bodies))
     except (InputError, ConvergenceError):  # e.g. where nothing gives way between two walls
         return otherwise, 0.0
-    return asked.contact_time(result) or otherwise, asked.span(result)
+    return quantity.contact_time(result) or otherwise, quantity.span(result)
 
 
 class _Search(Generic[R]):
@@ -183,10 +158,11 @@ class _Search(Generic[R]):
         self,
         ladders: tuple[Ladder, ...],
         run: Callable[[Models], R],
-        asked: Asked[R],
+        quantity: Quantity,
         rtol: float,
     ) -> None:
-        self.ladders, self.run, self.asked, self.rtol = ladders, run, asked, rtol
+        self.ladders, self.quantity, self.rtol = ladders, quantity, rtol
+        self.run: Callable[[Models], R] = run
         self.results: dict[tuple[int, ...], R | None] = {}
         self.deviations: dict[tuple[tuple[int, ...], tuple[int, ...]], FloatArray | None] = {}
         self.failure: AOImpactError | None = None
@@ -227,7 +203,7 @@ class _Search(Generic[R]):
     def _apart(self, one: R | None, other: R | None) -> FloatArray | None:
         if one is None or other is None:
             return None
-        deviation = self.asked.deviation(one, other)
+        deviation = self.quantity.deviation(one, other)
         return deviation if np.isfinite(deviation).all() else None
 
     def reference(self) -> R:
@@ -247,7 +223,7 @@ class _Search(Generic[R]):
             now = self.at(truth)
             changes.append(_largest(self._apart(results[-1], now)))
             whole = all(one.is_whole(n) for one, n in zip(self.ladders, truth, strict=True))
-            if self.asked.is_history and len(results) > 1:
+            if self.quantity.is_history and len(results) > 1:
                 both = _largest(self._apart(results[-2], now))
                 exponents.append(_exponent(changes[-2], changes[-1], both))
                 self.exponent = min(exponents[-2:])

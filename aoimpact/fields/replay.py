@@ -1,4 +1,4 @@
-"""A run recalled: the response of each of its bodies, from the plan and what was recorded."""
+"""A run replayed: the response of each of its bodies, from the plan and what was recorded."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ import numpy as np
 from ..base import FloatArray
 from ..integrate import Newmark, Record, Recorded, Recorder, Sampled, Track, find_peak
 from ..reduction import InterfaceModel
-from ..scene import CONTACT_ROWS, FullPlayer, Plan
-from .driven import Driven
+from ..scene import CONTACT_ROWS, FullBody, Plan
+from .motion import DenseMotion, ForcedMotion, Motion
 from .recovery import PACE, Recovery
 from .reduced import Reduced, reduced_interface, reduced_star
-from .response import Flight, Motion, Response
-from .tracked import Tracked
+from .response import FreeMotion, Response
 
 __all__ = ["response_of"]
 
@@ -44,7 +43,7 @@ def response_of(plan: Plan, recorder: Recorder, body: int) -> Response | None:
 def _of_track(plan: Plan, body: int, track: Track) -> Response | None:
     ours = [of for of, joint in zip(track.events, plan.joints, strict=True) if joint.touches(body)]
     peak = max(ours, key=lambda of: of.peak_force, default=None)
-    motion = Tracked(track, plan, body)
+    motion = DenseMotion(track, plan, body)
     if peak is None or not peak.contacts:
         whole = (0.0, track.duration)
         return _response(plan, body, motion, (whole, whole), 0.0)
@@ -57,21 +56,21 @@ def _of_steps(
     plan: Plan, body: int, rule: Newmark, record: Record, ports: FloatArray | None = None
 ) -> Response | None:
     """Of a run with fixed steps; `ports`: where these were just after the start."""
-    player = plan.players[body]
-    full = isinstance(player, FullPlayer)
+    model = plan.bodies[body]
+    full = isinstance(model, FullBody)
     if not full and _reduced(plan, body) is None:
         return None
     gravity, state = plan.weight_of(body), plan.start_of(body)
-    equations = player.stepped(gravity=gravity, state=state, ports=ports).equations
+    equations = model.stepped(gravity=gravity, state=state, ports=ports).equations
     forces = plan.port_forces(body, record.t, record.rows)
-    motion = Driven(equations, rule, record.dt, forces, player.coordinates)
-    blows, peak_time = _blows(plan, body, record)
-    if isinstance(player, FullPlayer):
-        return Response(player.tip.body, motion, None, None, peak_time)
-    return _response(plan, body, motion, blows, peak_time)
+    motion = ForcedMotion(equations, rule, record.dt, forces, model.coordinates)
+    contacts, peak_time = _contacts_of(plan, body, record)
+    if isinstance(model, FullBody):
+        return Response(model.tip.body, motion, None, None, peak_time)
+    return _response(plan, body, motion, contacts, peak_time)
 
 
-def _blows(plan: Plan, body: int, record: Record) -> tuple[tuple[Span, Span], float]:
+def _contacts_of(plan: Plan, body: int, record: Record) -> tuple[tuple[Span, Span], float]:
     """From when to when a body is touched first, and with the largest force; and when it is that.
 
     Of what is touched by nobody, the whole record.
@@ -105,28 +104,28 @@ def _reduced(plan: Plan, body: int) -> Reduced | None:
 
 
 def _response(
-    plan: Plan, body: int, motion: Motion, blows: tuple[Span, Span], peak_time: float
+    plan: Plan, body: int, motion: Motion, contacts: tuple[Span, Span], peak_time: float
 ) -> Response | None:
     reduced = _reduced(plan, body)
     if reduced is None:
         return None
-    first, largest = blows
+    first, largest = contacts
     recovery = Recovery(reduced, PACE / (largest[1] - largest[0]))
     loaded = plan.gravity != 0.0 or plan.load_on(body) is not None
-    stirred = 0.0 if loaded else first[0] + _FADING * (first[1] - first[0])
+    free_from = 0.0 if loaded else first[0] + _FADING * (first[1] - first[0])
     return Response(
         reduced.body,
         motion,
         recovery,
-        _flight(plan, body),
+        _free_motion(plan, body),
         peak_time,
-        tuple(blows),
-        stirred,
-        _sag(motion, recovery) if plan.preload else None,
+        tuple(contacts),
+        free_from,
+        _static_deflection(motion, recovery) if plan.preload else None,
     )
 
 
-def _sag(motion: Motion, recovery: Recovery) -> FloatArray | None:
+def _static_deflection(motion: Motion, recovery: Recovery) -> FloatArray | None:
     """What the correction for the blow misses of the rest before it; None of a free body.
 
     There all modes follow the forces, the slow ones too: X = K⁻¹ B f.
@@ -138,11 +137,11 @@ def _sag(motion: Motion, recovery: Recovery) -> FloatArray | None:
     forces = motion.force(start)
     rest = reduced.body.inverse().solve(np.ascontiguousarray(reduced.loads @ forces))
     found = recovery.displacement(motion.observed(None, start)[0], forces)
-    sag: FloatArray = (rest - found)[:, 0]
-    return sag
+    deflection: FloatArray = (rest - found)[:, 0]
+    return deflection
 
 
-def _flight(plan: Plan, body: int) -> Flight | None:
+def _free_motion(plan: Plan, body: int) -> FreeMotion | None:
     """What a free body struck off its centre does beside the motion that its star contains."""
     modes = plan.modal[body].modes
     velocity = plan.velocities[body]
@@ -152,4 +151,4 @@ def _flight(plan: Plan, body: int) -> Flight | None:
     if origin is None or not origin.translates:
         return None
     rest = origin.tip.body.translation(origin.tip.direction) - origin.static_mode
-    return Flight(rest, velocity, plan.gravity)
+    return FreeMotion(rest, velocity, plan.gravity)

@@ -78,8 +78,8 @@ class Recorded:
         return self.record.rows[: self.plan.first_rows[0] : CONTACT_ROWS].copy()
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
-        player, (u, v) = self.plan.players[body], self.record.final[body]
-        return player.coordinates(u), player.coordinates(v)
+        model, (u, v) = self.plan.bodies[body], self.record.final[body]
+        return model.coordinates(u), model.coordinates(v)
 
 
 def solve_newmark(plan: Plan, rule: Newmark) -> tuple[Recorded, float | None]:
@@ -143,8 +143,8 @@ class _Stepping:
         time find that: the first makes the jump, if there is one, the second tells the rates.
         """
         plan = self.plan
-        rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.players))])
-        if not any(player.massless for player in plan.players):
+        rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.bodies))])
+        if not any(body.massless for body in plan.bodies):
             return rest
         instant = _INSTANT * (self.rule.dt or self.first_step())
         early, late = self._run(instant, 2.0 * instant, rest, energies=False).rows.T[1:]
@@ -160,12 +160,12 @@ class _Stepping:
     def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
         plan = self.plan
         bodies = [
-            player.stepped(
+            body.stepped(
                 gravity=plan.weight_of(i),
                 state=plan.start_of(i),
                 ports=start.ports[i],
             )
-            for i, player in enumerate(plan.players)
+            for i, body in enumerate(plan.bodies)
         ]
         return newmark_scene(
             bodies,
@@ -220,7 +220,7 @@ class _Stepping:
         if plan.fastest == 0.0:
             return shortest
         for joint in plan.joints:
-            masses = plan.players[joint.first].static_mass, plan.players[joint.second].static_mass
+            masses = plan.bodies[joint.first].static_mass, plan.bodies[joint.second].static_mass
             mass = 1.0 / sum(1.0 / mass for mass in masses)
             time = rigid_contact_time(joint.law, mass, plan.fastest)
             shortest = min(shortest, time / _FIRST_STEPS)

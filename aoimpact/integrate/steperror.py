@@ -168,7 +168,7 @@ def _approach(plan: Plan, record: Record, joint: int) -> FloatArray:
     rates = np.zeros(len(record.t))
     first, port, second, other = plan.joints[joint].ends_at
     for body, at, sign in ((first, port, 1.0), (second, other, -1.0)):
-        if plan.players[body].massless:
+        if plan.bodies[body].massless:
             return np.zeros(len(record.t))
         rates += sign * record.rows[plan.first_rows[body] + BODY_ROWS + PORT_ROWS * at + 1]
     return rates

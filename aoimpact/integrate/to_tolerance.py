@@ -13,7 +13,7 @@ from ..base import ConvergenceError, FloatArray, warn
 from ..laws import UserLaw
 from ..scene import Plan
 from .adaptive import TIGHTEST, Adaptive, Track, adaptive_run
-from .agreement import difference, most_touches
+from .comparison import difference, most_touches
 from .events import Events
 from .roughness import refuse_rough
 
@@ -144,7 +144,7 @@ def _refuse_gain(plan: Plan, track: Track) -> None:
     driven = plan.gravity or plan.loads or plan.preload
     if driven or any(isinstance(joint.law, UserLaw) for joint in plan.joints):
         return
-    bodies = [player.modal for player in plan.players]
+    bodies = [body.modal for body in plan.bodies]
     pairs = list(zip(bodies, plan.velocities, strict=True))
     if any(speed and not body.inertia.any() for body, speed in pairs):  # a wall that pushes
         return
@@ -229,7 +229,7 @@ def _warn(rtol: float, touches: int, text: str) -> None:
 def _track(plan: Plan, rtol: float, most_steps: int = sys.maxsize) -> Track:
     # A law is taken once, however many contacts it acts in.
     laws = {id(joint.law): joint.law.for_core() for joint in plan.joints}
-    bodies = [player.modal for player in plan.players]
+    bodies = [body.modal for body in plan.bodies]
     return adaptive_run(
         [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(bodies)],
         [

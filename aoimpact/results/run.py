@@ -144,15 +144,15 @@ class Run:
         """What is known of the bodies beside their histories."""
         return tuple(
             BodyInfo(
-                player.label,
-                player.mass,
-                player.held,
-                player.centre_known,
+                body.label,
+                body.mass,
+                body.held,
+                body.centre_known,
                 partial(self.recorder.state, i),
-                player.ports,
+                body.ports,
                 partial(response_of, self.plan, self.recorder, i),
             )
-            for i, player in enumerate(self.plan.players)
+            for i, body in enumerate(self.plan.bodies)
         )
 
     @cached_property

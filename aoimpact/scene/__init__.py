@@ -1,6 +1,6 @@
 """A scene as the integrators take it: bodies, contacts, loads, and rest under load."""
 
-from .bodies import FullPlayer, Player, StarPlayer, player
+from .bodies import FullBody, SceneBody, StarBody, scene_body
 from .plan import Drift, Joint, Load, Plan, normal_gap
 from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
 from .stepped import Equations, SteppedBody
@@ -11,13 +11,13 @@ __all__ = [
     "PORT_ROWS",
     "Drift",
     "Equations",
-    "FullPlayer",
+    "FullBody",
     "Joint",
     "Load",
     "Plan",
-    "Player",
-    "StarPlayer",
+    "SceneBody",
+    "StarBody",
     "SteppedBody",
     "normal_gap",
-    "player",
+    "scene_body",
 ]

@@ -39,7 +39,7 @@ from ..reduction import (
 )
 from .stepped import SteppedBody, SteppedFull, SteppedModes, SteppedStar
 
-__all__ = ["FullPlayer", "InterfacePlayer", "Player", "StarPlayer", "player"]
+__all__ = ["FullBody", "InterfaceBody", "SceneBody", "StarBody", "scene_body"]
 
 State = tuple[FloatArray, FloatArray]
 
@@ -48,7 +48,7 @@ _MODAL_MOST = 3000
 
 
 @dataclass(frozen=True, eq=False)
-class Player(ABC):
+class SceneBody(ABC):
     """A body about to take part in a scene, moving as a whole.
 
     Attributes
@@ -160,7 +160,7 @@ class Player(ABC):
 
 
 @dataclass(frozen=True, eq=False)
-class StarPlayer(Player):
+class StarBody(SceneBody):
     """A star."""
 
     model: AOModel
@@ -290,7 +290,7 @@ def _bending(
 
 
 @dataclass(frozen=True, eq=False)
-class FullPlayer(Player):
+class FullBody(SceneBody):
     """A finite-element body, touched in one place or more.
 
     At the start it translates where it may, else it moves in φ_st of the first place.
@@ -426,7 +426,7 @@ class FullPlayer(Player):
 
 
 @dataclass(frozen=True, eq=False)
-class InterfacePlayer(Player):
+class InterfaceBody(SceneBody):
     """A body touched in several places, in the modes that they excite."""
 
     model: InterfaceModel
@@ -494,8 +494,8 @@ class InterfacePlayer(Player):
         )
 
 
-def player(name: str, body: Any, velocity: float) -> Player:
-    """Return the player for what a caller handed over as projectile or target.
+def scene_body(name: str, body: Any, velocity: float) -> SceneBody:
+    """Return the scene body for what a caller handed over as projectile or target.
 
     Raises
     ------
@@ -503,15 +503,15 @@ def player(name: str, body: Any, velocity: float) -> Player:
         If `body` is no model of a body.
     """
     if isinstance(body, AOModel):
-        return StarPlayer(body, velocity)
+        return StarBody(body, velocity)
     if isinstance(body, ModalModel):
-        return StarPlayer(body.star, velocity)
+        return StarBody(body.star, velocity)
     if isinstance(body, ContactPoint):
-        return FullPlayer((body,), velocity)
+        return FullBody((body,), velocity)
     if isinstance(body, (list, tuple)):
-        return FullPlayer(checked_ports(body, name), velocity)
+        return FullBody(checked_ports(body, name), velocity)
     if isinstance(body, InterfaceModel):
-        return InterfacePlayer(body, velocity)
+        return InterfaceBody(body, velocity)
     raise InputTypeError(
         f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
         "or a ContactPoint (body.contact(...), the full model; a list of them where it is touched "

@@ -15,7 +15,7 @@ import numpy as np
 from ..base import FloatArray
 from ..laws import ContactLaw, PatchLaw, Tabulated
 from ..reduction import ModalBody
-from .bodies import Player, State
+from .bodies import SceneBody, State
 from .preload import Pressed, equilibrium
 from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
 
@@ -123,7 +123,7 @@ class Plan:
 
     Attributes
     ----------
-    players : sequence of Player
+    bodies : sequence of SceneBody
     velocities : sequence of float
         m/s.
     joints : sequence of Joint
@@ -140,7 +140,7 @@ class Plan:
         The mark of the scene's handles.
     """
 
-    players: Sequence[Player]
+    bodies: Sequence[SceneBody]
     velocities: Sequence[float]
     joints: Sequence[Joint]
     loads: Sequence[Load]
@@ -153,7 +153,7 @@ class Plan:
     @cached_property
     def modal(self) -> tuple[ModalBody, ...]:
         """The bodies in their natural modes."""
-        return tuple(player.modal for player in self.players)
+        return tuple(body.modal for body in self.bodies)
 
     @cached_property
     def first_modes(self) -> tuple[int, ...]:
@@ -163,7 +163,7 @@ class Plan:
     @cached_property
     def first_rows(self) -> tuple[int, ...]:
         """Where each body's rows begin in a record, after the contacts'; and their number."""
-        sizes = (BODY_ROWS + PORT_ROWS * player.ports for player in self.players)
+        sizes = (BODY_ROWS + PORT_ROWS * body.ports for body in self.bodies)
         return tuple(itertools.accumulate(sizes, initial=CONTACT_ROWS * len(self.joints)))
 
     @property
@@ -175,8 +175,8 @@ class Plan:
     def drifts(self) -> tuple[Drift | None, ...]:
         """What the reduced bodies leave out."""
         found: list[Drift | None] = []
-        for player, velocity in zip(self.players, self.velocities, strict=True):
-            share, mass = player.unseen
+        for body, velocity in zip(self.bodies, self.velocities, strict=True):
+            share, mass = body.unseen
             moves = mass != 0.0 and (velocity != 0.0 or self.gravity != 0.0)
             found.append(Drift(share, mass, velocity, self.gravity) if moves else None)
         return tuple(found)
@@ -195,7 +195,7 @@ class Plan:
         if ours is None:
             return None
         times = np.unique(np.concatenate([load.times for load in ours]))
-        forces = np.zeros((len(times), self.players[body].ports))
+        forces = np.zeros((len(times), self.bodies[body].ports))
         for load in ours:
             forces[:, load.port] += np.interp(times, load.times, load.forces)
         return times, forces
@@ -212,7 +212,7 @@ class Plan:
         record : ndarray, shape (rows, times)
             What the run recorded then.
         """
-        forces = np.zeros((self.players[body].ports, len(times)))
+        forces = np.zeros((self.bodies[body].ports, len(times)))
         for i, joint in enumerate(self.joints):
             if joint.first == body:
                 forces[joint.first_port] -= record[CONTACT_ROWS * i]
@@ -224,13 +224,13 @@ class Plan:
 
     def weight_of(self, body: int) -> FloatArray | None:
         """Return the forces of gravity on the coordinates that are stepped; None without."""
-        return self.players[body].weight(self.gravity) if self.gravity else None
+        return self.bodies[body].weight(self.gravity) if self.gravity else None
 
     def start_of(self, body: int) -> State | None:
         """Return the state that is stepped from, if that is not moving undeformed."""
         if not self.preload:
             return None
-        return self.players[body].pressed(self.at_rest[body], self._rest[1][body])
+        return self.bodies[body].pressed(self.at_rest[body], self._rest[1][body])
 
     def ports_at_rest(self, body: int) -> FloatArray | None:
         """Return the ports of a preloaded body at the start, m, and their rates, m/s, (2, p)."""
@@ -273,7 +273,7 @@ class Plan:
         """The loads on a body's ports at t = 0, N."""
         load = self.load_on(body)
         if load is None:
-            return np.zeros(self.players[body].ports)
+            return np.zeros(self.bodies[body].ports)
         return np.array([np.interp(0.0, load[0], column) for column in load[1].T])
 
     @property

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import QUANTITIES, keeper
+from ..accuracy import COLUMNS, keeper
 from ..base import InputError, InputTypeError, SceneFileError, file_path
 from ..impact import simulate
 from ..results import Result, Run
@@ -101,7 +101,7 @@ class SceneFile:
         if asked is not None:
             return tuple(asked)
         if self.kind == "impact":
-            return tuple(QUANTITIES)
+            return COLUMNS
         count = len(self.data["scene"].get("contacts", ()))
         return tuple(
             f"contacts.{i}.{name}" for i in range(count) for name in ("peak_force", "impulse")

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
-from ..accuracy import Answer, Ladder, first_guess, ladder
+from ..accuracy import QUANTITIES, Ladder, first_guess, ladder
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
 from ..fem import ContactPoint
 from ..impact import plan_impact, simulate
@@ -21,8 +21,8 @@ from .comparison import Compared, Comparison
 
 __all__ = ["compare"]
 
-_ANSWERS = tuple(
-    Answer(name) for name in ("force", "contact_duration", "impulse", "target_displacement")
+_COMPARED = tuple(
+    QUANTITIES[name] for name in ("force", "contact_duration", "impulse", "target_displacement")
 )
 
 # Far below the differences between models.
@@ -84,7 +84,7 @@ def compare(
         with held_warnings():
             return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
 
-    contact_time, span = first_guess(bodies, quick, Answer("target_displacement"))
+    contact_time, span = first_guess(bodies, quick, QUANTITIES["target_displacement"])
     linear = checked_solver(linear_solver, name="linear_solver")
     ladders = tuple(ladder(body, contact_time, max(span, duration), linear) for body in bodies)
     tries = [_try("rigid", lambda: tuple(each.model(0) for each in ladders), quick)]
@@ -132,8 +132,8 @@ class _Try:
 
     def compared(self, exact: Result) -> Compared:
         force, contact_duration, impulse, displacement = (
-            math.nan if self.result is None else answer.difference(self.result, exact)
-            for answer in _ANSWERS
+            math.nan if self.result is None else quantity.difference(self.result, exact)
+            for quantity in _COMPARED
         )
         return Compared(
             self.label,

@@ -24,13 +24,13 @@ def search(answer, rtol, bodies=(MANY, MANY), contact_time=1e-4):
         runs.append(models)
         return SimpleNamespace(value=answer(*(model.n for model in models)))
 
-    asked = SimpleNamespace(
+    quantity = SimpleNamespace(
         is_history=False,
         deviation=lambda one, other: np.array([one.value - other.value]) / abs(other.value),
         span=lambda _: contact_time,
         contact_time=lambda _: contact_time,
     )
-    found = least_orders(bodies, run=run, asked=asked, rtol=rtol)
+    found = least_orders(bodies, run=run, quantity=quantity, rtol=rtol)
     return found, len(runs)
 
 
@@ -93,7 +93,7 @@ def test_errors_of_waves_that_have_nothing_to_do_with_each_other_do_not_add_up()
         waves = np.cos(np.multiply.outer(times, np.linspace(5 * n, 10 * n + 5, 20)) + phases)
         return 0.03 * max(n, 1) ** -0.7 * waves.sum(axis=1) / np.sqrt(20)
 
-    asked = SimpleNamespace(
+    quantity = SimpleNamespace(
         is_history=True,
         deviation=lambda one, other: one - other,
         span=lambda _: 1e-4,
@@ -101,7 +101,10 @@ def test_errors_of_waves_that_have_nothing_to_do_with_each_other_do_not_add_up()
     )
     many = ao.AOModel(m0=1.0, m=np.ones(1000), k=np.arange(1.0, 1001.0))
     found = least_orders(
-        (many, ao.rigid(mass=1.0)), run=lambda models: wave(models[0].n), asked=asked, rtol=3e-3
+        (many, ao.rigid(mass=1.0)),
+        run=lambda models: wave(models[0].n),
+        quantity=quantity,
+        rtol=3e-3,
     )
     least = next(n for n in range(1, 1000) if np.abs(wave(n)).max() <= 3e-3)
     assert np.abs(wave(found.orders[0])).max() <= 3e-3

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.integrate.agreement import difference, most_touches
+from aoimpact.integrate.comparison import difference, most_touches
 from aoimpact.integrate.to_tolerance import Sampled
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
