@@ -11,9 +11,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-import scipy.integrate
-import scipy.optimize
-import scipy.special
+import scipy
 
 from ..base import FloatArray
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import scipy.linalg as la
+import scipy
 
 from .. import _core
 from ..base import (
@@ -217,7 +217,7 @@ class Subspace:
         size, rigid = self.grow(count), self.rigid_count
         elastic = self._coordinates()[rigid:size]
         there = self._stiffness[: self._count, : self._count]
-        omega2, y = la.eigh(elastic @ there @ elastic.T)
+        omega2, y = scipy.linalg.eigh(elastic @ there @ elastic.T)
         doubtful = omega2 <= _DOUBTFUL * np.abs(omega2).max(initial=0.0)
         if self._without_stiffness(omega2[doubtful], elastic.T @ y[:, doubtful]):
             raise SingularError(
@@ -299,10 +299,10 @@ class Subspace:
             return found, np.inf
         scale = 1.0 / np.sqrt(stiffness.diagonal())
         try:
-            factors = la.cho_factor(scale[:, None] * stiffness * scale)
-        except la.LinAlgError:
+            factors = scipy.linalg.cho_factor(scale[:, None] * stiffness * scale)
+        except np.linalg.LinAlgError:
             return found, np.inf
-        found[:, new] = scale * la.cho_solve(factors, (loads @ vectors.T * scale).T).T
+        found[:, new] = scale * scipy.linalg.cho_solve(factors, (loads @ vectors.T * scale).T).T
         rest = loads - (self.body.K @ (found[:, new] @ vectors).T).T
         sizes = np.linalg.norm(loads, axis=1)
         return found, float((np.linalg.norm(rest, axis=1) / np.where(sizes > 0, sizes, 1.0)).max())
