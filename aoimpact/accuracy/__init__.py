@@ -4,7 +4,7 @@ For what runs impacts and what reads their results: `impact`, `batch`, `scenefil
 """
 
 from .choice import checked_linear_solver, choose_models
-from .hierarchy import Ladder, Models, ladder
+from .hierarchy import Hierarchy, Models, model_hierarchy
 from .interest import impact_quantity, scene_quantity
 from .keep import Keep, Named, keeper
 from .order import first_guess
@@ -14,8 +14,8 @@ __all__ = [
     "COLUMNS",
     "QUANTITIES",
     "SCENE_CHOICES",
+    "Hierarchy",
     "Keep",
-    "Ladder",
     "Models",
     "Named",
     "checked_linear_solver",
@@ -23,7 +23,7 @@ __all__ = [
     "first_guess",
     "impact_quantity",
     "keeper",
-    "ladder",
+    "model_hierarchy",
     "quantity_unit",
     "scene_quantity",
 ]

@@ -1,4 +1,4 @@
-"""A run with the least models that give the answer asked for, to the tolerance asked for."""
+"""The choice of the model: a run with the least models that give a quantity to a tolerance."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from .quantities import Quantity, R, number_errors
 
 __all__ = ["checked_linear_solver", "choose_models"]
 
-# What is asked for where nothing is said, and the tightest that models are searched for: to their
-# last digits they agree only by being the whole bodies.
+# The default tolerance, and the tightest: models agree to more digits only where they are the whole
+# bodies.
 _RTOL, _TIGHTEST = 1e-2, 1e-8
 
-# Shares of the tolerance: what time integration takes of peak forces and times (a history that
-# rings errs by twenty times as much), what fixed steps take, which cost more the smaller it is, and
-# what is used of it at all, since the search's estimates are no bounds.
+# Shares of the tolerance: of time integration (its tolerance is for peak forces and times; the
+# error of a ringing history is twenty times as much), of fixed steps, which cost more, and of all
+# errors together, since estimates are no bounds.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _MARGIN = 0.005, 0.2, 0.95
 
 
@@ -56,12 +56,12 @@ def choose_models(
     energies: bool,
     linear_solver: Solver = "auto",
 ) -> tuple[R, Chosen]:
-    """Run with models of the least order; return what they gave, and what is known of them.
+    """Run with models of the least order; return the run, and what is known of the models.
 
     Parameters
     ----------
     run : callable
-        Of models, one for each body, a solver, and whether to see energies.
+        Of models, one for each body, a solver, and whether to record energies.
     bodies : sequence
         As of `least_orders`.
     quantity : Quantity
@@ -75,9 +75,9 @@ def choose_models(
     Raises
     ------
     InputError, InputTypeError
-        If `rtol` is out of range, or the solver is not to tell its error.
+        If `rtol` is out of range, or the solver does not estimate its error.
     ConvergenceError
-        If no models that were looked at are good enough, or the solver that was given is not.
+        If neither the largest models tried nor the given solver meet the tolerance.
     """
     tolerance = positive("rtol", _RTOL if rtol is None else rtol)
     if not _TIGHTEST <= tolerance < 1.0:
@@ -110,7 +110,7 @@ def choose_models(
 
 
 def _rule(solver: Any, in_time: float) -> Any:
-    """Return the solver that was given, with steps that may be chosen fine enough."""
+    """Return the given solver, with a tolerance for its steps where it chooses them."""
     if not isinstance(solver, Newmark):
         return solver
     if solver.dt is None:

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg as la
-from scipy.sparse.csgraph import reverse_cuthill_mckee
+import scipy
+import scipy.sparse as sp
 
 from ..base import FloatArray, SingularError
 from .superlu import check_condition
@@ -40,17 +40,19 @@ def inverse(matrix: Any, what: str) -> Callable[[FloatArray], FloatArray]:
     SingularError
         If the matrix is singular to rounding or not positive definite.
     """
-    order = reverse_cuthill_mckee(matrix, symmetric_mode=True)
+    order = sp.csgraph.reverse_cuthill_mckee(matrix, symmetric_mode=True)
     try:
-        band = la.cholesky_banded(
+        band = scipy.linalg.cholesky_banded(
             _lower_band(matrix, order), overwrite_ab=True, lower=True, check_finite=False
         )
-    except la.LinAlgError as error:
+    except np.linalg.LinAlgError as error:
         raise SingularError(f"{what} is singular or not positive definite ({error})") from None
 
     def solve(rhs: FloatArray) -> FloatArray:
         solution = np.empty_like(rhs)
-        solution[order] = la.cho_solve_banded((band, True), rhs[order], check_finite=False)
+        solution[order] = scipy.linalg.cho_solve_banded(
+            (band, True), rhs[order], check_finite=False
+        )
         return solution
 
     check_condition(matrix, solve, what)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-from scipy.sparse.csgraph import breadth_first_order
 
 __all__ = ["entries_by_width", "factor_entries", "mean_width"]
 
@@ -47,8 +46,8 @@ def mean_width(matrix: Any) -> float:
 
     The cuts are the levels of a breadth-first search from a dof at one of the body's ends.
     """
-    order, _ = breadth_first_order(matrix, 0)  # its last dof is at an end
-    sizes = _level_sizes(*breadth_first_order(matrix, int(order[-1])))
+    order, _ = sp.csgraph.breadth_first_order(matrix, 0)  # its last dof is at an end
+    sizes = _level_sizes(*sp.csgraph.breadth_first_order(matrix, int(order[-1])))
     return float((sizes.astype(float) ** 2).sum() / sizes.sum())
 
 

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, InputError, InputTypeError, finite_array, quantity
+from ..base import (
+    FloatArray,
+    InputError,
+    InputTypeError,
+    checked,
+    finite_array,
+    integer,
+    quantity,
+    text,
+)
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
 from ..scene import Plan, RecordLayout
@@ -47,6 +56,10 @@ class Handle:
     name: str = field(default="", compare=False)
     scene: str = field(default="", compare=False, repr=False, metadata={"identity": True})
 
+    def __post_init__(self) -> None:
+        checked(self, body=partial(integer, low=0), at=partial(integer, low=0))
+        checked(self, name=text, scene=text)
+
     def port(self, at: int) -> Handle:
         """Return the handle of another of its places of contact: `at` in the order of the tips."""
         return replace(self, at=at)
@@ -76,6 +89,13 @@ class Chosen:
     numbers: Mapping[str, float]
 
 
+def _recorder(name: str, value: Any) -> Recorder:
+    if not callable(getattr(type(value), "rows", None)):
+        raise InputTypeError(f"{name} must be a solver's record, got {value!r}")
+    recorder: Recorder = value
+    return recorder
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
     """A scene over time; curves are computed when they are asked for.
@@ -101,6 +121,12 @@ class Run:
     time_error: float | None
     chosen: Chosen | None = None
     asked: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        checked(self, plan=(Plan,), chosen=(Chosen, type(None)))
+        checked(self, time_error=(float, type(None)), recorder=_recorder)
+        if self.asked is not None:
+            checked(self, asked=partial(finite_array, ndim=1, unit="s"))
 
     def __getstate__(self) -> dict[str, Any]:
         """What has been computed on the way does not travel."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import FloatArray, InputError, file_path
+from ..base import FloatArray, InputError, file_path, texts
 
 if TYPE_CHECKING:
     from .motion import BodyResult
@@ -62,9 +62,10 @@ def body_names(count: int, names: Sequence[str] | None) -> list[str]:
     """
     if names is None:
         return [f"body {i}" for i in range(count)]
-    if len(names) != count or len(set(names)) != count:
-        raise InputError(f"names must be {count} different ones, one a body, got {list(names)}")
-    return list(names)
+    given = texts("names", names)
+    if len(given) != count or len(set(given)) != count:
+        raise InputError(f"names must be {count} different ones, one a body, got {list(given)}")
+    return list(given)
 
 
 def write_csv(table: Mapping[str, FloatArray], path: str | os.PathLike[str]) -> None:

@@ -16,8 +16,6 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
-from scipy.sparse.csgraph import connected_components
 
 from ..base import FloatArray
 from ..reduction import ModalBody
@@ -164,7 +162,7 @@ class ContactNetwork:
         count = len(self.bodies)
         pairs = self._pairs[joined]
         graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2)
-        groups, group = connected_components(graph, directed=False)
+        groups, group = sp.csgraph.connected_components(graph, directed=False)
         held = np.zeros(groups, dtype=bool)
         for number, body in enumerate(self.bodies):
             held[group[number]] |= body.ports > 1 or not self._loose_of(number).any()
@@ -305,7 +303,7 @@ class Bound:
         entries = np.concatenate([between, 1.0 / (1.0 + own), -down, down, self._ground])
         data = np.add.reduceat(entries[across.order], across.new)
         size = len(root) + free.shape[1]
-        self._lu = spla.splu(sp.csc_array((data, *across.pattern), shape=(size, size)))
+        self._lu = sp.linalg.splu(sp.csc_array((data, *across.pattern), shape=(size, size)))
 
     def moved(self, force: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return where forces, N, shape (n,), move the coordinates; what only the ground bears."""

@@ -196,7 +196,7 @@ def test_order_is_at_most_two_above_the_least_in_nine_of_ten():
     excess = [
         scene(name).excess(quantity, rtol)
         for name in SCENES
-        for quantity in ("force", "contact_duration", "rebound")
+        for quantity in ("force", "contact_duration", "rebound_velocity")
         for rtol in TOLERANCES
     ]
     assert np.mean(np.array(excess) <= 2) >= 0.9
