@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, checked, positive, real
+from ..base import FloatArray, checked, real
 from ..integrate import Eventful, Events
 from ..laws import ContactLaw
 from . import plot
@@ -50,7 +50,7 @@ class Result(Eventful):
     law: Any
 
     def __post_init__(self) -> None:
-        checked(self, run=(Run,), velocity=positive, gap=real, law=(ContactLaw,))
+        checked(self, run=(Run,), velocity=real, gap=real, law=(ContactLaw,))
 
     # ------------------------------------------------------------------- histories
 
