@@ -27,7 +27,7 @@ import numpy as np
 from measuring import Line, best_times, print_table
 
 import aoimpact as ao
-from aoimpact.accuracy.answer import Answer
+from aoimpact.accuracy import QUANTITIES
 from aoimpact.base.errors import held_warnings
 from aoimpact.linalg import Pencil, pardiso
 from aoimpact.linalg.superlu import factorize
@@ -151,7 +151,7 @@ def force_errors(stars: list[ao.AOModel], exact: ao.AOModel, projectile: Any) ->
             )
 
     reference = run(exact)
-    return [Answer("force").difference(run(star), reference) for star in stars]
+    return [QUANTITIES["force"].difference(run(star), reference) for star in stars]
 
 
 def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:

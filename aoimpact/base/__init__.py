@@ -4,10 +4,13 @@ from .arrays import FloatArray, IntArray
 from .axes import error_axes, given_axes
 from .cells import aligned, html_table
 from .checks import (
+    FARTHEST,
     boolean,
     choice,
     file_path,
     finite_array,
+    instance,
+    instances,
     integer,
     nearest,
     node_ids,
@@ -17,6 +20,8 @@ from .checks import (
     positive,
     real,
     sequence,
+    text,
+    texts,
     unit_vector,
     writable_folder,
 )
@@ -37,12 +42,13 @@ from .errors import (
     held_warnings,
     warn,
 )
-from .frozen import Frozen
+from .frozen import Frozen, checked
 from .memory import available, require
 from .progress import bar
 from .units import Scale, quantity, scale_for, scale_of
 
 __all__ = [
+    "FARTHEST",
     "AOImpactError",
     "AOImpactWarning",
     "ConvergenceError",
@@ -64,6 +70,7 @@ __all__ = [
     "available",
     "bar",
     "boolean",
+    "checked",
     "choice",
     "error_axes",
     "file_path",
@@ -71,6 +78,8 @@ __all__ = [
     "given_axes",
     "held_warnings",
     "html_table",
+    "instance",
+    "instances",
     "integer",
     "nearest",
     "node_ids",
@@ -84,6 +93,8 @@ __all__ = [
     "scale_for",
     "scale_of",
     "sequence",
+    "text",
+    "texts",
     "unit_vector",
     "warn",
     "writable_folder",

@@ -14,7 +14,7 @@ import os
 import reprlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -22,10 +22,13 @@ from .arrays import FloatArray, IntArray
 from .errors import InputError, InputTypeError
 
 __all__ = [
+    "FARTHEST",
     "boolean",
     "choice",
     "file_path",
     "finite_array",
+    "instance",
+    "instances",
     "integer",
     "nearest",
     "node_ids",
@@ -35,12 +38,14 @@ __all__ = [
     "positive",
     "real",
     "sequence",
+    "text",
+    "texts",
     "unit_vector",
     "writable_folder",
 ]
 
 # Coordinates, m, beyond which squares of distances are no numbers.
-_FARTHEST = 1e100
+FARTHEST = 1e100
 
 
 def _unit(unit: str) -> str:
@@ -124,6 +129,31 @@ def boolean(name: str, value: Any) -> bool:
     return bool(value)
 
 
+def instance(name: str, value: Any, *kinds: type[Any]) -> Any:
+    """Return `value` if it is of one of these classes."""
+    if not isinstance(value, kinds):
+        listed = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
+        raise InputTypeError(f"{name} must be of type {listed}, got {_short(value)}")
+    return value
+
+
+def text(name: str, value: Any) -> str:
+    """Return `value` if it is a string."""
+    checked: str = instance(name, value, str)
+    return checked
+
+
+def texts(name: str, value: Any) -> tuple[str, ...]:
+    """Return `value`, a sequence of strings, as a tuple; a string by itself is refused."""
+    return instances(name, value, str)
+
+
+def instances(name: str, value: Any, kind: type[Any]) -> tuple[Any, ...]:
+    """Return `value`, a sequence of objects of one class, as a tuple."""
+    entries = sequence(name, value)
+    return tuple(instance(f"{name}[{i}]", entry, kind) for i, entry in enumerate(entries))
+
+
 def nearest(value: str, options: Iterable[str]) -> str:
     """Return " (did you mean 'x'?)" for the option most like `value`, or an empty string."""
     found = difflib.get_close_matches(value, list(options), n=1, cutoff=0.5)
@@ -180,6 +210,8 @@ def finite_array(
     shape: Sequence[int | None] | None = None,
     ndim: int | None = None,
     unit: str = "",
+    most: float = math.inf,
+    order: Literal["C", "K"] = "C",
 ) -> FloatArray:
     """Return `value` as a C-contiguous native float64 array without NaN or infinity.
 
@@ -192,15 +224,20 @@ def finite_array(
         The shape wanted; None stands for any length along that axis.
     ndim : int, optional
         The number of axes wanted.
+    most : float, optional
+        The largest magnitude that can be computed with.
+    order : {"C", "K"}, optional
+        "K" leaves strides as they are: for large matrices.
 
     Raises
     ------
     InputTypeError
         If `value` is complex, boolean, text, masked or not an array of numbers at all.
     InputError
-        If the shape is wrong or an entry is not finite (the first such entry is named).
+        If the shape is wrong or an entry is not finite (the first such entry is named), or too
+        large.
     """
-    array = _real_array(name, value)
+    array = _real_array(name, value, order)
     if ndim is not None and array.ndim != ndim:
         raise InputError(f"{name} must have {ndim} axes, got shape {array.shape}")
     if shape is not None and not _shape_matches(array.shape, shape):
@@ -213,6 +250,8 @@ def finite_array(
             f"{name} must be finite{' (' + unit + ')' if unit else ''}: "
             f"{where} is {array[first]}; {len(bad)} of {array.size} entries are not finite"
         )
+    if most < math.inf and float(np.abs(array).max(initial=0.0)) > most:
+        raise InputError(f"{name} must not exceed {most:g}{_unit(unit)} to be computed with")
     return array
 
 
@@ -243,7 +282,7 @@ def place(name: str, value: Any) -> FloatArray:
         If it has another shape, is not finite, or farther off than any body.
     """
     point = finite_array(name, value, shape=(3,), unit="m")
-    if float(np.abs(point).max()) > _FARTHEST:
+    if float(np.abs(point).max()) > FARTHEST:
         raise InputError(f"{name} {plain(point)} m is off any body: give it in metres")
     return point
 
@@ -281,7 +320,7 @@ def node_ids(name: str, value: Any, n_nodes: int) -> IntArray:
     return np.unique(array).astype(np.int64)
 
 
-def _real_array(name: str, value: Any) -> FloatArray:
+def _real_array(name: str, value: Any, order: Literal["C", "K"]) -> FloatArray:
     if np.ma.isMaskedArray(value) and np.ma.is_masked(value):
         raise InputTypeError(f"{name} has masked entries; fill or remove them first")
     try:
@@ -299,8 +338,7 @@ def _real_array(name: str, value: Any) -> FloatArray:
             f"{_short(value) if array.ndim == 0 else f'dtype {array.dtype}'}"
         )
     with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
-        flat_or_more = np.ascontiguousarray(array, dtype=np.float64)
-    return flat_or_more if array.ndim else flat_or_more.reshape(())
+        return np.asarray(array, dtype=np.float64, order=order)
 
 
 def _is_real(value: Any) -> bool:

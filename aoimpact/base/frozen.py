@@ -1,12 +1,28 @@
-"""Dataclasses whose arrays cannot be written to."""
+"""Dataclasses that check what they are made of, and whose arrays cannot be written to."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-__all__ = ["Frozen"]
+from .checks import instance
+
+__all__ = ["Frozen", "checked"]
+
+# Takes an argument's name and value, and returns the value in the form that is kept.
+Check = Callable[[str, Any], Any]
+
+
+def checked(record: Any, /, **checks: Check | tuple[type[Any], ...]) -> None:
+    """Check fields of a frozen dataclass that is being made: by a function, or for classes."""
+    for name, check in checks.items():
+        value = getattr(record, name)
+        if isinstance(check, tuple):
+            instance(name, value, *check)
+        else:
+            object.__setattr__(record, name, check(name, value))
 
 
 class Frozen:

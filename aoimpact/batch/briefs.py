@@ -105,16 +105,16 @@ class _Stock:
                 bodies = plan.modal
             except Exception:
                 return None  # simulate says what is wrong
-        if messages or not all(body.centre_known for body in plan.players):
+        if messages or not all(body.centre_known for body in plan.bodies):
             return None
-        law, target = plan.joints[0].law, plan.players[1]
+        law, target = plan.joints[0].law, plan.bodies[1]
         self.laws.append(law.for_core())
-        drift = plan.drifts[0]
-        models = tuple(player.model for player in plan.players)
+        omitted = plan.omitted[0]
+        models = tuple(body.model for body in plan.bodies)
         return _Pair(
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
-            0.0 if drift is None else drift.share,
-            target.held or (target.mass is not None and math.isinf(target.mass)),
+            0.0 if omitted is None else omitted.share,
+            target.fixed,
             fitted_times(models),
             models,
         )

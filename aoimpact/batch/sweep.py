@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..accuracy import QUANTITIES, Named, keeper
+from ..accuracy import COLUMNS, Named, keeper
 from ..base import InputError, InputTypeError, nearest, require, sequence
 from ..impact import SceneCase
 from ..scenefile import SceneFile, read_scene
@@ -27,7 +27,7 @@ def sweep(
     base: Any,
     grid: Mapping[str, Iterable[Any]],
     *,
-    keep: Any = tuple(QUANTITIES),
+    keep: Any = COLUMNS,
     workers: Any = 1,
     checkpoint: str | os.PathLike[str] | None = None,
     progress: bool = True,

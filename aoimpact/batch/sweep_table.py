@@ -20,10 +20,16 @@ from ..base import (
     InputTypeError,
     MissingPackageError,
     aligned,
+    checked,
     choice,
+    file_path,
     given_axes,
     html_table,
+    instance,
+    integer,
     scale_for,
+    sequence,
+    texts,
 )
 
 if TYPE_CHECKING:
@@ -57,6 +63,21 @@ class SweepTable(Frozen):
     quantities: tuple[str, ...]
     shape: tuple[int, ...]
     errors: Mapping[int, Exception]
+
+    def __post_init__(self) -> None:
+        checked(self, data=(np.ndarray,), parameters=texts, quantities=texts)
+        if self.data.ndim != 1 or self.data.dtype.names != self.columns:
+            raise InputError(
+                "data must have one axis, and the parameters and quantities as its fields: "
+                f"{', '.join(self.columns)}"
+            )
+        shape = sequence("shape", self.shape)
+        lengths = tuple(integer("shape", length, low=1) for length in shape)
+        if len(lengths) != len(self.parameters) or math.prod(lengths) != len(self.data):
+            raise InputError(f"shape {lengths} is not that of {len(self.data)} cases")
+        object.__setattr__(self, "shape", lengths)
+        checked(self, errors=_row_errors)
+        super().__post_init__()
 
     def __len__(self) -> int:
         return len(self.data)
@@ -92,7 +113,7 @@ class SweepTable(Frozen):
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write all columns, numbers so that they read back bit for bit, and "error" at the end."""
-        with open(path, "w", newline="", encoding="utf-8") as file:
+        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow([*map(_heading, self.columns), *(["error"] if self.errors else [])])
             for i, row in enumerate(self.data):
@@ -177,6 +198,12 @@ class SweepTable(Frozen):
     def _repr_html_(self) -> str:
         headings, *rows = self._shown()
         return html_table(headings, rows, below=[self._note()])
+
+
+def _row_errors(name: str, value: Any) -> Mapping[int, Exception]:
+    if not isinstance(value, Mapping):
+        raise InputTypeError(f"{name} must be a dict of row numbers and exceptions, got {value!r}")
+    return {integer(name, i): instance(name, one, Exception) for i, one in value.items()}
 
 
 def sweep_table(grid: Mapping[str, Sequence[Any]], values: Iterable[Any], keep: Any) -> SweepTable:

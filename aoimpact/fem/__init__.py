@@ -2,7 +2,7 @@
 
 from .assembly import stiffness_mass
 from .contact import Body, ContactPoint, contact_point
-from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
+from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch
 from .material import Material
 from .mechanism import refuse_mechanism
@@ -19,6 +19,7 @@ from .statics import (
 from .supports import selected_nodes
 
 __all__ = [
+    "FASTEST",
     "Body",
     "ContactPoint",
     "Damping",

@@ -6,7 +6,9 @@ inside a face, by that face's shape functions, or a patch of the surface under H
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,7 +20,9 @@ from ..base import (
     InputError,
     InputTypeError,
     IntArray,
+    checked,
     choice,
+    finite_array,
     integer,
     nonnegative,
     place,
@@ -43,6 +47,12 @@ _AT_NODE = 1e-6
 
 # Shares of the force that a support takes over; below, they are rounding.
 _HELD = 1e-12
+
+# How far the length of a unit vector may be from 1.
+_UNIT = 1e-9
+
+# Entries of a functional whose squares, times masses and stiffnesses, are numbers.
+_SMALLEST, _LARGEST = 1e-50, 1e50
 
 
 class Body(Protocol):
@@ -83,8 +93,8 @@ class Body(Protocol):
 class ContactPoint(Frozen):
     """A place on a body, and the direction in which it is touched there.
 
-    Made by `FEModel.contact`. It stands for the full finite-element model wherever `simulate` takes
-    a body.
+    Made by `FEModel.contact`; of a functional of one's own, by ``ContactPoint(body, b)``. It stands
+    for the full finite-element model wherever `simulate` takes a body.
 
     Attributes
     ----------
@@ -99,14 +109,44 @@ class ContactPoint(Frozen):
         The node touched; None where the contact is spread over several.
     patch : Patch or None
         The disc that carries the contact; None for a node or a point.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If an attribute is of another type or shape, or b is zero.
     """
 
     body: Body
     b: FloatArray
-    direction: FloatArray | None
-    point: FloatArray | None
-    node: int | None
+    direction: FloatArray | None = None
+    point: FloatArray | None = None
+    node: int | None = None
     patch: Patch | None = None
+
+    def __post_init__(self) -> None:
+        if not callable(getattr(type(self.body), "com_functional", None)):
+            raise InputTypeError(f"body must be an FEModel, got {self.body!r}")
+        checked(self, b=self._functional, patch=(Patch, type(None)))
+        if self.direction is not None:
+            unit = finite_array("direction", self.direction, shape=(3,))
+            if abs(math.hypot(*unit) - 1.0) > _UNIT:
+                raise InputError(f"direction must be a unit vector, got {plain(unit)}")
+            object.__setattr__(self, "direction", unit)
+        if self.point is not None:
+            checked(self, point=place)
+        if self.node is not None:
+            nodes = 0 if self.body.nodes is None else len(self.body.nodes)
+            checked(self, node=partial(integer, low=0, high=nodes - 1))
+        super().__post_init__()
+
+    def _functional(self, name: str, value: Any) -> FloatArray:
+        b = finite_array(name, value, shape=(self.body.n_dofs,))
+        size = float(np.abs(b).max(initial=0.0))
+        if not _SMALLEST <= size <= _LARGEST:
+            raise InputError(
+                f"{name} must have entries of about 1, not all zero: the largest is {size:g}"
+            )
+        return b
 
     @property
     def resultant(self) -> FloatArray:
@@ -123,7 +163,8 @@ class ContactPoint(Frozen):
         """
         forces = self._nodal_forces
         assert self.body.nodes is not None
-        assert self.point is not None
+        if self.point is None:
+            raise InputError("moment: this contact point was made without a point")
         moment: FloatArray = np.cross(self.body.nodes - self.point, forces).sum(axis=0)
         return moment
 
@@ -140,7 +181,9 @@ class ContactPoint(Frozen):
 
     def __repr__(self) -> str:
         if self.point is None or self.direction is None:
-            return f"ContactPoint(dof {int(np.argmax(np.abs(self.b)))} of {self.body!r})"
+            dofs = np.flatnonzero(self.b)
+            where = f"dof {dofs[0]}" if len(dofs) == 1 else f"functional of {len(dofs)} dofs"
+            return f"ContactPoint({where} of {self.body!r})"
         where = ", ".join(f"{x:g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
         what = "point" if self.node is None else f"node {self.node}"

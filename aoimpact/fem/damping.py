@@ -10,7 +10,10 @@ import numpy.typing as npt
 
 from ..base import InputTypeError, finite_array, nonnegative
 
-__all__ = ["Damping", "ModalDamping", "Rayleigh", "damping_or_none"]
+# rad/s; what frequencies squared come to is a number.
+FASTEST = 1e100
+
+__all__ = ["FASTEST", "Damping", "ModalDamping", "Rayleigh", "damping_or_none"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +46,7 @@ class Rayleigh:
         omega : array_like
             Angular frequencies, rad/s, any shape.
         """
-        frequency = finite_array("omega", omega, unit="rad/s")
+        frequency = finite_array("omega", omega, unit="rad/s", most=FASTEST)
         decay = 0.5 * (self.alpha + self.beta * frequency**2)
         return decay if decay.ndim else float(decay)
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
-from ..base import InputError, InputTypeError, positive, warn
+from ..base import InputError, InputTypeError, checked, finite_array, positive, real, warn
 from .contact import ContactPoint, contact_at
 from .statics import elastic_compliance
 from .touch import Room, room
@@ -41,6 +42,14 @@ class PatchCheck:
     radii: tuple[float, float]
     remaining: tuple[float, float]
     share: float
+
+    def __post_init__(self) -> None:
+        checked(self, radii=_pair, remaining=_pair, share=real)
+
+
+def _pair(name: str, value: Any) -> tuple[float, float]:
+    one, other = finite_array(name, value, shape=(2,)).tolist()
+    return one, other
 
 
 def check_patch(tip: ContactPoint, *, expected: float | None = None) -> PatchCheck:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from scipy.special import roots_jacobi
+import scipy
 
-from ..base import FloatArray, InputError, IntArray
+from ..base import FloatArray, InputError, IntArray, checked, integer, nonnegative, positive
 from ..mesh import Place, Surface, plane_of
 from .material import Material
 
@@ -59,6 +60,13 @@ class Patch:
     compliance: float
     faces: int
     edges: float
+
+    def __post_init__(self) -> None:
+        checked(self, radius=partial(positive, unit="m"), modulus=partial(positive, unit="Pa"))
+        checked(
+            self, compliance=partial(nonnegative, unit="m/N"), edges=partial(positive, unit="m")
+        )
+        checked(self, faces=partial(integer, low=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +153,7 @@ def _disc_rule(radius: float) -> tuple[FloatArray, FloatArray]:
 
     Gauss–Jacobi in ρ²/r², with the weight √(1 - ρ²/r²), and even angles.
     """
-    x, w = roots_jacobi(_RINGS, 0.5, 0.0)
+    x, w = scipy.special.roots_jacobi(_RINGS, 0.5, 0.0)
     rho = radius * np.sqrt(0.5 * (1.0 + x))
     turn = np.arange(_AROUND) + np.modf(_GOLDEN * np.arange(_RINGS))[0][:, None]
     angle = 2.0 * np.pi / _AROUND * turn

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg as la
+import scipy
 import scipy.sparse as sp
 
 from .. import _core
@@ -84,7 +84,7 @@ def static_mode(
     if moves_rigidly(tip):
         phi = np.empty_like(b)
         mass = _core.static_free(np.ascontiguousarray(rigid.T), b, phi)
-        across = la.qr(reach[:, None])[0][:, 1:]
+        across = scipy.linalg.qr(reach[:, None])[0][:, 1:]
         return StaticMode(phi, 0.0, tip.body.M @ phi, mass, rigid @ across)
     phi = np.ascontiguousarray(displacement(tip.body, b, invert or tip.body.inverse))
     k0 = _core.static_held(b, phi)
@@ -163,7 +163,7 @@ def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray
     change nothing but where it is.
     """
     K, M, rigid = body.K, body.M, body.rigid_modes
-    places = la.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
+    places = scipy.linalg.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
     springs = np.zeros(len(b))
     springs[places] = K.diagonal()[places]
     pencil = replace(solver.pencil, K=(K + sp.diags_array(springs)).tocsr(), s2=0.0, diagonals=None)

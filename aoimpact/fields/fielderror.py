@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as la
+import scipy
 
 from ..base import FloatArray
 from .recovery import Recovery
@@ -73,7 +73,7 @@ class FieldError:
         """
         reduced, s2 = self.recovery.reduced, self.recovery.s**2
         shifted = reduced.stiffness + s2 * np.diag(reduced.mass)
-        inverse, y = la.eigh(np.diag(reduced.mass), shifted)
+        inverse, y = scipy.linalg.eigh(np.diag(reduced.mass), shifted)
         inert = inverse > _NO_INERTIA * inverse.max()
         inverse, y = inverse[inert], y[:, inert]
         square = np.maximum(1.0 / inverse - s2, 0.0)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import Models, checked_linear_solver, scene_answer, sufficient
+from ..accuracy import Models, checked_linear_solver, choose_models, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -27,7 +27,7 @@ from ..laws import ContactLaw, effective_law, own_law, wide_enough
 from ..linalg import Solver as LinearSolver
 from ..reduction import InterfaceModel
 from ..results import Handle, Run, warn_of_misfit
-from ..scene import FullPlayer, Joint, Load, Plan, Player, StarPlayer, normal_gap, player
+from ..scene import FullBody, Joint, Load, Plan, SceneBody, StarBody, normal_gap, scene_body
 
 __all__ = ["Scene", "SceneCase", "Solver", "checked_speed", "solve", "warn_of_centres"]
 
@@ -74,7 +74,7 @@ class Scene:
     def __init__(self, *, gravity: float = 0.0) -> None:
         self.gravity = real("gravity", gravity, unit="m/s²")
         self._bodies: list[Any] = []
-        self._players: list[Player] = []
+        self._players: list[SceneBody] = []
         self._velocities: list[float] = []
         self._positions: list[float] = []
         self._names: list[str] = []
@@ -125,7 +125,7 @@ class Scene:
         if not isinstance(name, str):
             raise InputTypeError(f"name must be a str, got {name!r}")
         speed = checked_speed("velocity", velocity)
-        self._players.append(player("body", body, speed))
+        self._players.append(scene_body("body", body, speed))
         self._bodies.append(tuple(body) if isinstance(body, list) else body)
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
@@ -172,7 +172,7 @@ class Scene:
         between = effective_law(law, ends)
         gap = normal_gap(apart)
         joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends)
-        beside = self._between.setdefault(joint.ends_at, [])
+        beside = self._between.setdefault(joint[:4], [])
         for number in beside:
             other = self._joints[number]
             if (other.law, other.gap) == (joint.law, joint.gap):
@@ -315,12 +315,12 @@ class Scene:
         players, joints = self._players, self._joints
         if bodies is not self._bodies:
             players = [
-                player("body", body, speed)
+                scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
             joints = [_between(joint, bodies, players) for joint in joints]
         for body in players:
-            if self.gravity and isinstance(body, StarPlayer) and body.model.weightless:
+            if self.gravity and isinstance(body, StarBody) and body.model.weightless:
                 warn(
                     f"gravity has no effect on {body.label}: what holds a star given by numbers, "
                     "or by matrices without nodes, is not known; make it by antioscillators(...) "
@@ -351,10 +351,10 @@ class Scene:
         """The run of the least models that do."""
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
-        asked = scene_answer("force" if quantity is None else quantity, self._bodies)
-        if isinstance(asked.quantity, str) and not self._joints:
+        interest = scene_quantity(quantity, self._bodies)
+        if interest.of_contacts and not self._joints:
             raise InputError(
-                f"quantity={asked.quantity!r}: the scene has no contacts; connect bodies, or ask "
+                f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or ask "
                 "for the displacement of one by its handle"
             )
         different = list({id(body): body for body in self._bodies}.values())
@@ -363,8 +363,8 @@ class Scene:
         def run(models: Models, rule: Solver, seen: bool) -> Run:
             return solve(self._plan([models[i] for i in which], length, seen, preload), rule)
 
-        done, found = sufficient(
-            run, different, asked, rtol, solver, energies=energies, linear_solver=linear_solver
+        done, found = choose_models(
+            run, different, interest, rtol, solver, energies=energies, linear_solver=linear_solver
         )
         warn_of_centres(done.plan, self._every_name())
         models = tuple(found.models[i] for i in which)
@@ -388,7 +388,7 @@ def _touched(bodies: Sequence[Any], handle: Handle) -> Any:
     return tips[handle.at] if isinstance(tips, tuple) else tips
 
 
-def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[Player]) -> Joint:
+def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[SceneBody]) -> Joint:
     """A contact when models stand for its bodies."""
     if all(math.isinf(players[body].static_mass) for body in (joint.first, joint.second)):
         raise InputError("both bodies of a contact are of infinite mass: nothing can give way")
@@ -408,8 +408,8 @@ def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
     names : sequence of str
         What to call the bodies.
     """
-    for body, velocity, name in zip(plan.players, plan.velocities, names, strict=True):
-        if not body.centre_known and (velocity != 0.0 or not body.held):
+    for body, velocity, name in zip(plan.bodies, plan.velocities, names, strict=True):
+        if not body.centre_known and (velocity != 0.0 or not body.constrained):
             warn(
                 f"{name}: the centre of mass of a body given by K and M alone is known only where "
                 "it is free and struck through it; the centre's displacement, its velocity and "
@@ -453,7 +453,7 @@ def solve(plan: Plan, solver: Solver | None) -> Run:
         If a contact grows wider than its patches.
     """
     if solver is None:
-        full = any(isinstance(body, FullPlayer) for body in plan.players)
+        full = any(isinstance(body, FullBody) for body in plan.bodies)
         solver = Newmark() if full else _BY_DEFAULT
     if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
@@ -463,7 +463,7 @@ def solve(plan: Plan, solver: Solver | None) -> Run:
         return Run(plan, *solve_newmark(plan, solver))
     except LawLimitError as error:
         joint = next(joint for joint in plan.joints if joint.patched)
-        masses = (plan.players[body].static_mass for body in (joint.first, joint.second))
+        masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
         mass = 1.0 / sum(1.0 / mass for mass in masses)
         raise wide_enough(error, joint.law, joint.ends, mass, plan.fastest) from None
 

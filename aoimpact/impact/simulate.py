@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from ..accuracy import answer, checked_linear_solver, sufficient
+from ..accuracy import checked_linear_solver, choose_models, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..integrate import Adaptive, Newmark
@@ -15,7 +15,7 @@ from ..laws import ContactLaw, effective_law
 from ..linalg import Solver
 from ..reduction import InterfaceModel
 from ..results import Result, warn_of_misfit
-from ..scene import Joint, Plan, normal_gap, player
+from ..scene import Joint, Plan, normal_gap, scene_body
 from .scene import checked_duration, checked_speed, solve, warn_of_centres
 
 __all__ = ["checked_numbers", "plan_impact", "simulate"]
@@ -61,12 +61,12 @@ def simulate(
     energies : bool, optional
         Whether to record energies as well.
     quantity : str or ContactPoint, optional
-        What matters: "force" (over the record), "peak_force", "impulse", "contact_duration" (of the
-        first contact), "rebound_velocity", "projectile_displacement" or "target_displacement" (of
-        the contact coordinate, over the record), or a point of a body, for its displacement over
-        the record. Given this or `rtol`, finite-element bodies are
-        reduced, and stars truncated, as far as that allows; `Result.models` says to what. Only this
-        is right to `rtol`: `Result.error.numbers` says how wrong each other number may be.
+        The quantity of interest: "force" (over the record), "peak_force", "impulse",
+        "contact_duration" (of the first contact), "rebound_velocity", "projectile_displacement" or
+        "target_displacement" (of the contact point, over the record); or a point of a body, for its
+        displacement over the record. Given this or `rtol`, finite-element bodies are reduced, and
+        AO models truncated, as far as the tolerance allows; `Result.models` are those taken. Only
+        this quantity is right to `rtol`: `Result.error.numbers` estimates the errors of the others.
     rtol : float, optional
         Its relative error, 1e-2 if left out; that of a history is its largest over the record,
         relative to the largest value. A solver that does not keep it is refused.
@@ -108,10 +108,10 @@ def simulate(
     checked_numbers(law, velocity, duration, gap, energies)
     bodies = projectile, target
     plan_of = partial(plan_impact, law=law, velocity=velocity, duration=duration, gap=gap)
-    done, found = sufficient(
+    done, found = choose_models(
         lambda models, rule, seen: _simulated(plan_of(*models, energies=seen), rule),
         bodies,
-        answer("force" if quantity is None else quantity, *bodies),
+        impact_quantity(quantity, *bodies),
         rtol,
         solver,
         energies=energies,
@@ -154,13 +154,13 @@ def plan_impact(
         For an argument that makes no sense.
     """
     speed, length, distance = checked_numbers(law, velocity, duration, gap, energies)
-    bodies = player("projectile", projectile, speed), player("target", target, 0.0)
+    bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body.model, InterfaceModel):
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"
             )
-    if speed < 0.0 and not bodies[0].held:
+    if speed < 0.0 and not bodies[0].constrained:
         raise InputError(
             f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing turns "
             "it round; give the speed at which it comes, or build a Scene with what brings it back "

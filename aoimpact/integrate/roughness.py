@@ -74,7 +74,7 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
 
 def _depth(plan: Plan, joint: Joint) -> float:
     """The deepest indentation of rigid bodies; some micrometre where that is not known."""
-    masses = (plan.players[body].static_mass for body in (joint.first, joint.second))
+    masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
     energy = 0.5 * plan.fastest**2 / sum(1.0 / mass for mass in masses)
     try:
         with np.errstate(all="ignore"):

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base import FloatArray
-from ..scene import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, Plan
+from ..scene import Plan
 from .events import find_impulse, find_peak
 from .newmark import Record
 
@@ -54,7 +54,7 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> flo
         1.0 where no digit is known.
     """
     joints = range(len(plan.joints))
-    forces = [[_force(record, joint) for joint in joints] for record in (fine, coarse, coarser)]
+    forces = [list(plan.layout.forces(record.rows)) for record in (fine, coarse, coarser)]
     if not any(force.any() for record in forces for force in record):
         return 0.0
     near, far = _changes(fine, *forces[:2]), _changes(coarse, *forces[1:])
@@ -67,11 +67,6 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> flo
     ]
     error = max([_limit(near, far), *alone])
     return error if error <= _NO_DIGIT else 1.0
-
-
-def _force(record: Record, joint: int) -> FloatArray:
-    force: FloatArray = record.rows[CONTACT_ROWS * joint]
-    return force
 
 
 def _weights(sizes: FloatArray) -> FloatArray:
@@ -141,7 +136,7 @@ def _touch_error(plan: Plan, record: Record, joint: int) -> float:
     miss the same, so their difference does not tell.
     """
     law = plan.joints[joint].law
-    force, indentation = record.rows[CONTACT_ROWS * joint : CONTACT_ROWS * joint + 2]
+    force, indentation = plan.layout.contact(record.rows, joint)[:2]
     peak = float(force.max())
     first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
     if force[0] == peak > 0.0 and not force[1:2].any():
@@ -166,9 +161,8 @@ def _touch_error(plan: Plan, record: Record, joint: int) -> float:
 def _approach(plan: Plan, record: Record, joint: int) -> FloatArray:
     """The rate of indentation of a contact of bodies with mass; none where one has not."""
     rates = np.zeros(len(record.t))
-    first, port, second, other = plan.joints[joint].ends_at
-    for body, at, sign in ((first, port, 1.0), (second, other, -1.0)):
-        if plan.players[body].massless:
+    for (body, port), sign in zip(plan.joints[joint].ports, (1.0, -1.0), strict=True):
+        if plan.bodies[body].massless:
             return np.zeros(len(record.t))
-        rates += sign * record.rows[plan.first_rows[body] + BODY_ROWS + PORT_ROWS * at + 1]
+        rates += sign * plan.layout.body(record.rows, body).port_velocities[port]
     return rates

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
-import scipy.optimize
+import scipy
 
 from .. import _core
 from ..base import FloatArray, InputError, InputTypeError, finite_array, positive

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
-import scipy.integrate
-import scipy.optimize
-import scipy.special
+import scipy
 
 from ..base import FloatArray
 
@@ -159,6 +158,7 @@ def kuwabara_kono_restitution(lag: float) -> float:
     return float(-run.y[1, -1]) if run.t_events[0].size else math.nan
 
 
+@lru_cache(maxsize=16)  # some 20 integrations
 def kuwabara_kono_lag(restitution: float) -> float:
     """Return the a with which `kuwabara_kono_restitution` is e, 0 < e ≤ 1."""
     if restitution == 1.0:

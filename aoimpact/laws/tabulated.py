@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import scipy.interpolate
+import scipy
 
 from ..base import FloatArray, InputError, finite_array
 from .law import ContactLaw

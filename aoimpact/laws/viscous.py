@@ -358,9 +358,9 @@ class KuwabaraKono(HertzianLaw):
             Reduced mass, kg.
         relative_radius : float, optional
         """
-        lag = kuwabara_kono_lag(_restitution_of(restitution))
-        stiffness = positive("k", k, unit="N/m^1.5")
-        time = lag / 1.5 * _kuwabara_kono_time(stiffness, mass, velocity)
+        e, stiffness = _restitution_of(restitution), positive("k", k, unit="N/m^1.5")
+        unit = _kuwabara_kono_time(stiffness, mass, velocity)
+        time = kuwabara_kono_lag(e) / 1.5 * unit
         return cls(stiffness, time, relative_radius=relative_radius)
 
     def _parameters(self) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import scipy.linalg as la
+import scipy
 
 from ..base import FloatArray, SingularError
 from .fill import Order
@@ -54,10 +54,10 @@ def factorize_band(matrix: Any, order: Order, what: str) -> Inverse:
         If the matrix is singular to rounding or not positive definite.
     """
     try:
-        band = la.cholesky_banded(
+        band = scipy.linalg.cholesky_banded(
             _lower_band(matrix, order), overwrite_ab=True, lower=True, check_finite=False
         )
-    except la.LinAlgError as error:
+    except np.linalg.LinAlgError as error:
         raise SingularError(f"{what} is singular or not positive definite ({error})") from None
     solve = partial(_solve, band, order)
     check_condition(matrix, solve, what)
@@ -66,7 +66,7 @@ def factorize_band(matrix: Any, order: Order, what: str) -> Inverse:
 
 def _solve(band: FloatArray, order: Order, rhs: FloatArray) -> FloatArray:
     solution = np.empty_like(rhs)
-    solution[order] = la.cho_solve_banded((band, True), rhs[order], check_finite=False)
+    solution[order] = scipy.linalg.cho_solve_banded((band, True), rhs[order], check_finite=False)
     return solution
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.linalg as la
+import scipy
 
 from ..base import ConvergenceError, FloatArray, bar
 
@@ -83,7 +83,7 @@ def davidson(
             block = _new_directions(M, block, away_from, m_known, basis)
             stiffness = _bordered(stiffness, basis, block, K @ block)
             basis = np.column_stack([basis, block])
-            omega2, within = la.eigh(stiffness)
+            omega2, within = scipy.linalg.eigh(stiffness)
             modes, omega2_n = basis @ within[:, :n], omega2[:n]
             open_pairs |= np.abs(omega2_n - before) > _MOVED * omega2_n
             residual = K @ modes[:, open_pairs] - (M @ modes[:, open_pairs]) * omega2_n[open_pairs]
@@ -120,7 +120,7 @@ def _new_directions(
         block = block / np.linalg.norm(block, axis=0)
         block = block - known @ (m_known.T @ block)
         block = block - basis @ (basis.T @ (M @ block))
-        values, vectors = la.eigh(block.T @ (M @ block))
+        values, vectors = scipy.linalg.eigh(block.T @ (M @ block))
         kept = values > _DEPENDENT * values[-1]
         block = block @ (vectors[:, kept] / np.sqrt(values[kept]))
     return block

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
 
 __all__ = ["Graph", "direct_seconds", "factor_entries", "graph_of", "graph_width"]
 
@@ -44,7 +43,7 @@ class Graph:
 
 def graph_of(K: Any, M: Any) -> Graph:
     """Return the graph of K + s²M for symmetric K and M, csr_array of shape (n, n)."""
-    order = reverse_cuthill_mckee(K, symmetric_mode=True)
+    order = sp.csgraph.reverse_cuthill_mckee(K, symmetric_mode=True)
     place = np.empty_like(order)
     place[order] = np.arange(len(order), dtype=order.dtype)
     return Graph(graph_width(K), order, max(_bandwidth(K, place), _bandwidth(M, place)))
@@ -90,8 +89,8 @@ def graph_width(matrix: Any) -> float:
     if matrix.format == "bsr":
         blocks = (np.ones(len(matrix.indices), dtype=bool), matrix.indices, matrix.indptr)
         return float(matrix.blocksize[0] * graph_width(sp.csr_array(blocks)))
-    order, _ = breadth_first_order(matrix, 0)  # its last dof is at an end
-    sizes = _level_sizes(*breadth_first_order(matrix, int(order[-1])))
+    order, _ = sp.csgraph.breadth_first_order(matrix, 0)  # its last dof is at an end
+    sizes = _level_sizes(*sp.csgraph.breadth_first_order(matrix, int(order[-1])))
     return float((sizes.astype(float) ** 2).sum() / sizes.sum())
 
 

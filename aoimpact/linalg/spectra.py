@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.linalg as la
-import scipy.sparse.linalg as spla
+import scipy
 
 from ..base import ConvergenceError, FloatArray
 from .davidson import davidson
@@ -111,7 +110,9 @@ def _without_strain(K: Any, M: Any, modes: FloatArray) -> FloatArray:
         near_k = linear_solver(Pencil(K, M, s2))
         for _ in range(3):
             modes = modes - near_k.solve(K @ modes)
-        modes = la.solve_triangular(la.cholesky(modes.T @ (M @ modes)), modes.T, trans="T").T
+        modes = scipy.linalg.solve_triangular(
+            scipy.linalg.cholesky(modes.T @ (M @ modes)), modes.T, trans="T"
+        ).T
     return np.ascontiguousarray(modes)
 
 
@@ -177,7 +178,7 @@ def lowest(
 
 
 def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:
-    omega2, modes = la.eigh(K.toarray(), M.toarray(), subset_by_index=[0, n - 1])
+    omega2, modes = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=[0, n - 1])
     count = rigid.shape[1]
     omega2[:count] = 0.0
     modes[:, :count] = rigid
@@ -268,9 +269,9 @@ def _arnoldi(
     def inverse(f: FloatArray) -> FloatArray:
         return project(solve(np.ascontiguousarray(f).ravel()))
 
-    operator = spla.LinearOperator((dofs, dofs), matvec=inverse, dtype=np.float64)
+    operator = scipy.sparse.linalg.LinearOperator((dofs, dofs), matvec=inverse, dtype=np.float64)
     try:
-        values, vectors = spla.eigsh(
+        values, vectors = scipy.sparse.linalg.eigsh(
             operator,  # used for its shape only: OPinv stands for the inverse
             k=n,
             M=M,
@@ -281,7 +282,7 @@ def _arnoldi(
             maxiter=restarts,
             ncv=min(dofs, max(2 * n + 1, 20)),
         )
-    except spla.ArpackError as error:
+    except scipy.sparse.linalg.ArpackError as error:
         raise ConvergenceError(
             f"ARPACK did not find {n} eigenpairs of {dofs} dofs ({error}); ask for fewer or all"
         ) from None

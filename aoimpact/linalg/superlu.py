@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
 from .. import _core
 from ..base import FloatArray, SingularError
@@ -103,7 +102,7 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
     """
     csc = sp.csc_matrix(matrix)
     try:
-        lu = spla.splu(
+        lu = sp.linalg.splu(
             csc,
             permc_spec="MMD_AT_PLUS_A",
             diag_pivot_thresh=0.0,

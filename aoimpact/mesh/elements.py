@@ -12,10 +12,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from scipy.special import roots_jacobi
-from skfem import element as skfem_element
-from skfem.quadrature import get_quadrature
-from skfem.refdom import RefHex, RefLine, RefTet, RefTri
+import scipy
 
 from ..base import FloatArray, IntArray
 
@@ -111,14 +108,21 @@ def _match(wanted: FloatArray, among: FloatArray) -> IntArray:
     return found
 
 
-def _rule(refdom: Any, degree: int) -> Rule:
-    points, weights = get_quadrature(refdom, degree)
+def _quadrature(domain: str, degree: int) -> tuple[FloatArray, FloatArray]:
+    """Return scikit-fem's points, shape (dimension, n), and weights on a reference domain."""
+    from skfem import quadrature, refdom  # slow to import, and of no use without a mesh
+
+    return quadrature.get_quadrature(getattr(refdom, domain), degree)  # type: ignore[no-any-return]
+
+
+def _rule(domain: str, degree: int) -> Rule:
+    points, weights = _quadrature(domain, degree)
     return Rule(np.ascontiguousarray(points.T), weights)
 
 
 def _wedge_rule(degree: int) -> Rule:
     # scikit-fem's own rule for wedges integrates the volume 1/2 to 1/4 (version 12.0.2).
-    (triangle, w), (line, v) = get_quadrature(RefTri, degree), get_quadrature(RefLine, degree)
+    (triangle, w), (line, v) = _quadrature("RefTri", degree), _quadrature("RefLine", degree)
     points = [(x, y, z) for x, y in triangle.T for z in line[0]]
     return Rule(np.array(points), np.outer(w, v).ravel())
 
@@ -128,7 +132,9 @@ def _conical_rule(n: int) -> Rule:
 
     x = r, y = s (1 − r), z = t (1 − r)(1 − s) has the Jacobian (1 − r)² (1 − s) (Stroud, 1971).
     """
-    (r, u), (s, v), (t, w) = (roots_jacobi(n, power, 0.0) for power in (2.0, 1.0, 0.0))
+    (r, u), (s, v), (t, w) = (
+        scipy.special.roots_jacobi(n, power, 0.0) for power in (2.0, 1.0, 0.0)
+    )
     r, s, t = np.meshgrid((1 + r) / 2, (1 + s) / 2, (1 + t) / 2, indexing="ij")
     points = np.stack([r, s * (1 - r), t * (1 - r) * (1 - s)], axis=-1).reshape(-1, 3)
     weights = np.einsum("i,j,k->ijk", u / 8, v / 4, w / 2).ravel()
@@ -139,20 +145,22 @@ def _conical_rule(n: int) -> Rule:
 # each coordinate: 3p − 1 for ∫∇φ dV, 5p − 1 for ∫φφ dV; tetrahedra, in all: 3p − 3 and 5p − 3.
 # From "degree" 5 on, scikit-fem's positive rules for tetrahedra are exact to one degree less.
 def _build(kind: str) -> ReferenceElement:
+    import skfem.element
+
     corners, middles, basis, stiffness, mass = {
-        "tetra": (_TET, (), "ElementTetP1", _rule(RefTet, 1), _rule(RefTet, 2)),
-        "tetra10": (_TET, _TET_EDGES, "ElementTetP2", _rule(RefTet, 5), _conical_rule(4)),
-        "hexahedron": (_HEX, (), "ElementHex1", _rule(RefHex, 3), _rule(RefHex, 5)),
-        "hexahedron20": (_HEX, _HEX_EDGES, "ElementHexS2", _rule(RefHex, 5), _rule(RefHex, 9)),
+        "tetra": (_TET, (), "ElementTetP1", _rule("RefTet", 1), _rule("RefTet", 2)),
+        "tetra10": (_TET, _TET_EDGES, "ElementTetP2", _rule("RefTet", 5), _conical_rule(4)),
+        "hexahedron": (_HEX, (), "ElementHex1", _rule("RefHex", 3), _rule("RefHex", 5)),
+        "hexahedron20": (_HEX, _HEX_EDGES, "ElementHexS2", _rule("RefHex", 5), _rule("RefHex", 9)),
         "hexahedron27": (
             *(_HEX, _HEX_EDGES + _HEX_FACES + _HEX_MIDDLE, "ElementHex2"),
-            *(_rule(RefHex, 5), _rule(RefHex, 9)),
+            *(_rule("RefHex", 5), _rule("RefHex", 9)),
         ),
         "wedge": (_WEDGE, (), "ElementWedge1", _wedge_rule(2), _wedge_rule(4)),
     }[kind]
     places = np.array(corners, dtype=np.float64)
     nodes = np.vstack([places, *(places[list(c)].mean(axis=0) for c in middles)])
-    element = getattr(skfem_element, basis)()
+    element = getattr(skfem.element, basis)()
     order = _match(nodes, np.asarray(element.doflocs, dtype=np.float64))
     return ReferenceElement(kind, len(corners), nodes, stiffness, mass, element, order)
 

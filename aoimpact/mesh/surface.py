@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from ..base import FloatArray, IntArray
 from .elements import reference_element
@@ -86,7 +85,7 @@ class Surface:
         """For each element, which of the parts that hang together by whole sides it is in."""
         n = self.mesh.n_cells
         links = sp.coo_array((np.ones(len(self.joined), bool), tuple(self.joined.T)), shape=(n, n))
-        part: IntArray = connected_components(links, directed=False)[1].astype(np.int64)
+        part: IntArray = sp.csgraph.connected_components(links, directed=False)[1].astype(np.int64)
         return part
 
     @cached_property

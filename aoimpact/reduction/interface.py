@@ -8,17 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, InputTypeError, finite_array, integer, warn
-from ..fem import Body, ContactPoint, Damping, translates
+from ..base import (
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    checked,
+    finite_array,
+    instances,
+    integer,
+    positive,
+    text,
+    warn,
+)
+from ..fem import FASTEST, Body, ContactPoint, Damping, translates
 from ..linalg import Solver
 from .krylov import SHIFT_TIMES_DURATION, Subspace, fitted_shifts, highest_shift
-from .modes import modal
+from .modes import LARGEST, ascending, modal
 
 __all__ = [
     "InterfaceModel",
@@ -60,6 +72,21 @@ class InterfaceModel(Frozen):
     residual: FloatArray
     solver: str = ""
     contact_time: float | None = None
+
+    def __post_init__(self) -> None:
+        checked(self, tips=partial(instances, kind=ContactPoint), omega=ascending, solver=text)
+        if not self.tips or any(tip.body is not self.tips[0].body for tip in self.tips):
+            raise InputError("tips must be one contact point at least, all of one body")
+        n, ports = len(self.omega), len(self.tips)
+        checked(
+            self,
+            participation=partial(finite_array, shape=(ports, n), most=LARGEST, order="K"),
+            modes=partial(finite_array, shape=(self.body.n_dofs, n), most=LARGEST, order="K"),
+            residual=partial(finite_array, shape=(ports, ports)),
+        )
+        if self.contact_time is not None:
+            checked(self, contact_time=partial(positive, unit="s"))
+        super().__post_init__()
 
     def __repr__(self) -> str:
         return f"InterfaceModel(n={self.n}, tips={list(self.tips)!r})"
@@ -130,7 +157,7 @@ class InterfaceModel(Frozen):
         ndarray, shape (..., p, p)
             `[..., p, q]`: of port p for a force at port q; infinite at a resonance.
         """
-        frequency = finite_array("omega", omega, unit="rad/s")
+        frequency = finite_array("omega", omega, unit="rad/s", most=FASTEST)
         stiffness: Any = self.omega**2 - frequency[..., None] ** 2
         if self.damping is not None:
             stiffness = stiffness + 2j * self.damping.decay(self.omega) * frequency[..., None]

@@ -14,7 +14,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import scipy.linalg as la
+import scipy
 
 from .. import _core
 from ..base import (
@@ -22,6 +22,7 @@ from ..base import (
     InputError,
     InputTypeError,
     SingularError,
+    boolean,
     integer,
     positive,
     require,
@@ -218,7 +219,7 @@ class Subspace:
         size, rigid = self.grow(count), self.rigid_count
         elastic = self._coordinates()[rigid:size]
         there = self._stiffness[: self._count, : self._count]
-        omega2, y = la.eigh(elastic @ there @ elastic.T)
+        omega2, y = scipy.linalg.eigh(elastic @ there @ elastic.T)
         doubtful = omega2 <= _DOUBTFUL * np.abs(omega2).max(initial=0.0)
         if self._without_stiffness(omega2[doubtful], elastic.T @ y[:, doubtful]):
             raise SingularError(
@@ -296,10 +297,10 @@ class Subspace:
             return found, np.inf
         scale = 1.0 / np.sqrt(stiffness.diagonal())
         try:
-            factors = la.cho_factor(scale[:, None] * stiffness * scale)
-        except la.LinAlgError:
+            factors = scipy.linalg.cho_factor(scale[:, None] * stiffness * scale)
+        except np.linalg.LinAlgError:
             return found, np.inf
-        found[:, new] = scale * la.cho_solve(factors, (loads @ vectors.T * scale).T).T
+        found[:, new] = scale * scipy.linalg.cho_solve(factors, (loads @ vectors.T * scale).T).T
         rest = loads - (self.body.K @ (found[:, new] @ vectors).T).T
         sizes = np.linalg.norm(loads, axis=1)
         return found, float((np.linalg.norm(rest, axis=1) / np.where(sizes > 0, sizes, 1.0)).max())
@@ -465,7 +466,7 @@ class KrylovSpace:
         self.tip = tip
         self.shift = fitted_shifts([tip], contact_time, None)[0]
         self.contact_time = SHIFT_TIMES_DURATION / self.shift
-        highest = highest_shift(tip) if sharpened else 0.0
+        highest = highest_shift(tip) if boolean("sharpened", sharpened) else 0.0
         self._space = Subspace([tip], [self.shift], highest=highest, solver=solver)
         if duration is not None:
             self.include(duration)
@@ -505,7 +506,8 @@ class KrylovSpace:
 
         It is made for much less, and holds the whole space as long as it lives.
         """
-        omega2, coordinates = self._space.ritz_on_basis(self._first + n)
+        vectors = integer("n", n, low=0)
+        omega2, coordinates = self._space.ritz_on_basis(self._first + vectors)
         return star_of_modes(
             self.tip,
             omega2,

@@ -5,25 +5,37 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
 from .. import _core
-from ..base import FloatArray, InputError, InputTypeError, integer
+from ..base import (
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    checked,
+    finite_array,
+    integer,
+)
 from ..fem import ContactPoint, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest
 from .origin import origin_of
 from .star import AOModel
 
-__all__ = ["ModalModel", "modal"]
+__all__ = ["LARGEST", "ModalModel", "ascending", "modal"]
 
+
+# Entries of modes, 1/√kg, whose products are numbers.
+LARGEST = 1e100
 
 # Modes and oscillators with less than this share of the whole do not feel the contact.
 _SILENT = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
-class ModalModel:
+class ModalModel(Frozen):
     """The first natural modes of a body: the classical truncated model.
 
     Attributes
@@ -38,6 +50,12 @@ class ModalModel:
     tip: ContactPoint
     omega2: FloatArray
     modes: FloatArray
+
+    def __post_init__(self) -> None:
+        checked(self, tip=(ContactPoint,), omega2=ascending)
+        shape = (self.tip.body.n_dofs, len(self.omega2))
+        checked(self, modes=partial(finite_array, shape=shape, most=LARGEST, order="K"))
+        super().__post_init__()
 
     def __repr__(self) -> str:
         return f"ModalModel(n={self.n}, tip={self.tip!r})"
@@ -82,6 +100,14 @@ class ModalModel:
         exact: both have the same receptance Σ r_j²/(ω_j² - ω²).
         """
         return star_of_modes(self.tip, self.omega2, self.modes, "modal")
+
+
+def ascending(name: str, value: Any) -> FloatArray:
+    """Return `value`, of one mode at least, as frequencies or their squares that do not fall."""
+    values = finite_array(name, value, ndim=1)
+    if not len(values) or values[0] < 0.0 or (np.diff(values) < 0.0).any():
+        raise InputError(f"{name} must be one number at least, none negative, in ascending order")
+    return values
 
 
 def star_of_modes(

@@ -8,8 +8,7 @@ from functools import partial
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg as la
-import scipy.sparse.linalg as spla
+import scipy
 
 from .. import _core
 from ..base import FloatArray, InputError, InputTypeError, SingularError, choice, integer, warn
@@ -82,7 +81,7 @@ def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:
         dense = np.ascontiguousarray(matrix.toarray())
         _core.constraint_congruence(h, dense, work)
         pencil.append(dense[1:, 1:])
-    omega2, y = la.eigh(pencil[0], pencil[1], overwrite_a=True, overwrite_b=True)
+    omega2, y = scipy.linalg.eigh(pencil[0], pencil[1], overwrite_a=True, overwrite_b=True)
     phi = np.vstack([np.zeros(n - 1), y])
     phi -= np.outer(h, h @ phi)
     return _oscillators(tip, static, omega2, phi)
@@ -126,8 +125,10 @@ def _mass_of_all(tip: ContactPoint, static: StaticMode) -> float:
     """
     M, b = tip.body.M, tip.b
     diagonal = M.diagonal()
-    jacobi = spla.LinearOperator(M.shape, matvec=lambda x: x / diagonal, dtype=np.float64)
-    x, failed = spla.cg(M, b, rtol=1e-10, maxiter=2000, M=jacobi)
+    jacobi = scipy.sparse.linalg.LinearOperator(
+        M.shape, matvec=lambda x: x / diagonal, dtype=np.float64
+    )
+    x, failed = scipy.sparse.linalg.cg(M, b, rtol=1e-10, maxiter=2000, M=jacobi)
     return static.mass if failed else static.mass - 1.0 / float(b @ x)
 
 

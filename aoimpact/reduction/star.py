@@ -16,6 +16,7 @@ from ..base import (
     Frozen,
     InputError,
     SingularError,
+    checked,
     finite_array,
     integer,
     nonnegative,
@@ -70,6 +71,7 @@ class AOModel(Frozen):
         set_field(self, "m0", nonnegative("m0", self.m0, unit="kg", infinite=True))
         set_field(self, "k0", nonnegative("k0", self.k0, unit="N/m"))
         set_field(self, "damping", damping_or_none(self.damping))
+        checked(self, origin=(Origin, type(None)))
         for name, unit in (("m", "kg"), ("k", "N/m")):
             values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
             if (values <= 0.0).any():
@@ -225,7 +227,9 @@ class AOModel(Frozen):
         """
         if self.origin is None:
             raise InputError("weights: this model was given by numbers and has no body")
-        of_static, of_oscillators = self.origin.seen_by(functional)
+        dofs = self.origin.tip.body.n_dofs
+        along = finite_array("functional", functional, shape=(dofs,))
+        of_static, of_oscillators = self.origin.seen_by(along)
         return np.concatenate([[of_static - of_oscillators.sum()], of_oscillators])
 
     def receptance(self, omega: npt.ArrayLike) -> Any:

@@ -43,12 +43,12 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
     names : sequence of str
         What to call the bodies.
     """
-    models: list[Any] = [getattr(body, "model", None) for body in plan.players]
+    models: list[Any] = [getattr(body, "model", None) for body in plan.bodies]
     if not any(map(fitted_time, models)):
         return
     said = set()
     for joint, events in zip(plan.joints, run.events, strict=True):
-        for body, port in (joint.ends_at[:2], joint.ends_at[2:]):
+        for body, port in joint.ports:
             fitted = fitted_time(models[body])
             if fitted is None or body in said or not events.contacts:
                 continue
@@ -83,7 +83,7 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
     body : int
         Its number.
     """
-    model = getattr(plan.players[body], "model", None)
+    model = getattr(plan.bodies[body], "model", None)
     fitted, touches = fitted_time(model), _touches(plan, run, body)
     if fitted is None or not touches or not len(run.t):
         return

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import FloatArray, InputError, file_path
+from ..base import FloatArray, InputError, file_path, texts
 
 if TYPE_CHECKING:
     from .motion import BodyResult
-    from .seen import Seen, SeenRun
+    from .result import Result
+    from .run import Run
 
 
-def columns(result: Seen) -> dict[str, FloatArray]:
+def columns(result: Result) -> dict[str, FloatArray]:
     """Return every history by its heading, "name [unit]", in the order of the CSV file."""
     table = {
         "t [s]": result.t,
@@ -34,7 +35,7 @@ def columns(result: Seen) -> dict[str, FloatArray]:
     return table
 
 
-def run_columns(run: SeenRun, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
+def run_columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
     """Return every history of a scene: contacts by number, bodies by number or by name."""
     table = {"t [s]": run.t}
     for i, contact in enumerate(run.contacts):
@@ -61,9 +62,10 @@ def body_names(count: int, names: Sequence[str] | None) -> list[str]:
     """
     if names is None:
         return [f"body {i}" for i in range(count)]
-    if len(names) != count or len(set(names)) != count:
-        raise InputError(f"names must be {count} different ones, one a body, got {list(names)}")
-    return list(names)
+    given = texts("names", names)
+    if len(given) != count or len(set(given)) != count:
+        raise InputError(f"names must be {count} different ones, one a body, got {list(given)}")
+    return list(given)
 
 
 def write_csv(table: Mapping[str, FloatArray], path: str | os.PathLike[str]) -> None:

@@ -39,7 +39,7 @@ from ..reduction import (
 )
 from .stepped import SteppedBody, SteppedFull, SteppedModes, SteppedStar
 
-__all__ = ["FullPlayer", "InterfacePlayer", "Player", "StarPlayer", "player"]
+__all__ = ["FullBody", "InterfaceBody", "SceneBody", "StarBody", "scene_body"]
 
 State = tuple[FloatArray, FloatArray]
 
@@ -48,7 +48,7 @@ _MODAL_MOST = 3000
 
 
 @dataclass(frozen=True, eq=False)
-class Player(ABC):
+class SceneBody(ABC):
     """A body about to take part in a scene, moving as a whole.
 
     Attributes
@@ -78,8 +78,18 @@ class Player(ABC):
 
     @property
     @abstractmethod
-    def held(self) -> bool:
-        """Whether supports or a ground spring hold it."""
+    def constrained(self) -> bool:
+        """Whether supports or a ground spring constrain it."""
+
+    @property
+    def wall(self) -> bool:
+        """Whether it is of infinite mass."""
+        return self.mass is not None and math.isinf(self.mass)
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it stays in its place: constrained, or a wall."""
+        return self.constrained or self.wall
 
     @property
     @abstractmethod
@@ -97,7 +107,7 @@ class Player(ABC):
         return 1
 
     @property
-    def unseen(self) -> tuple[float, float]:
+    def omitted(self) -> tuple[float, float]:
         """Share of the centre of mass's velocity, and mass, kg, that the model leaves out."""
         return 0.0, 0.0
 
@@ -111,10 +121,10 @@ class Player(ABC):
         """Return the forces of gravity, m/s², on the coordinates that `stepped` takes them for."""
 
     @abstractmethod
-    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+    def preloaded(self, x: FloatArray, beside: FloatArray) -> State:
         """Return the state, as `stepped` takes it, moving from modes `x` with its velocity.
 
-        `bent`, shape (p,), is what the modes leave out of the displacements of massless ports, m.
+        `beside`, shape (p,), is what the modes leave out of the displacements of massless ports, m.
         """
 
     def stepped(
@@ -160,7 +170,7 @@ class Player(ABC):
 
 
 @dataclass(frozen=True, eq=False)
-class StarPlayer(Player):
+class StarBody(SceneBody):
     """A star."""
 
     model: AOModel
@@ -178,7 +188,7 @@ class StarPlayer(Player):
         return self.model.centre_known
 
     @property
-    def held(self) -> bool:
+    def constrained(self) -> bool:
         return self.model.held
 
     @property
@@ -190,12 +200,12 @@ class StarPlayer(Player):
         return modal_body(self.model)
 
     @property
-    def unseen(self) -> tuple[float, float]:
+    def omitted(self) -> tuple[float, float]:
         """A free body hit off its centre also moves in ways that its star does not contain."""
         if self.model.origin is None or not self.model.origin.translates:
             return 0.0, 0.0
-        seen = float(self.model.centre_weights.sum())
-        return 1.0 - seen, self.model.mass - self.model.static_mass
+        share = float(self.model.centre_weights.sum())
+        return 1.0 - share, self.model.mass - self.model.static_mass
 
     @property
     def undeformed(self) -> State:
@@ -208,9 +218,9 @@ class StarPlayer(Player):
         forces: FloatArray = gravity * star.mass * star.centre_weights
         return forces
 
-    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+    def preloaded(self, x: FloatArray, beside: FloatArray) -> State:
         coordinates = self.modal.coordinates(x)
-        coordinates[0] += bent[0]
+        coordinates[0] += beside[0]
         return coordinates, self.undeformed[1]
 
     @cached_property
@@ -290,7 +300,7 @@ def _bending(
 
 
 @dataclass(frozen=True, eq=False)
-class FullPlayer(Player):
+class FullBody(SceneBody):
     """A finite-element body, touched in one place or more.
 
     At the start it translates where it may, else it moves in φ_st of the first place.
@@ -316,7 +326,7 @@ class FullPlayer(Player):
         return self._centre_of[2]
 
     @cached_property
-    def held(self) -> bool:
+    def constrained(self) -> bool:
         return not any(moves_rigidly(tip) for tip in self.model)
 
     @cached_property
@@ -342,7 +352,7 @@ class FullPlayer(Player):
         forces: FloatArray = gravity * self.tip.body.mass * self._centre_of[0]
         return forces
 
-    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+    def preloaded(self, x: FloatArray, beside: FloatArray) -> State:
         return self._whole.expand(self.modal.coordinates(x)), self._start
 
     @cached_property
@@ -426,7 +436,7 @@ class FullPlayer(Player):
 
 
 @dataclass(frozen=True, eq=False)
-class InterfacePlayer(Player):
+class InterfaceBody(SceneBody):
     """A body touched in several places, in the modes that they excite."""
 
     model: InterfaceModel
@@ -444,7 +454,7 @@ class InterfacePlayer(Player):
         return True  # else the model is refused
 
     @cached_property
-    def held(self) -> bool:
+    def constrained(self) -> bool:
         return not bool((self.model.omega == 0.0).any())
 
     @cached_property
@@ -462,12 +472,12 @@ class InterfacePlayer(Player):
 
     @property
     def undeformed(self) -> State:
-        return self.pressed(np.zeros(self.modal.n), np.zeros(self.ports))
+        return self.preloaded(np.zeros(self.modal.n), np.zeros(self.ports))
 
     def weight(self, gravity: float) -> FloatArray | None:
         return gravity * self.modal.weight
 
-    def pressed(self, x: FloatArray, bent: FloatArray) -> State:
+    def preloaded(self, x: FloatArray, beside: FloatArray) -> State:
         return x, self.velocity * self.modal.moving
 
     def _stepped(
@@ -494,8 +504,8 @@ class InterfacePlayer(Player):
         )
 
 
-def player(name: str, body: Any, velocity: float) -> Player:
-    """Return the player for what a caller handed over as projectile or target.
+def scene_body(name: str, body: Any, velocity: float) -> SceneBody:
+    """Return the scene body for what a caller handed over as projectile or target.
 
     Raises
     ------
@@ -503,15 +513,15 @@ def player(name: str, body: Any, velocity: float) -> Player:
         If `body` is no model of a body.
     """
     if isinstance(body, AOModel):
-        return StarPlayer(body, velocity)
+        return StarBody(body, velocity)
     if isinstance(body, ModalModel):
-        return StarPlayer(body.star, velocity)
+        return StarBody(body.star, velocity)
     if isinstance(body, ContactPoint):
-        return FullPlayer((body,), velocity)
+        return FullBody((body,), velocity)
     if isinstance(body, (list, tuple)):
-        return FullPlayer(checked_ports(body, name), velocity)
+        return FullBody(checked_ports(body, name), velocity)
     if isinstance(body, InterfaceModel):
-        return InterfacePlayer(body, velocity)
+        return InterfaceBody(body, velocity)
     raise InputTypeError(
         f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
         "or a ContactPoint (body.contact(...), the full model; a list of them where it is touched "

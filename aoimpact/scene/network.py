@@ -16,39 +16,35 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
-from scipy.sparse.csgraph import connected_components
 
 from ..base import FloatArray
 from ..reduction import ModalBody
+from .contact import Port
 
-__all__ = ["Bound", "End", "Pile"]
+__all__ = ["Bound", "ContactNetwork"]
 
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
 
-# A body and one of its ports.
-End = tuple[int, int]
-
 # Ground springs on what may move freely: of one body of a group that nothing else holds, as stiff
-# as its contacts; of bodies touched in several places, whose rigid motions the rest of the pile may
+# as its contacts; of bodies touched in several places, whose rigid motions the others may
 # hold or not, by so much less that they do not show.
 _PINNED, _BARELY = 1.0, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Pile:
+class ContactNetwork:
     """Bodies, and which of them touch.
 
     Attributes
     ----------
     bodies : sequence of ModalBody
-    ends : sequence of (end, end)
+    ends : sequence of (Port, Port)
         Of each contact; the indentation is the first's coordinate minus the second's.
     """
 
     bodies: Sequence[ModalBody]
-    ends: Sequence[tuple[End, End]]
+    ends: Sequence[tuple[Port, Port]]
 
     @cached_property
     def first(self) -> tuple[int, ...]:
@@ -120,12 +116,16 @@ class Pile:
         """How much coordinates of any sign may move contacts, shape (contacts, n)."""
         return abs(self.directions)
 
-    def bent(self, x: FloatArray) -> list[FloatArray]:
+    def modes(self, x: FloatArray) -> tuple[FloatArray, ...]:
+        """Return the modes of each body, shape (n,), among the coordinates."""
+        return tuple(x[first:end] for first, end in itertools.pairwise(self.first))
+
+    def beside(self, x: FloatArray) -> tuple[FloatArray, ...]:
         """Return displacements of each body's ports, m, shape (p,), beside those of its modes."""
         found = [np.zeros(body.ports) for body in self.bodies]
         for number, _, shape in self._massless:
             found[number] += shape @ x[self._shapes[number][1][0]]
-        return found
+        return tuple(found)
 
     def load(self, gravity: float, forces: Sequence[FloatArray]) -> FloatArray:
         """Return the forces on the coordinates, shape (n,).
@@ -162,7 +162,7 @@ class Pile:
         count = len(self.bodies)
         pairs = self._pairs[joined]
         graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2)
-        groups, group = connected_components(graph, directed=False)
+        groups, group = sp.csgraph.connected_components(graph, directed=False)
         held = np.zeros(groups, dtype=bool)
         for number, body in enumerate(self.bodies):
             held[group[number]] |= body.ports > 1 or not self._loose_of(number).any()
@@ -231,7 +231,7 @@ class Pile:
     # ------------------------------------------------------------------- what forces move
 
     def bound(self, contacts: FloatArray, springs: float = 1.0) -> Bound | None:
-        """Return the pile with its contacts as springs of such stiffnesses, N/m, shape (contacts,).
+        """Return the network with contacts as springs of such stiffnesses, N/m, shape (contacts,).
 
         None if some are so soft beside others that they hold nothing in floating-point numbers.
 
@@ -283,12 +283,12 @@ class _Across:
 
 
 class Bound:
-    """A pile whose contacts are springs; see `Pile.bound`."""
+    """A network whose contacts are springs; see `ContactNetwork.bound`."""
 
-    def __init__(self, pile: Pile, contacts: FloatArray, springs: float) -> None:
-        self._pile, across = pile, pile.across
+    def __init__(self, network: ContactNetwork, contacts: FloatArray, springs: float) -> None:
+        self._network, across = network, network.across
         root, give, free = np.sqrt(contacts), across.give, across.free
-        self._compliance = 1.0 / (springs * pile.stiffness[across.sprung])
+        self._compliance = 1.0 / (springs * network.stiffness[across.sprung])
         # In √S: symmetric, and of the size of one where bodies give way less than contacts.
         between = give.data * root[give.row] * root[give.col] / springs
         own = np.zeros(len(root))
@@ -299,21 +299,21 @@ class Bound:
         norm = np.sqrt(np.bincount(free.col, down**2, minlength=free.shape[1]))
         self._scale = 1.0 / np.where(norm > 0.0, norm, 1.0)
         down = down * self._scale[free.col]
-        self._ground = pile.ground[pile.loose]
+        self._ground = network.ground[network.loose]
         entries = np.concatenate([between, 1.0 / (1.0 + own), -down, down, self._ground])
         data = np.add.reduceat(entries[across.order], across.new)
         size = len(root) + free.shape[1]
-        self._lu = spla.splu(sp.csc_array((data, *across.pattern), shape=(size, size)))
+        self._lu = sp.linalg.splu(sp.csc_array((data, *across.pattern), shape=(size, size)))
 
     def moved(self, force: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return where forces, N, shape (n,), move the coordinates; what only the ground bears."""
-        pile, across = self._pile, self._pile.across
+        network, across = self._network, self._network.across
         pushed = self._compliance * force[across.sprung]
-        right = self._root * (across.own @ pushed), self._scale * force[pile.loose]
+        right = self._root * (across.own @ pushed), self._scale * force[network.loose]
         found = self._lu.solve(np.concatenate(right))
         between, rigid = np.split(found, [len(self._root)])
         x, unheld = np.zeros(len(force)), np.zeros(len(force))
-        x[pile.loose] = self._scale * rigid
+        x[network.loose] = self._scale * rigid
         x[across.sprung] = pushed - self._compliance * (across.own.T @ (self._root * between))
-        unheld[pile.loose] = self._ground * rigid / self._scale
+        unheld[network.loose] = self._ground * rigid / self._scale
         return x, unheld

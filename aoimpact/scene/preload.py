@@ -14,12 +14,12 @@ from functools import cached_property
 import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputError, LawLimitError
-from ..laws import ContactLaw
 from ..reduction import ModalBody
-from .network import Bound, End, Pile
+from .contact import Joint
+from .network import Bound, ContactNetwork
 from .springs import Springs
 
-__all__ = ["Pressed", "equilibrium"]
+__all__ = ["Equilibrium", "equilibrium"]
 
 
 _MOST_STEPS = 2000
@@ -54,20 +54,19 @@ _MOST_LOOPED = 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Pressed:
-    """A contact as statics sees it: δ = u of the first end - u of the second - gap.
+class Equilibrium:
+    """Bodies at rest.
 
     Attributes
     ----------
-    ends : (end, end)
-    gap : float
-        m.
-    law : ContactLaw
+    modes : tuple of ndarrays, shape (n,)
+        Displacements of each body's modes.
+    beside : tuple of ndarrays, shape (p,)
+        What these leave out of the displacements of massless ports, m.
     """
 
-    ends: tuple[End, End]
-    gap: float
-    law: ContactLaw
+    modes: tuple[FloatArray, ...]
+    beside: tuple[FloatArray, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +101,9 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class _Statics:
-    """A pile under loads, shape (n,), pressed on springs with gaps, m, shape (contacts,)."""
+    """A network under loads, shape (n,), pressed on springs with gaps, m, shape (contacts,)."""
 
-    pile: Pile
+    network: ContactNetwork
     load: FloatArray
     springs: Springs
     gaps: FloatArray
@@ -112,8 +111,10 @@ class _Statics:
     @cached_property
     def first(self) -> _Place:
         """Where the loads would bring the bodies without contacts; what is loose stays."""
-        sprung = self.pile.stiffness > 0.0
-        return self.place(np.where(sprung, self.load / np.where(sprung, self.pile.stiffness, 1), 0))
+        sprung = self.network.stiffness > 0.0
+        return self.place(
+            np.where(sprung, self.load / np.where(sprung, self.network.stiffness, 1), 0)
+        )
 
     @cached_property
     def slopes(self) -> FloatArray:
@@ -124,25 +125,25 @@ class _Statics:
 
     def place(self, x: FloatArray) -> _Place:
         """What holds where the coordinates are x."""
-        pile, across = self.pile, self.pile.directions
+        network, across = self.network, self.network.directions
         depth = across @ x - self.gaps
         force, slope = self.springs.force(depth)
-        own = pile.stiffness * x
-        balance = np.where(pile.movable, self.load - own - across.T @ force, 0.0)
-        present = np.abs(self.load) + np.abs(own) + pile.reach.T @ force
+        own = network.stiffness * x
+        balance = np.where(network.movable, self.load - own - across.T @ force, 0.0)
+        present = np.abs(self.load) + np.abs(own) + network.reach.T @ force
         energy = float(0.5 * x @ own - self.load @ x) + self.springs.energy(depth)
         rounding = self.rounding(x, slope)
         return _Place(x, balance, present, depth, force, slope, rounding, energy)
 
     def rounding(self, x: FloatArray, slopes: FloatArray) -> FloatArray:
         """What the last digits of x make of the contacts' forces, N."""
-        reach = self.pile.reach @ np.abs(x) + np.abs(self.gaps)
+        reach = self.network.reach @ np.abs(x) + np.abs(self.gaps)
         rounding: FloatArray = slopes * _UNITS * _EPSILON * reach
         return rounding
 
     def balanced(self, at: _Place, besides: FloatArray | float = 0.0) -> bool:
         """Whether the forces left over are those of rounding, and besides, N, not more."""
-        rounding = self.pile.reach.T @ at.rounding
+        rounding = self.network.reach.T @ at.rounding
         return bool((np.abs(at.balance) <= _BALANCED * at.present + rounding + besides).all())
 
     def settled(self, at: _Place) -> bool:
@@ -157,8 +158,8 @@ class _Statics:
 
     @cached_property
     def _stuck(self) -> Bound | None:
-        """The pile if no contact could open."""
-        return self.pile.bound(self.slopes)
+        """The network if no contact could open."""
+        return self.network.bound(self.slopes)
 
     def unheld(self, at: _Place) -> int | None:
         """The coordinate of a force left over that nothing would hold if all contacts stuck."""
@@ -211,7 +212,7 @@ class _Statics:
         closed = np.flatnonzero(at.depth >= -1e-9 * np.abs(self.gaps))
         if not 0 < len(closed) <= _MOST_LOOPED:
             return False
-        rows = self.pile.directions[closed][:, self.pile.loose].toarray()
+        rows = self.network.directions[closed][:, self.network.loose].toarray()
         return int(np.linalg.matrix_rank(rows)) < len(closed)
 
     def least_moved(self, at: _Place) -> _Place:
@@ -220,10 +221,10 @@ class _Statics:
         Newton's steps drag along what is touched, open contacts too.
         """
         pressed = at.force > at.rounding + _SETTLED * self.size(at)
-        x, room, columns = at.x.copy(), np.maximum(-at.depth, 0.0), self.pile.directions.tocsc()
+        x, room, columns = at.x.copy(), np.maximum(-at.depth, 0.0), self.network.directions.tocsc()
         drifting = [
             (where, way)
-            for where, way in self.pile.adrift(pressed, x)
+            for where, way in self.network.adrift(pressed, x)
             if abs(self.load[where].sum()) <= _BALANCED * np.abs(self.load[where]).sum()
         ]
         # There and back: in a row the first to move makes room for the next.
@@ -239,47 +240,41 @@ class _Statics:
 
     def step(self, at: _Place, damping: float) -> FloatArray | None:
         """Newton's step, shorter the more it is damped; None if so little damping gives none."""
-        bound = self.pile.bound(at.slope + damping * self.slopes, 1.0 + damping)
-        return None if bound is None else self.pile.centred(bound.moved(at.balance)[0])
+        bound = self.network.bound(at.slope + damping * self.slopes, 1.0 + damping)
+        return None if bound is None else self.network.centred(bound.moved(at.balance)[0])
 
 
 def equilibrium(
     bodies: Sequence[ModalBody],
-    contacts: Sequence[Pressed],
+    contacts: Sequence[Joint],
     *,
     gravity: float,
     forces: Sequence[FloatArray],
-) -> tuple[FloatArray, list[FloatArray]]:
-    """Return all bodies at rest: their modes, and what these leave out of massless ports.
+) -> Equilibrium:
+    """Return all bodies at rest.
 
     Parameters
     ----------
     bodies : sequence of ModalBody
-    contacts : sequence of Pressed
+    contacts : sequence of Joint
     gravity : float
         m/s².
     forces : sequence of ndarrays, shape (p,)
         On the ports of each body at the start, N.
 
-    Returns
-    -------
-    ndarray, shape (n,)
-    list of ndarrays, shape (p,)
-        Displacements of each body's ports beside those of its modes, m.
-
     Raises
     ------
     ConvergenceError
-        If they come to no rest: nothing holds some body against its loads.
+        If there is no static equilibrium: some body is free to move under its loads.
     InputError
         If the forces at rest are not determined.
     LawLimitError
-        If a contact is deeper than its law stands for.
+        If a contact is deeper than its law is valid for.
     """
-    pile = Pile(bodies, [of.ends for of in contacts])
+    network = ContactNetwork(bodies, [of.ports for of in contacts])
     springs = Springs([of.law for of in contacts])
     statics = _Statics(
-        pile, pile.load(gravity, forces), springs, np.array([of.gap for of in contacts])
+        network, network.load(gravity, forces), springs, np.array([of.gap for of in contacts])
     )
     first = statics.first
     at, unheld = _descend(statics, first)
@@ -288,14 +283,14 @@ def equilibrium(
         size = max(statics.size(at), _NEGLIGIBLE * statics.size(first))
         statics.check_rounding(at, at.slope, size)
         statics.check_depth(at)
-        return at.x[: pile.first[-1]], pile.bent(at.x)
+        return Equilibrium(network.modes(at.x), network.beside(at.x))
     statics.check_rounding(first, statics.slopes, statics.size(first))
     statics.check_limits(at)
     worst = int(np.abs(at.balance).argmax()) if unheld is None else unheld
     raise ConvergenceError(
         "preload: no static equilibrium found; a body that nothing holds against gravity or its "
         f"load falls for ever (imbalance {abs(at.balance[worst]):.3g} N on body "
-        f"{pile.owner[worst]}); support it, or start without preload"
+        f"{network.owner[worst]}); support it, or start without preload"
     )
 
 

@@ -1,4 +1,4 @@
-"""The contacts of a pile at rest, as springs that only push: all of one law at once."""
+"""The contacts of a network at rest, as springs that only push: all of one law at once."""
 
 from __future__ import annotations
 

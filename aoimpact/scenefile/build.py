@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import SCENE_QUANTITIES
+from ..accuracy import SCENE_CHOICES
 from ..base import InputError, nearest
 from ..fem import ContactPoint, Damping, FEModel, Material, ModalDamping, Rayleigh, contact_point
 from ..impact import Scene, SceneCase
@@ -318,10 +318,10 @@ def _scene_quantity(
     """What a scene is asked for: a word, or the displacement of a body, at a port or a point."""
     if isinstance(wanted, Mapping):
         return _point(bodies, wanted) if "point" in wanted else _handle(handles, wanted)
-    if wanted in handles and wanted not in SCENE_QUANTITIES:
+    if wanted in handles and wanted not in SCENE_CHOICES:
         return handles[wanted]
-    if wanted not in SCENE_QUANTITIES:
-        known = (*SCENE_QUANTITIES, *handles)
+    if wanted not in SCENE_CHOICES:
+        known = (*SCENE_CHOICES, *handles)
         raise InputError(
             f"must be one of {', '.join(known)}, got {wanted!r}{nearest(wanted, known)}"
         )

@@ -14,8 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import QUANTITIES, keeper
-from ..base import InputError, InputTypeError, SceneFileError, file_path
+from ..accuracy import COLUMNS, keeper
+from ..base import (
+    AOImpactError,
+    InputError,
+    InputTypeError,
+    SceneFileError,
+    checked,
+    choice,
+    file_path,
+    texts,
+)
 from ..impact import simulate
 from ..results import Result, Run
 from .build import Builder, Kept, member_name
@@ -58,9 +67,7 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
         raise SceneFileError(f"{file}{where}: is not TOML: {what}") from None
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep nesting
         raise SceneFileError(f"{file}: cannot be read: {error}") from None
-    scene = SceneFile(file, data, spots)
-    scene.check()
-    return scene
+    return SceneFile(file, data, spots)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,6 +87,10 @@ class SceneFile:
     data: Mapping[str, Any]
     spots: Mapping[Place, Spot]
     _kept: Kept = field(default_factory=Kept)
+
+    def __post_init__(self) -> None:
+        checked(self, path=file_path, data=(Mapping,), spots=(Mapping,))
+        self.check()
 
     def __repr__(self) -> str:
         return f"SceneFile({str(self.path)!r})"
@@ -101,7 +112,7 @@ class SceneFile:
         if asked is not None:
             return tuple(asked)
         if self.kind == "impact":
-            return tuple(QUANTITIES)
+            return COLUMNS
         count = len(self.data["scene"].get("contacts", ()))
         return tuple(
             f"contacts.{i}.{name}" for i in range(count) for name in ("peak_force", "impulse")
@@ -127,7 +138,7 @@ class SceneFile:
 
     def has_mesh(self, body: str) -> bool:
         """Whether a body of [bodies] is made of finite elements."""
-        return "mesh" in self.data["bodies"][body]
+        return "mesh" in self.data["bodies"][choice("body", body, tuple(self.data["bodies"]))]
 
     def check(self) -> None:
         """Refuse unknown names, missing keys and wrong types.
@@ -163,6 +174,9 @@ class SceneFile:
         SceneFileError
             If there is no such place, or the value is of the wrong type.
         """
+        if not isinstance(values, Mapping):
+            raise InputTypeError(f"values must be a dict of places and values, got {values!r}")
+        texts("values", values.keys())
         data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
         places = [name.split(".") for name in values]
         for number, (name, value) in enumerate(values.items()):
@@ -172,9 +186,7 @@ class SceneFile:
             except InputError as error:
                 raise SceneFileError(f"{self.path}: {name}: {error}") from None
             table[last] = np.asarray(value).tolist() if hasattr(value, "dtype") else value
-        scene = SceneFile(self.path, data, self.spots, self._kept)
-        scene.check()
-        return scene
+        return SceneFile(self.path, data, self.spots, self._kept)
 
     def case(self) -> Any:
         """Build the bodies, and return a case of `simulate_many`.
@@ -206,7 +218,7 @@ class SceneFile:
 
     @contextmanager
     def _blaming(self, *place: str | int) -> Iterator[None]:
-        """Say of bad input where it stands."""
+        """Say of bad input where it stands; other errors keep their class."""
         try:
             yield
         except SceneFileError:
@@ -217,6 +229,8 @@ class SceneFile:
             word = {"rtol": "tolerance"}.get(word, word) if place == (self.kind,) else word
             finer = (*place, word) if (*place, word) in self.spots else place
             raise SceneFileError(self._at(finer, str(error))) from error
+        except AOImpactError as error:
+            raise type(error)(self._at(place, str(error))) from error
 
 
 def _dotted(place: Place) -> str:

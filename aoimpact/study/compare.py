@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
-from ..accuracy import Answer, Ladder, first_guess, ladder
+from ..accuracy import QUANTITIES, Hierarchy, first_guess, model_hierarchy
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
 from ..fem import ContactPoint
 from ..impact import plan_impact, simulate
@@ -21,8 +21,8 @@ from .comparison import Compared, Comparison
 
 __all__ = ["compare"]
 
-_ANSWERS = tuple(
-    Answer(name) for name in ("force", "contact_duration", "impulse", "target_displacement")
+_COMPARED = tuple(
+    QUANTITIES[name] for name in ("force", "contact_duration", "impulse", "target_displacement")
 )
 
 # Far below the differences between models.
@@ -84,13 +84,15 @@ def compare(
         with held_warnings():
             return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
 
-    contact_time, span = first_guess(bodies, quick, Answer("target_displacement"))
+    contact_time, span = first_guess(bodies, quick, QUANTITIES["target_displacement"])
     linear = checked_solver(linear_solver, name="linear_solver")
-    ladders = tuple(ladder(body, contact_time, max(span, duration), linear) for body in bodies)
-    tries = [_try("rigid", lambda: tuple(each.model(0) for each in ladders), quick)]
+    hierarchies = tuple(
+        model_hierarchy(body, contact_time, max(span, duration), linear) for body in bodies
+    )
+    tries = [_try("rigid", lambda: tuple(each.model(0) for each in hierarchies), quick)]
     spent = 0.0
     for n in stars:
-        tries.append(_try(f"AO({n})", partial(_with_oscillators, ladders, n), quick))
+        tries.append(_try(f"AO({n})", partial(_with_oscillators, hierarchies, n), quick))
         if not tries[-1].failure:
             spent += tries[-1].build  # the bases are nested: each model adds to the one before
             tries[-1].build = spent
@@ -132,8 +134,8 @@ class _Try:
 
     def compared(self, exact: Result) -> Compared:
         force, contact_duration, impulse, displacement = (
-            math.nan if self.result is None else answer.difference(self.result, exact)
-            for answer in _ANSWERS
+            math.nan if self.result is None else quantity.difference(self.result, exact)
+            for quantity in _COMPARED
         )
         return Compared(
             self.label,
@@ -165,8 +167,8 @@ def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -
     return done
 
 
-def _with_oscillators(ladders: tuple[Ladder, ...], n: int) -> Models:
-    first, second = (each.model(n + each.first) for each in ladders)
+def _with_oscillators(hierarchies: tuple[Hierarchy, ...], n: int) -> Models:
+    first, second = (each.model(n + each.first) for each in hierarchies)
     return first, second
 
 

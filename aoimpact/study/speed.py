@@ -23,7 +23,7 @@ from ..impact import checked_numbers, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
 from ..laws import ContactLaw, effective_law
 from ..results import Result
-from ..scene import Player, StarPlayer, player
+from ..scene import SceneBody, StarBody, scene_body
 from .scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
 from .table import Measurement, Reference, WorkPrecision
 
@@ -94,7 +94,7 @@ def work_precision(
     count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
     velocity, duration, gap = checked_numbers(law, velocity, duration, gap, False)
     names = _methods(scipy)
-    bodies = _star_player("projectile", projectile, velocity), _star_player("target", target, 0.0)
+    bodies = _star_body("projectile", projectile, velocity), _star_body("target", target, 0.0)
     scene = {
         "projectile": projectile,
         "target": target,
@@ -132,9 +132,9 @@ def work_precision(
 _Run = tuple[str, str, Callable[[], Outcome]]
 
 
-def _star_player(name: str, body: Any, velocity: float) -> StarPlayer:
-    made = player(name, body, velocity)
-    if not isinstance(made, StarPlayer):
+def _star_body(name: str, body: Any, velocity: float) -> StarBody:
+    made = scene_body(name, body, velocity)
+    if not isinstance(made, StarBody):
         raise InputTypeError(
             f"{name} must be an AOModel or a modal model, got {body!r}: reduce it by "
             "antioscillators(...) first"
@@ -157,7 +157,7 @@ def _settings(
     return tuple(positive(name, value) for value in sequence(name, values))
 
 
-def _contact_time(bodies: tuple[Player, Player], law: ContactLaw, velocity: float) -> float:
+def _contact_time(bodies: tuple[SceneBody, SceneBody], law: ContactLaw, velocity: float) -> float:
     inverse = sum(1.0 / body.static_mass for body in bodies)
     return rigid_contact_time(law, 1.0 / inverse, abs(velocity))
 
@@ -181,10 +181,10 @@ def _adaptive_runs(scene: dict[str, Any], tolerances: Iterable[float] | None) ->
 
 
 def _scipy_run(
-    ode: OdeScene | None, projectile: Player, velocity: float, method: str, rtol: float
+    ode: OdeScene | None, projectile: SceneBody, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
-    unseen = projectile.unseen[0] * velocity
+    unseen = projectile.omitted[0] * velocity
 
     def run() -> Outcome:
         done = ode.run(method, rtol, _LONGEST)
@@ -219,7 +219,7 @@ def _given(reference: Result | Reference) -> Reference:
 
 
 def _with_independent(
-    reference: Reference, ode: OdeScene, projectile: Player, velocity: float
+    reference: Reference, ode: OdeScene, projectile: SceneBody, velocity: float
 ) -> Reference:
     """Where SciPy cannot do it in reasonable time, the reference stands alone."""
     try:

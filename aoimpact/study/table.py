@@ -5,17 +5,21 @@ from __future__ import annotations
 import csv
 import os
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..base import (
     aligned,
+    checked,
     choice,
     error_axes,
     file_path,
     given_axes,
     html_table,
+    instances,
     positive,
     quantity,
+    text,
 )
 from .scipy_solvers import Outcome
 
@@ -107,6 +111,10 @@ class WorkPrecision:
     scene: str
     reference: Reference
     rows: tuple[Measurement, ...]
+
+    def __post_init__(self) -> None:
+        checked(self, scene=text, reference=(Reference,))
+        checked(self, rows=partial(instances, kind=Measurement))
 
     @property
     def methods(self) -> tuple[str, ...]:

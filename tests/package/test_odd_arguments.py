@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import inspect
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import fields
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -72,6 +75,8 @@ STAR = ao.AOModel(m0=0.1, k0=1e4, m=[0.2], k=[1e6])
 BOX = ao.box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
 BAR = ao.FEModel.from_mesh(BOX, STEEL)
 TIP = BAR.contact(point=(0.1, 0.0, 0.0), direction=(-1.0, 0.0, 0.0))
+BLOCK = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.1, 0.1), (2, 8, 8)), STEEL)
+PATCH = BLOCK.contact(point=(0.1, 0.05, 0.05), direction=(-1.0, 0.0, 0.0), radius=0.035)
 STRIKE: dict[str, Any] = {
     "projectile": BALL,
     "target": STAR,
@@ -113,9 +118,87 @@ def _run(**given: Any) -> Any:
     return _scene()[0].simulate(**{"duration": 1e-3} | given)
 
 
+MODAL = ao.modal(TIP, 3)
+PORTS = ao.interface([TIP], 8)
+SWEEP = ao.sweep(STRIKE, {"velocity": [1.0]}, keep=["peak_force"], progress=False)
+COMPARED = ao.compare(**STRIKE, oscillators=(0,), modes=(), full=False)
+MEASURED = ao.work_precision(**STRIKE, newmark=[1e-5], adaptive=[1e-3], scipy=(), repeats=1)
+FILE = ao.read_scene(Path(__file__).parents[2] / "examples" / "sphere_on_beam.toml")
+
+
+def _again(made: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
+    """The constructor of a dataclass, and what makes the same again."""
+    return type(made), {f.name: getattr(made, f.name) for f in fields(made) if f.init}
+
+
+def _space(**given: Any) -> Any:
+    return ao.KrylovSpace(TIP, contact_time=1e-4, **given)
+
+
+# Keywords of these go to matplotlib.
+DRAWN = "plot"
+
+
+def public() -> Iterator[tuple[str, set[str]]]:
+    """Every public function, constructor and method, and the names of its arguments."""
+    for name in dir(ao):
+        thing = getattr(ao, name)
+        if name.startswith("_") or not callable(thing):
+            continue
+        if not inspect.isclass(thing):
+            yield name, _arguments(thing)
+        elif not issubclass(thing, Exception):
+            yield name, _arguments(thing)
+            for method in vars(thing):
+                of = getattr(thing, method)
+                called = inspect.isfunction(of) or inspect.ismethod(of)
+                if called and not method.startswith(("_", DRAWN)):
+                    yield f"{name}.{method}", _arguments(of) - {"self"}
+
+
+def _arguments(function: Callable[..., Any]) -> set[str]:
+    given = inspect.signature(function).parameters.values()
+    variable = inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
+    return {one.name for one in given if one.kind not in variable and one.name[0] != "_"}
+
+
+# Arguments of laws, by name.
+NUMBERS = {
+    "k": 1e9,
+    "n": 1.5,
+    "restitution": 0.5,
+    "velocity": 1.0,
+    "mass": 1.0,
+    "damping": 0.1,
+    "alpha": 0.1,
+    "A": 1e-6,
+    "c": 1.0,
+    "end": "force",
+    "yield_force": 10.0,
+    "relative_radius": None,
+}
+
+
+def _laws() -> Iterator[tuple[str, tuple[Callable[..., Any], dict[str, Any]]]]:
+    """Constructors of laws that take numbers, and what these laws do of their own."""
+    for name, arguments in public():
+        of, _, method = name.partition(".")
+        law = getattr(ao, of)
+        if not inspect.isclass(law) or not issubclass(law, ao.ContactLaw) or law is ao.ContactLaw:
+            continue
+        if arguments and arguments <= set(NUMBERS):
+            given = {one: NUMBERS[one] for one in sorted(arguments)}
+            made = law(**{one: NUMBERS[one] for one in inspect.signature(law).parameters})
+            yield name, (getattr(made, method) if method else law, given)
+
+
 # What is called, with what, and which of its arguments are made odd.
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
-    "AOModel": (ao.AOModel, {"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "damping": None}),
+    **dict(_laws()),
+    "AOModel": (
+        ao.AOModel,
+        {"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "origin": None, "damping": None},
+    ),
     "rigid": (ao.rigid, {"mass": 1.0}),
     "Adaptive": (ao.Adaptive, {"rtol": 1e-6}),
     "Newmark": (
@@ -125,7 +208,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Material": (ao.Material, {"E": 1e9, "nu": 0.3, "rho": 1e3}),
     "Rayleigh": (ao.Rayleigh, {"alpha": 1.0, "beta": 1e-6}),
     "ModalDamping": (ao.ModalDamping, {"ratio": 0.1}),
-    "Hertz": (ao.Hertz, {"k": 1e9}),
     "Hertz.between": (
         ao.Hertz.between,
         {
@@ -146,22 +228,6 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "yield_pressure": 1e9,
         },
     ),
-    "PowerLaw": (ao.PowerLaw, {"k": 1e9, "n": 1.5}),
-    "Linear": (ao.Linear, {"k": 1e9}),
-    "HuntCrossley": (ao.HuntCrossley, {"k": 1e9, "damping": 0.1, "n": 1.5}),
-    "HuntCrossley.from_restitution": (
-        ao.HuntCrossley.from_restitution,
-        {"k": 1e9, "restitution": 0.5, "velocity": 1.0, "n": 1.5},
-    ),
-    "LankaraniNikravesh": (
-        ao.LankaraniNikravesh,
-        {"k": 1e9, "restitution": 0.5, "velocity": 1.0, "n": 1.5},
-    ),
-    "Flores": (ao.Flores, {"k": 1e9, "restitution": 0.5, "velocity": 1.0, "n": 1.5}),
-    "Tsuji": (ao.Tsuji, {"k": 1e9, "alpha": 0.1, "mass": 1.0}),
-    "KuwabaraKono": (ao.KuwabaraKono, {"k": 1e9, "A": 1e-6}),
-    "KelvinVoigt": (ao.KelvinVoigt, {"k": 1e6, "c": 1.0, "end": "force"}),
-    "Thornton": (ao.Thornton, {"k": 1e9, "yield_force": 10.0}),
     "Tabulated": (ao.Tabulated, {"indentation": [0.0, 1e-3], "force": [0.0, 1.0]}),
     "UserLaw": (
         ao.UserLaw,
@@ -174,10 +240,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "pulls": False,
         },
     ),
-    "force": (HERTZ.force, {"indentation": 1e-6, "rate": 0.0}),
-    "potential": (HERTZ.potential, {"indentation": 1e-6}),
-    "stroke": (HERTZ.stroke, {"energy": 1.0}),
-    "within_patch": (
+    "ContactLaw.force": (HERTZ.force, {"indentation": 1e-6, "rate": 0.0}),
+    "ContactLaw.potential": (HERTZ.potential, {"indentation": 1e-6}),
+    "ContactLaw.stroke": (HERTZ.stroke, {"energy": 1.0}),
+    "ContactLaw.within_patch": (
         HERTZ.within_patch,
         {"compliance": 1e-12, "radius": 1e-3, "relative_radius": 1e-2},
     ),
@@ -204,15 +270,15 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.FEModel.from_mesh,
         {"mesh": BOX, "material": STEEL, "fixed": None, "damping": None},
     ),
-    "contact": (
+    "FEModel.contact": (
         BAR.contact,
         {"point": (0.1, 0, 0), "direction": (-1, 0, 0), "radius": 0.0, "expected": None},
     ),
-    "contact of a dof": (BAR.contact, {"dof": 0}),
-    "translation": (BAR.translation, {"direction": (1, 0, 0)}),
-    "com_functional": (BAR.com_functional, {"direction": (1, 0, 0)}),
-    "inverse": (BAR.inverse, {"s2": 1e8, "solver": "auto", "solutions": 1}),
-    "frequencies": (BAR.frequencies, {"n": 3}),
+    "FEModel.contact of a dof": (BAR.contact, {"dof": 0}),
+    "FEModel.translation": (BAR.translation, {"direction": (1, 0, 0)}),
+    "FEModel.com_functional": (BAR.com_functional, {"direction": (1, 0, 0)}),
+    "FEModel.inverse": (BAR.inverse, {"s2": 1e8, "solver": "auto", "solutions": 1}),
+    "FEModel.frequencies": (BAR.frequencies, {"n": 3}),
     "antioscillators": (
         ao.antioscillators,
         {
@@ -234,10 +300,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.KrylovSpace,
         {"tip": TIP, "contact_time": 1e-4, "duration": None, "solver": "auto"},
     ),
-    "check_patch": (ao.check_patch, {"tip": TIP}),
-    "receptance": (STAR.receptance, {"omega": 1.0}),
-    "truncated": (STAR.truncated, {"n": 1}),
-    "expand": (ao.antioscillators(TIP, 2).expand, {"coordinates": np.zeros(3)}),
+    "check_patch": (ao.check_patch, {"tip": PATCH, "expected": 1e-3}),
+    "AOModel.receptance": (STAR.receptance, {"omega": 1.0}),
+    "AOModel.truncated": (STAR.truncated, {"n": 1}),
+    "AOModel.expand": (ao.antioscillators(TIP, 2).expand, {"coordinates": np.zeros(3)}),
     "simulate": (
         ao.simulate,
         STRIKE
@@ -291,7 +357,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "iterate_many": (
         lambda **given: list(ao.iterate_many(**given)),
-        {"cases": [STRIKE], "workers": 1},
+        {"cases": [STRIKE], "workers": 1, "keep": None, "checkpoint": None, "progress": False},
     ),
     "sweep": (
         ao.sweep,
@@ -320,9 +386,58 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
             "repeats": 1,
         },
     ),
-    "rigid_restitution": (
+    "ContactLaw.rigid_restitution": (
         ao.HuntCrossley(1e9, 0.1).rigid_restitution,
         {"mass": 1.0, "velocity": 1.0},
+    ),
+    "ContactPoint": _again(TIP),
+    "ContactPoint of a dof": (ao.ContactPoint, {"body": BAR, "b": np.ones(BAR.n_dofs)}),
+    "ModalModel": _again(MODAL),
+    "ModalModel.truncated": (MODAL.truncated, {"n": 1}),
+    "InterfaceModel": _again(PORTS),
+    "InterfaceModel.receptance": (PORTS.receptance, {"omega": 1.0}),
+    "InterfaceModel.expand": (PORTS.expand, {"coordinates": np.zeros(PORTS.n)}),
+    "Patch": (
+        ao.Patch,
+        {"radius": 1e-3, "modulus": 1e11, "compliance": 1e-9, "faces": 1, "edges": 1e-3},
+    ),
+    "PatchCheck": (
+        ao.PatchCheck,
+        {"radii": (1e-3, 2e-3), "remaining": (1e-9, 1e-9), "share": 0.1},
+    ),
+    "Handle": (ao.Handle, {"body": 0, "at": 0, "name": "a", "scene": "b"}),
+    "Handle.port": (ao.Handle(0).port, {"at": 0}),
+    "Run": _again(HIT.run),
+    "Run.at": (HIT.run.at, {"times": [1e-4]}),
+    "Run.to_csv": (HIT.run.to_csv, {"path": "run.csv", "names": None}),
+    "Result": _again(HIT),
+    "SweepTable": _again(SWEEP),
+    "SweepTable.to_csv": (SWEEP.to_csv, {"path": None}),
+    "Comparison": _again(COMPARED),
+    "Comparison.to_csv": (COMPARED.to_csv, {"path": None}),
+    "WorkPrecision": _again(MEASURED),
+    "WorkPrecision.fastest": (MEASURED.fastest, {"method": "Newmark", "error": 1e-3}),
+    "WorkPrecision.to_csv": (MEASURED.to_csv, {"path": None}),
+    "SceneFile": (
+        ao.SceneFile,
+        {name: getattr(FILE, name) for name in ("path", "data", "spots")},
+    ),
+    "SceneFile.has_mesh": (FILE.has_mesh, {"body": "beam"}),
+    "SceneFile.replaced": (FILE.replaced, {"values": {"velocity": 2.0}}),
+    "values of SceneFile.replaced": (
+        lambda **values: FILE.replaced(values),
+        {"velocity": 1.0},
+    ),
+    "KrylovSpace sharpened": (_space, {"sharpened": False}),
+    "KrylovSpace.antioscillators": (lambda **n: _space().antioscillators(**n), {"n": 2}),
+    "KrylovSpace.of_vectors": (lambda **n: _space().of_vectors(**n), {"n": 2}),
+    "KrylovSpace.seen": (lambda **n: _space().seen(**n), {"n": 2}),
+    "KrylovSpace.include": (lambda **given: _space().include(**given), {"duration": 1e-3}),
+    "Rayleigh.decay": (ao.Rayleigh(alpha=1.0).decay, {"omega": 1.0}),
+    "ModalDamping.decay": (ao.ModalDamping(0.1).decay, {"omega": 1.0}),
+    "AOModel.weights": (
+        ao.antioscillators(TIP, 2).weights,
+        {"functional": np.ones(BAR.n_dofs)},
     ),
 }
 
@@ -346,6 +461,14 @@ ALSO = {
     "contact_time": ("give the durations",),
     "duration": ("adaptive run at t", "give the durations"),
     "adaptive": ("rtol",),
+    "newmark": ("dt=",),
+    "expected": ("share",),
+    "nodes": ("coordinates reach", "the mesh is"),
+    "lengths": ("coordinates reach", "the mesh is"),
+    "cells": ("refer to nodes", "elements are there twice", "belong to no element"),
+    "omega2": ("modes must have shape",),
+    "omega": ("participation must have shape",),
+    "data": ("is missing",),
 }
 
 # A function of the user's has errors of its own, and may be slow; a value of a sweep may be a list.
@@ -358,6 +481,48 @@ NOT = {
 }
 
 
+def nearly(sound: Any) -> dict[str, Any]:
+    """Odd values that are nearly the sound one, of arrays and lists of numbers."""
+    if not isinstance(sound, (np.ndarray, list, tuple)) or not len(sound):
+        return {}
+    array = np.asarray(sound)
+    if array.dtype.kind not in "iuf":
+        return {}
+    one_nan = array.astype(float)
+    one_nan.flat[0] = math.nan
+    return {
+        "shorter": array[:-1],
+        "longer": np.concatenate([array, array]),
+        "a column": array[:, None],
+        "as a list": array.tolist(),
+        "in single precision": array.astype(np.float32),
+        "in integers": array.astype(int),
+        "as complex": array.astype(complex),
+        "one nan": one_nan,
+        "zeros": 0 * array,
+        "negative": -array,
+        "vast": 1e200 * array,
+        "tiny": 1e-200 * array,
+        "every other": np.repeat(array, 2, axis=0)[::2],
+    }
+
+
+def used(made: Any) -> None:
+    """Do with something public whatever takes no arguments; refusals by name are right."""
+    repr(made), str(made)
+    for name in dir(type(made)):
+        if not name.startswith("_"):
+            with contextlib.suppress(ao.AOImpactError):
+                getattr(made, name)
+    if isinstance(made, ao.ContactPoint):
+        with contextlib.suppress(ao.AOImpactError):
+            ao.antioscillators(made, 2)
+        ao.modal(made, 2)
+    if isinstance(made, ao.ModalModel | ao.InterfaceModel):
+        with contextlib.suppress(ao.AOImpactError):
+            ao.simulate(**STRIKE | {"target": made})
+
+
 def tried(name: str, argument: str, value: Any) -> str:
     """What is wrong with how a call takes an odd value; empty if nothing is."""
     function, given = CALLS[name]
@@ -365,12 +530,17 @@ def tried(name: str, argument: str, value: Any) -> str:
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", ao.AOImpactWarning)
         try:
-            function(**given | {argument: value})
+            made = function(**given | {argument: value})
         except ao.AOImpactError as error:
             words = (argument, *ALSO.get(argument, ()))
             return "" if any(word in str(error) for word in words) else f"unnamed: {error}"
         except Exception as error:
             return f"{type(error).__name__}: {error}"
+        if inspect.isclass(function):
+            try:
+                used(made)
+            except Exception as error:
+                return f"taken, then {type(error).__name__}: {error}"
     return ""
 
 
@@ -380,11 +550,19 @@ def test_every_argument_takes_odd_values_or_names_them(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     wrong = []
-    for argument in CALLS[name][1]:
-        for kind, value in ODD.items():
+    for argument, sound in CALLS[name][1].items():
+        for kind, value in (ODD | nearly(sound)).items():
             if kind in NOT.get(argument, ()):
                 continue
             said = tried(name, argument, value)
             if said:
                 wrong.append(f"{argument} = {kind}: {said}")
     assert not wrong, "\n".join(wrong)
+
+
+def test_everything_public_is_tried_with_each_argument() -> None:
+    tried: dict[str, set[str]] = {}
+    for name, (_, given) in CALLS.items():
+        tried.setdefault(name.partition(" ")[0], set()).update(given)
+    untried = {name: left for name, given in public() if (left := given - tried.get(name, set()))}
+    assert not untried

@@ -68,6 +68,9 @@ def test_wall_gives_the_velocity_back() -> None:
 def test_held_target_counts_the_projectile_alone() -> None:
     """The same motion, but the target is held: its own velocity is vibration, not recoil."""
     result = HalfSine(held=True).result()
+    assert result.target.constrained
+    with pytest.warns(DeprecationWarning, match="now called constrained"):
+        assert result.target.held
     assert result.restitution == pytest.approx(-result.rebound_velocity / 0.5, rel=1e-15)
 
 
@@ -181,9 +184,14 @@ def test_summary_says_what_one_asks_first() -> None:
     assert "not known" in text  # the error of the reduction
 
 
+class Marked(ao.Hertz):
+    def __repr__(self) -> str:
+        return "<script>"
+
+
 def test_notebook_shows_a_table_with_everything_escaped() -> None:
     whole = HalfSine().result()
-    result = dataclasses.replace(whole, law="<script>")
+    result = dataclasses.replace(whole, law=Marked(1e9))
     table = result._repr_html_()
     assert table.startswith("<table>")
     assert "<script>" not in table

@@ -662,3 +662,23 @@ def test_an_integer_beyond_floats_is_refused_where_it_stands(tmp_path: Path) -> 
         ao.SceneFileError, match=r"a\.toml:2:7: bodies\.a\.mass: must be finite, got an integer"
     ):
         ao.read_scene(file)
+
+
+def test_a_body_that_cannot_be_built_is_named_whatever_goes_wrong(tmp_path: Path) -> None:
+    body = """\
+[materials.steel]
+E = 210e9
+nu = 0.3
+rho = 7800
+
+[bodies.bar]
+mesh = { box = [0.1, 0.02, 1e-6], divisions = [2, 1, 1] }
+material = "steel"
+contact = { dof = 5 }
+"""
+    text = (
+        body + 'model = { type = "antioscillators", n = 2 }\n' + BAR[BAR.index("[bodies.ball]") :]
+    )
+    file = written(tmp_path, text)
+    with pytest.raises(ao.SingularError, match=rf"scene.toml:{line(text, 'model')}:1: bodies.bar"):
+        ao.read_scene(file).case()

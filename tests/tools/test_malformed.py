@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -31,3 +32,29 @@ def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert f"{kind}: {count} inputs" in done.stdout
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["campaign scenes --seeds 53:54 --workers 1", "campaign.inputs --kind matrix --count 3"],
+)
+def test_the_campaign_runs_in_a_clone_whose_core_was_not_built(
+    command: str, tmp_path: Path
+) -> None:
+    shutil.copytree(TOOLS, tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(
+        PACKAGE / "aoimpact",
+        tmp_path / "aoimpact",
+        ignore=shutil.ignore_patterns("__pycache__", "_core.*.so", "_core.so", "data"),
+    )
+    (tmp_path / "tests").symlink_to(TOOLS.parent / "tests")
+    (tmp_path / "examples").symlink_to(TOOLS.parent / "examples")
+    done = subprocess.run(
+        [sys.executable, "-m", *f"tools.{command}".split()],
+        cwd=tmp_path,
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(PACKAGE)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
