@@ -127,7 +127,7 @@ class _Parts:
         return _Pair(
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
             0.0 if omitted is None else omitted.share,
-            target.held or (target.mass is not None and math.isinf(target.mass)),
+            target.fixed,
             fitted_times(run),
             run,
         )

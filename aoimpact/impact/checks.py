@@ -51,7 +51,7 @@ def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
         Of the bodies, for messages.
     """
     for body, velocity, name in zip(plan.bodies, plan.velocities, names, strict=True):
-        if not body.centre_known and (velocity != 0.0 or not body.held):
+        if not body.centre_known and (velocity != 0.0 or not body.constrained):
             warn(
                 f"{name}: the centre of mass of a body given by K and M alone is known only where "
                 "it is free and struck through it; the centre's displacement, its velocity and "

@@ -143,7 +143,7 @@ def plan_impact(
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"
             )
-    if speed < 0.0 and not bodies[0].held:
+    if speed < 0.0 and not bodies[0].constrained:
         raise InputError(
             f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing turns "
             "it round; give the speed at which it comes, or build a Scene with what brings it back "

@@ -19,7 +19,7 @@ from ..base import FloatArray, checked, real
 from ..integrate import Eventful, Events
 from ..laws import ContactLaw
 from . import plot
-from .motion import BodyEnergy, BodyInfo, BodyResult, Energy, ErrorEstimate
+from .motion import BodyResult, Energy, ErrorEstimate
 from .run import Run
 from .summary import summary_html, summary_text
 from .table import columns, write_csv
@@ -27,7 +27,7 @@ from .table import columns, write_csv
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["BodyEnergy", "BodyInfo", "BodyResult", "Energy", "ErrorEstimate", "Result"]
+__all__ = ["Result"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -172,7 +172,7 @@ class Result(Eventful):
         (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is held or
         of infinite mass. NaN without a rebound, and where a centre of mass is not known.
         """
-        target = self.run.infos[1]
+        target = self.run.plan.bodies[1]
         known = target.fixed or target.centre_known
         return self.parting_speed / self.velocity if known and self._rebounds else math.nan
 
@@ -180,13 +180,13 @@ class Result(Eventful):
     def _rebounds(self) -> bool:
         """Whether the projectile has a rebound that is known."""
         parted = bool(self.events.contacts) and not self.in_contact_at_end
-        return parted and self.run.infos[0].centre_known
+        return parted and self.run.plan.bodies[0].centre_known
 
     @property
     def parting_speed(self) -> float:
         """How fast the bodies part by `parting` [m/s]; a target that is held stays where it is."""
         ours, theirs = self.parting
-        return (0.0 if self.run.infos[1].fixed else theirs) - ours
+        return (0.0 if self.run.plan.bodies[1].fixed else theirs) - ours
 
     @cached_property
     def parting(self) -> tuple[float, float]:

@@ -26,7 +26,7 @@ from ..integrate import Events, Recorder
 from ..scene import Plan, RecordLayout
 from . import plot
 from .misfit import warn_of_later_motion
-from .motion import BodyEnergy, BodyInfo, BodyResult, ContactResult, Energy, ErrorEstimate
+from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate
 from .table import run_columns, write_csv
 
 if TYPE_CHECKING:
@@ -154,22 +154,6 @@ class Run:
         """Whether energies are recorded."""
         return self.plan.energies
 
-    @cached_property
-    def infos(self) -> tuple[BodyInfo, ...]:
-        """What is known of the bodies beside their histories."""
-        return tuple(
-            BodyInfo(
-                body.label,
-                body.mass,
-                body.held,
-                body.centre_known,
-                partial(self.recorder.state, i),
-                body.ports,
-                partial(self._response, i),
-            )
-            for i, body in enumerate(self.plan.bodies)
-        )
-
     def _response(self, body: int) -> Response | None:
         return response_of(self.plan, self.recorder, self.events, body)
 
@@ -208,7 +192,7 @@ class Run:
     @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
         """The motions of the bodies, in the order of `add`."""
-        return tuple(self._body(i) for i in range(len(self.infos)))
+        return tuple(self._body(i) for i in range(len(self.plan.bodies)))
 
     def __getitem__(self, body: Handle | int) -> BodyResult:
         if isinstance(body, bool) or not isinstance(body, (Handle, int, np.integer)):
@@ -219,27 +203,27 @@ class Run:
                 "own scene's add returned"
             )
         index = body.body if isinstance(body, Handle) else int(body)
-        if not 0 <= index < len(self.infos):
-            raise InputError(f"there is no body {index}: the scene has {len(self.infos)}")
+        if not 0 <= index < len(self.bodies):
+            raise InputError(f"there is no body {index}: the scene has {len(self.bodies)}")
         return self.bodies[index]
 
     def _body(self, index: int) -> BodyResult:
-        info, rows = self.infos[index], self._layout.body(self._rows, index)
-        coordinates, rates = info.state()
+        body, rows = self.plan.bodies[index], self._layout.body(self._rows, index)
+        coordinates, rates = self.recorder.state(index)
         unknown = np.full(len(self.t), np.nan)
         return BodyResult(
-            label=info.label,
-            mass=info.mass,
-            held=info.held,
-            centre_displacement=rows.displacement if info.centre_known else unknown,
-            centre_velocity=rows.velocity if info.centre_known else unknown.copy(),
+            label=body.label,
+            mass=body.mass,
+            constrained=body.constrained,
+            centre_displacement=rows.displacement if body.centre_known else unknown,
+            centre_velocity=rows.velocity if body.centre_known else unknown.copy(),
             energy=self.energy.bodies[index] if self.energies else None,
             coordinates=coordinates,
             rates=rates,
             port_displacements=rows.port_displacements,
             port_velocities=rows.port_velocities,
             _times=self.t,
-            _respond=info.response,
+            _respond=partial(self._response, index),
             _doubt=None if self._asked_for_motion else partial(self._doubt, index),
         )
 
@@ -334,7 +318,8 @@ class Run:
     def _driven(self) -> bool:
         """Whether a wall moves: it brings energy that is not counted."""
         return any(
-            info.wall and self.bodies[i].port_velocities.any() for i, info in enumerate(self.infos)
+            body.wall and of.port_velocities.any()
+            for body, of in zip(self.plan.bodies, self.bodies, strict=True)
         )
 
     @cached_property
@@ -379,8 +364,8 @@ class Run:
 
     def _lines(self) -> list[tuple[str, str]]:
         lines = [
-            (f"body {i}", f"{info.label}{', held' if info.held else ''}")
-            for i, info in enumerate(self.infos[:_SHOWN])
+            (f"body {i}", f"{body.label}{', constrained' if body.constrained else ''}")
+            for i, body in enumerate(self.plan.bodies[:_SHOWN])
         ]
         told = self.error.told
         for i, events in enumerate(self.events[:_SHOWN]):
@@ -389,7 +374,7 @@ class Run:
             count = len(events.contacts)
             times = f"{count} times{told(f'contacts.{i}.intervals')}"
             lines.append((f"contact {i}", f"{peak}, {times}" if count else "none"))
-        bodies, contacts = len(self.infos), len(self.events)
+        bodies, contacts = len(self.plan.bodies), len(self.events)
         if max(bodies, contacts) > _SHOWN:
             lines.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
         lines.append(("solver", self.solver))

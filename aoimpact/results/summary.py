@@ -59,7 +59,7 @@ def summary_html(result: Result) -> str:
 def _body(result: Result, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
     mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
-    return f"{body.label}, {mass}{', held' if body.held else ''}"
+    return f"{body.label}, {mass}{', constrained' if body.constrained else ''}"
 
 
 def _rebound(result: Result, name: str, unit: str = "") -> str:

@@ -78,8 +78,18 @@ class SceneBody(ABC):
 
     @property
     @abstractmethod
-    def held(self) -> bool:
-        """Whether supports or a ground spring hold it."""
+    def constrained(self) -> bool:
+        """Whether supports or a ground spring constrain it."""
+
+    @property
+    def wall(self) -> bool:
+        """Whether it is of infinite mass."""
+        return self.mass is not None and math.isinf(self.mass)
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it stays in its place: constrained, or a wall."""
+        return self.constrained or self.wall
 
     @property
     @abstractmethod
@@ -178,7 +188,7 @@ class StarBody(SceneBody):
         return self.model.centre_known
 
     @property
-    def held(self) -> bool:
+    def constrained(self) -> bool:
         return self.model.held
 
     @property
@@ -316,7 +326,7 @@ class FullBody(SceneBody):
         return self._centre_of[2]
 
     @cached_property
-    def held(self) -> bool:
+    def constrained(self) -> bool:
         return not any(moves_rigidly(tip) for tip in self.model)
 
     @cached_property
@@ -444,7 +454,7 @@ class InterfaceBody(SceneBody):
         return True  # else the model is refused
 
     @cached_property
-    def held(self) -> bool:
+    def constrained(self) -> bool:
         return not bool((self.model.omega == 0.0).any())
 
     @cached_property
