@@ -8,7 +8,8 @@ from .hierarchy import Hierarchy, Models, model_hierarchy
 from .interest import impact_quantity, scene_quantity
 from .keep import Keep, Named, keeper
 from .order import first_guess
-from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, quantity_unit
+from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
+from .solve import TimeSolver, solve
 
 __all__ = [
     "COLUMNS",
@@ -18,6 +19,9 @@ __all__ = [
     "Keep",
     "Models",
     "Named",
+    "Quantity",
+    "R",
+    "TimeSolver",
     "checked_linear_solver",
     "choose_models",
     "first_guess",
@@ -26,4 +30,5 @@ __all__ = [
     "model_hierarchy",
     "quantity_unit",
     "scene_quantity",
+    "solve",
 ]

@@ -10,10 +10,12 @@ from typing import Any
 from ..base import ConvergenceError, InputError, held_warnings, positive
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import Solver, checked_solver
-from ..results import Chosen, Result, Run
+from ..results import Chosen, Run
+from ..scene import Plan
 from .hierarchy import Models
 from .order import least_orders
 from .quantities import Quantity, R, number_errors
+from .solve import solve
 
 __all__ = ["checked_linear_solver", "choose_models"]
 
@@ -47,27 +49,30 @@ def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
 
 
 def choose_models(
-    run: Callable[[Models, Any, bool], R],
+    plan_of: Callable[[Models, bool], Plan],
     bodies: Sequence[Any],
     quantity: Quantity,
     rtol: float | None,
     solver: Any,
     *,
+    view: Callable[[Run], R],
     energies: bool,
     linear_solver: Solver = "auto",
-) -> tuple[R, Chosen]:
-    """Run with models of the least order; return the run, and what is known of the models.
+) -> R:
+    """Run with models of the least order, and say in the run how they were chosen.
 
     Parameters
     ----------
-    run : callable
-        Of models, one for each body, a solver, and whether to record energies.
+    plan_of : callable
+        Of a model for each body, and whether to record energies.
     bodies : sequence
         As of `least_orders`.
     quantity : Quantity
     rtol : float, optional
         Relative.
     solver : Adaptive or Newmark, optional
+    view : callable
+        What the caller makes of a run: a `Result`, or the `Run` itself.
     energies : bool
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
@@ -91,7 +96,7 @@ def choose_models(
 
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
-            return run(models, rule, False)
+            return view(solve(plan_of(models, False), rule))
 
     found = least_orders(
         bodies,
@@ -103,10 +108,11 @@ def choose_models(
     numbers = number_errors(*found.runs) | (
         {quantity.name: found.error} if not quantity.is_history else {}
     )
-    chosen = Chosen(found.models, quantity.name, tolerance, found.error, numbers)
-    done = run(found.models, rule, energies)
-    _refuse_coarse(rule, done, found.error, tolerance, in_time)
-    return done, chosen
+    run = solve(plan_of(found.models, energies), rule)
+    _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
+    models = tuple(body.model for body in run.plan.bodies)
+    chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
+    return view(replace(run, chosen=chosen))
 
 
 def _rule(solver: Any, in_time: float) -> Any:
@@ -125,10 +131,9 @@ def _rule(solver: Any, in_time: float) -> Any:
 
 
 def _refuse_coarse(
-    rule: Any, done: Result | Run, in_models: float, tolerance: float, in_time: float
+    rule: Any, error: float | None, in_models: float, tolerance: float, in_time: float
 ) -> None:
     """Refuse a run whose time integration leaves more error than is allowed."""
-    error = (done.run if isinstance(done, Result) else done).time_error
     if error is None or error + in_models <= tolerance:
         return
     if isinstance(rule, Newmark) and rule.dt is not None:

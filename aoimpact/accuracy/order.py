@@ -2,8 +2,8 @@
 
 The reference is a model of all bodies that is enlarged until the quantity of interest no longer
 changes. Each body then takes its least order at which the quantity agrees with the reference.
-Looking further, for pairs of orders and for smaller ones still, is not worth it: it took a third of
-the time, and of 48 impacts it made 6 models smaller, by 3 oscillators at most.
+Looking further, for pairs of orders whose errors cancel and past orders that fail, took a third of
+the time and made 2 models of 48 impacts smaller, by 2 oscillators at most: it is not done.
 """
 
 from __future__ import annotations
@@ -254,6 +254,7 @@ class _Search(Generic[R]):
             if self.error(orders) <= self.rtol:
                 found = orders
                 break
+        found = self._reduced(found)
         for which in range(len(found)):
             found = self._without(which, found)
         finished = (one.finished(n) for one, n in zip(self.hierarchies, found, strict=True))
@@ -264,6 +265,22 @@ class _Search(Generic[R]):
         )
         runs = tuple(run for run in map(self.at, known) if run is not None)
         return Orders(found, tuple(finished), self.error(found), runs)
+
+    def _reduced(self, orders: tuple[int, ...]) -> tuple[int, ...]:
+        """Reduce orders, the largest first, by steps that halve, as long as the tolerance is met.
+
+        Without it more than a tenth of the models have over two oscillators too many.
+        """
+        step = max(1, max(orders) // _EACH)
+        while step > 0:
+            for which in sorted(range(len(orders)), key=lambda i: -orders[i]):
+                fewer = _with(orders, which, orders[which] - step)
+                if fewer[which] >= 0 and self.error(fewer) <= self.rtol:
+                    orders = fewer
+                    break
+            else:
+                step //= 2
+        return orders
 
     def _without(self, which: int, orders: tuple[int, ...]) -> tuple[int, ...]:
         """Make one body rigid, if a somewhat larger model of the largest other one allows it."""

@@ -17,9 +17,9 @@ import numpy as np
 from ..accuracy import Keep, Named, keeper
 from ..base import AOImpactError, InputError, InputTypeError, boolean, held_warnings, nearest, warn
 from ..impact import simulate
-from .briefs import BRIEF, brief_numbers
 from .checkpoint import Checkpoint
 from .fingerprint import Fingerprints
+from .plain import PLAIN_NUMBERS, plain_numbers
 from .workers import Workers
 
 __all__ = ["KEYWORDS", "REQUIRED", "Failed", "iterate_many", "simulate_many"]
@@ -231,9 +231,9 @@ class _Job:
 
     def together(self, cases: Sequence[Any]) -> list[Outcome | None]:
         """The outcomes of the cases that the core makes in one call; None for the others."""
-        if not isinstance(self.keep, Named) or not BRIEF.issuperset(self.keep.names):
+        if not isinstance(self.keep, Named) or not PLAIN_NUMBERS.issuperset(self.keep.names):
             return [None] * len(cases)
-        found = brief_numbers(cases, self.keep.names)
+        found = plain_numbers(cases, self.keep.names)
         return [None if numbers is None else (numbers, ()) for numbers in found]
 
     def __call__(self, case: Any) -> Outcome:

@@ -1,12 +1,9 @@
 """The public verbs: an impact of two bodies, a scene of many."""
 
-from .scene import FASTEST, LONGEST, SLOWEST, Scene, SceneCase
+from .scene import Scene, SceneCase
 from .simulate import checked_numbers, plan_impact, simulate
 
 __all__ = [
-    "FASTEST",
-    "LONGEST",
-    "SLOWEST",
     "Scene",
     "SceneCase",
     "checked_numbers",

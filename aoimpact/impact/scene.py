@@ -5,41 +5,31 @@ from __future__ import annotations
 import math
 import uuid
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..accuracy import Models, checked_linear_solver, choose_models, scene_quantity
+from ..accuracy import Quantity, TimeSolver, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
-    LawLimitError,
     boolean,
     finite_array,
-    positive,
     real,
     warn,
 )
 from ..fem import ContactPoint
-from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
-from ..laws import ContactLaw, effective_law, own_law, wide_enough
+from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import Solver as LinearSolver
 from ..reduction import InterfaceModel
-from ..results import Handle, Run, warn_of_misfit
-from ..scene import FullBody, Joint, Load, Plan, SceneBody, StarBody, normal_gap, scene_body
+from ..results import Handle, Run
+from ..scene import Joint, Load, Plan, SceneBody, StarBody, normal_gap, scene_body
+from .checks import checked_duration, checked_speed
+from .run import RunOptions, run_models
 
-__all__ = ["Scene", "SceneCase", "Solver", "checked_speed", "solve", "warn_of_centres"]
-
-Solver = Adaptive | Newmark
-
-# Squares and energies of speeds beyond these overflow, or vanish.
-SLOWEST, FASTEST = 1e-60, 1e60
-
-# s; its cube is a number, and so is the way of what flies as fast as that.
-LONGEST = 1e100
-
-_BY_DEFAULT = Adaptive()
+__all__ = ["Scene", "SceneCase"]
 
 
 @dataclass(frozen=True)
@@ -242,7 +232,7 @@ class Scene:
         self,
         *,
         duration: float,
-        solver: Solver | None = None,
+        solver: TimeSolver | None = None,
         energies: bool = True,
         preload: bool = False,
         quantity: str | Handle | ContactPoint | None = None,
@@ -297,23 +287,24 @@ class Scene:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
-        chosen = quantity is not None or rtol is not None
-        linear = checked_linear_solver(linear_solver, chosen=chosen)
-        if chosen:
-            return self._sufficient(length, solver, energies, preload, quantity, rtol, linear)
-        plan = self._plan(self._bodies, length, energies, preload)
-        done = solve(plan, solver)
-        warn_of_misfit(plan, done, self._every_name())
-        warn_of_centres(plan, self._every_name())
-        return done
+        bodies, which = _different(self._bodies)
 
-    def _every_name(self) -> list[str]:
-        return [self._called(Handle(body)) for body in range(len(self._players))]
+        def plan_of(models: Sequence[Any], energies: bool) -> Plan:
+            return self._plan([models[i] for i in which], length, energies, preload)
+
+        return run_models(
+            plan_of,
+            bodies,
+            RunOptions(quantity, rtol, solver, energies, linear_solver),
+            names=[self._called(Handle(body)) for body in range(len(self._bodies))],
+            interest=partial(self._interest, quantity),
+            view=_itself,
+        )
 
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
         """The plan with models in the place of bodies."""
         players, joints = self._players, self._joints
-        if bodies is not self._bodies:
+        if any(model is not body for model, body in zip(bodies, self._bodies, strict=True)):
             players = [
                 scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
@@ -338,17 +329,8 @@ class Scene:
             self._mark.name,
         )
 
-    def _sufficient(
-        self,
-        length: float,
-        solver: Solver | None,
-        energies: bool,
-        preload: bool,
-        quantity: Any,
-        rtol: float | None,
-        linear_solver: LinearSolver,
-    ) -> Run:
-        """The run of the least models that do."""
+    def _interest(self, quantity: Any) -> Quantity:
+        """The quantity of interest."""
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
         interest = scene_quantity(quantity, self._bodies)
@@ -357,18 +339,7 @@ class Scene:
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or ask "
                 "for the displacement of one by its handle"
             )
-        different = list({id(body): body for body in self._bodies}.values())
-        which = [next(i for i, one in enumerate(different) if one is body) for body in self._bodies]
-
-        def run(models: Models, rule: Solver, seen: bool) -> Run:
-            return solve(self._plan([models[i] for i in which], length, seen, preload), rule)
-
-        done, found = choose_models(
-            run, different, interest, rtol, solver, energies=energies, linear_solver=linear_solver
-        )
-        warn_of_centres(done.plan, self._every_name())
-        models = tuple(found.models[i] for i in which)
-        return replace(done, chosen=replace(found, models=models))
+        return interest
 
     def _refuse_overlap(self) -> None:
         for number, joint in enumerate(self._joints):
@@ -379,6 +350,17 @@ class Scene:
                     f"by {-joint.gap:g} m at the start; change position or gap, or start with "
                     "preload=True from the rest that gravity and loads press them to"
                 )
+
+
+def _itself(run: Run) -> Run:
+    return run
+
+
+def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
+    """Bodies that were added more than once only once, and which of these each is."""
+    different = list({id(body): body for body in bodies}.values())
+    places = {id(body): i for i, body in enumerate(different)}
+    return different, [places[id(body)] for body in bodies]
 
 
 def _touched(bodies: Sequence[Any], handle: Handle) -> Any:
@@ -397,75 +379,6 @@ def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[SceneBody]) 
         _touched(bodies, Handle(joint.second, joint.second_port)),
     )
     return joint._replace(law=effective_law(own_law(joint.law), ends), ends=ends)
-
-
-def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
-    """Say which bodies' rebound is not known.
-
-    Parameters
-    ----------
-    plan : Plan
-    names : sequence of str
-        What to call the bodies.
-    """
-    for body, velocity, name in zip(plan.bodies, plan.velocities, names, strict=True):
-        if not body.centre_known and (velocity != 0.0 or not body.constrained):
-            warn(
-                f"{name}: the centre of mass of a body given by K and M alone is known only where "
-                "it is free and struck through it; the centre's displacement, its velocity and "
-                "what follows from it (rebound_velocity, restitution) are NaN: give the nodes as "
-                "well, FEModel(K=, M=, nodes=)"
-            )
-
-
-def checked_duration(duration: Any) -> float:
-    """Return the length of a record, s, over which displacements are numbers."""
-    length = positive("duration", duration, unit="s")
-    if length > LONGEST:
-        raise InputError(f"duration={length:g} s is beyond what can be computed: {LONGEST:g} s")
-    return length
-
-
-def checked_speed(name: str, value: Any) -> float:
-    """Return a speed, m/s, whose square is a number.
-
-    Raises
-    ------
-    InputError
-    """
-    speed = real(name, value, unit="m/s")
-    if speed != 0.0 and not SLOWEST <= abs(speed) <= FASTEST:
-        raise InputError(
-            f"{name}={speed:g} m/s: its square is beyond the range of numbers; give a speed from "
-            f"{SLOWEST:g} to {FASTEST:g} m/s"
-        )
-    return speed
-
-
-def solve(plan: Plan, solver: Solver | None) -> Run:
-    """Run a scene by a solver, or by the one that suits its bodies.
-
-    Raises
-    ------
-    InputTypeError
-        If `solver` is none.
-    LawLimitError
-        If a contact grows wider than its patches.
-    """
-    if solver is None:
-        full = any(isinstance(body, FullBody) for body in plan.bodies)
-        solver = Newmark() if full else _BY_DEFAULT
-    if not isinstance(solver, (Adaptive, Newmark)):
-        raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
-    try:
-        if isinstance(solver, Adaptive):
-            return Run(plan, *solve_adaptive(plan, solver))
-        return Run(plan, *solve_newmark(plan, solver))
-    except LawLimitError as error:
-        joint = next(joint for joint in plan.joints if joint.patched)
-        masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
-        mass = 1.0 / sum(1.0 / mass for mass in masses)
-        raise wide_enough(error, joint.law, joint.ends, mass, plan.fastest) from None
 
 
 @dataclass(frozen=True)

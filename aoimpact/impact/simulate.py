@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-from ..accuracy import checked_linear_solver, choose_models, impact_quantity
+from ..accuracy import TimeSolver, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
-from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw, effective_law
 from ..linalg import Solver
 from ..reduction import InterfaceModel
-from ..results import Result, warn_of_misfit
+from ..results import Result, Run
 from ..scene import Joint, Plan, normal_gap, scene_body
-from .scene import checked_duration, checked_speed, solve, warn_of_centres
+from .checks import checked_duration, checked_speed
+from .run import RunOptions, run_models
 
 __all__ = ["checked_numbers", "plan_impact", "simulate"]
 
@@ -30,7 +30,7 @@ def simulate(
     law: ContactLaw,
     velocity: float,
     duration: float,
-    solver: Adaptive | Newmark | None = None,
+    solver: TimeSolver | None = None,
     gap: float = 0.0,
     energies: bool = True,
     quantity: str | ContactPoint | None = None,
@@ -90,50 +90,33 @@ def simulate(
         If the record ends in contact, the step is too large for any digit to be right, a body's
         centre of mass is not known, or its model was fitted to quite another contact time.
     """
-    chosen = quantity is not None or rtol is not None
-    linear = checked_linear_solver(linear_solver, chosen=chosen)
-    if not chosen:
-        plan = plan_impact(
-            projectile,
-            target,
-            law,
-            velocity=velocity,
-            duration=duration,
-            gap=gap,
-            energies=energies,
-        )
-        result = _simulated(plan, solver)
-        warn_of_misfit(plan, result.run, _NAMES)
-        return result
     checked_numbers(law, velocity, duration, gap, energies)
-    bodies = projectile, target
-    plan_of = partial(plan_impact, law=law, velocity=velocity, duration=duration, gap=gap)
-    done, found = choose_models(
-        lambda models, rule, seen: _simulated(plan_of(*models, energies=seen), rule),
-        bodies,
-        impact_quantity(quantity, *bodies),
-        rtol,
-        solver,
-        energies=energies,
-        linear_solver=linear,
-    )
-    return replace(done, run=replace(done.run, chosen=found))
 
-
-def _simulated(plan: Plan, solver: Adaptive | Newmark | None) -> Result:
-    run = solve(plan, solver)
-    if run.in_contact_at_end:
-        warn(
-            f"the record of {run.duration:.4g} s ends in contact: impulse and the last contact's "
-            "end are those so far, and there is no rebound (NaN); take a longer duration"
+    def plan_of(models: Sequence[Any], energies: bool) -> Plan:
+        first, second = models
+        return plan_impact(
+            first, second, law, velocity=velocity, duration=duration, gap=gap, energies=energies
         )
-    warn_of_centres(plan, _NAMES)
-    return Result(
-        run=run,
-        velocity=plan.velocities[0],
-        gap=plan.joints[0].gap,
-        law=plan.joints[0].law,
+
+    result = run_models(
+        plan_of,
+        (projectile, target),
+        RunOptions(quantity, rtol, solver, energies, linear_solver),
+        names=_NAMES,
+        interest=partial(impact_quantity, quantity, projectile, target),
+        view=_result,
     )
+    if result.in_contact_at_end:
+        warn(
+            f"the record of {result.duration:.4g} s ends in contact: impulse and the last "
+            "contact's end are those so far, and there is no rebound (NaN); take a longer duration"
+        )
+    return result
+
+
+def _result(run: Run) -> Result:
+    joint = run.plan.joints[0]
+    return Result(run=run, velocity=run.plan.velocities[0], gap=joint.gap, law=joint.law)
 
 
 def plan_impact(

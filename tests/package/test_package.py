@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ast
-import fnmatch
 import inspect
 import re
 import subprocess
 import sys
+import tomllib
 from functools import cached_property
 from importlib import metadata
 from pathlib import Path
@@ -105,12 +105,16 @@ def test_example_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert hit.peak_force > 0.0
 
 
-def test_the_readme_names_every_module() -> None:
-    readme = Path(__file__).parents[2] / "README.md"
-    rows = re.findall(r"^\| (`.*?`) \|", readme.read_text("utf-8"), re.M)
-    named = [name for row in rows for name in re.findall(r"`(.*?)`", row)]
-    modules = {path.stem for path in PACKAGE.glob("*.py")} - {"__init__"}
-    assert {m for m in modules if not any(fnmatch.fnmatch(m, name) for name in named)} == set()
+def test_contributing_names_every_folder_in_its_order_and_only_files_that_are_there() -> None:
+    root = Path(__file__).parents[2]
+    page = (root / "CONTRIBUTING.md").read_text("utf-8")
+    table = page.partition("## The folders")[2].partition("\n## ")[0]
+    rows = re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|", table, re.M)
+    named = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
+    linter = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]
+    assert named == linter["contracts"][0]["layers"][::-1]
+    for file in re.findall(r"`([\w/.]+\.(?:py|c|h|md))`", page):
+        assert (root / file).exists() or (PACKAGE / file).exists(), file
 
 
 def own_members(thing: object) -> set[str]:

@@ -10,11 +10,11 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.batch.briefs import BRIEF, brief_numbers
+from aoimpact.batch.plain import PLAIN_NUMBERS, plain_numbers
 from aoimpact.reduction.modalbody import modal_body
 from aoimpact.study.scenes import beam_star, pair
 
-NAMES = tuple(sorted(BRIEF))
+NAMES = tuple(sorted(PLAIN_NUMBERS))
 
 SPHERE = pair()["projectile"]
 BALL = ao.rigid(mass=0.03)
@@ -60,15 +60,15 @@ PLAIN = [
 
 
 def test_every_plain_impact_has_the_numbers_of_simulate() -> None:
-    together = brief_numbers(PLAIN, NAMES)
+    together = plain_numbers(PLAIN, NAMES)
     for one, found in zip(PLAIN, together, strict=True):
         assert bits(found) == bits(numbers_of(ao.simulate(**one))), one
 
 
 def test_the_company_makes_no_difference() -> None:
-    alone = [bits(brief_numbers([one], NAMES)[0]) for one in PLAIN]
-    assert [bits(found) for found in brief_numbers(PLAIN[::-1], NAMES)[::-1]] == alone
-    assert [bits(found) for found in brief_numbers(PLAIN * 3, NAMES)] == alone * 3
+    alone = [bits(plain_numbers([one], NAMES)[0]) for one in PLAIN]
+    assert [bits(found) for found in plain_numbers(PLAIN[::-1], NAMES)[::-1]] == alone
+    assert [bits(found) for found in plain_numbers(PLAIN * 3, NAMES)] == alone * 3
 
 
 def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:
@@ -84,7 +84,7 @@ def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:
         case(projectile=star, target=BALL, **times),
         case(projectile=truncated, target=star, **times),
     ]
-    for one, found in zip(cases, brief_numbers(cases, NAMES), strict=True):
+    for one, found in zip(cases, plain_numbers(cases, NAMES), strict=True):
         assert found == numbers_of(ao.simulate(**one))
 
 
@@ -112,11 +112,11 @@ def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:
     ],
 )
 def test_what_is_not_plain_is_left_to_simulate(change: dict[str, Any]) -> None:
-    assert brief_numbers([case(**change), case()], NAMES)[0] is None
+    assert plain_numbers([case(**change), case()], NAMES)[0] is None
 
 
 def test_what_is_no_case_is_left_to_simulate() -> None:
-    assert brief_numbers([3, None, {}, (1, 2), case()], NAMES)[:4] == [None] * 4
+    assert plain_numbers([3, None, {}, (1, 2), case()], NAMES)[:4] == [None] * 4
 
 
 def test_the_core_takes_no_places_out_of_stock() -> None:
