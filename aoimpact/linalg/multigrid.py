@@ -19,13 +19,13 @@ import scipy.sparse as sp
 from ..base import ConvergenceError, FloatArray, SingularError, bar
 from ..mesh import rigid_motions
 from .coarsening import QUADRATIC, aggregated, corner_interpolation
-from .fill import factor_entries
 from .matrices import check_entries
+from .method import Inverse, Method
 from .pencil import Pencil
 from .smoother import Smoother
-from .superlu import factorize
+from .superlu import estimated_entries, factorize
 
-__all__ = ["Multigrid", "bytes_needed"]
+__all__ = ["MULTIGRID", "Multigrid"]
 
 Single = npt.NDArray[np.float32]
 
@@ -49,10 +49,12 @@ _MOST_ITERATIONS = 500
 # measured; and per entry of those.
 _BYTES_PER_ENTRY, _BYTES_PER_FACTOR = 30.0, 16.0
 
+# ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is
+# computed afresh comes out slightly larger.
+_TOLERANCE = 5e-11
 
-def bytes_needed(stored: float) -> float:
-    """Return the memory that the set-up takes at most beside K and M, K having `stored` entries."""
-    return _BYTES_PER_ENTRY * stored + _BYTES_PER_FACTOR * _most_in_coarsest(stored)
+# Seconds of a solution per dof, and where the nodes are not known; the set-up is about one more.
+_SECONDS, _SECONDS_WITHOUT_NODES = 5e-6, 1e-4
 
 
 def _most_in_coarsest(stored: float) -> float:
@@ -113,7 +115,7 @@ class Multigrid:
                 A, candidates = self._to_corners(A)
                 progress.update()
             affordable = _most_in_coarsest(pencil.K.nnz)
-            while A.shape[0] > _DENSE and factor_entries(A, "superlu") > affordable:
+            while A.shape[0] > _DENSE and estimated_entries(A) > affordable:
                 A, candidates = self._to_aggregates(A, candidates)
                 progress.update()
             self._coarsest = factorize(A / self._scale, what=pencil.what)
@@ -299,3 +301,21 @@ def _conjugate_gradients(
         f"right-hand side in {_MOST_ITERATIONS} iterations, {tolerance:g} was asked for: the "
         "matrix is nearly singular (a mechanism, missing supports, ν near .5); take another solver"
     )
+
+
+def _set_up(pencil: Pencil) -> Inverse:
+    multigrid = Multigrid(pencil, _TOLERANCE)
+    return Inverse(multigrid.solve, precondition=multigrid.precondition)
+
+
+def _memory(pencil: Pencil) -> float:
+    stored = float(pencil.K.nnz)
+    return _BYTES_PER_ENTRY * stored + _BYTES_PER_FACTOR * _most_in_coarsest(stored)
+
+
+def _seconds(pencil: Pencil, solutions: int) -> float:
+    each = _SECONDS_WITHOUT_NODES if pencil.nodes is None else _SECONDS
+    return each * pencil.n * (solutions + 1)
+
+
+MULTIGRID = Method("multigrid", _set_up, _memory, _seconds, direct=False)
