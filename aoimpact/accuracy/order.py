@@ -138,7 +138,7 @@ def first_guess(
     otherwise = min((time for time in own if math.isfinite(time)), default=1.0)
     try:
         result = run(tuple(model_hierarchy(body, otherwise, None).model(0) for body in bodies))
-    except (InputError, ConvergenceError):  # e.g. where nothing gives way between two walls
+    except (InputError, ConvergenceError):  # e.g. of two walls
         return otherwise, 0.0
     return quantity.contact_time(result) or otherwise, quantity.span(result)
 

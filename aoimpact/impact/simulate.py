@@ -48,8 +48,8 @@ def simulate(
     law : ContactLaw
         Force of the indentation δ = x_projectile - x_target - gap.
     velocity : float
-        Of the projectile along the direction of travel, m/s, not zero; negative only of a held one,
-        which swings back.
+        Of the projectile along the direction of travel, m/s, not zero; negative only if the
+        projectile is constrained, so that it swings back.
     duration : float
         Length of the record, s.
     solver : Adaptive or Newmark, optional
@@ -88,7 +88,7 @@ def simulate(
     -----
     AOImpactWarning
         If the record ends in contact, the step is too large for any digit to be right, a body's
-        centre of mass is not known, or its model was fitted to quite another contact time.
+        centre of mass is not known, or its model was fitted to another contact time.
     """
     checked_numbers(law, velocity, duration, gap, energies)
 
@@ -150,7 +150,9 @@ def plan_impact(
             "(gravity, a load, a body behind it)"
         )
     if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
-        raise InputError("projectile and target are both of infinite mass: nothing can give way")
+        raise InputError(
+            "projectile and target are both of infinite mass: there is no motion between them"
+        )
     ends = projectile, target
     joint = Joint(0, 0, 1, 0, effective_law(law, ends), normal_gap(distance), ends)
     return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)

@@ -1,4 +1,4 @@
-"""What a scene file may hold: the one place where its names are written down."""
+"""What a scene file may contain: the one place that lists its names."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _OTHERS = (laws.PowerLaw, laws.Linear, laws.KelvinVoigt, laws.Tabulated)
 # By the name that a file gives, the class that it stands for.
 LAWS = {law.__name__: law for law in (*_HERTZIAN, *_OTHERS)}
 
-# Laws that may be given by the restitution that they are to deliver, and what else says it.
+# Laws that may be given by their restitution, and the parameter that it stands for.
 BY_RESTITUTION = {
     laws.HuntCrossley: "damping",
     laws.Tsuji: "alpha",
@@ -182,7 +182,7 @@ def _parameters(cls: Any) -> Table:
 
 
 def _law(cls: Any) -> Kind:
-    """A law by its own parameters, or by what it is to deliver."""
+    """A law by its own parameters, or by its restitution or yield pressure."""
     if cls is laws.Tabulated:
         return _CURVE
     own = _parameters(cls)
@@ -207,7 +207,7 @@ _LAW = Chosen("type", {name: _law(cls) for name, cls in LAWS.items()})
 
 _SOLVER = Chosen("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
 
-# How a run is made, and what is wanted of it.
+# How a run is made, and what it reports.
 _RUN = {
     "duration": needed(Number("s")),
     "solver": optional(_SOLVER),
@@ -216,7 +216,7 @@ _RUN = {
 
 
 def _displacement(body: Kind, **more: Table) -> Kind:
-    """A place whose displacement is asked for."""
+    """A place whose displacement is the quantity of interest."""
     point = {"body": needed(body), "point": needed(_VECTOR), "direction": needed(_VECTOR)}
     return Variants({"point": Table(point), **more})
 
