@@ -1,5 +1,4 @@
 /* When a contact will let go, before it does: what is left of it is taken in steps that fit. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "motion/flight.h"
@@ -29,19 +28,19 @@ static double slowness(double e, double power)
 }
 
 /* With several contacts at once none ends as it would alone. */
-static const aoi_contact_state *only_contact(const aoi_adaptive *run)
+static const aoi_adaptive_contact *only_contact(const aoi_adaptive *run)
 {
-    return run->closed_count == 1 ? &run->contact[run->stage[0].joint] : NULL;
+    return run->closed_count == 1 ? &run->contact[run->stage[0].contact] : NULL;
 }
 
 double aoi_release_after(const aoi_adaptive *run, double within)
 {
-    const aoi_contact_state *contact = only_contact(run);
+    const aoi_adaptive_contact *contact = only_contact(run);
     if (!contact || contact->piece == AOI_SLACK || !(contact->start_rate < 0.0)) {
         return HUGE_VAL;
     }
-    const size_t joint = run->stage[0].joint;
-    const aoi_law *law = run->system->joint[joint].law;
+    const size_t c = run->stage[0].contact;
+    const aoi_law *law = run->system->contact[c].law;
     const double depth = contact->start - aoi_law_rest(law, contact->memory);
     double here, rate, acceleration;
     aoi_law_value value;
@@ -58,7 +57,7 @@ double aoi_release_after(const aoi_adaptive *run, double within)
     if (gain > squared || depth > within * sqrt(squared + gain)) {
         return HUGE_VAL;
     }
-    aoi_pair_now(run, joint, &pair);
+    aoi_pair_now(run, c, &pair);
     aoi_flight_indentation(&pair, &here, &rate, &acceleration);
     const double speed = rate * rate + gain;
     return depth / sqrt(speed) * slowness(gain / speed, power);
@@ -66,7 +65,7 @@ double aoi_release_after(const aoi_adaptive *run, double within)
 
 double aoi_release_step(const aoi_adaptive *run, double h)
 {
-    const aoi_contact_state *contact = only_contact(run);
+    const aoi_adaptive_contact *contact = only_contact(run);
     if (!contact || contact->edge == 0.0) {
         return h;
     }

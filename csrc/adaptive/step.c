@@ -1,6 +1,5 @@
 /* One step of an adaptive run, tried: the motion without contact forces, a first guess, the forces by
  * collocation, and what the other files say of them. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -35,7 +34,7 @@ static int are_alike(const aoi_modes *one, const aoi_modes *other)
 /* The tables of a body for this step: the one not used for longest makes room. */
 static void make_response(aoi_adaptive *run, size_t b, double h, int level, int with_rates)
 {
-    aoi_follower *body = &run->body[b];
+    aoi_adaptive_body *body = &run->body[b];
     const aoi_modes *modes = &run->system->body[b];
     size_t oldest = 0;
     for (size_t i = 0; i < body->table_count; i++) {
@@ -55,19 +54,19 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
 }
 
 /* The indentation at the start has it in it already; the motion without contact forces has not. */
-double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates)
+double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
 {
-    const aoi_joint *of = &run->system->joint[joint];
+    const aoi_contact *of = &run->system->contact[c];
     double sum = 0.0;
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = &run->system->body[of->body[side]];
-        const size_t end = body->residual ? run->system->first_joint[of->body[side] + 1] : 0;
-        for (size_t i = run->system->first_joint[of->body[side]]; i < end; i++) {
-            const size_t joint_by = run->system->joint_of[i];
-            const aoi_joint *by = &run->system->joint[joint_by];
+        const size_t end = body->residual ? run->system->first_contact[of->body[side] + 1] : 0;
+        for (size_t i = run->system->first_contact[of->body[side]]; i < end; i++) {
+            const size_t joint_by = run->system->contact_of[i];
+            const aoi_contact *by = &run->system->contact[joint_by];
             const int other = by->body[1] == of->body[side];
             const double compliance = body->residual[of->port[side] * body->ports + by->port[other]];
-            const aoi_contact_state *contact = &run->contact[joint_by];
+            const aoi_adaptive_contact *contact = &run->contact[joint_by];
             sum += (side == other ? 1.0 : -1.0) * compliance *
                    (rates ? contact->force_rate : contact->bending);
         }
@@ -81,17 +80,17 @@ static double bent_at_start(const aoi_adaptive *run, const aoi_stage *stage)
 {
     double without_forces, rate, acceleration;
     aoi_flight pair;
-    if (!aoi_joint_bends(run, stage->joint)) {
+    if (!aoi_contact_has_residual(run, stage->contact)) {
         return 0.0;
     }
-    aoi_pair_now(run, stage->joint, &pair);
+    aoi_pair_now(run, stage->contact, &pair);
     aoi_flight_indentation(&pair, &without_forces, &rate, &acceleration);
     return without_forces - stage->start;
 }
 
 static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_rates)
 {
-    const aoi_joint *joint = &run->system->joint[stage->joint];
+    const aoi_contact *contact = &run->system->contact[stage->contact];
     const double bent = bent_at_start(run, stage);
     for (size_t i = 0; i < AOI_STAGES; i++) {
         stage->homogeneous[i] = stage->start + bent;
@@ -99,15 +98,15 @@ static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_
             with_rates ? -bent / h * aoi_radau_slope_at_node[0][i] : 0.0;
     }
     for (int side = 0; side < 2; side++) {
-        const size_t b = joint->body[side], at = run->system->first[b];
-        aoi_response_homogeneous(&run->response[b], &run->system->body[b], joint->port[side],
+        const size_t b = contact->body[side], at = run->system->first[b];
+        aoi_response_homogeneous(&run->response[b], &run->system->body[b], contact->port[side],
                                  side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
                                  stage->homogeneous, with_rates ? stage->homogeneous_rate : NULL);
     }
 }
 
 /* The last step's polynomial at the nodes of a step of length h behind it, and its slope there. */
-static void draw_on(const aoi_contact_state *contact, double h, double *indentation, double *rate)
+static void draw_on(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
     const double stretch = h / contact->last_length;
     if (stretch == 1.0 && !rate) {
@@ -126,7 +125,7 @@ static void draw_on(const aoi_contact_state *contact, double h, double *indentat
 }
 
 /* The same of the motion at its start. */
-static void draw_line(const aoi_contact_state *contact, double h, double *indentation, double *rate)
+static void draw_line(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
     for (size_t i = 0; i < AOI_STAGES; i++) {
         indentation[i] = contact->start + h * aoi_radau_node[i] * contact->start_rate;
@@ -137,7 +136,7 @@ static void draw_line(const aoi_contact_state *contact, double h, double *indent
 /* A guess: the last step's polynomial drawn on, where it reaches, or the motion without force; never
  * deeper than that. Where other contacts press on the same massless place this bounds nothing: it would
  * leap away, at rates without limit. */
-static void guess(const aoi_contact_state *contact, double h, double usual, int with_rates, int shared,
+static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int shared,
                   aoi_stage *stage)
 {
     const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
@@ -157,11 +156,11 @@ static void guess(const aoi_contact_state *contact, double h, double usual, int 
 }
 
 /* Which edge of a contact a step of length h has. */
-static enum aoi_edge edge_of(const aoi_adaptive *run, size_t joint, double h)
+static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
-    const aoi_contact_state *contact = &run->contact[joint];
-    const aoi_law *law = run->system->joint[joint].law;
-    if (!contact->closed || contact->piece == AOI_SLACK || aoi_joint_bends(run, joint)) {
+    const aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_law *law = run->system->contact[c].law;
+    if (!contact->closed || contact->piece == AOI_SLACK || aoi_contact_has_residual(run, c)) {
         return AOI_EDGE_NONE;
     }
     if (contact->begins) { /* from touch, not pressed together, and not with a force that jumps */
@@ -177,15 +176,15 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t joint, double h)
 static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
 {
     aoi_stage *stage = &run->stage[s];
-    const aoi_contact_state *contact = &run->contact[stage->joint];
+    const aoi_adaptive_contact *contact = &run->contact[stage->contact];
     stage->memory = contact->memory;
     stage->piece = contact->piece;
-    stage->edge = edge_of(run, stage->joint, h);
+    stage->edge = edge_of(run, stage->contact, h);
     stage->start_force = contact->force;
     stage->start = contact->start;
     stage->start_rate = contact->start_rate;
     homogeneous(run, stage, h, with_rates);
-    const int shared = run->closed_count > 1 && aoi_joint_bends(run, stage->joint);
+    const int shared = run->closed_count > 1 && aoi_contact_has_residual(run, stage->contact);
     guess(contact, h, run->indentation_scale, with_rates, shared, stage);
 }
 
@@ -201,9 +200,9 @@ static void gather_forces(aoi_adaptive *run)
         }
     }
     for (size_t s = 0; s < run->closed_count; s++) {
-        const aoi_joint *joint = &system->joint[run->stage[s].joint];
+        const aoi_contact *contact = &system->contact[run->stage[s].contact];
         for (int side = 0; side < 2; side++) {
-            const size_t port = run->system->first_port[joint->body[side]] + joint->port[side];
+            const size_t port = run->system->first_port[contact->body[side]] + contact->port[side];
             aoi_stages_add(side == 0 ? -1.0 : 1.0, run->stage[s].force,
                            run->port_force + port * AOI_STAGES);
         }
@@ -215,7 +214,7 @@ static double force_scale_of(const aoi_adaptive *run)
 {
     double largest = 0.0;
     for (size_t s = 0; s < run->closed_count && run->closed_count > 1; s++) {
-        const aoi_contact_state *contact = &run->contact[run->stage[s].joint];
+        const aoi_adaptive_contact *contact = &run->contact[run->stage[s].contact];
         const double stop = contact->impulse_scale * contact->rate_scale;
         largest = fmax(largest, fmax(contact->peak_force, aoi_step_force(&run->stage[s])));
         largest = stop > 0.0 ? fmax(largest, stop / contact->indentation_scale) : largest;
@@ -245,10 +244,10 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
         }
     }
     for (size_t s = 0; s < run->stage_count; s++) {
-        run->contact[run->stage[s].joint].event = AOI_EVENT_NONE;
-        run->contact[run->stage[s].joint].event_place = HUGE_VAL;
+        run->contact[run->stage[s].contact].event = AOI_EVENT_NONE;
+        run->contact[run->stage[s].contact].event_place = HUGE_VAL;
         if (s < run->closed_count) {
-            run->contact[run->stage[s].joint].slack = 0.0;
+            run->contact[run->stage[s].contact].slack = 0.0;
             begin_stage(run, s, h, with_rates);
         }
     }

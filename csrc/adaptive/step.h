@@ -3,7 +3,6 @@
 #ifndef AOI_STEP_H
 #define AOI_STEP_H
 
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "motion/stages.h"
@@ -19,7 +18,7 @@ static const double NEAR_PEAK = 0.9;
 
 static inline const aoi_law *aoi_step_law(const aoi_adaptive *run, const aoi_stage *stage)
 {
-    return run->system->joint[stage->joint].law;
+    return run->system->contact[stage->contact].law;
 }
 
 /* The largest indentation, at the start and the nodes. */
@@ -31,7 +30,7 @@ static inline double aoi_step_indentation(const aoi_stage *stage)
 /* What counts as large for a contact: what it has seen, or a small share of what the others have. */
 static inline double aoi_step_scale(const aoi_adaptive *run, const aoi_stage *stage, double largest)
 {
-    return fmax(fmax(run->contact[stage->joint].indentation_scale, largest),
+    return fmax(fmax(run->contact[stage->contact].indentation_scale, largest),
                 LESSER_SHARE * run->indentation_scale);
 }
 
@@ -42,7 +41,7 @@ static inline double aoi_step_force(const aoi_stage *stage)
 }
 
 /* Whether that may be the largest of the contact so far, at a node or beside it. */
-static inline int aoi_step_may_peak(const aoi_contact_state *contact, const aoi_stage *stage)
+static inline int aoi_step_may_peak(const aoi_adaptive_contact *contact, const aoi_stage *stage)
 {
     return aoi_step_force(stage) >= NEAR_PEAK * contact->peak_force;
 }
@@ -52,7 +51,7 @@ static inline int aoi_step_may_peak(const aoi_contact_state *contact, const aoi_
  * look the same in the shortest step. */
 static inline double aoi_step_force_scale(const aoi_adaptive *run, const aoi_stage *stage, double largest)
 {
-    return fmax(fmax(run->contact[stage->joint].peak_force, largest), LESSER_SHARE * run->force_scale);
+    return fmax(fmax(run->contact[stage->contact].peak_force, largest), LESSER_SHARE * run->force_scale);
 }
 
 static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_stage *stage,
@@ -64,16 +63,16 @@ static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_stage *stag
 
 /* Whether a residual compliance lies between the bodies of a contact: its velocity changes at once where
  * the force begins or ends. */
-static inline int aoi_joint_bends(const aoi_adaptive *run, size_t joint)
+static inline int aoi_contact_has_residual(const aoi_adaptive *run, size_t c)
 {
-    const size_t *body = run->system->joint[joint].body;
+    const size_t *body = run->system->contact[c].body;
     return run->system->body[body[0]].residual != NULL || run->system->body[body[1]].residual != NULL;
 }
 
 /* Whether work is done on a body, or lost in it, besides that of contacts. */
 static inline int aoi_body_has_ledger(const aoi_modes *body)
 {
-    return body->gravity || body->decay || body->load_count > 0;
+    return body->gravity || body->decay || body->load.count > 0;
 }
 
 /* By how much the step could be longer, as far as this contact goes. Sets its Legendre series, and notes
@@ -87,7 +86,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
 void aoi_step_doze(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt);
 
 /* Takes note of what happens to a contact at a place, if that is its first event. */
-void aoi_step_note_event(double place, int kind, aoi_contact_state *contact, aoi_attempt *attempt);
+void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, aoi_attempt *attempt);
 
 /* A contact at rounding from a touch: within so much of it nothing happens. */
 double aoi_touch_tolerance(aoi_adaptive *run, const aoi_stage *stage);

@@ -1,5 +1,4 @@
 /* What a step leaves behind: bodies and contacts at its end, peaks, and the events that end it. */
-#include "adaptive/adaptive.h"
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
@@ -27,7 +26,7 @@ static double top_of(const aoi_law *law, const aoi_stage *stage)
     return aoi_legendre_top(AOI_STAGES, by_force, &place, &value) ? place : 1.0;
 }
 
-static void take_peak(const aoi_adaptive *run, double force, double after, aoi_contact_state *contact)
+static void take_peak(const aoi_adaptive *run, double force, double after, aoi_adaptive_contact *contact)
 {
     if (force > contact->peak_force) {
         contact->peak_force = force;
@@ -35,12 +34,12 @@ static void take_peak(const aoi_adaptive *run, double force, double after, aoi_c
     }
 }
 
-void aoi_contact_note_peak(aoi_adaptive *run, size_t joint)
+void aoi_contact_note_peak(aoi_adaptive *run, size_t c)
 {
-    take_peak(run, run->contact[joint].force, 0.0, &run->contact[joint]);
+    take_peak(run, run->contact[c].force, 0.0, &run->contact[c]);
 }
 
-static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h, aoi_contact_state *contact)
+static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h, aoi_adaptive_contact *contact)
 {
     const aoi_law *law = aoi_step_law(run, stage);
     double rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1], slope, rate = 0.0;
@@ -153,12 +152,12 @@ static double force_slope(const aoi_stage *stage)
 /* What a contact has gone through in the step, and its state at the end. */
 static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int with_rates)
 {
-    aoi_contact_state *contact = &run->contact[stage->joint];
+    aoi_adaptive_contact *contact = &run->contact[stage->contact];
     const aoi_law *law = aoi_step_law(run, stage);
     const double largest = deepest(law, stage);
     const int end = AOI_STAGES - 1;
     if (largest > law->limit || !stands(law, stage)) {
-        run->culprit = stage->joint;
+        run->culprit = stage->contact;
         return AOI_ERROR_PATCH;
     }
     if (stage->piece != AOI_SLACK) {
@@ -182,7 +181,7 @@ static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int
     }
     contact->force = force_at_end(law, stage);
     contact->bending = stage->force[end];
-    contact->force_rate = aoi_joint_bends(run, stage->joint) ? force_slope(stage) / h : 0.0;
+    contact->force_rate = aoi_contact_has_residual(run, stage->contact) ? force_slope(stage) / h : 0.0;
     contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));
     if (stage->piece != AOI_SLACK) {
         aoi_law_remember(law, contact->start, contact->start_rate, contact->memory);
@@ -191,7 +190,7 @@ static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int
 }
 
 /* On which piece of its law a closed contact goes on. */
-static void take_piece(const aoi_law *law, aoi_contact_state *contact, double indentation, int rising)
+static void take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising)
 {
     aoi_law_value value;
     contact->piece =
@@ -200,27 +199,27 @@ static void take_piece(const aoi_law *law, aoi_contact_state *contact, double in
     contact->force = value.force;
 }
 
-void aoi_contact_open(aoi_adaptive *run, size_t joint)
+void aoi_contact_open(aoi_adaptive *run, size_t c)
 {
     size_t at = 0;
-    while (run->closed.at[at] != joint) {
+    while (run->closed.at[at] != c) {
         at++;
     }
     run->closed.count--;
     for (; at < run->closed.count; at++) {
         run->closed.at[at] = run->closed.at[at + 1];
     }
-    run->contact[joint].closed = 0;
+    run->contact[c].closed = 0;
 }
 
-static void happen(aoi_adaptive *run, size_t joint, double now)
+static void happen(aoi_adaptive *run, size_t c, double now)
 {
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_law *law = run->system->joint[joint].law;
+    aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_law *law = run->system->contact[c].law;
     run->unbalanced |= contact->event != AOI_EVENT_NONE;
     switch (contact->event) {
     case AOI_EVENT_OPEN:
-        aoi_contact_open(run, joint);
+        aoi_contact_open(run, c);
         contact->force = contact->bending = contact->force_rate = 0.0;
         contact->touches = 0;
         contact->free_until = now;
@@ -252,7 +251,7 @@ static void happen(aoi_adaptive *run, size_t joint, double now)
 
 /* Whether an event at the very start is one only to a polynomial that is not good enough: a contact that
  * opens in the first look at it, or leaves its piece by the end that it moves away from. */
-static int goes_back(const aoi_contact_state *contact)
+static int goes_back(const aoi_adaptive_contact *contact)
 {
     return (contact->event == AOI_EVENT_OPEN && contact->begins) ||
            (contact->event == AOI_EVENT_ABOVE && contact->start_rate < 0.0) ||
@@ -263,14 +262,14 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
 {
     int some = 0;
     for (size_t s = 0; s < run->closed_count; s++) {
-        aoi_contact_state *contact = &run->contact[run->stage[s].joint];
+        aoi_adaptive_contact *contact = &run->contact[run->stage[s].contact];
         if (contact->event_place > place) {
             continue;
         }
         if (goes_back(contact)) {
             return 0;
         }
-        happen(run, run->stage[s].joint, aoi_run_now(run));
+        happen(run, run->stage[s].contact, aoi_run_now(run));
         some = 1;
     }
     return some;
@@ -290,9 +289,9 @@ static size_t snapping(const aoi_adaptive *run)
 {
     size_t s = 0;
     for (; s < run->closed_count; s++) {
-        const size_t joint = run->stage[s].joint;
-        if (run->system->joint[joint].law->pulls && run->contact[joint].event == AOI_EVENT_OPEN &&
-            run->contact[joint].force < 0.0 && aoi_joint_bends(run, joint)) {
+        const size_t c = run->stage[s].contact;
+        if (run->system->contact[c].law->pulls && run->contact[c].event == AOI_EVENT_OPEN &&
+            run->contact[c].force < 0.0 && aoi_contact_has_residual(run, c)) {
             break;
         }
     }
@@ -304,15 +303,15 @@ static void events(aoi_adaptive *run, double later)
 {
     run->indentation_scale = run->impulse_scale = 0.0;
     for (size_t s = 0; s < run->stage_count; s++) {
-        const size_t joint = run->stage[s].joint;
-        if (run->contact[joint].event == AOI_EVENT_TOUCH) {
-            aoi_contact_close(run, joint);
+        const size_t c = run->stage[s].contact;
+        if (run->contact[c].event == AOI_EVENT_TOUCH) {
+            aoi_contact_close(run, c);
         } else if (s < run->closed_count) {
-            happen(run, joint, later);
+            happen(run, c, later);
         }
         run->indentation_scale =
-            fmax(run->indentation_scale, run->contact[joint].indentation_scale);
-        run->impulse_scale = fmax(run->impulse_scale, run->contact[joint].impulse_scale);
+            fmax(run->indentation_scale, run->contact[c].indentation_scale);
+        run->impulse_scale = fmax(run->impulse_scale, run->contact[c].impulse_scale);
     }
 }
 
@@ -340,7 +339,7 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     events(run, later);
     aoi_balance_at_once(run, h);
     const double lost = before - aoi_balance_book(run, 1.0);
-    run->contact[run->stage[s].joint].work += lost;
+    run->contact[run->stage[s].contact].work += lost;
     row[*size - (run->closed_count - s) * AOI_TRACK_CONTACT_SIZE + AOI_TRACK_LOST] = lost;
     return AOI_OK;
 }

@@ -5,7 +5,7 @@
  * force between the nodes says what the step hands on, so impulse, velocities and later times. Radau
  * nodes make the second far smaller than the first, except at the beginning and end of a contact,
  * where the force starts like d^(3/2). */
-#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"
 #include "law/law.h"
@@ -43,7 +43,7 @@ static double steepness_of(const aoi_adaptive *run, const aoi_stage *stage, doub
     aoi_law_value value;
     aoi_law_push(aoi_step_law(run, stage), stage->memory, largest, stage->start_rate, &value);
     /* Of the largest force: a small one at the end of a contact is not to be right to itself. */
-    const double force = fmax(value.force, run->contact[stage->joint].peak_force);
+    const double force = fmax(value.force, run->contact[stage->contact].peak_force);
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
 
@@ -66,7 +66,7 @@ static double force_scale(const aoi_adaptive *run, const aoi_stage *stage, doubl
                           double indentation)
 {
     return fmax(aoi_step_force_scale(run, stage, aoi_step_force(stage)),
-                impulse * run->contact[stage->joint].rate_scale / indentation);
+                impulse * run->contact[stage->contact].rate_scale / indentation);
 }
 
 /* What the last coefficients of the rate's series hold. From the nodes alone: where a force comes or goes, the
@@ -97,7 +97,7 @@ static double edge_force_error(const aoi_law *law, const aoi_stage *stage, doubl
 
 /* Whether the largest force of all may lie inside the step. Else what counts is what a wrong force does within
  * the step: where one begins like t^(1/4) at a place without mass, it is wrong in the shortest one. */
-static int may_top(const aoi_contact_state *contact, const aoi_stage *stage, double wrong)
+static int may_top(const aoi_adaptive_contact *contact, const aoi_stage *stage, double wrong)
 {
     const double largest = aoi_step_force(stage);
     return largest > stage->force[AOI_STAGES - 1] && largest + wrong > contact->peak_force;
@@ -107,12 +107,12 @@ static int may_top(const aoi_contact_state *contact, const aoi_stage *stage, dou
 static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *within,
                   double *handed_on)
 {
-    const aoi_contact_state *contact = &run->contact[stage->joint];
+    const aoi_adaptive_contact *contact = &run->contact[stage->contact];
     const double largest = aoi_step_indentation(stage), scale = aoi_step_scale(run, stage, largest);
     const double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
     const int at_an_end = contact->last_length == 0.0 || stage->indentation[AOI_STAGES - 1] <= 0.0;
     const double end_share = at_an_end ? END_SHARE : 1.0;
-    const int bent = aoi_joint_bends(run, stage->joint);
+    const int bent = aoi_contact_has_residual(run, stage->contact);
     const double tail_share =
         fmax(TAIL_SHARE * (bent ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
     const double step_share = STEP_SHARE * end_share * run->rtol;
@@ -135,9 +135,9 @@ static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *w
 /* What counts as fast for a contact: what it has seen, or a small share of what the others have. */
 static double rate_scale(const aoi_adaptive *run, const aoi_stage *stage)
 {
-    double scale = run->contact[stage->joint].rate_scale;
+    double scale = run->contact[stage->contact].rate_scale;
     for (size_t s = 0; s < run->closed_count; s++) {
-        scale = fmax(scale, LESSER_SHARE * run->contact[run->stage[s].joint].rate_scale);
+        scale = fmax(scale, LESSER_SHARE * run->contact[run->stage[s].contact].rate_scale);
     }
     return scale;
 }
@@ -175,7 +175,7 @@ double aoi_step_growth(aoi_adaptive *run, aoi_stage *stage, double h)
         return fmin(growth, CAUTION);
     }
     if (at_edge) {
-        run->contact[stage->joint].edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
+        run->contact[stage->contact].edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
         return EDGE_GROWTH;
     }
     return fmax(growth, 1.0);

@@ -1,5 +1,4 @@
 /* What happens to contacts within a step: they touch, let go, turn, or leave a piece of their law. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -44,7 +43,7 @@ static int falls_below(const double *values, double tolerance, double *place)
     return 1;
 }
 
-void aoi_step_note_event(double place, int kind, aoi_contact_state *contact, aoi_attempt *attempt)
+void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, aoi_attempt *attempt)
 {
     if (place < contact->event_place) {
         contact->event_place = place;
@@ -54,7 +53,7 @@ void aoi_step_note_event(double place, int kind, aoi_contact_state *contact, aoi
 }
 
 /* The same where a quantity falls. */
-static void falls(const double *values, double tolerance, int kind, aoi_contact_state *contact,
+static void falls(const double *values, double tolerance, int kind, aoi_adaptive_contact *contact,
                   aoi_attempt *attempt)
 {
     double place;
@@ -78,7 +77,7 @@ static int may_dip(const double *values, double depth)
 
 /* The same for a distance from an end, or a force, that may have been passed and come back to between
  * two nodes. Only a step that is good enough says so. */
-static void leaves(const double *values, double tolerance, int kind, aoi_contact_state *contact,
+static void leaves(const double *values, double tolerance, int kind, aoi_adaptive_contact *contact,
                    aoi_attempt *attempt)
 {
     double coefficient[AOI_STAGES + 1], place;
@@ -123,7 +122,7 @@ static double at_start_by_nodes(const double *nodes)
 /* Where the law's own force, which is cut at zero, changes its sign. */
 static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
 {
-    aoi_contact_state *contact = &run->contact[stage->joint];
+    aoi_adaptive_contact *contact = &run->contact[stage->contact];
     const aoi_law *law = aoi_step_law(run, stage);
     const int piece = piece_of(law, stage);
     double force[AOI_STAGES], values[AOI_STAGES + 1], largest = 0.0;
@@ -142,7 +141,7 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
     } else {
         line_up(fmax(stage->start_force, 0.0), force, 1.0, 0.0, values);
     }
-    if (aoi_joint_bends(run, stage->joint)) {
+    if (aoi_contact_has_residual(run, stage->contact)) {
         /* A rate may jump there, and the force with it: it has fallen already, to the error of the step before, or
          * the nodes say where it comes from. */
         if (values[1] < -tolerance && values[0] <= run->rtol * fmax(run->force_scale, largest)) {
@@ -156,7 +155,7 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
 
 /* What is left to rise before a turn is below the tolerance: it turns where it is, since steps as short as
  * that would see rates that are rounding. */
-static void turn_now(const aoi_stage *stage, double tolerance, aoi_contact_state *contact,
+static void turn_now(const aoi_stage *stage, double tolerance, aoi_adaptive_contact *contact,
                      aoi_attempt *attempt)
 {
     if (contact->event == AOI_EVENT_TURN && contact->event_place < 1.0 &&
@@ -169,9 +168,9 @@ static void turn_now(const aoi_stage *stage, double tolerance, aoi_contact_state
  * see rates that are rounding. */
 static int is_over(const aoi_adaptive *run, const aoi_stage *stage, double rest, double tolerance)
 {
-    const aoi_contact_state *contact = &run->contact[stage->joint];
+    const aoi_adaptive_contact *contact = &run->contact[stage->contact];
     const double least = aoi_event_tolerance(run, aoi_step_force_scale(run, stage, 0.0));
-    return aoi_joint_bends(run, stage->joint) && !contact->begins && stage->start - rest <= tolerance &&
+    return aoi_contact_has_residual(run, stage->contact) && !contact->begins && stage->start - rest <= tolerance &&
            stage->start_rate < 0.0 && stage->indentation[0] - rest < stage->start - rest &&
            fabs(stage->start_force) <= least;
 }
@@ -179,7 +178,7 @@ static int is_over(const aoi_adaptive *run, const aoi_stage *stage, double rest,
 void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
 {
     const aoi_law *law = aoi_step_law(run, stage);
-    aoi_contact_state *contact = &run->contact[stage->joint];
+    aoi_adaptive_contact *contact = &run->contact[stage->contact];
     const double rest = aoi_law_rest(law, stage->memory);
     const double scale = aoi_step_scale(run, stage, aoi_step_indentation(stage));
     const double tolerance = aoi_event_tolerance(run, scale);
@@ -225,7 +224,7 @@ static double rounding_of(const aoi_flight *pair)
 double aoi_touch_tolerance(aoi_adaptive *run, const aoi_stage *stage)
 {
     aoi_flight pair;
-    aoi_pair_now(run, stage->joint, &pair);
+    aoi_pair_now(run, stage->contact, &pair);
     return fmax(EVENT_SHARE * run->rtol * aoi_step_scale(run, stage, 0.0), rounding_of(&pair));
 }
 
@@ -234,7 +233,7 @@ double aoi_touch_tolerance(aoi_adaptive *run, const aoi_stage *stage)
  * else all that has ever been passed would be solved for in every step. */
 void aoi_step_doze(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
 {
-    aoi_contact_state *contact = &run->contact[stage->joint];
+    aoi_adaptive_contact *contact = &run->contact[stage->contact];
     const double left = run->end - aoi_run_now(run);
     double force = fabs(stage->start_force);
     for (size_t i = 0; i < AOI_STAGES; i++) {

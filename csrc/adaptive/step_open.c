@@ -1,7 +1,6 @@
 /* Open contacts beside closed ones: whether they touch within a step. What the contact forces make of their
  * indentation is split into a polynomial and free oscillations, so that the search of flight.c, which steps over
  * no touch, sees all of it. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -78,12 +77,12 @@ static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double si
 }
 
 /* The bodies' motion over a step, on copies; forced: room for what contact forces add. */
-static void take_pair(aoi_adaptive *run, size_t joint, double h, aoi_flight *pair, aoi_forced *forced)
+static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_flight *pair, aoi_forced *forced)
 {
-    const aoi_joint *of = &run->system->joint[joint];
-    double values[AOI_STAGES + 1] = {-aoi_contact_bent(run, joint, 0)};
+    const aoi_contact *of = &run->system->contact[c];
+    double values[AOI_STAGES + 1] = {-aoi_contact_bent(run, c, 0)};
     double *copy = run->flight[0];
-    aoi_pair_now(run, joint, pair);
+    aoi_pair_now(run, c, pair);
     for (int side = 0; side < 2; side++) {
         const size_t b = of->body[side], n = run->system->body[b].n;
         const double sign = side == 0 ? 1.0 : -1.0;
@@ -106,7 +105,7 @@ static void take_pair(aoi_adaptive *run, size_t joint, double h, aoi_flight *pai
 /* An open contact takes no force as long as it stays within the tolerance. */
 void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
 {
-    aoi_contact_state *contact = &run->contact[stage->joint];
+    aoi_adaptive_contact *contact = &run->contact[stage->contact];
     const double tolerance = aoi_touch_tolerance(run, stage), now = aoi_run_now(run);
     const double rest = aoi_law_rest(aoi_step_law(run, stage), contact->memory);
     const double slack = fmax(0.5 * tolerance, contact->slack);
@@ -114,7 +113,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *atte
     int touches;
     aoi_flight pair;
     aoi_forced forced;
-    take_pair(run, stage->joint, attempt->h, &pair, &forced);
+    take_pair(run, stage->contact, attempt->h, &pair, &forced);
     pair.gap += rest + slack;
     aoi_flight_indentation(&pair, &start, &start_rate, &ignored);
     const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
@@ -127,9 +126,9 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *atte
     }
     const double after = pair.time - now, left = attempt->h - after;
     if (aoi_is_at_start(run, after, attempt->h) ||
-        (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_joint_bends(run, stage->joint))) {
+        (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_contact_has_residual(run, stage->contact))) {
         attempt->closed = 1;
-        aoi_contact_close(run, stage->joint);
+        aoi_contact_close(run, stage->contact);
         return;
     }
     aoi_flight_indentation(&pair, &ignored, &rate, &start);

@@ -1,7 +1,7 @@
 /* Which contacts and bodies take part in a step, and what a body needs for that: to be where the run is. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
+#include "model/modes.h"
 #include "motion/energy.h"
 #include "motion/flight.h"
 #include "motion/modes.h"
@@ -9,16 +9,6 @@
 #include <math.h>
 
 double aoi_run_now(const aoi_adaptive *run) { return run->origin + run->elapsed; }
-
-int aoi_body_yields(const aoi_modes *body)
-{
-    for (size_t k = 0; k < body->ports * body->n; k++) {
-        if (body->push[k] != 0.0) {
-            return 1;
-        }
-    }
-    return 0;
-}
 
 void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x, const double *v)
 {
@@ -35,10 +25,10 @@ void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x,
 
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
 {
-    aoi_follower *body = &run->body[b];
+    aoi_adaptive_body *body = &run->body[b];
     const size_t at = run->system->first[b];
     const double now = aoi_run_now(run);
-    if (how > 1 && !aoi_body_yields(&run->system->body[b])) {
+    if (how > 1 && !aoi_modes_can_move(&run->system->body[b])) {
         how = 1;
     }
     if (body->engaged == 0) {
@@ -69,9 +59,9 @@ void aoi_body_note_change(aoi_adaptive *run, size_t b)
     }
 }
 
-void aoi_pair_now(const aoi_adaptive *run, size_t joint, aoi_flight *pair)
+void aoi_pair_now(const aoi_adaptive *run, size_t c, aoi_flight *pair)
 {
-    const aoi_joint *of = &run->system->joint[joint];
+    const aoi_contact *of = &run->system->contact[c];
     for (int side = 0; side < 2; side++) {
         const size_t at = run->system->first[of->body[side]];
         pair->body[side] = &run->system->body[of->body[side]];
@@ -90,8 +80,8 @@ void aoi_step_release(aoi_adaptive *run)
         run->body[run->engaged.at[i]].engaged = 0;
     }
     for (size_t s = 0; s < run->stage_count; s++) {
-        if (!run->contact[run->stage[s].joint].closed) {
-            aoi_watch_add(run, run->stage[s].joint);
+        if (!run->contact[run->stage[s].contact].closed) {
+            aoi_watch_add(run, run->stage[s].contact);
         }
     }
     run->engaged.count = run->closed_count = run->stage_count = 0;
@@ -101,14 +91,14 @@ void aoi_step_release(aoi_adaptive *run)
 static void bring_along(aoi_adaptive *run, size_t b)
 {
     const aoi_system *system = run->system;
-    for (size_t i = system->first_joint[b]; i < system->first_joint[b + 1]; i++) {
-        const size_t joint = system->joint_of[i];
-        if (aoi_watch_remove(run, joint)) {
-            run->stage[run->stage_count++].joint = joint;
-            run->contact[joint].free_until = -HUGE_VAL;
-            run->contact[joint].touches = 0;
-            aoi_body_engage(run, system->joint[joint].body[0], 1);
-            aoi_body_engage(run, system->joint[joint].body[1], 1);
+    for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
+        const size_t c = system->contact_of[i];
+        if (aoi_watch_remove(run, c)) {
+            run->stage[run->stage_count++].contact = c;
+            run->contact[c].free_until = -HUGE_VAL;
+            run->contact[c].touches = 0;
+            aoi_body_engage(run, system->contact[c].body[0], 1);
+            aoi_body_engage(run, system->contact[c].body[1], 1);
         }
     }
 }
@@ -117,10 +107,10 @@ void aoi_step_prepare(aoi_adaptive *run)
 {
     aoi_step_release(run);
     for (size_t i = 0; i < run->closed.count; i++) {
-        const size_t joint = run->closed.at[i];
-        run->stage[i].joint = joint;
-        aoi_body_engage(run, run->system->joint[joint].body[0], 2);
-        aoi_body_engage(run, run->system->joint[joint].body[1], 2);
+        const size_t c = run->closed.at[i];
+        run->stage[i].contact = c;
+        aoi_body_engage(run, run->system->contact[c].body[0], 2);
+        aoi_body_engage(run, run->system->contact[c].body[1], 2);
     }
     run->closed_count = run->stage_count = run->closed.count;
     const size_t count = run->engaged.count; /* those brought along bring nobody */

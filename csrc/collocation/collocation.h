@@ -17,7 +17,7 @@ enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
  * large for the indentation; the motion without contact forces, and a guess of the indentation and its
  * rate. */
 typedef struct aoi_stage {
-    size_t joint;
+    size_t contact;
     const double *memory;
     int piece;
     enum aoi_edge edge;

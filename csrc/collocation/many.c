@@ -26,7 +26,7 @@ static const double FALL = 2.0, NEXT_CHANGE = 1e-16;
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_stage *stage)
 {
     for (size_t s = 0; s < count; s++) {
-        const aoi_law *law = system->joint[stage[s].joint].law;
+        const aoi_law *law = system->contact[stage[s].contact].law;
         if (law->depends_on_rate || law->turns) {
             return 1;
         }
@@ -49,7 +49,7 @@ size_t aoi_collocation_size(size_t count, size_t span)
 static void add_coupling(const aoi_system *system, const aoi_response *response, double h, size_t s,
                          size_t t, double *displacement, double *rate)
 {
-    const aoi_joint *of = &system->joint[s], *by = &system->joint[t];
+    const aoi_contact *of = &system->contact[s], *by = &system->contact[t];
     for (int i = 0; i < 4; i++) {
         const int a = i / 2, c = i % 2;
         if (of->body[a] != by->body[c]) {
@@ -106,7 +106,7 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
     for (size_t s = 0; s < of->count; s++) {
         for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
             const size_t at = (size_t)(block_of(of, of->displacement, s, t) - of->displacement);
-            add_coupling(system, response, h, stage[s].joint, stage[t].joint, of->displacement + at,
+            add_coupling(system, response, h, stage[s].contact, stage[t].contact, of->displacement + at,
                          of->rate ? of->rate + at : NULL);
         }
     }
@@ -299,7 +299,7 @@ static void set_equations(const aoi_system *system, const couplings *of, const a
     }
     for (size_t s = 0; s < of->count; s++) {
         aoi_law_values law;
-        aoi_collocation_ask(system->joint[stage[s].joint].law, &stage[s], with_rates, &law);
+        aoi_collocation_ask(system->contact[stage[s].contact].law, &stage[s], with_rates, &law);
         if (newton->renew) {
             set_rows(of, stage, s, &law, to);
         }
@@ -393,10 +393,10 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
 }
 
 /* What a contact of both bodies answers to at the nodes after a unit impulse. */
-static void answers(const aoi_response *response, const aoi_joint *joint, double *answer)
+static void answers(const aoi_response *response, const aoi_contact *contact, double *answer)
 {
-    const double *first = response[joint->body[0]].answer + joint->port[0] * AOI_STAGES;
-    const double *second = response[joint->body[1]].answer + joint->port[1] * AOI_STAGES;
+    const double *first = response[contact->body[0]].answer + contact->port[0] * AOI_STAGES;
+    const double *second = response[contact->body[1]].answer + contact->port[1] * AOI_STAGES;
     for (size_t i = 0; i < AOI_STAGES; i++) {
         answer[i] = first[i] + second[i];
     }
@@ -453,12 +453,12 @@ static void edge_defects(const aoi_law *law, const aoi_stage *stage, double h, c
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_stage *stage, aoi_collocation_error *error)
 {
-    const aoi_joint *joint = &system->joint[stage->joint];
+    const aoi_contact *contact = &system->contact[stage->contact];
     double values[AOI_STAGES + 1] = {stage->start}, answer[AOI_STAGES];
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
-    answers(response, joint, answer);
+    answers(response, contact, answer);
     if (stage->piece != AOI_SLACK) {
-        (stage->edge == AOI_EDGE_NONE ? defects : edge_defects)(joint->law, stage, h, answer, error);
+        (stage->edge == AOI_EDGE_NONE ? defects : edge_defects)(contact->law, stage, h, answer, error);
     }
     for (size_t i = 0; i < AOI_STAGES; i++) {
         values[i + 1] = stage->indentation[i];

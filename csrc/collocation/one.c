@@ -32,15 +32,15 @@ static void add_residual(double residual, double h, single *of)
 static void couple(const aoi_system *system, const aoi_response *response, double h,
                    const aoi_stage *stage, single *of)
 {
-    const aoi_joint *joint = &system->joint[stage->joint];
+    const aoi_contact *contact = &system->contact[stage->contact];
     const aoi_response *answer[2];
     size_t pair[2];
     double residual = 0.0;
     of->with_rates = aoi_collocation_wants_rates(system, 1, stage);
     for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = &system->body[joint->body[side]];
-        answer[side] = &response[joint->body[side]];
-        pair[side] = joint->port[side] * (body->ports + 1);
+        const aoi_modes *body = &system->body[contact->body[side]];
+        answer[side] = &response[contact->body[side]];
+        pair[side] = contact->port[side] * (body->ports + 1);
         residual += body->residual ? body->residual[pair[side]] : 0.0;
     }
     const double *one = answer[0]->influence + pair[0] * SQUARE;
@@ -98,7 +98,7 @@ static double move(const single *of, const double *by, int first, aoi_stage *sta
 int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
                               aoi_stage *stage)
 {
-    const aoi_law *law = system->joint[stage->joint].law;
+    const aoi_law *law = system->contact[stage->contact].law;
     aoi_newton newton = {0, 1, HUGE_VAL};
     double change;
     single of;

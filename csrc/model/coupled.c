@@ -41,7 +41,7 @@ typedef struct iterate {
 
 typedef struct newton {
     const aoi_coupled *e;
-    const aoi_contact *contact;
+    const aoi_contact_state *contact;
     size_t width;
     double deepest; /* without forces */
     double rounding; /* relative error at which an equation counts as solved */
@@ -68,7 +68,7 @@ static void iterate_lay_out(iterate *at, double **work, size_t n)
     at->rate_off = aoi_work_take(work, n);
 }
 
-static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact *contact, double *work)
+static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact_state *contact, double *work)
 {
     const size_t n = e->count;
     *s = (newton){.e = e, .contact = contact, .width = 2 * e->band + 1};
@@ -124,7 +124,7 @@ static double own(const aoi_coupled *e, const double *matrix, size_t i)
 static void find_slopes(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
-    const aoi_contact *contact = &s->contact[i];
+    const aoi_contact_state *contact = &s->contact[i];
     const double compliance = own(e, e->compliance, i), rate = own(e, e->rate_compliance, i);
     const double rest = aoi_law_rest(contact->law, contact->memory);
     const double speed = at->seen_rate[i] - rate * at->force[i];
@@ -159,7 +159,7 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
 static int solve_one(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
-    const aoi_contact *contact = &s->contact[i];
+    const aoi_contact_state *contact = &s->contact[i];
     const aoi_contact_equation equation = {
         at->seen[i], own(e, e->compliance, i), at->seen_rate[i], own(e, e->rate_compliance, i),
         contact->law->pulls ? contact->indentation : at->indentation[i]};
@@ -398,7 +398,7 @@ static int solve_all(newton *s)
 }
 
 /* One contact: nothing is coupled. Most steps of most runs are without force; they leave at once. */
-static int solve_single(aoi_coupled *e, const aoi_contact *contact)
+static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
 {
     const aoi_law *law = contact->law;
     const double last = contact->indentation, free_end = e->free[0];
@@ -424,7 +424,7 @@ static int solve_single(aoi_coupled *e, const aoi_contact *contact)
 enum { REACH = 4 };
 
 /* How deep contacts could be without forces, or are if they touch: the deepest. */
-static double find_deepest(const aoi_coupled *e, const aoi_contact *contact)
+static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contact)
 {
     double deepest = 0.0;
     for (size_t i = 0; i < e->count; i++) {
@@ -440,11 +440,11 @@ static double as_good_as_apart(double deepest) { return ROUNDING * SHARE * deepe
 
 /* Says which contacts would touch, and guesses where all end: without forces, or for those by the
  * last two steps. */
-static void guess(const aoi_coupled *e, const aoi_contact *contact, double deepest, double *awake)
+static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *awake)
 {
     const double least = as_good_as_apart(deepest);
     for (size_t i = 0; i < e->count; i++) {
-        const aoi_contact *c = &contact[i];
+        const aoi_contact_state *c = &contact[i];
         const double rest = aoi_law_rest(c->law, c->memory), free_end = e->free[i];
         const double ahead = 2.0 * c->indentation - c->last_indentation;
         const int stays = c->law->pulls && c->indentation > rest;
@@ -486,7 +486,7 @@ static int next_segment(const aoi_coupled *e, const double *awake, size_t from, 
     return 1;
 }
 
-static int solve_segment(const aoi_coupled *e, const aoi_contact *contact, size_t low, size_t high,
+static int solve_segment(const aoi_coupled *e, const aoi_contact_state *contact, size_t low, size_t high,
                          double deepest, double *work)
 {
     const size_t width = 2 * e->band + 1;
@@ -508,7 +508,7 @@ static int solve_segment(const aoi_coupled *e, const aoi_contact *contact, size_
 }
 
 /* Solves for all that are awake; marks with 2 whatever was solved for. */
-static int solve_awake(const aoi_coupled *e, const aoi_contact *contact, double deepest,
+static int solve_awake(const aoi_coupled *e, const aoi_contact_state *contact, double deepest,
                        double *awake)
 {
     size_t low, high = 0;
@@ -523,7 +523,7 @@ static int solve_awake(const aoi_coupled *e, const aoi_contact *contact, double 
 }
 
 /* Moves the contacts that were not solved for; returns whether any of them touches after all. */
-static int wake(const aoi_coupled *e, const aoi_contact *contact, double deepest, double *awake)
+static int wake(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *awake)
 {
     int woken = 0;
     for (size_t i = 0; i < e->count; i++) {
@@ -539,7 +539,7 @@ static int wake(const aoi_coupled *e, const aoi_contact *contact, double deepest
     return woken;
 }
 
-int aoi_coupled_solve(aoi_coupled *e, const aoi_contact *contact)
+int aoi_coupled_solve(aoi_coupled *e, const aoi_contact_state *contact)
 {
     if (e->count == 1) {
         return solve_single(e, contact);

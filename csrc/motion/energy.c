@@ -7,6 +7,7 @@
 #include "motion/stages.h"
 #include "linear/vector.h"
 #include "law/law.h"
+#include "model/modes.h"
 
 #include <math.h>
 
@@ -16,8 +17,8 @@ void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, c
     *kinetic = *elastic = 0.0;
     for (size_t j = 0; j < body->n; j++) {
         const double omega_x = body->omega[j] * x[j];
-        *kinetic += 0.5 * body->inertia[j] * v[j] * v[j];
-        *elastic += 0.5 * body->inertia[j] * omega_x * omega_x;
+        *kinetic += 0.5 * aoi_modes_inertia(body, j) * v[j] * v[j];
+        *elastic += 0.5 * aoi_modes_inertia(body, j) * omega_x * omega_x;
     }
     for (size_t k = 0; force && body->residual && k < body->ports * body->ports; k++) {
         *elastic +=
@@ -36,7 +37,7 @@ static double gravity_work(const aoi_modes *body, const double *x0, const double
 {
     double work = 0.0;
     for (size_t j = 0; body->gravity && j < body->n; j++) {
-        work += body->inertia[j] * body->gravity[j] * (x1[j] - x0[j]);
+        work += aoi_modes_inertia(body, j) * body->gravity[j] * (x1[j] - x0[j]);
     }
     return work;
 }
@@ -45,7 +46,7 @@ static double gravity_work(const aoi_modes *body, const double *x0, const double
 static double loaded(const aoi_modes *body, double time, const double *x)
 {
     double work = 0.0;
-    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+    for (size_t p = 0; body->load.count > 0 && p < body->ports; p++) {
         double force, slope;
         aoi_modes_load(body, p, time, &force, &slope);
         work += force * aoi_vector_dot(body->n, body->shape + p * body->n, x);
@@ -55,7 +56,7 @@ static double loaded(const aoi_modes *body, double time, const double *x)
 
 static int loads_rise(const aoi_modes *body, double time)
 {
-    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+    for (size_t p = 0; body->load.count > 0 && p < body->ports; p++) {
         double force, slope;
         aoi_modes_load(body, p, time, &force, &slope);
         if (slope != 0.0) {
@@ -70,7 +71,7 @@ static double residual_work(const aoi_modes *body, double from, double to)
 {
     const double length = to - from;
     double work = 0.0;
-    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+    for (size_t k = 0; body->residual && body->load.count > 0 && k < body->ports * body->ports; k++) {
         double force, rise, other, other_rise;
         aoi_modes_load(body, k / body->ports, from, &force, &rise);
         aoi_modes_load(body, k % body->ports, from, &other, &other_rise);
@@ -82,7 +83,7 @@ static double residual_work(const aoi_modes *body, double from, double to)
 double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force)
 {
     double work = 0.0;
-    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+    for (size_t k = 0; body->residual && body->load.count > 0 && k < body->ports * body->ports; k++) {
         double load, other, rise;
         aoi_modes_load(body, k / body->ports, time, &load, &rise);
         aoi_modes_load(body, k % body->ports, time, &other, &rise);
@@ -97,7 +98,7 @@ double aoi_modes_bent_work(const aoi_modes *body, double time, const double *for
 static double rise_on(const aoi_modes *body, size_t j, double time)
 {
     double sum = 0.0;
-    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+    for (size_t p = 0; body->load.count > 0 && p < body->ports; p++) {
         double load, slope;
         aoi_modes_load(body, p, time, &load, &slope);
         sum += slope * body->shape[p * body->n + j];
@@ -201,7 +202,7 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
         whole[k] += aoi_stages_dot(aoi_radau_to_legendre[k], push);
     }
     aoi_path_integrals(&path, &squared, &moment);
-    sum->lost += 2.0 * decay * body->inertia[j] * squared;
+    sum->lost += 2.0 * decay * aoi_modes_inertia(body, j) * squared;
     sum->rising += rise * moment;
 }
 
@@ -209,7 +210,7 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
 static double bent_by(const aoi_modes *body, double from, double h, double place, const double *force)
 {
     double sum = 0.0;
-    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+    for (size_t k = 0; body->residual && body->load.count > 0 && k < body->ports * body->ports; k++) {
         const double *by = force + k % body->ports * AOI_STAGES;
         double load, slope, legendre[AOI_STAGES], ignored;
         aoi_modes_load(body, k / body->ports, from, &load, &slope);

@@ -16,7 +16,7 @@ typedef struct aoi_forced {
 /* From the values at the start and the nodes (AOI_STAGES + 1). */
 void aoi_forced_fit(double from, double length, const double *values, aoi_forced *forced);
 
-/* Two bodies in flight, x and v at the same time of their own (n each), and one joint of theirs. forced: NULL,
+/* Two bodies in flight, x and v at the same time of their own (n each), and one contact of theirs. forced: NULL,
  * or what contact forces of a step make of its indentation; then nothing is asked beyond that step. */
 typedef struct aoi_flight {
     const aoi_modes *body[2];
@@ -27,7 +27,7 @@ typedef struct aoi_flight {
     const aoi_forced *forced;
 } aoi_flight;
 
-/* The joint's indentation without contact force, its rate and its acceleration. */
+/* The contact's indentation without contact force, its rate and its acceleration. */
 void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double *rate,
                             double *acceleration);
 

@@ -213,7 +213,7 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, 
 static void residual_share(const aoi_modes *body, size_t port, double sign, double time, double h,
                            double *displacement, double *rate)
 {
-    for (size_t q = 0; body->residual && body->load_count > 0 && q < body->ports; q++) {
+    for (size_t q = 0; body->residual && body->load.count > 0 && q < body->ports; q++) {
         const double compliance = sign * body->residual[port * body->ports + q];
         double force, slope;
         aoi_modes_load(body, q, time, &force, &slope);
@@ -232,7 +232,7 @@ void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *bod
 {
     const size_t n = body->n;
     const double *shape = body->shape + port * n;
-    const int driven = body->gravity || body->load_count > 0;
+    const int driven = body->gravity || body->load.count > 0;
     for (size_t j = 0; j < n; j++) {
         const double omega = body->omega[j], share = sign * shape[j];
         double load = 0.0, slope = 0.0;
@@ -259,7 +259,7 @@ void aoi_response_propagate(const aoi_response *response, const aoi_modes *body,
                             const double *force, double *x, double *v)
 {
     const size_t n = body->n;
-    const int driven = body->gravity || body->load_count > 0;
+    const int driven = body->gravity || body->load.count > 0;
     for (size_t j = 0; j < n; j++) {
         const double omega = body->omega[j], v0 = v[j];
         double push = 0.0, kick = 0.0, load = 0.0, slope = 0.0;

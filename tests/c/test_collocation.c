@@ -12,33 +12,33 @@
 
 enum { MOST_WORK = 200000 };
 
-/* All joints closed, at the beginning of a step of length h from the plant's start, solved. */
+/* All contacts closed, at the beginning of a step of length h from the plant's start, solved. */
 static int solve_at_edge(plant *p, double h, size_t span, int with_rates, enum aoi_edge edge)
 {
     static double work[MOST_WORK];
-    CHECK(aoi_collocation_size(p->joints, span) <= MOST_WORK, "room");
+    CHECK(aoi_collocation_size(p->contacts, span) <= MOST_WORK, "room");
     for (size_t b = 0; b < p->bodies; b++) {
         double *block = p->work + b * 20000;
         CHECK(aoi_response_size(&p->body[b]) < 20000, "room");
         aoi_response_make(&p->response[b], &p->body[b], h, with_rates, block);
     }
-    for (size_t c = 0; c < p->joints; c++) {
-        const aoi_joint *joint = &p->joint[c];
-        double rate = 0.0, start = -joint->gap;
+    for (size_t c = 0; c < p->contacts; c++) {
+        const aoi_contact *contact = &p->contact[c];
+        double rate = 0.0, start = -contact->gap;
         aoi_stage *stage = &p->stage[c];
-        *stage = (aoi_stage){.joint = c, .piece = 0, .edge = edge};
+        *stage = (aoi_stage){.contact = c, .piece = 0, .edge = edge};
         for (int side = 0; side < 2; side++) {
             const double sign = side == 0 ? 1.0 : -1.0;
-            const size_t b = joint->body[side];
-            start += sign * displacement_of(p, b, joint->port[side], p->x);
-            rate += sign * displacement_of(p, b, joint->port[side], p->v);
+            const size_t b = contact->body[side];
+            start += sign * displacement_of(p, b, contact->port[side], p->x);
+            rate += sign * displacement_of(p, b, contact->port[side], p->v);
         }
         for (size_t i = 0; i < AOI_STAGES; i++) {
             stage->homogeneous[i] = start;
         }
         for (int side = 0; side < 2; side++) {
-            const size_t b = joint->body[side], at = p->first[b];
-            aoi_response_homogeneous(&p->response[b], &p->body[b], joint->port[side],
+            const size_t b = contact->body[side], at = p->system.first[b];
+            aoi_response_homogeneous(&p->response[b], &p->body[b], contact->port[side],
                                      side == 0 ? 1.0 : -1.0, 0.0, p->x + at, p->v + at,
                                      stage->homogeneous, stage->homogeneous_rate);
         }
@@ -51,7 +51,7 @@ static int solve_at_edge(plant *p, double h, size_t span, int with_rates, enum a
             stage->scale = fmax(stage->scale, fabs(stage->homogeneous[i]));
         }
     }
-    return aoi_collocation_solve(&p->system, p->response, h, p->joints, span, p->stage, work);
+    return aoi_collocation_solve(&p->system, p->response, h, p->contacts, span, p->stage, work);
 }
 
 static int solve(plant *p, double h, size_t span, int with_rates)
@@ -62,7 +62,7 @@ static int solve(plant *p, double h, size_t span, int with_rates)
 /* A plant with room for responses. */
 static void prepare(plant *p)
 {
-    lay_out(p);
+    CHECK(lay_out(p) == AOI_OK, "a sound system");
     p->work = malloc(MOST_BODIES * 20000 * sizeof(double));
 }
 
@@ -70,11 +70,11 @@ static void prepare(plant *p)
 static void forces_on(const plant *p, size_t b, double *force)
 {
     memset(force, 0, MOST_PORTS * AOI_STAGES * sizeof *force);
-    for (size_t c = 0; c < p->joints; c++) {
+    for (size_t c = 0; c < p->contacts; c++) {
         for (int side = 0; side < 2; side++) {
-            if (p->joint[c].body[side] == b) {
+            if (p->contact[c].body[side] == b) {
                 aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, p->stage[c].force,
-                               force + p->joint[c].port[side] * AOI_STAGES);
+                               force + p->contact[c].port[side] * AOI_STAGES);
             }
         }
     }
@@ -86,8 +86,8 @@ static void take_step(plant *p)
     for (size_t b = 0; b < p->bodies; b++) {
         double force[MOST_PORTS * AOI_STAGES];
         forces_on(p, b, force);
-        aoi_response_propagate(&p->response[b], &p->body[b], 0.0, force, p->x + p->first[b],
-                               p->v + p->first[b]);
+        aoi_response_propagate(&p->response[b], &p->body[b], 0.0, force, p->x + p->system.first[b],
+                               p->v + p->system.first[b]);
     }
 }
 
@@ -95,25 +95,25 @@ static void take_step(plant *p)
  * indentation. */
 static void check_solution(const plant *p, double h, const char *what)
 {
-    for (size_t c = 0; c < p->joints; c++) {
-        const aoi_joint *joint = &p->joint[c];
+    for (size_t c = 0; c < p->contacts; c++) {
+        const aoi_contact *contact = &p->contact[c];
         const aoi_stage *stage = &p->stage[c];
         for (size_t i = 0; i < AOI_STAGES; i++) {
             aoi_law_value value;
-            aoi_law_force(joint->law, NULL, 0, stage->indentation[i], stage->rate[i], &value);
+            aoi_law_force(contact->law, NULL, 0, stage->indentation[i], stage->rate[i], &value);
             CHECK(near(stage->force[i], value.force, 1e-13), "%s: contact %zu, node %zu: the law", what, c, i);
-            double indentation = -joint->gap, rate = 0.0;
+            double indentation = -contact->gap, rate = 0.0;
             for (int side = 0; side < 2; side++) {
-                const size_t b = joint->body[side], n = p->part[b].n;
+                const size_t b = contact->body[side], n = p->part[b].n;
                 double x[MOST_MODES], v[MOST_MODES], force[MOST_PORTS * AOI_STAGES], u, du;
-                memcpy(x, p->x + p->first[b], n * sizeof(double));
-                memcpy(v, p->v + p->first[b], n * sizeof(double));
+                memcpy(x, p->x + p->system.first[b], n * sizeof(double));
+                memcpy(v, p->v + p->system.first[b], n * sizeof(double));
                 forces_on(p, b, force);
                 aoi_modes_fly(&p->body[b], 0.0, h * aoi_radau_node[i], x, v);
                 aoi_response_push(&p->body[b], h, force, aoi_radau_node[i], x, v);
-                aoi_modes_port(&p->body[b], joint->port[side], x, v, &u, &du);
+                aoi_modes_port(&p->body[b], contact->port[side], x, v, &u, &du);
                 for (size_t q = 0; p->body[b].residual && q < p->body[b].ports; q++) {
-                    u += p->body[b].residual[joint->port[side] * p->body[b].ports + q] *
+                    u += p->body[b].residual[contact->port[side] * p->body[b].ports + q] *
                          force[q * AOI_STAGES + i];
                 }
                 indentation += side == 0 ? u : -u;
@@ -122,7 +122,7 @@ static void check_solution(const plant *p, double h, const char *what)
             CHECK(fabs(stage->indentation[i] - indentation) < 1e-13 * stage->scale,
                   "%s: contact %zu, node %zu: %.16g, not %.16g", what, c, i, stage->indentation[i],
                   indentation);
-            if (joint->law->depends_on_rate) {
+            if (contact->law->depends_on_rate) {
                 CHECK(fabs(stage->rate[i] - rate) < 1e-12, "%s: contact %zu, node %zu: rate", what, c, i);
             }
         }
@@ -175,9 +175,9 @@ static void contacts_that_share_bodies_are_solved_together(void)
         plant p = {.bodies = 0};
         make_row(&p, kind % 2 ? &viscous : &elastic, 0);
         if (kind >= 2) { /* in another order, so that those that share a body are two apart */
-            const aoi_joint kept = p.joint[1];
-            p.joint[1] = p.joint[2];
-            p.joint[2] = kept;
+            const aoi_contact kept = p.contact[1];
+            p.contact[1] = p.contact[2];
+            p.contact[2] = kept;
         }
         prepare(&p);
         CHECK(solve(&p, 2e-5, kind >= 2 ? 2 : 1, kind % 2) == AOI_OK, "solved");
@@ -366,9 +366,16 @@ static void not_force(const aoi_law *law, const double *memory, int piece, doubl
     value->force = value->stiffness = value->damping = (indentation + rate) * NAN;
 }
 
+static double no_energy(const aoi_law *law, const double *memory, double indentation)
+{
+    (void)law;
+    (void)memory;
+    return 0.0 * indentation;
+}
+
 static void no_number_is_no_solution(void)
 {
-    const aoi_law law = {.force = not_force, .limit = HUGE_VAL};
+    const aoi_law law = {.force = not_force, .potential = no_energy, .limit = HUGE_VAL};
     plant p = {.bodies = 0};
     add_rigid(&p, 1.0, 1.0);
     add_wall(&p);

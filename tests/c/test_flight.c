@@ -13,7 +13,7 @@ static aoi_flight pair_of(plant *p, double gap)
 {
     lay_out(p);
     return (aoi_flight){{&p->body[0], &p->body[1]}, {0, 0}, gap,
-                        {p->x, p->x + p->first[1]}, {p->v, p->v + p->first[1]}, 0.0, NULL};
+                        {p->x, p->x + p->system.first[1]}, {p->v, p->v + p->system.first[1]}, 0.0, NULL};
 }
 
 static int next_touch(aoi_flight *pair, double limit)

@@ -33,7 +33,7 @@ static void loads_run_straight_and_bend_where_they_say(void)
               "t %g: f = m a", at[i]);
         CHECK(aoi_modes_next_bend(p.body, at[i]) == bend[i], "t %g: it bends next at %g", at[i], bend[i]);
     }
-    p.body[0].load_count = 0;
+    p.body[0].load.count = 0;
     double f = 1.0, s = 1.0;
     aoi_modes_load(p.body, 0, 1.5, &f, &s);
     CHECK(f == 0.0 && s == 0.0 && aoi_modes_next_bend(p.body, 0.0) == HUGE_VAL, "no load");

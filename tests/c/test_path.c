@@ -7,7 +7,6 @@
 #include "motion/modes.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "track/sampler.h"
 
 /* One mode under a force on its port. */
 static part *add_mode(plant *p, double omega, double decay)
@@ -133,7 +132,7 @@ static void losses_grow_and_the_balance_closes(void)
             must_go(&p, rtol, end);
             CHECK(open_sampler(&p) == AOI_OK, "sampled");
             for (int i = 0; i <= 300; i++) {
-                aoi_sampler_column(&p.sampler, end * i / 300.0, 1, record, 1);
+                aoi_sampler_column(p.sampler, end * i / 300.0, 1, record, 1);
                 const double *of = record + AOI_CONTACT_ROWS + AOI_BODY_ROWS + AOI_PORT_ROWS;
                 const double *ball = record + AOI_CONTACT_ROWS;
                 const double all = record[2] + record[3] + ball[AOI_BODY_KINETIC] + of[AOI_BODY_KINETIC] +

@@ -1,7 +1,7 @@
 /* Dense output: the record at any time of a track, from the rows that hold it. Between the start of a row
  * and the time asked for, the bodies are taken on exactly as the run itself took them. */
-#include "track/sampler.h"
 #include "linear/vector.h"
+#include "linear/work.h"
 #include "law/law.h"
 #include "model/system.h"
 #include "motion/energy.h"
@@ -16,6 +16,23 @@
 #include <math.h>
 #include <string.h>
 
+struct aoi_sampler {
+    const aoi_system *system;
+    const double *track; /* size */
+    const size_t *index; /* rows */
+    size_t size, rows;
+    size_t *body_row, *body_at;       /* body_count each: the row that holds it, and where */
+    size_t *contact_row, *contact_at; /* contact_count each                                  */
+
+    size_t row, most_modes;
+    int has_edge; /* a contact of the row was solved with an edge      */
+    double part;  /* of the row up to where port_force goes: else 1    */
+    double *port_force, *states;
+    double *ports; /* of all ports: forces, rates of these, displacements */
+    double *settled; /* work on each contact up to the end of its last row; NaN: not yet asked for */
+    double *flown, *booked; /* bodies in flight as they were at the last bend of their loads */
+};
+
 /* A body in flight as it was when a load last bent: time, work and losses since its row; then x, v. */
 enum { BEND_TIME, BEND_WORK, BEND_LOST, BEND_STATE };
 
@@ -25,16 +42,30 @@ static size_t bends_size(const aoi_system *system)
     return BEND_STATE * system->body_count + 2 * system->first[system->body_count];
 }
 
-size_t aoi_sampler_size(const aoi_system *system)
+/* Deals out memory behind the sampler itself, which is only counted where block is NULL. */
+static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *block)
 {
-    return system->first_port[system->body_count] * (AOI_STAGES + 3) +
-           6 * aoi_system_most_modes(system) + system->joint_count + 2 * bends_size(system);
+    const size_t bodies = system->body_count, contacts = system->contact_count;
+    const size_t ports = system->first_port[bodies];
+    aoi_memory memory = {block, 0};
+    (void)aoi_memory_take(&memory, 1, sizeof *sampler);
+    sampler->body_row = aoi_memory_numbers(&memory, bodies);
+    sampler->body_at = aoi_memory_numbers(&memory, bodies);
+    sampler->contact_row = aoi_memory_numbers(&memory, contacts);
+    sampler->contact_at = aoi_memory_numbers(&memory, contacts);
+    sampler->port_force = aoi_memory_doubles(&memory, ports * AOI_STAGES);
+    sampler->ports = aoi_memory_doubles(&memory, 3 * ports);
+    sampler->states = aoi_memory_doubles(&memory, 6 * sampler->most_modes);
+    sampler->settled = aoi_memory_doubles(&memory, contacts);
+    sampler->flown = aoi_memory_doubles(&memory, bends_size(system));
+    sampler->booked = aoi_memory_doubles(&memory, bends_size(system));
+    return memory.used;
 }
 
-size_t aoi_sampler_rows(const aoi_system *system)
+size_t aoi_sampler_size(const aoi_system *system)
 {
-    return AOI_CONTACT_ROWS * system->joint_count + AOI_BODY_ROWS * system->body_count +
-           AOI_PORT_ROWS * system->first_port[system->body_count];
+    aoi_sampler counted = {.most_modes = aoi_system_most_modes(system)};
+    return lay_out(&counted, system, NULL);
 }
 
 static const double *row_of(const aoi_sampler *sampler, size_t row)
@@ -57,7 +88,7 @@ static void force_on_part(const aoi_sampler *sampler, size_t c, double place, do
     const double *of = sampler->track + sampler->contact_at[c], *whole = of + AOI_TRACK_FORCE;
     const double h = row_of(sampler, sampler->contact_row[c])[AOI_TRACK_LENGTH];
     if (place < 1.0 && of[AOI_TRACK_EDGE] != AOI_EDGE_NONE) {
-        aoi_collocation_on_part((enum aoi_edge)of[AOI_TRACK_EDGE], sampler->system->joint[c].law,
+        aoi_collocation_on_part((enum aoi_edge)of[AOI_TRACK_EDGE], sampler->system->contact[c].law,
                                 of + AOI_TRACK_MEMORY, (int)of[AOI_TRACK_PIECE], h,
                                 of + AOI_TRACK_INDENTATION, place, force);
         return;
@@ -79,15 +110,15 @@ static void gather(aoi_sampler *sampler, double part)
     for (size_t k = 0; k < ports * AOI_STAGES; k++) {
         sampler->port_force[k] = 0.0;
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
             continue;
         }
         double force[AOI_STAGES];
         force_on_part(sampler, c, part, force);
         for (int side = 0; side < 2; side++) {
-            const size_t port = system->first_port[system->joint[c].body[side]] +
-                                system->joint[c].port[side];
+            const size_t port = system->first_port[system->contact[c].body[side]] +
+                                system->contact[c].port[side];
             aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, force,
                            sampler->port_force + port * AOI_STAGES);
         }
@@ -138,12 +169,12 @@ static int number_below(double value, size_t limit, size_t *number)
 /* Whether a contact of a row can be read. */
 static int contact_is_sound(const aoi_system *system, const double *of)
 {
-    size_t joint, edge, piece;
-    if (!number_below(of[AOI_TRACK_JOINT], system->joint_count, &joint) ||
+    size_t c, edge, piece;
+    if (!number_below(of[AOI_TRACK_CONTACT], system->contact_count, &c) ||
         !number_below(of[AOI_TRACK_EDGE], AOI_EDGE_NONE + 1, &edge)) {
         return 0;
     }
-    const aoi_law *law = system->joint[joint].law;
+    const aoi_law *law = system->contact[c].law;
     if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* no law is asked: no edge of its force */
         return edge == AOI_EDGE_NONE;
     }
@@ -164,7 +195,7 @@ static size_t end_of_row(const aoi_sampler *sampler, size_t at)
         return 0;
     }
     if (!number_below(row[AOI_TRACK_BODIES], system->body_count + 1, &bodies) ||
-        !number_below(row[AOI_TRACK_CONTACTS], system->joint_count + 1, &contacts) ||
+        !number_below(row[AOI_TRACK_CONTACTS], system->contact_count + 1, &contacts) ||
         (contacts > 0 && !(row[AOI_TRACK_LENGTH] > 0.0))) {
         return 0;
     }
@@ -201,23 +232,24 @@ static int track_is_sound(const aoi_sampler *sampler)
     return sampler->rows > 0 && end == sampler->size;
 }
 
-int aoi_sampler_start(aoi_sampler *sampler)
+int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track)
 {
-    const aoi_system *system = sampler->system;
-    if (aoi_system_check(system) != AOI_OK || !track_is_sound(sampler)) {
+    if (!system->first) {
         return AOI_ERROR_ARGUMENT;
     }
-    sampler->most_modes = aoi_system_most_modes(system);
-    sampler->port_force = sampler->work;
-    sampler->states =
-        sampler->work + system->first_port[system->body_count] * (AOI_STAGES + 3);
-    sampler->settled = sampler->states + 6 * sampler->most_modes;
-    sampler->flown = sampler->settled + system->joint_count;
-    sampler->booked = sampler->flown + bends_size(system);
+    *sampler = (aoi_sampler){.system = system, .most_modes = aoi_system_most_modes(system)};
+    sampler->track = track->values;
+    sampler->index = track->row;
+    sampler->size = track->used;
+    sampler->rows = track->rows;
+    if (!track_is_sound(sampler)) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    (void)lay_out(sampler, system, sampler);
     for (size_t b = 0; b < system->body_count; b++) {
         sampler->body_row[b] = sampler->rows;
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         sampler->contact_row[c] = sampler->rows;
         sampler->contact_at[c] = 0;
     }
@@ -344,7 +376,7 @@ static double force_at(const double *of, double place)
 static double closed_contact(const aoi_sampler *sampler, size_t c, double place, int energies,
                              double *record, size_t stride, double *force_rate)
 {
-    const aoi_law *law = sampler->system->joint[c].law;
+    const aoi_law *law = sampler->system->contact[c].law;
     const double *of = sampler->track + sampler->contact_at[c];
     const double length = row_of(sampler, sampler->row)[AOI_TRACK_LENGTH];
     const int piece = (int)of[AOI_TRACK_PIECE];
@@ -377,15 +409,15 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
 /* The indentation by the places of the ports. */
 static double between(const aoi_system *system, size_t c, const double *port_displacement)
 {
-    const aoi_joint *joint = &system->joint[c];
-    return port_displacement[system->first_port[joint->body[0]] + joint->port[0]] -
-           port_displacement[system->first_port[joint->body[1]] + joint->port[1]] - joint->gap;
+    const aoi_contact *contact = &system->contact[c];
+    return port_displacement[system->first_port[contact->body[0]] + contact->port[0]] -
+           port_displacement[system->first_port[contact->body[1]] + contact->port[1]] - contact->gap;
 }
 
 /* What an open contact has lost, at its end too; computed once after each row of it. */
 static double lost_in(aoi_sampler *sampler, size_t c)
 {
-    if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->joint[c].law)) {
+    if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->contact[c].law)) {
         return 0.0;
     }
     if (isnan(sampler->settled[c])) {
@@ -473,7 +505,7 @@ static void closed_contacts(aoi_sampler *sampler, double time, int energies, dou
             aoi_modes_load(&system->body[b], q, time, &force[port], &rate[port]);
         }
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
             continue;
         }
@@ -481,8 +513,8 @@ static void closed_contacts(aoi_sampler *sampler, double time, int energies, dou
         const double pressed = closed_contact(sampler, c, place, energies,
                                               record + AOI_CONTACT_ROWS * c * stride, stride, &change);
         for (int side = 0; side < 2; side++) {
-            const aoi_joint *joint = &system->joint[c];
-            const size_t port = system->first_port[joint->body[side]] + joint->port[side];
+            const aoi_contact *contact = &system->contact[c];
+            const size_t port = system->first_port[contact->body[side]] + contact->port[side];
             force[port] += side == 0 ? -pressed : pressed;
             rate[port] += side == 0 ? -change : change;
         }
@@ -494,18 +526,18 @@ void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double 
 {
     const aoi_system *system = sampler->system;
     const size_t ports = system->first_port[system->body_count];
-    double *force = sampler->work + ports * AOI_STAGES, *rate = force + ports;
+    double *force = sampler->ports, *rate = force + ports;
     double *displacement = rate + ports;
     advance(sampler, time);
     closed_contacts(sampler, time, energies, record, stride, force, rate);
-    double *of_body = record + AOI_CONTACT_ROWS * system->joint_count * stride;
+    double *of_body = record + AOI_CONTACT_ROWS * system->contact_count * stride;
     for (size_t b = 0; b < system->body_count; b++) {
         const size_t port = system->first_port[b];
         write_body(sampler, time, b, energies, force + port, rate + port, of_body, stride,
                    displacement + port);
         of_body += (AOI_BODY_ROWS + AOI_PORT_ROWS * system->body[b].ports) * stride;
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
             open_contact(sampler, c, displacement, energies, record + AOI_CONTACT_ROWS * c * stride,
                          stride);
@@ -517,7 +549,7 @@ void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t
 {
     advance(sampler, time);
     const double place = place_of(sampler, time);
-    for (size_t c = 0; c < sampler->system->joint_count; c++) {
+    for (size_t c = 0; c < sampler->system->contact_count; c++) {
         double record[2], rate;
         const int closed = sampler->contact_row[c] == sampler->row;
         force[c * stride] = closed ? closed_contact(sampler, c, place, 0, record, 1, &rate) : 0.0;
