@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..accuracy import TimeSolver, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
@@ -158,10 +158,24 @@ def plan_impact(
     return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
 
 
+class ImpactNumbers(NamedTuple):
+    """Velocity, m/s, duration, s, and gap, m, of an impact."""
+
+    velocity: float
+    duration: float
+    gap: float
+
+
 def checked_numbers(
     law: Any, velocity: Any, duration: Any, gap: Any, energies: Any
-) -> tuple[float, float, float]:
-    """Velocity, duration and gap."""
+) -> ImpactNumbers:
+    """Check what `simulate` is given beside its bodies.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    """
     speed = checked_speed("velocity", velocity)
     if speed == 0.0:
         raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
@@ -170,4 +184,4 @@ def checked_numbers(
     boolean("energies", energies)
     if not isinstance(law, ContactLaw):
         raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-    return speed, length, distance
+    return ImpactNumbers(speed, length, distance)

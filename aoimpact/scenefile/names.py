@@ -13,17 +13,17 @@ from ..mesh import KINDS
 from .schema import (
     Anything,
     Choice,
-    Chosen,
     Either,
+    Entries,
     Field,
     Flag,
     Integer,
     Kind,
     Listed,
-    Named,
     Number,
     Reference,
     Table,
+    Tagged,
     Text,
     Tree,
     Variants,
@@ -115,7 +115,7 @@ _LINEAR_SOLVER = optional(Choice(LINEAR_SOLVERS))
 # What a model is fitted to.
 _FITTED = {"contact_time": optional(Number("s")), "duration": optional(Number("s"))}
 
-_MODEL = Chosen(
+_MODEL = Tagged(
     "type",
     {
         "antioscillators": Table(
@@ -203,9 +203,9 @@ def _law(cls: Any) -> Kind:
 
 _CURVE = Table({"indentation": needed(Listed(Number("m"))), "force": needed(Listed(Number("N")))})
 
-_LAW = Chosen("type", {name: _law(cls) for name, cls in LAWS.items()})
+_LAW = Tagged("type", {name: _law(cls) for name, cls in LAWS.items()})
 
-_SOLVER = Chosen("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
+_SOLVER = Tagged("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
 
 # How a run is made, and what it reports.
 _RUN = {
@@ -304,8 +304,8 @@ _SWEEP = Table(
 
 _SHARED = {
     "title": optional(Text()),
-    "materials": optional(Named(_MATERIAL)),
-    "bodies": needed(Named(_BODY)),
+    "materials": optional(Entries(_MATERIAL)),
+    "bodies": needed(Entries(_BODY)),
     "sweep": optional(_SWEEP),
 }
 

@@ -15,17 +15,17 @@ from .toml_lines import Place
 __all__ = [
     "Anything",
     "Choice",
-    "Chosen",
     "Either",
+    "Entries",
     "Field",
     "Flag",
     "Integer",
     "Listed",
-    "Named",
     "Number",
     "Problem",
     "Reference",
     "Table",
+    "Tagged",
     "Text",
     "Tree",
     "Variants",
@@ -277,7 +277,7 @@ class Variants(_OfTable):
 
 
 @dataclass(frozen=True)
-class Chosen(_OfTable):
+class Tagged(_OfTable):
     """A table of one of several sorts, told apart by the word under one key."""
 
     key: str
@@ -295,7 +295,7 @@ class Chosen(_OfTable):
 
 
 @dataclass(frozen=True)
-class Named(_OfTable):
+class Entries(_OfTable):
     """Entries under names of the user's choice."""
 
     of: Kind
