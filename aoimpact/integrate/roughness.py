@@ -7,6 +7,7 @@ import numpy as np
 from ..base import ConvergenceError
 from ..laws import ContactLaw, UserLaw
 from ..scene import Joint, Plan
+from .tolerances import ROUGHEST
 
 __all__ = ["refuse_rough", "scatter"]
 
@@ -21,9 +22,6 @@ _PLACES = ((0.03, 0.9), (0.1, -0.7), (0.2, 0.5), (0.4, -0.3), (0.6, 0.1))
 # The indentation to look at where rigid bodies do not tell, m.
 _SOME = 1e-6
 
-# Laws rougher than this make a run endless under any tolerance.
-_ROUGHEST = 1e-5
-
 
 def refuse_rough(plan: Plan, rtol: float) -> None:
     """Check that the user's laws of a scene are smooth enough for a tolerance.
@@ -36,11 +34,11 @@ def refuse_rough(plan: Plan, rtol: float) -> None:
     for number, joint in enumerate(plan.joints):
         if isinstance(joint.law, UserLaw):
             share = scatter(joint.law, _depth(plan, joint), plan.fastest)
-            if share > min(rtol, _ROUGHEST):
+            if share > min(rtol, ROUGHEST):
                 raise ConvergenceError(
                     f"contact {number}: the user's law is not smooth to the tolerance "
                     f"rtol={rtol:g}: at neighbouring indentations its force scatters by "
-                    f"{share:.1g} of itself; compute it more exactly (to {_ROUGHEST:g} at least), "
+                    f"{share:.1g} of itself; compute it more exactly (to {ROUGHEST:g} at least), "
                     "smooth it, take a larger rtol, or Newmark(dt=...)"
                 )
 

@@ -118,11 +118,10 @@ def _reference_place(
 def _inside(element: ReferenceElement, place: FloatArray) -> FloatArray:
     """The place in the reference element that is nearest, or nearly so."""
     inside = np.clip(place, 0.0, 1.0)
-    # Tetrahedra and wedges are cut off where the sum of all, or of the first two, reaches 1.
-    cut = {4: 3, 6: 2}.get(element.n_corners, 0)
-    total = float(inside[:cut].sum())
+    summed = element.cell.summed
+    total = float(inside[:summed].sum())
     if total > 1.0:
-        inside[:cut] /= total
+        inside[:summed] /= total
     return inside
 
 

@@ -52,7 +52,7 @@ class Mesh(Frozen):
     cells : array_like of int, shape (n_cells, nodes per cell)
         Node numbers in meshio's (VTK's) order.
     kind : str
-        meshio's name of the element: tetra, tetra10, hexahedron, hexahedron20, hexahedron27, wedge.
+        meshio's name of the element, one of `KINDS`: "tetra", "hexahedron20", …
     node_sets : mapping of str to array of int, optional
         Named sets of nodes, e.g. for supports.
 
@@ -291,7 +291,7 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, element: ReferenceE
     if element.n_nodes == n:
         return cells
     sample = cells[np.linspace(0, len(cells) - 1, min(len(cells), 2000)).astype(int)]
-    between = reference_element({4: "tetra", 8: "hexahedron"}[n]).shape(element.nodes[n:])
+    between = element.linear.shape(element.nodes[n:])
     corners = nodes[sample[:, :n]]
     expected = between @ corners
     size = np.ptp(corners, axis=1).max(axis=1)

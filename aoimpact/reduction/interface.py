@@ -97,6 +97,24 @@ class InterfaceModel(Frozen):
         return self.tips[0].body
 
     @property
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """The ports."""
+        return self.tips
+
+    def deflection(self, s: float, port: int = 0) -> FloatArray:
+        """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
+
+        Parameters
+        ----------
+        s : float
+            rad/s, positive.
+        port : int, optional
+            Where the force acts.
+        """
+        shape: FloatArray = self.modes @ (self.participation[port] / (self.omega**2 + s**2))
+        return shape
+
+    @property
     def n(self) -> int:
         """Number of modes, rigid ones included."""
         return len(self.omega)

@@ -22,7 +22,7 @@ from ..base import (
     nonnegative,
     positive,
 )
-from ..fem import Damping, Patch, damping_or_none
+from ..fem import ContactPoint, Damping, Patch, damping_or_none
 from .origin import Origin
 
 __all__ = ["AOModel", "rigid"]
@@ -231,6 +231,30 @@ class AOModel(Frozen):
         along = finite_array("functional", functional, shape=(dofs,))
         of_static, of_oscillators = self.origin.seen_by(along)
         return np.concatenate([[of_static - of_oscillators.sum()], of_oscillators])
+
+    @property
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """The contact point on the body that the model was made from; none if given by numbers."""
+        return () if self.origin is None else (self.origin.tip,)
+
+    @property
+    def contact_time(self) -> float | None:
+        """The contact's duration that the model was fitted to, s; None where it fits any."""
+        return None if self.origin is None else self.origin.contact_time
+
+    def deflection(self, s: float, port: int = 0) -> FloatArray:
+        """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
+
+        Parameters
+        ----------
+        s : float
+            rad/s, positive.
+        port : int, optional
+            0: there is one contact point.
+        """
+        follow = self.k / (self.k + s**2 * self.m)
+        force = self.k0 + s**2 * self.m0 + float(self.k @ (1.0 - follow))
+        return self.expand(np.concatenate([[1.0], follow]) / force)
 
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return displacement over force at the contact coordinate.

@@ -6,10 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from ..base import FloatArray
-from ..fem import ContactPoint
 from .interface import InterfaceModel
 from .krylov import SHIFT_TIMES_DURATION
 from .star import AOModel
@@ -66,31 +62,16 @@ def unbalanced(model: AOModel | InterfaceModel, s: float, port: int = 0) -> floa
 
     √(rᵀD⁻¹r / bᵀX) of the residual r = b - (K + s²M) X, D the diagonal of K + s²M.
     """
-    tip, x = _answer(model, s, port)
-    body = tip.body
+    point, x = model.contact_points[port], model.deflection(s, port)
+    body = point.body
     K, M, rigid = body.K, body.M, body.rigid_modes
-    left = tip.b - K @ x - s**2 * (M @ x)
+    left = point.b - K @ x - s**2 * (M @ x)
     left -= M @ (rigid @ (rigid.T @ left))
     stiffness = K.diagonal() + s**2 * M.diagonal()
-    return math.sqrt(float(left @ (left / stiffness)) / float(tip.b @ x))
-
-
-def _answer(
-    model: AOModel | InterfaceModel, s: float, port: int
-) -> tuple[ContactPoint, FloatArray]:
-    """The place and the model's displacement of the body under a unit force there, at i s."""
-    if isinstance(model, InterfaceModel):
-        return model.tips[port], model.modes @ (model.participation[port] / (model.omega**2 + s**2))
-    assert model.origin is not None
-    follow = model.k / (model.k + s**2 * model.m)
-    force = model.k0 + s**2 * model.m0 + float(model.k @ (1.0 - follow))
-    return model.origin.tip, model.expand(np.concatenate([[1.0], follow]) / force)
+    return math.sqrt(float(left @ (left / stiffness)) / float(point.b @ x))
 
 
 def fitted_time(model: Any) -> float | None:
     """Return the contact time that a model was fitted to, s; None of one that fits any."""
-    if isinstance(model, InterfaceModel):
-        return model.contact_time
-    if isinstance(model, AOModel) and model.origin is not None:
-        return model.origin.contact_time
-    return None
+    time: float | None = getattr(model, "contact_time", None)
+    return time

@@ -19,7 +19,7 @@ from ..laws import ContactLaw, Hertz, Thornton
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
 from ..reduction import AOModel, antioscillators, interface, modal, rigid
 from ..results import Handle
-from .names import BY_RESTITUTION, LAWS, SOLVERS
+from .names import LAWS, SOLVERS
 
 __all__ = ["Builder", "Kept", "member_name"]
 
@@ -277,9 +277,8 @@ def _made(classes: Mapping[str, Any], table: Mapping[str, Any]) -> Any:
     """An object of the class that the table names, of the table's other values."""
     cls = classes[table["type"]]
     given = {key: value for key, value in table.items() if key != "type"}
-    return (cls.from_restitution if cls in BY_RESTITUTION and "restitution" in given else cls)(
-        **given
-    )
+    by_restitution = "restitution" in given and hasattr(cls, "from_restitution")
+    return (cls.from_restitution if by_restitution else cls)(**given)
 
 
 def _support_nodes(entry: Mapping[str, Any], mesh: Mesh) -> Any:

@@ -31,33 +31,10 @@ from .schema import (
     optional,
 )
 
-__all__ = ["BY_RESTITUTION", "LAWS", "SCENE_FILE", "SOLVERS"]
+__all__ = ["LAWS", "SCENE_FILE", "SOLVERS"]
 
-# Laws of the power 3/2, whose k may be that of Hertz's theory.
-_HERTZIAN = (
-    laws.Hertz,
-    laws.HuntCrossley,
-    laws.LankaraniNikravesh,
-    laws.Flores,
-    laws.Gonthier,
-    laws.HerbertMcWhannell,
-    laws.LeeWang,
-    laws.Tsuji,
-    laws.KuwabaraKono,
-    laws.Thornton,
-)
-_OTHERS = (laws.PowerLaw, laws.Linear, laws.KelvinVoigt, laws.Tabulated)
-
-# By the name that a file gives, the class that it stands for.
-LAWS = {law.__name__: law for law in (*_HERTZIAN, *_OTHERS)}
-
-# Laws that may be given by their restitution, and the parameter that it stands for.
-BY_RESTITUTION = {
-    laws.HuntCrossley: "damping",
-    laws.Tsuji: "alpha",
-    laws.KuwabaraKono: "A",
-    laws.KelvinVoigt: "c",
-}
+# By the name that a file gives, the class that it stands for; a file has no functions.
+LAWS = {name: law for name, law in laws.LAWS.items() if law is not laws.UserLaw}
 
 SOLVERS = {solver.__name__: solver for solver in (Adaptive, Newmark)}
 
@@ -175,7 +152,7 @@ def _parameters(cls: Any) -> Table:
     """The parameters of a frozen object of numbers, words and flags, by its own fields."""
     kinds: dict[str, Kind] = {"bool": Flag(), "str": Text()}
     names = {entry.name: kinds.get(str(entry.type), Number()) for entry in fields(cls)}
-    if cls in _HERTZIAN:
+    if issubclass(cls, laws.HertzianLaw):  # its k may be that of Hertz's theory
         names["k"] = Either((Number(), _SURFACES))
     left_out = {entry.name for entry in fields(cls) if entry.default is not MISSING}
     return Table({name: Field(kind, name not in left_out) for name, kind in names.items()})
@@ -186,15 +163,14 @@ def _law(cls: Any) -> Kind:
     if cls is laws.Tabulated:
         return _CURVE
     own = _parameters(cls)
-    if cls in BY_RESTITUTION:
-        names = inspect.signature(cls.from_restitution).parameters.values()
+    if hasattr(cls, "from_restitution"):
+        names = inspect.signature(cls.from_restitution).parameters
         given = {
-            entry.name: own.fields.get(
-                entry.name, Field(Number(), entry.default is inspect.Parameter.empty)
-            )
-            for entry in names
+            name: own.fields.get(name, Field(Number(), entry.default is inspect.Parameter.empty))
+            for name, entry in names.items()
         }
-        return Variants({BY_RESTITUTION[cls]: own, "restitution": Table(given)})
+        follows = next(name for name in own.fields if name not in names)
+        return Variants({follows: own, "restitution": Table(given)})
     if cls is laws.Thornton:
         yielding = {"k": needed(_SURFACES), "yield_pressure": needed(Number("Pa"))}
         return Variants({"yield_force": own, "yield_pressure": Table(yielding)})
