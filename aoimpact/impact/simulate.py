@@ -90,7 +90,9 @@ def simulate(
         If the record ends in contact, the step is too large for any digit to be right, a body's
         centre of mass is not known, or its model was fitted to another contact time.
     """
-    checked_numbers(law, velocity, duration, gap, energies)
+    options = RunOptions(quantity, rtol, solver, energies, linear_solver)
+    if options.chooses:  # before any model is made
+        checked_numbers(law, velocity, duration, gap, energies)
 
     def plan_of(models: Sequence[Any], energies: bool) -> Plan:
         first, second = models
@@ -101,7 +103,7 @@ def simulate(
     result = run_models(
         plan_of,
         (projectile, target),
-        RunOptions(quantity, rtol, solver, energies, linear_solver),
+        options,
         names=_NAMES,
         interest=partial(impact_quantity, quantity, projectile, target),
         view=_result,
