@@ -152,7 +152,7 @@ def test_under_the_sphere_the_correction_gains_a_factor() -> None:
 
 
 def test_a_free_body_struck_off_its_centre_flies_turns_and_bends_as_the_full_one() -> None:
-    # The projectile is the bar: its star knows neither its turning before nor all of its flight.
+    # The projectile is the bar: its AO model contains neither its turning nor all its free motion.
     tip = cantilever(fixed=())
     law, wall = ao.Hertz(k=5e8), ao.AOModel(m0=0.2, k0=1e6)
     runs = [
