@@ -360,11 +360,11 @@ AOI_API size_t aoi_adaptive_room(const aoi_system *system);
 /* The same to its end: AOI_ERROR_TOO_LONG where the track has no room for it. */
 AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
 
-/* Where a run is: the time, steps made and tried in vain; the modes of all bodies and their rates, at that time
- * once it is the end. */
+/* Where a run is: the time, steps made and tried in vain; in which contact an error came up; the modes of all
+ * bodies and their rates, at that time once it is the end. */
 typedef struct aoi_progress {
     double time;
-    size_t steps, rejected;
+    size_t steps, rejected, failed;
     const double *x, *v;
 } aoi_progress;
 AOI_API aoi_progress aoi_adaptive_progress(const aoi_adaptive *run);

@@ -225,7 +225,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
 
 aoi_progress aoi_adaptive_progress(const aoi_adaptive *run)
 {
-    return (aoi_progress){run->time, run->steps, run->rejected, run->x, run->v};
+    return (aoi_progress){run->time, run->steps, run->rejected, run->failed, run->x, run->v};
 }
 
 aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
@@ -269,7 +269,7 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
     if (status == AOI_ERROR_NO_CONVERGENCE && pair.time > now) {
         return AOI_OK; /* so far at least */
     }
-    run->culprit = status != AOI_OK ? c : run->culprit;
+    run->failed = status != AOI_OK ? c : run->failed;
     return status;
 }
 
@@ -440,7 +440,7 @@ static int law_fails(aoi_adaptive *run)
     for (size_t c = 0; c < run->system->contact_count; c++) {
         const aoi_law *law = run->system->contact[c].law;
         if (law->note && !isnan(law->note[0])) {
-            run->culprit = c;
+            run->failed = c;
             return 1;
         }
     }

@@ -81,7 +81,7 @@ struct aoi_adaptive {
     int unbalanced;         /* something has happened to a contact since the last step */
     double *flight[2], *scratch, *port_force, *collocation;
     size_t steps, rejected, uses;
-    size_t culprit; /* contact in which an error came up */
+    size_t failed; /* contact in which an error came up */
 };
 
 /* Steps are base 2^(-level/8) long. */

@@ -157,7 +157,7 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
     const double largest = deepest(law, entry);
     const int end = AOI_NODES - 1;
     if (largest > law->limit || !stands(law, entry)) {
-        run->culprit = entry->contact;
+        run->failed = entry->contact;
         return AOI_ERROR_PATCH;
     }
     if (entry->piece != AOI_SLACK) {

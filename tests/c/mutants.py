@@ -302,7 +302,7 @@ MUTANTS = [
     ),
     ("adaptive/run.c", "!isfinite(to[j])", "0"),
     ("adaptive/run.c", "    start_ledger(run);\n", ""),
-    ("adaptive/run.c", "run->culprit = c;\n            return 1;", "return 1;"),
+    ("adaptive/run.c", "run->failed = c;\n            return 1;", "return 1;"),
     ("adaptive/step.c", " && one->push == other->push", ""),
     ("adaptive/step.c", "    run->force_scale = force_scale_of(run);\n", ""),
     ("adaptive/step.c", "shared = run->closed_count > 1 &&", "shared = 0 &&"),

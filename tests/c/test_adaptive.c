@@ -1144,7 +1144,7 @@ static void a_law_that_fails_is_named(void)
     join_rigid(&p, 0, 1, 0.0, &sound);
     join_rigid(&p, 2, 1, 0.0, &law);
     CHECK(go(&p, 1e-8, 1.0) == AOI_ERROR_LAW, "the law's failure");
-    CHECK(p.run->culprit == 1 && near(note[0], 5e-5, 1e-5), "which, and where: %g m", note[0]);
+    CHECK(aoi_adaptive_progress(p.run).failed == 1 && near(note[0], 5e-5, 1e-5), "which, and where: %g m", note[0]);
     release(&p);
 }
 
