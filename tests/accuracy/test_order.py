@@ -1,4 +1,4 @@
-"""The search for the least orders, on bodies whose answers are known functions of the order."""
+"""The least orders, for a quantity that is a known function of the orders."""
 
 import re
 from types import SimpleNamespace
