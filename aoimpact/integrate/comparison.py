@@ -1,7 +1,7 @@
-"""How far two adaptive runs of one scene are apart in what a tolerance promises.
+"""Comparison of two adaptive runs of one scene: their difference in what a tolerance bounds.
 
-A touch that is a hundredth of the largest of its contact, or less, is none: whether bodies that go
-on side by side graze each other is rounding, and what matters of a touch is its impulse.
+A touch with a hundredth of the impulse of the largest one of its contact, or less, does not count:
+whether bodies that move on side by side graze each other is rounding.
 """
 
 from __future__ import annotations

@@ -55,7 +55,7 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> flo
 
 
 def _weights(sizes: FloatArray) -> FloatArray:
-    """What errors relative to these sizes count: all, of the least ones less."""
+    """Weights of errors relative to these sizes: one, and less of the smallest."""
     weights: FloatArray = np.minimum(1.0, sizes / (LESSER * max(sizes.max(), np.finfo(float).tiny)))
     return weights
 
@@ -92,7 +92,7 @@ def _touch_error(plan: Plan, record: Record, joint: int) -> float:
 
     A step knows of a touch only at its end. Up to one step of the jump is then missing: as momentum
     of the touch, and, where the jump is the peak, as what the force has lost since. Two runs may
-    miss the same, so their difference does not tell.
+    miss the same, so their difference does not show it.
     """
     law = plan.joints[joint].law
     force, indentation = plan.layout.contact(record.rows, joint)[:2]

@@ -1,4 +1,4 @@
-"""A scene to a tolerance, read where and when it is asked for."""
+"""A scene to a tolerance: one run, and tighter ones where errors grow from touch to touch."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .adaptive import Adaptive
 from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
 from .roughness import refuse_rough
-from .tolerances import FLOOR, GAIN, NO_DIGIT, PATIENCE, ROUNDING, SCATTER
+from .tolerances import FLOOR, GAIN, LINEAR, PATIENCE, ROUNDING, SCATTER
 
 __all__ = ["solve_adaptive"]
 
@@ -22,8 +22,8 @@ __all__ = ["solve_adaptive"]
 def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | None]:
     """Run a scene to a tolerance; return the run and its relative error, if known.
 
-    From the second touch of a contact on, errors grow with each; then tighter runs tell how far,
-    until one is as exact as asked.
+    From the second touch of a contact on, errors grow with each. Then tighter runs follow until one
+    is as exact as asked.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def _confirmed(
 
 def _estimate(apart: float, share: float) -> float:
     """Error of a run that differs by `apart` from one whose tolerance it has a `share` of."""
-    return 1.0 if apart > NO_DIGIT else apart * min(1.0, SCATTER * share)
+    return 1.0 if apart > LINEAR else apart * min(1.0, SCATTER * share)
 
 
 def _warn_of_error(
