@@ -1,4 +1,4 @@
-"""Models no larger than the answer asked for needs: its true error is what was allowed."""
+"""Models no larger than a quantity of interest needs: its true error is within rtol."""
 
 import copy
 import functools
