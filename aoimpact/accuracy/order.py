@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic
+from typing import Any, Generic, NamedTuple
 
 import numpy as np
 
@@ -129,18 +129,25 @@ def least_orders(
     return search.least()
 
 
+class TimeScales(NamedTuple):
+    """What models are fitted to, s: the contact's duration, and how long motion must be right."""
+
+    contact_time: float
+    span: float
+
+
 def first_guess(
     bodies: Sequence[Any], run: Callable[[Models], R], quantity: Quantity
-) -> tuple[float, float]:
-    """Estimate the contact time, and how long motion must be right, both in s, by rigid bodies."""
+) -> TimeScales:
+    """Estimate the time scales of a scene by rigid bodies."""
     tips = [tip for body in bodies for tip in (body if isinstance(body, tuple) else (body,))]
     own = [own_contact_time(tip) for tip in tips if isinstance(tip, ContactPoint)]
     otherwise = min((time for time in own if math.isfinite(time)), default=1.0)
     try:
         result = run(tuple(model_hierarchy(body, otherwise, None).model(0) for body in bodies))
-    except (InputError, ConvergenceError):  # e.g. where nothing gives way between two walls
-        return otherwise, 0.0
-    return quantity.contact_time(result) or otherwise, quantity.span(result)
+    except (InputError, ConvergenceError):  # e.g. of two walls
+        return TimeScales(otherwise, 0.0)
+    return TimeScales(quantity.contact_time(result) or otherwise, quantity.span(result))
 
 
 class _Search(Generic[R]):

@@ -1,4 +1,4 @@
-"""What ``aoimpact run`` leaves: histories, tables, figures, and numbers for machines."""
+"""The output of ``aoimpact run``: histories, figures, fields, tables, and JSON."""
 
 from __future__ import annotations
 

@@ -1,17 +1,17 @@
 """From a reduced model's few coordinates back to the whole body, with the correction they need.
 
-X_r = λ₀ φ_st + Σ (λ_i - λ₀) Ψ_i, eq. (8), misses what the rest of the body does. It answers the
-forces that the reduced motion leaves unbalanced, r = b F - K X_r - M Ẍ_r with the acceleration Ẍ_r
-that F and the model's springs give:
+X_r = λ₀ φ_st + Σ (λ_i - λ₀) Ψ_i, eq. (8), is only a part of the displacement. The rest responds to
+the forces that the reduced motion leaves unbalanced, r = b F - K X_r - M Ẍ_r with the acceleration
+Ẍ_r that F and the model's springs give:
 
     X = X_r + (K + s²M)⁻¹ r.
 
-That is exact where everything grows as e^{st}. With s = 0 it is the textbooks' static correction,
+This is exact where everything grows as e^{st}. With s = 0 it is the textbooks' static correction,
 with inertia relief for free bodies ("mode acceleration"; R. R. Craig and A. J. Kurdila,
-Fundamentals of Structural Dynamics, 2nd ed., section 11.4), right if all that was left out is fast.
-But among the oscillators left out for their small mass there are slow ones, and Krylov vectors
+Fundamentals of Structural Dynamics, 2nd ed., section 11.4), right if all omitted modes are fast.
+But among the oscillators omitted for their small mass there are slow ones, and Krylov vectors
 resolve slow modes last. These have no time to follow a contact of duration T, and K⁻¹ would
-exaggerate them without bound. With s = 10/T they stay where they are, and what is fast follows as
+exaggerate them without bound. With s = 10/T they stay where they are, and fast ones follow as
 before.
 """
 
@@ -31,7 +31,7 @@ from ..reduction import AOModel, InterfaceModel
 __all__ = ["PACE", "Recovery", "Reduced", "reduced_interface", "reduced_star"]
 
 
-# s T for a contact of duration T. Measured on beams struck at midspan and at the tip, held and
+# s T for a contact of duration T. Measured on beams struck at midspan and at the end, supported and
 # free: between 3 and 20 errors hardly change, below they grow where slow modes are left out.
 PACE = 10.0
 
@@ -48,7 +48,7 @@ class Reduced:
         Diagonal; may have zeros, whose coordinates have no inertia.
     stiffness : ndarray, shape (n, n)
     loads : ndarray, shape (n_dofs, p)
-        What each of the forces f, N, does to the dofs: the functionals b of the ports; under
+        Forces on the dofs per unit of each of the forces f: the functionals b of the ports; under
         gravity the weight, N, after them.
     """
 
@@ -103,7 +103,7 @@ class Recovery:
         inertia = body.M @ reduced.basis
         of_coordinates: FloatArray = -(body.K @ reduced.basis) - inertia @ springs
         of_forces = reduced.loads - inertia @ push
-        # Weight that a star's own rigid motion does not take falls beside it: see `OmittedMotion`.
+        # Weight on rigid modes that the model does not contain: their motion is `OmittedMotion`.
         rigid = body.rigid_modes
         return of_coordinates, of_forces - body.M @ (rigid @ (rigid.T @ of_forces))
 
@@ -168,7 +168,7 @@ class Recovery:
 
 
 def reduced_star(star: AOModel, gravity: float = 0.0) -> Reduced:
-    """Return a star made from a body as motion of that body, eq. (8); q = λ, contact first.
+    """Return an AO model of a body as motion of that body, eq. (8); q = λ, contact first.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a run has to tell of all of a body: its motion replayed, and the way back to all dofs."""
+"""The response of a whole body in a run: its motion replayed, and recovered on all dofs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _FADING = 0.75
 def response_of(
     plan: Plan, recorder: Recorder, events: Sequence[Events], body: int
 ) -> Response | None:
-    """Return what all of a body did in a run; None without finite elements.
+    """Return the response of a whole body in a run; None without finite elements.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def _reduced(plan: Plan, body: int) -> Reduced | None:
 
 
 def _static_deflection(motion: Motion, recovery: Recovery) -> FloatArray | None:
-    """What the correction for the contact misses of the rest before it; None of a free body.
+    """The part of the deflection at rest that the correction misses; None of a free body.
 
     At rest all modes follow the forces, the slow ones too: X = K⁻¹ B f.
     """

@@ -1,4 +1,4 @@
-"""What all of a body did in a run: from its recorded coordinates and the force on it."""
+"""The response of a whole body in a run, from its recorded coordinates and the force on it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .stress import stress_rows
 __all__ = ["OmittedMotion", "Response"]
 
 
-# Times in a contact at which is looked what a model misses of it.
+# Times in a contact at which the error of a model is looked for.
 _IN_CONTACT = 24
 
 
@@ -42,7 +42,7 @@ class OmittedMotion:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What is needed to know all of a body at any time of a run.
+    """A whole body at any time of a run.
 
     Attributes
     ----------
@@ -52,15 +52,15 @@ class Response:
     recovery : Recovery or None
         From the reduced model's coordinates to the dofs; None where `motion` has these.
     omitted : OmittedMotion or None
-        What a free body does beside what its model contains.
+        The motion of a free body that its model does not contain.
     peak_time : float
         When the largest force acts, s.
     contacts : tuple of (start, end)
         When the body is touched first, and with the largest force, s.
     free_from : float
-        From when on it swings by itself, s.
+        From when on it vibrates freely, s.
     static_deflection : ndarray, shape (n_dofs,), or None
-        What `recovery` misses of where the body is at rest under load, m.
+        The part of the deflection at rest under load that `recovery` misses, m.
     """
 
     body: Body
@@ -119,7 +119,7 @@ class Response:
         return None if self.recovery is None else FieldError(self.recovery)
 
     def _error(self, times: FloatArray) -> FloatArray | None:
-        """How wrong the field may be at `times`, relative; None where nothing is left out."""
+        """Estimated relative error of the field at `times`; None of a full model."""
         if self._estimator is None:
             return None
         looks = [np.linspace(start, end, _IN_CONTACT) for start, end in self.contacts]
@@ -179,7 +179,7 @@ class Response:
         return u, v
 
     def _at_nodes(self, dofs: FloatArray) -> FloatArray:
-        """Dofs (n_dofs, k) as vectors at all nodes, zero where they are held."""
+        """Dofs (n_dofs, k) as vectors at all nodes, zero where they are constrained."""
         free, nodes = self._free, self.body.nodes
         assert nodes is not None
         full = np.zeros((dofs.shape[1], 3 * len(nodes)))

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..accuracy import Quantity, R, TimeSolver, checked_linear_solver, choose_models, solve
 from ..fem import ContactPoint
@@ -19,8 +18,7 @@ __all__ = ["PlanOf", "RunOptions", "run_models"]
 PlanOf = Callable[[Sequence[Any], bool], Plan]
 
 
-@dataclass(frozen=True)
-class RunOptions:
+class RunOptions(NamedTuple):
     """How to run, as a caller says it; see `simulate`."""
 
     quantity: str | Handle | ContactPoint | None

@@ -34,7 +34,7 @@ __all__ = ["Scene", "SceneCase"]
 
 @dataclass(frozen=True)
 class _Mark:
-    """What tells the handles of scenes apart."""
+    """Tells the handles of one scene from those of another."""
 
     name: str = field(metadata={"identity": True})
 
@@ -48,8 +48,9 @@ class Scene:
     Parameters
     ----------
     gravity : float, optional
-        Acceleration of every finite mass along the direction of travel, m/s². A body held by
-        supports takes its true share where it has nodes; a held star given by numbers takes none.
+        Acceleration of every finite mass along the direction of travel, m/s². A body constrained
+        by supports takes its true share where it has nodes; a constrained AO model given by
+        numbers takes none.
 
     Examples
     --------
@@ -64,7 +65,7 @@ class Scene:
     def __init__(self, *, gravity: float = 0.0) -> None:
         self.gravity = real("gravity", gravity, unit="m/s²")
         self._bodies: list[Any] = []
-        self._players: list[SceneBody] = []
+        self._scene_bodies: list[SceneBody] = []
         self._velocities: list[float] = []
         self._positions: list[float] = []
         self._names: list[str] = []
@@ -75,10 +76,10 @@ class Scene:
         self._mark = _Mark(uuid.uuid4().hex)
 
     def __repr__(self) -> str:
-        labels = ", ".join(player.label for player in self._players[:6])
-        more = ", …" if len(self._players) > 6 else ""
+        labels = ", ".join(body.label for body in self._scene_bodies[:6])
+        more = ", …" if len(self._scene_bodies) > 6 else ""
         return (
-            f"Scene(gravity={self.gravity:g}): {len(self._players)} bodies ({labels}{more}), "
+            f"Scene(gravity={self.gravity:g}): {len(self._scene_bodies)} bodies ({labels}{more}), "
             f"{len(self._joints)} contacts, {len(self._loads)} loads"
         )
 
@@ -115,12 +116,12 @@ class Scene:
         if not isinstance(name, str):
             raise InputTypeError(f"name must be a str, got {name!r}")
         speed = checked_speed("velocity", velocity)
-        self._players.append(scene_body("body", body, speed))
+        self._scene_bodies.append(scene_body("body", body, speed))
         self._bodies.append(tuple(body) if isinstance(body, list) else body)
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
         self._names.append(name)
-        return Handle(len(self._players) - 1, name=name, scene=self._mark.name)
+        return Handle(len(self._scene_bodies) - 1, name=name, scene=self._mark.name)
 
     def connect(self, a: Handle, b: Handle, law: ContactLaw, *, gap: float = 0.0) -> int:
         """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
@@ -151,10 +152,10 @@ class Scene:
             )
         if not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-        if all(math.isinf(self._players[end.body].static_mass) for end in (first, second)):
+        if all(math.isinf(self._scene_bodies[end.body].static_mass) for end in (first, second)):
             raise InputError(
                 f"{self._called(first)} and {self._called(second)} are both of infinite mass: "
-                "nothing can give way between them"
+                "there is no motion between them"
             )
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
@@ -202,19 +203,19 @@ class Scene:
                 )
         else:
             times, forces = np.zeros(1), np.array([real("force", force, unit="N")])
-        if math.isinf(self._players[end.body].static_mass):
+        if math.isinf(self._scene_bodies[end.body].static_mass):
             raise InputError(f"{self._called(end)} is a wall: no force moves it; load another body")
         self._loads.append(Load(end.body, end.at, times.copy(), forces.copy()))
 
     def _known(self, name: str, handle: Any) -> Handle:
         if not isinstance(handle, Handle):
             raise InputTypeError(f"{name} must be a handle that scene.add returned, got {handle!r}")
-        if handle.scene != self._mark.name or handle.body >= len(self._players):
+        if handle.scene != self._mark.name or handle.body >= len(self._scene_bodies):
             raise InputError(
                 f"{name}={handle!r} is of another scene; add the body to this one and take the "
                 "handle that scene.add returns"
             )
-        ports = self._players[handle.body].ports
+        ports = self._scene_bodies[handle.body].ports
         if not 0 <= handle.at < ports:
             raise InputError(
                 f"{name}: {self._called(handle)} may be touched in {ports} place(s), there is no "
@@ -254,11 +255,12 @@ class Scene:
             other, found by a static solve; velocities are then added. What no force presses stays
             where it was put, or moves aside as far as it must.
         quantity : str, Handle or ContactPoint, optional
-            What matters: "force" (of every contact over the record), "peak_force" or "impulse" (of
-            every contact), a handle, for the displacement of that contact coordinate over the
-            record, or a point of a body, for its displacement over the record. Given this or
-            `rtol`, finite-element bodies are reduced, and stars truncated, as far as that allows;
-            `Run.models` says to what. What was added twice is reduced alike.
+            The quantity of interest: "force" (of every contact over the record), "peak_force" or
+            "impulse" (of every contact), a handle, for the displacement of that contact coordinate
+            over the record, or a point of a body, for its displacement over the record. Given this
+            or `rtol`, finite-element bodies are reduced, and AO models truncated, as far as the
+            tolerance allows; `Run.models` are those taken. A body that was added twice is reduced
+            once.
         rtol : float, optional
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
@@ -277,13 +279,13 @@ class Scene:
         Warns
         -----
         AOImpactWarning
-            If gravity has no effect on a held star given by numbers or without nodes, a body's
-            centre of mass is not known, or its model was fitted to quite another contact time.
+            If gravity has no effect on a constrained AO model given by numbers or without nodes, a
+            body's centre of mass is not known, or its model was fitted to another contact time.
         """
         length = checked_duration(duration)
         boolean("energies", energies)
         boolean("preload", preload)
-        if not self._players:
+        if not self._scene_bodies:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
@@ -302,23 +304,23 @@ class Scene:
         )
 
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
-        """The plan with models in the place of bodies."""
-        players, joints = self._players, self._joints
+        """The plan of the bodies, or of models in their place."""
+        scene_bodies, joints = self._scene_bodies, self._joints
         if any(model is not body for model, body in zip(bodies, self._bodies, strict=True)):
-            players = [
+            scene_bodies = [
                 scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
-            joints = [_between(joint, bodies, players) for joint in joints]
-        for body in players:
+            joints = [_between(joint, bodies, scene_bodies) for joint in joints]
+        for body in scene_bodies:
             if self.gravity and isinstance(body, StarBody) and body.model.weightless:
                 warn(
-                    f"gravity has no effect on {body.label}: what holds a star given by numbers, "
-                    "or by matrices without nodes, is not known; make it by antioscillators(...) "
-                    "of a body with nodes"
+                    f"gravity has no effect on {body.label}: the supports of an AO model given by "
+                    "numbers, or by matrices without nodes, are not known; make it by "
+                    "antioscillators(...) of a body with nodes"
                 )
         return Plan(
-            tuple(players),
+            tuple(scene_bodies),
             tuple(self._velocities),
             tuple(joints),
             tuple(self._loads),
@@ -364,16 +366,18 @@ def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
 
 
 def _touched(bodies: Sequence[Any], handle: Handle) -> Any:
-    """What has the patch over which a body is touched there."""
+    """The contact point or model whose patch, if any, a handle stands for."""
     body = bodies[handle.body]
     tips = body.tips if isinstance(body, InterfaceModel) else body
     return tips[handle.at] if isinstance(tips, tuple) else tips
 
 
-def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[SceneBody]) -> Joint:
-    """A contact when models stand for its bodies."""
-    if all(math.isinf(players[body].static_mass) for body in (joint.first, joint.second)):
-        raise InputError("both bodies of a contact are of infinite mass: nothing can give way")
+def _between(joint: Joint, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Joint:
+    """The contact between the models that stand for its bodies."""
+    if all(math.isinf(scene_bodies[body].static_mass) for body in (joint.first, joint.second)):
+        raise InputError(
+            "both bodies of a contact are of infinite mass: there is no motion between them"
+        )
     ends = (
         _touched(bodies, Handle(joint.first, joint.first_port)),
         _touched(bodies, Handle(joint.second, joint.second_port)),
@@ -383,7 +387,7 @@ def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[SceneBody]) 
 
 @dataclass(frozen=True)
 class SceneCase:
-    """A scene whose run is given more than its duration."""
+    """A scene and the keywords of its run, without the duration."""
 
     scene: Any
     keywords: dict[str, Any]

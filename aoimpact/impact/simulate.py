@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..accuracy import TimeSolver, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
@@ -48,8 +48,8 @@ def simulate(
     law : ContactLaw
         Force of the indentation δ = x_projectile - x_target - gap.
     velocity : float
-        Of the projectile along the direction of travel, m/s, not zero; negative only of a held one,
-        which swings back.
+        Of the projectile along the direction of travel, m/s, not zero; negative only if the
+        projectile is constrained, so that it swings back.
     duration : float
         Length of the record, s.
     solver : Adaptive or Newmark, optional
@@ -88,9 +88,11 @@ def simulate(
     -----
     AOImpactWarning
         If the record ends in contact, the step is too large for any digit to be right, a body's
-        centre of mass is not known, or its model was fitted to quite another contact time.
+        centre of mass is not known, or its model was fitted to another contact time.
     """
-    checked_numbers(law, velocity, duration, gap, energies)
+    options = RunOptions(quantity, rtol, solver, energies, linear_solver)
+    if options.chooses:  # before any model is made
+        checked_numbers(law, velocity, duration, gap, energies)
 
     def plan_of(models: Sequence[Any], energies: bool) -> Plan:
         first, second = models
@@ -101,7 +103,7 @@ def simulate(
     result = run_models(
         plan_of,
         (projectile, target),
-        RunOptions(quantity, rtol, solver, energies, linear_solver),
+        options,
         names=_NAMES,
         interest=partial(impact_quantity, quantity, projectile, target),
         view=_result,
@@ -150,16 +152,32 @@ def plan_impact(
             "(gravity, a load, a body behind it)"
         )
     if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
-        raise InputError("projectile and target are both of infinite mass: nothing can give way")
+        raise InputError(
+            "projectile and target are both of infinite mass: there is no motion between them"
+        )
     ends = projectile, target
     joint = Joint(0, 0, 1, 0, effective_law(law, ends), normal_gap(distance), ends)
     return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
 
 
+class ImpactNumbers(NamedTuple):
+    """Velocity, m/s, duration, s, and gap, m, of an impact."""
+
+    velocity: float
+    duration: float
+    gap: float
+
+
 def checked_numbers(
     law: Any, velocity: Any, duration: Any, gap: Any, energies: Any
-) -> tuple[float, float, float]:
-    """Velocity, duration and gap."""
+) -> ImpactNumbers:
+    """Check what `simulate` is given beside its bodies.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    """
     speed = checked_speed("velocity", velocity)
     if speed == 0.0:
         raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
@@ -168,4 +186,4 @@ def checked_numbers(
     boolean("energies", energies)
     if not isinstance(law, ContactLaw):
         raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-    return speed, length, distance
+    return ImpactNumbers(speed, length, distance)

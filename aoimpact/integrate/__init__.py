@@ -1,12 +1,13 @@
 """Integration in time: Newmark's rule with fixed steps, and the adaptive method to a tolerance."""
 
-from .adaptive import TIGHTEST, Adaptive
+from .adaptive import Adaptive
 from .events import Eventful, Events, find_impulse
 from .fixed_steps import rigid_contact_time, solve_newmark
 from .motion import Motion
 from .newmark import Newmark
 from .recorder import Recorder
 from .to_tolerance import solve_adaptive
+from .tolerances import TIGHTEST
 
 __all__ = [
     "TIGHTEST",

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..base import InputError, positive
+from .tolerances import TIGHTEST
 
-__all__ = ["TIGHTEST", "Adaptive"]
-
-# Double precision carries no more digits.
-TIGHTEST = 1e-13
+__all__ = ["Adaptive"]
 
 
 @dataclass(frozen=True, kw_only=True)

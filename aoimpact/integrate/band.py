@@ -25,7 +25,7 @@ def narrow_order(ends: Sequence[tuple[int, int]], couples: Sequence[bool]) -> In
     ends : sequence of (int, int)
         The bodies of each contact.
     couples : sequence of bool
-        Of each body: whether it hands on what a contact does to it; a wall does not.
+        Of each body: whether a force on it moves its other contacts; a wall does not.
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""How far two adaptive runs of one scene are apart in what a tolerance promises.
+"""Comparison of two adaptive runs of one scene: their difference in what a tolerance bounds.
 
-A touch that is a hundredth of the largest of its contact, or less, is none: whether bodies that go
-on side by side graze each other is rounding, and what matters of a touch is its impulse.
+A touch with a hundredth of the impulse of the largest one of its contact, or less, does not count:
+whether bodies that move on side by side graze each other is rounding.
 """
 
 from __future__ import annotations
@@ -10,15 +10,9 @@ import numpy as np
 
 from ..base import FloatArray
 from .dense import DenseRecorder
+from .tolerances import LESSER, SUDDEN
 
 __all__ = ["difference", "most_touches"]
-
-# A contact need not be more exact than this share of the largest: the core's own rule (step.h).
-_LESSER_SHARE = 0.01
-
-# Bodies at rest side by side that a wave reaches begin to press each other at no certain time:
-# their touch begins at a smaller share than this of its mean rate.
-_SUDDEN = 0.01
 
 
 def most_touches(run: DenseRecorder) -> int:
@@ -34,7 +28,7 @@ def most_touches(run: DenseRecorder) -> int:
     for joint, small in enumerate(_least(run)):
         of = _impulses(run, joint)
         largest = of.max(initial=0.0)
-        if len(of) > 1 and of.sum() - largest > _LESSER_SHARE * largest:
+        if len(of) > 1 and of.sum() - largest > LESSER * largest:
             most = max(most, 2, int((of >= small).sum()))
     return most
 
@@ -71,7 +65,7 @@ def _sums(run: DenseRecorder) -> FloatArray:
 
 
 def _lesser_apart(ones: FloatArray, others: FloatArray) -> float:
-    scale = np.maximum(np.abs(others), _LESSER_SHARE * np.abs(others).max(initial=0.0))
+    scale = np.maximum(np.abs(others), LESSER * np.abs(others).max(initial=0.0))
     apart = np.divide(np.abs(ones - others), scale, out=np.zeros(len(ones)), where=scale > 0.0)
     return float(apart.max(initial=0.0))
 
@@ -85,9 +79,7 @@ def _least(run: DenseRecorder) -> FloatArray:
     """The impulse of the least touch that matters, of each contact, N s."""
     joints = range(len(run.joints))
     largest = np.array([_impulses(run, joint).max(initial=0.0) for joint in joints])
-    least: FloatArray = _LESSER_SHARE * np.maximum(
-        largest, _LESSER_SHARE * largest.max(initial=0.0)
-    )
+    least: FloatArray = LESSER * np.maximum(largest, LESSER * largest.max(initial=0.0))
     return least
 
 
@@ -112,7 +104,7 @@ def _times_apart(ones: FloatArray, others: FloatArray) -> float:
     if ones.shape[1] < others.shape[1]:
         at = np.searchsorted(others[3], 0.5 * (ones[2] + ones[3]))
         others = others[:, np.minimum(at, others.shape[1] - 1)]
-    sudden = np.minimum(ones[4], others[4]) >= _SUDDEN
+    sudden = np.minimum(ones[4], others[4]) >= SUDDEN
     starts = np.abs(ones[0] - others[0])[sudden] / np.maximum(ones[1], others[1])[sudden]
     ends = np.abs(ones[1] - others[1]) / np.maximum(ones[1], others[1])
     return float(max(starts.max(initial=0.0), ends.max()))

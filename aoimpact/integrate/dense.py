@@ -212,7 +212,7 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     plan : Plan
     rtol : float
     most_steps : int, optional
-        It gives up after about as many.
+        The run is given up after about as many.
 
     Raises
     ------

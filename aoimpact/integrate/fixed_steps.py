@@ -19,12 +19,12 @@ from .steperror import time_error
 
 __all__ = ["SteppedRecorder", "rigid_contact_time", "solve_newmark"]
 
-# The steps of a first attempt within a contact, when the caller leaves dt to us.
+# Steps within a contact of the first attempt, where no dt is given.
 _FIRST_STEPS = 50
 
 _MOST_HALVINGS = 16
 
-# A step of next to no time, relative to one of the run: nothing that has mass moves.
+# A very short step, relative to one of the run: nothing that has mass moves.
 _INSTANT = 2.0**-10
 
 
@@ -131,9 +131,10 @@ class Start(NamedTuple):
     Attributes
     ----------
     forces : ndarray, shape (contacts,), or None
-        Contact forces, N; None where the laws tell them.
+        Contact forces, N; None where the laws determine them.
     ports : sequence of ndarrays, shape (2, p), or None
-        Of each body its ports' displacements, m, and rates, m/s; None where the state tells them.
+        Of each body its ports' displacements, m, and rates, m/s; None where the state determines
+        them.
     """
 
     forces: FloatArray | None
@@ -155,9 +156,9 @@ class _Stepping:
     def start(self) -> Start:
         """What acts just after t = 0.
 
-        Where a contact point has no mass, the bodies' state does not tell it: the point's place, or
-        under a damper its velocity, follows from the balance of all forces. Two steps of next to no
-        time find that: the first makes the jump, if there is one, the second tells the rates.
+        Where a contact point has no mass, the bodies' state does not determine it: its place, or
+        under a damper its velocity, follows from the balance of all forces. Two very short steps
+        find it: the first makes the jump, if there is one, the second gives the rates.
         """
         plan = self.plan
         rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.bodies))])
@@ -221,7 +222,7 @@ class _Stepping:
             error = time_error(self.plan, fine, before[1], before[0])
             if error <= rtol:
                 return fine, error
-            # Of the others only the forces are looked at: the rest is room for the next.
+            # Of coarser runs only the contacts are needed: the rest of their memory is given back.
             kept = self.plan.layout.of_contacts(fine.rows).copy()
             before = [before[1], replace(fine, rows=kept.reshape(-1, len(fine.t)))]
         raise ConvergenceError(

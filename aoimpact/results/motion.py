@@ -1,4 +1,4 @@
-"""What a run holds of each body, each contact and the energies: read-only histories over time."""
+"""The histories of a run over time, read-only: of each body, each contact and the energies."""
 
 from __future__ import annotations
 
@@ -131,8 +131,7 @@ class BodyResult(Frozen):
     def displacement(self) -> FloatArray:
         """Of the contact coordinate (the first one) [m], shape (n,).
 
-        A model that was fitted to a contact warns where the record goes on for longer than it
-        knows.
+        A model that was fitted to a contact warns where the record is longer than it is exact for.
         """
         if self._doubt is not None:
             self._doubt()
@@ -282,7 +281,7 @@ class ErrorEstimate:
     numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def told(self, name: str) -> str:
-        """Return what a summary says of a number's error; nothing where models were given."""
+        """Return a number's error in words, for summaries; empty where models were given."""
         error = self.numbers.get(name, math.nan)
         if self.rtol is None or math.isnan(error):
             return ""

@@ -1,4 +1,4 @@
-"""What an impact of two bodies gave: a run's histories, and the numbers that sum them up.
+"""The result of an impact of two bodies: a run's histories, and the numbers that sum them up.
 
 Histories are read-only arrays over `Result.t`. Displacements, velocities and centres of mass are
 measured along the direction of travel, from where the bodies were at t = 0.

@@ -1,4 +1,4 @@
-"""What a scene gave: the motions of its bodies, its contacts and its energies over time."""
+"""The result of a scene: the motions of its bodies, its contacts and its energies over time."""
 
 from __future__ import annotations
 

@@ -1,7 +1,9 @@
 """A scene as the integrators take it: bodies, contacts, loads, and rest under load."""
 
-from .bodies import FullBody, SceneBody, StarBody, scene_body
+from .bodies import StarBody, scene_body
+from .body import SceneBody
 from .contact import FreeMotion, Joint, Load, normal_gap
+from .full_body import FullBody
 from .plan import Plan
 from .rows import BodyRows, RecordLayout
 from .stepped import Equations, SteppedBody

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base import FloatArray
 from ..reduction import ModalBody
-from .bodies import SceneBody, State
+from .body import SceneBody, State
 from .contact import FreeMotion, Joint, Load, OmittedMass
 from .preload import Equilibrium, equilibrium
 from .rows import RecordLayout

@@ -1,4 +1,4 @@
-"""What a scene file may hold: the one place where its names are written down."""
+"""What a scene file may contain: the one place that lists its names."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from ..mesh import KINDS
 from .schema import (
     Anything,
     Choice,
-    Chosen,
     Either,
+    Entries,
     Field,
     Flag,
     Integer,
     Kind,
     Listed,
-    Named,
     Number,
     Reference,
     Table,
+    Tagged,
     Text,
     Tree,
     Variants,
@@ -92,7 +92,7 @@ _LINEAR_SOLVER = optional(Choice(LINEAR_SOLVERS))
 # What a model is fitted to.
 _FITTED = {"contact_time": optional(Number("s")), "duration": optional(Number("s"))}
 
-_MODEL = Chosen(
+_MODEL = Tagged(
     "type",
     {
         "antioscillators": Table(
@@ -159,7 +159,7 @@ def _parameters(cls: Any) -> Table:
 
 
 def _law(cls: Any) -> Kind:
-    """A law by its own parameters, or by what it is to deliver."""
+    """A law by its own parameters, or by its restitution or yield pressure."""
     if cls is laws.Tabulated:
         return _CURVE
     own = _parameters(cls)
@@ -179,11 +179,11 @@ def _law(cls: Any) -> Kind:
 
 _CURVE = Table({"indentation": needed(Listed(Number("m"))), "force": needed(Listed(Number("N")))})
 
-_LAW = Chosen("type", {name: _law(cls) for name, cls in LAWS.items()})
+_LAW = Tagged("type", {name: _law(cls) for name, cls in LAWS.items()})
 
-_SOLVER = Chosen("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
+_SOLVER = Tagged("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
 
-# How a run is made, and what is wanted of it.
+# How a run is made, and what it reports.
 _RUN = {
     "duration": needed(Number("s")),
     "solver": optional(_SOLVER),
@@ -192,7 +192,7 @@ _RUN = {
 
 
 def _displacement(body: Kind, **more: Table) -> Kind:
-    """A place whose displacement is asked for."""
+    """A place whose displacement is the quantity of interest."""
     point = {"body": needed(body), "point": needed(_VECTOR), "direction": needed(_VECTOR)}
     return Variants({"point": Table(point), **more})
 
@@ -280,8 +280,8 @@ _SWEEP = Table(
 
 _SHARED = {
     "title": optional(Text()),
-    "materials": optional(Named(_MATERIAL)),
-    "bodies": needed(Named(_BODY)),
+    "materials": optional(Entries(_MATERIAL)),
+    "bodies": needed(Entries(_BODY)),
     "sweep": optional(_SWEEP),
 }
 

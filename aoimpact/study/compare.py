@@ -1,4 +1,4 @@
-"""Which model is needed? One impact by rigid bodies, by more and more oscillators, and in full."""
+"""Comparison of models: one impact by rigid bodies, by more and more oscillators, and in full."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def compare(
     full: bool = True,
     linear_solver: Solver = "auto",
 ) -> Comparison:
-    """Run an impact with models from rigid to full, and say what each costs and how wrong it is.
+    """Run an impact with models from rigid to full; return the cost and the error of each.
 
     Both bodies are modelled alike; those given by numbers have no more oscillators than they have.
 
@@ -74,9 +74,11 @@ def compare(
     velocity, duration = plan.velocities[0], plan.duration
     run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
     boolean("full", full)
-    stars = sorted({integer("oscillators", n, low=0) for n in sequence("oscillators", oscillators)})
+    orders = sorted(
+        {integer("oscillators", n, low=0) for n in sequence("oscillators", oscillators)}
+    )
     truncations = sorted({integer("modes", n, low=1) for n in sequence("modes", modes)})
-    if not stars and not full:
+    if not orders and not full:
         raise InputError("full=False without oscillators leaves no model to compare with")
     bodies = _body(projectile), _body(target)
 
@@ -91,14 +93,14 @@ def compare(
     )
     tries = [_try("rigid", lambda: tuple(each.model(0) for each in hierarchies), quick)]
     spent = 0.0
-    for n in stars:
+    for n in orders:
         tries.append(_try(f"AO({n})", partial(_with_oscillators, hierarchies, n), quick))
         if not tries[-1].failure:
             spent += tries[-1].build  # the bases are nested: each model adds to the one before
             tries[-1].build = spent
     for n in truncations:
         tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n, linear), quick))
-    exact = tries[len(stars)]
+    exact = tries[len(orders)]
     if full:
         exact = _try("full", lambda: bodies, partial(_in_full, run))
         tries.append(exact)
@@ -114,7 +116,7 @@ def compare(
 
 
 def _body(model: Any) -> Any:
-    """The finite-element body that a model was made of; a star given by numbers is its own."""
+    """The finite-element body that a model was made of; of an AO model by numbers itself."""
     if isinstance(model, ModalModel):
         return model.tip
     if isinstance(model, AOModel) and model.origin is not None:
@@ -123,7 +125,7 @@ def _body(model: Any) -> Any:
 
 
 class _Try:
-    """One pair of models: what it took to build and to run it, or why it could not be."""
+    """One pair of models: the time to build and to run it, or why that failed."""
 
     def __init__(self, label: str) -> None:
         self.label, self.dofs = label, 0

@@ -1,4 +1,4 @@
-"""Speed against error: what each method needs for what it gets right, on any scene of stars."""
+"""Speed against error: the time that each method needs for its error, on impacts of AO models."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ _MOST_REPEATS = 10_000
 
 _NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
 
-# Seconds: short runs are repeated at least, long ones at most, until so much time has passed; one
-# run of SciPy is given up after the last.
+# Seconds: short runs are repeated for the first, long ones for the second at most; one run of SciPy
+# is stopped after the third.
 _AT_LEAST, _ENOUGH, _LONGEST = 0.02, 3.0, 60.0
 
-# The tightest that the independent run is asked for: sums of rounding are some 1e-12.
+# The independent run, at its tightest: rounding adds up to some 1e-12.
 _INDEPENDENT = "DOP853", 3e-14
 
 

@@ -82,6 +82,7 @@ def test_every_quantity_is_on_its_page():
     }
     for name, quantity in QUANTITIES.items():
         of_scenes = quantity.selectable and quantity.of_contacts
+        assert name in table, f"docs/scene-files.md has no row for {name}"
         assert table[name] == (quantity.unit, quantity.selectable, of_scenes)
 
 

@@ -270,7 +270,7 @@ def test_a_beam_touched_in_two_places_is_its_modes():
         decay=zero,
         shape=b @ phi,
         residual=np.zeros((2, 2)),
-        bent=None,
+        residual_forces=None,
         gravity=None,
         centre=phi.T @ full_body.centre,
         u=np.zeros_like(zero),
