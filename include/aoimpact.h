@@ -1,16 +1,22 @@
 /* aoimpact: the anti-oscillator model of a body at its point of contact, and impacts in time.
  *
- * This header is the whole public interface of the C core, and its specification. "Paper" is
+ * This header is what a C programmer may use, and its specification; examples/impact.c uses it. "Paper" is
  * E. Jacquelin, "On the rigid projectile model for low velocity impacts"; equation numbers are its.
  *
+ * A system of bodies and contacts is described once (aoi_modes, aoi_law, aoi_contact, aoi_system) and linked; runs
+ * in fixed steps (aoi_newmark) or to a tolerance (aoi_adaptive) take it as it is. What an adaptive run has written
+ * (aoi_track) is read at any time (aoi_sampler), and tells when contacts began and ended.
+ *
  * Rules that hold for every function
- *   Memory    The caller owns all memory. Nothing here allocates, frees, or keeps a pointer after
- *             it returns, except inside an object that the caller made, for as long as it uses it.
- *             Work space is asked for by the size functions beside each object.
- *   State     There are no globals. Objects may be used from several threads, one thread each.
+ *   Memory    The caller owns all memory. Nothing here allocates, frees, or keeps a pointer after it returns,
+ *             except inside an object that the caller made, for as long as it uses it. The size functions say
+ *             how many bytes an object needs, aligned as malloc's are.
+ *   Threads   There are no globals. A linked system, its laws and its bodies are only read: any number of threads
+ *             may share them, but for a law with a note or with functions of the caller's. A run and a sampler
+ *             are for one thread at a time.
  *   Units     SI: m, kg, s, N, J, rad/s; omega2 is an angular frequency squared, (rad/s)^2.
  *   Returns   AOI_OK (0) or one of the codes below; then the outputs are not to be used.
- *   Arrays    Contiguous doubles; dense matrices by columns (Fortran order) unless said otherwise.
+ *   Arrays    Contiguous doubles; matrices by rows, [rows][columns].
  */
 #ifndef AOIMPACT_H
 #define AOIMPACT_H
@@ -81,25 +87,25 @@ AOI_API double aoi_star_static_mass(const aoi_star *star);
  * 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)); infinite on a resonance (and at w = 0 of
  * a free star), zero on an antiresonance. */
 AOI_API void aoi_star_receptance(const aoi_star *star, size_t count, const double *omega,
-                         double *receptance);
+                                 double *receptance);
 
 /* Kinetic energy 1/2 sum m v^2 (0 for a wall) and elastic energy 1/2 k0 u0^2 + 1/2 sum k (u0-u_i)^2
  * of the coordinates u, v: n+1 doubles each, the contact coordinate first. */
 AOI_API void aoi_star_energy(const aoi_star *star, const double *u, const double *v, double *kinetic,
-                     double *elastic);
+                             double *elastic);
 
 /* The star's natural modes. In: oscillators in ascending, distinct k_i/m_i. Out: omega2 (n+1,
  * ascending) and participation r_j = b^T phi_j > 0 of the mass-normalised modes (n+1), so that the
  * receptance is sum_j r_j^2 / (omega2_j - w^2). mode_count: n+1, or n where m0 is zero. work: n.
  * AOI_ERROR_NOT_FINITE also where a k_i/m_i or a mode leaves the range of numbers. */
 AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
-                      size_t *mode_count, double *work, const aoi_pause *pause);
+                              size_t *mode_count, double *work, const aoi_pause *pause);
 
 /* The star of a modal model of count >= 1 modes with ascending, distinct omega2 >= 0 and weights
  * r_j^2 > 0: its antiresonances by the secular equation. Out: m0, k0 and count-1 oscillators in
  * ascending frequency (m, k). The inverse of aoi_star_to_modal. */
 AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
-                        double *k0, double *m, double *k, const aoi_pause *pause);
+                                double *k0, double *m, double *k, const aoi_pause *pause);
 
 /* ------------------------------------------------------------------------------ contact laws */
 
@@ -195,7 +201,7 @@ AOI_API int aoi_law_check(const aoi_law *law);
 /* The force itself, for fixed steps and plots: on the piece of this indentation and direction; zero
  * at and below rest; cut at zero unless the law pulls. A NaN (of a caller's law) goes through. */
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
-                  aoi_law_value *value);
+                          aoi_law_value *value);
 
 /* As law->potential, of the total indentation: less the c F^2/2 that is the bodies' own. Past the
  * limit of a law with a compliance, where it has no meaning, it grows on as over a straight line. */
@@ -217,14 +223,14 @@ typedef struct aoi_load {
  * moves on whatever happens. decay, residual, gravity and centre_residual may be NULL (zero). */
 typedef struct aoi_modes {
     size_t n, ports;
-    const double *omega;            /* [n], ascending, rad/s                                      */
-    const double *decay;            /* [n], 1/s                                                   */
-    const double *shape, *push;     /* [ports][n]                                                 */
-    const double *residual;         /* [ports][ports], m/N, symmetric                             */
-    const double *gravity;          /* [n]                                                        */
-    const double *inertia;          /* [n], energy inertia v^2 / 2; NULL: 1                       */
-    const double *centre;           /* [n], displacement of the centre of mass                    */
-    const double *centre_residual;  /* [ports], the same per force, beside the modes'             */
+    const double *omega;           /* [n], ascending, rad/s                          */
+    const double *decay;           /* [n], 1/s                                       */
+    const double *shape, *push;    /* [ports][n]                                     */
+    const double *residual;        /* [ports][ports], m/N, symmetric                 */
+    const double *gravity;         /* [n]                                            */
+    const double *inertia;         /* [n], energy inertia v^2 / 2; NULL: 1           */
+    const double *centre;          /* [n], displacement of the centre of mass        */
+    const double *centre_residual; /* [ports], the same per force, beside the modes' */
     aoi_load load;
 } aoi_modes;
 
@@ -354,11 +360,11 @@ AOI_API size_t aoi_adaptive_room(const aoi_system *system);
 /* The same to its end: AOI_ERROR_TOO_LONG where the track has no room for it. */
 AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
 
-/* Where a run is: the time, steps made and tried in vain; the modes of all bodies and their rates, at that time
- * once it is the end. */
+/* Where a run is: the time, steps made and tried in vain; in which contact an error came up; the modes of all
+ * bodies and their rates, at that time once it is the end. */
 typedef struct aoi_progress {
     double time;
-    size_t steps, rejected;
+    size_t steps, rejected, failed;
     const double *x, *v;
 } aoi_progress;
 AOI_API aoi_progress aoi_adaptive_progress(const aoi_adaptive *run);

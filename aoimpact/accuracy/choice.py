@@ -124,7 +124,7 @@ def _rule(solver: Any, in_time: float) -> Any:
     if not solver.estimate:
         raise InputError(
             f"solver=Newmark(dt={solver.dt:g}, estimate=False) leaves the error of its steps "
-            "unknown, and a tolerance is asked for: leave estimate=False out, or give models and "
+            "unknown, and rtol cannot be kept: leave estimate=False out, or give models and "
             "no rtol"
         )
     return solver

@@ -93,7 +93,7 @@ class AOHierarchy(Hierarchy):
 
     @property
     def first(self) -> int:
-        return 1 if self.whole.held else 0
+        return 1 if self.whole.constrained else 0
 
     def model(self, order: int) -> AOModel:
         kept = self.at_most(order)
@@ -168,7 +168,7 @@ class KrylovHierarchy(Hierarchy):
             return rigid(mass=math.inf)
         if self._small and order == self.tip.body.n_dofs:
             return antioscillators(self.tip, order="frequency")
-        model = self._space.seen(order - self.first)
+        model = self._space.factored(order - self.first)
         if self._space.exhausted:
             self._most = order
         return model if order > 0 else _rigid(model)
@@ -190,7 +190,7 @@ class KrylovHierarchy(Hierarchy):
 
 def _rigid(model: AOModel) -> AOModel:
     """A model without oscillators as a body that does not deform, not under a patch either."""
-    if model.held:
+    if model.constrained:
         return rigid(mass=math.inf)
     if model.origin is None or model.origin.tip.patch is None:
         return model

@@ -64,7 +64,7 @@ def scene_quantity(quantity: Any, bodies: Sequence[Any]) -> Quantity:
             bodies,
             none="none of the scene's bodies",
             several="several of the scene's bodies",
-            contact="a contact's own displacement is asked for by its handle",
+            contact="for a contact's own displacement give its handle",
         )
     return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, SCENE_CHOICES)]
 

@@ -36,17 +36,7 @@ class Named:
         return kept
 
 
-@dataclass(frozen=True)
-class Computed:
-    """Keeps what the caller's own function of the result returns."""
-
-    function: Callable[[Any], Any]
-
-    def __call__(self, result: Any) -> Any:
-        return self.function(result)
-
-
-Keep = Named | Computed
+Keep = Named | Callable[[Any], Any]
 
 
 def keeper(keep: Any) -> Keep | None:
@@ -57,10 +47,8 @@ def keeper(keep: Any) -> Keep | None:
     InputError, InputTypeError
         If it is neither a function nor names, or a name is misspelt.
     """
-    if keep is None:
-        return None
-    if callable(keep):
-        return Computed(keep)
+    if keep is None or callable(keep):
+        return keep  # type: ignore[no-any-return]
     names = (keep,) if isinstance(keep, str) else keep
     try:
         names = tuple(sequence("keep", names))

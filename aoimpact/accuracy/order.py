@@ -246,7 +246,7 @@ class _Search(Generic[R]):
             within = _EASED * error / _POOR_REFERENCE
             larger = f"take rtol={within:.2g} or more, " if within < 1.0 else "take "
             raise ConvergenceError(
-                f"at {order} anti-oscillators more still change the answer by {change:.2g}: "
+                f"the quantity still changes by {change:.2g} at {order} anti-oscillators: "
                 f"{larger}a shorter duration, a contact over a patch (radius=), whose waves are "
                 "longer, or the full finite-element models"
             )

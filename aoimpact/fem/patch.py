@@ -47,7 +47,7 @@ class Patch:
     modulus : float
         E* = E/(1 - ν²) of the body's material, Pa.
     compliance : float
-        What an elastic half-space gives way under the patch per force along the direction of
+        Deflection of an elastic half-space under the patch per force along the direction of
         travel, m/N: 0.6/(r E*) along the normal.
     faces : int
         How many faces of elements it touches.

@@ -1,4 +1,8 @@
-"""The public verbs: an impact of two bodies, a scene of many."""
+"""The public verbs: `simulate`, an impact of two bodies, and `Scene`, of any number.
+
+They turn what a caller gives into a plan, and have models chosen where a tolerance is given. For
+`scenefile`, `batch`, `study` and `paper`.
+"""
 
 from .scene import Scene, SceneCase
 from .simulate import checked_numbers, plan_impact, simulate

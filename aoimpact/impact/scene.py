@@ -338,8 +338,8 @@ class Scene:
         interest = scene_quantity(quantity, self._bodies)
         if interest.of_contacts and not self._joints:
             raise InputError(
-                f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or ask "
-                "for the displacement of one by its handle"
+                f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
+                "the handle of a body for its displacement"
             )
         return interest
 

@@ -141,7 +141,7 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
 
 
 def check_stiffness(K: sp.csr_array) -> Factorization | None:
-    """Refuse a K that is not positive semidefinite, as far as can be told at little cost.
+    """Refuse a K that is not positive semidefinite, as far as a cheap check finds it.
 
     Returns
     -------
@@ -211,7 +211,7 @@ def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> Floa
 
 
 def check_mass(M: sp.csr_array) -> None:
-    """Refuse an M that is not positive definite, as far as can be told at little cost.
+    """Refuse an M that is not positive definite, as far as a cheap check finds it.
 
     Raises
     ------
@@ -311,7 +311,7 @@ def _checked(name: str, matrix: Any) -> Any:
 def _anew(matrix: Any) -> Any:
     """Make a sparse matrix anew from its arrays, with no flag of the old one believed.
 
-    SciPy's conversions trust these arrays and write where they say.
+    SciPy's conversions trust these arrays: wrong indices write outside the memory allocated.
     """
     if matrix.ndim != 2:
         return matrix

@@ -132,7 +132,7 @@ class Multigrid:
         assert pencil.free is not None
         nodes = np.unique(pencil.free // 3)
         weights, corners = corner_interpolation(pencil.mesh)
-        kept = np.isin(corners, nodes, assume_unique=True)  # held corners do not move
+        kept = np.isin(corners, nodes, assume_unique=True)  # constrained corners do not move
         weights = weights[nodes][:, kept]
         self._add(smoother, weights, width=3)
         motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[corners[kept]]
@@ -214,10 +214,10 @@ def _finest(pencil: Pencil) -> tuple[Any, FloatArray, npt.NDArray[np.int64] | sl
             A.data += M.data
         else:
             A = A + pencil.s2 * M
-    if len(place) < n:  # nodes held in part: their dofs that do not move stand alone
-        held = np.ones(n)
-        held[place] = 0.0
-        _add_to_diagonal(A, float(A.diagonal().max()) * held)
+    if len(place) < n:  # partly constrained nodes: their other dofs stay uncoupled
+        fixed = np.ones(n)
+        fixed[place] = 0.0
+        _add_to_diagonal(A, float(A.diagonal().max()) * fixed)
     motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[nodes]
     return A, motions, slice(None) if np.array_equal(place, np.arange(n)) else place
 

@@ -20,7 +20,7 @@ __all__ = ["PARDISO", "is_installed"]
 
 
 # Dofs in a cut above which nested dissection halves the work and the memory of the factors. Below,
-# minimum degree gives as few entries, and looks for them a third as long.
+# minimum degree gives as few entries in a third of the time.
 _WIDE = 200.0
 
 # PARDISO's iparm, counted from 0: the ordering, and the factorisation by two-level scheduling, up
@@ -32,7 +32,7 @@ _WIDE_OPTIONS = {1: 2, 23: 1}
 # tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs, growing slowly.
 _PER_ROOT_WIDTH = 22.0
 
-# Bytes per entry of the factors, held by supernodes, and per entry of K, copied.
+# Bytes per entry of the factors, stored by supernodes, and per entry of K, copied.
 _BYTES, _COPIES = 10.0, 30.0
 
 
@@ -100,7 +100,7 @@ class _Factors:
 def _pardiso(what: str) -> Any:
     """The package's compiled class.
 
-    Its Python one looks at each row by itself, which takes as long as the rest on slender bodies.
+    Its Python class checks each row in turn, which takes as long as the rest on slender bodies.
     """
     try:
         from pymklpardiso import MTYPE_REAL_SYM_POSDEF

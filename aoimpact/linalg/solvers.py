@@ -6,6 +6,7 @@ Whichever solves, each solution is accepted by its residual. To add a solver, wr
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -43,18 +44,18 @@ _LAST_RESORT = MULTIGRID
 
 SOLVERS = ("auto", *METHODS)
 
-# ‖f - A x‖ / ‖f‖ that is asked for where rounding allows it, and how often a solution is refined.
+# ‖f - A x‖ / ‖f‖ of every solution, where rounding allows it, and how often one is refined.
 _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
-# ‖f - A x‖ / (max A_ii ‖x‖) that no solver can be asked to beat: some hundred roundings.
+# ‖f - A x‖ / (max A_ii ‖x‖) that rounding leaves in any solution: some hundred roundings.
 _ROUNDING = 2e-14
 
 # Estimated seconds up to which factors are taken though iterations may be as quick: they serve any
 # number of solutions, and cannot fail to converge.
 _PROMPT = 2.0
 
-# Solutions that a solver serves, if nothing else is said: those of a model of some oscillators.
+# The default number of solutions: those of a model of some oscillators.
 FEW_SOLUTIONS = 10
 
 
@@ -104,7 +105,7 @@ class LinearSolver:
         return self.solve_with_products(rhs)[0]
 
     def solve_with_products(self, rhs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return x as `solve` does, and what its residual was told by: K x and M x."""
+        """Return x as `solve` does, and the products K x and M x, which its residual needs."""
         x, before = self.answer(rhs), np.inf
         for _ in range(_REFINEMENTS + 1):
             with np.errstate(over="ignore", invalid="ignore"):
@@ -132,9 +133,9 @@ class LinearSolver:
         return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
 
     def answer(self, rhs: FloatArray) -> FloatArray:
-        """Return (K + s²M)⁻¹ `rhs` as the method gives it, its residual not looked at.
+        """Return (K + s²M)⁻¹ `rhs` as the method gives it, without a check of the residual.
 
-        Enough where something else vouches for the result: as a preconditioner.
+        Enough for a preconditioner.
         """
         answer = np.asarray(self.inverse.solve(rhs))
         if answer.shape != rhs.shape or answer.dtype.kind != "f":
@@ -167,7 +168,7 @@ class SolverBook:
     _last: LinearSolver | None = None
 
     def __call__(self, s2: float) -> LinearSolver:
-        """Return the solver of K + s²M; not set up again if it was the last one asked for."""
+        """Return the solver of K + s²M; not set up again if it is the last one used."""
         if self._last is None or self._last.s2 != s2:
             self._last = None  # its memory is free before the next one is made
             self._last = self.make(s2)
@@ -223,11 +224,11 @@ def stays_quickest(solver: LinearSolver, solutions: int) -> bool:
 
 def _quickest(pencil: Pencil, solutions: int) -> Method:
     """The method that will be quickest of those that are installed and fit into memory."""
-    free = available()
+    free, count = available(), min(solutions, sys.maxsize)  # no overflow as a float
     fitting = [m for m in METHODS.values() if m.is_installed() and m.memory(pencil) <= free]
     if not fitting:
         return _LAST_RESORT
-    seconds = {method.name: method.seconds(pencil, solutions) for method in fitting}
+    seconds = {method.name: method.seconds(pencil, count) for method in fitting}
     prompt = [m for m in fitting if m.direct and seconds[m.name] <= _PROMPT]
     return min(prompt or fitting, key=lambda method: seconds[method.name])
 

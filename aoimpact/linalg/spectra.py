@@ -55,7 +55,7 @@ def shifted(
     invert : callable, optional
         s² ↦ the solver of K + s²M, such as `FEModel.inverse`, which knows more of the body.
     first : LinearSolver, optional
-        That of the first guess of s², if it is there already.
+        The solver at the first guess of s², if it exists already.
     """
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     current = first or solver_at(_first_shift(K, M))
@@ -71,7 +71,7 @@ def shifted(
 
 
 def _first_shift(K: Any, M: Any) -> float:
-    """A guess of s² that makes K + s²M definite and leaves K its say, (rad/s)²."""
+    """A guess of s², (rad/s)², large enough for K + s²M to be definite, small beside K."""
     return 1e-4 * float(K.diagonal().sum() / M.diagonal().sum())
 
 

@@ -1,4 +1,4 @@
-"""SuperLU: factors of a sparse symmetric positive definite matrix, always at hand with SciPy."""
+"""SuperLU: factors of a sparse symmetric positive definite matrix, which come with SciPy."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ _SINGULAR = 2e-15
 # start is at right angles to the softest motion.
 _UNLUCKY = 100.0
 
-# Up to here the signs of the pivots are looked at; SciPy copies all factors to show them.
+# Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
 CHECKED_DOFS = 10_000
 
 # Entries of L and U together over n √w (`factor_entries`): 13 … 39 on balls, boxes, plates and bars
 # of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs, growing slowly.
 _PER_ROOT_WIDTH = 40.0
 
-# Bytes per entry of L and U, each held with an index.
+# Bytes per entry of L and U, each stored with an index.
 _BYTES = 16.0
 
 
@@ -91,8 +91,7 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
     what : str
         Its name in error messages.
     checked : bool, optional
-        Whether to look at what came out, which costs some solutions: not needed for what only
-        preconditions.
+        Whether to check the factors, which costs some solutions; not needed for a preconditioner.
 
     Raises
     ------

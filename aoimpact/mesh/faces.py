@@ -24,8 +24,8 @@ class ReferenceFace:
     Attributes
     ----------
     nodes : ndarray of int
-        The element's own numbers of the nodes on it; the corners first, counter-clockwise as seen
-        from outside.
+        The nodes on it, by their numbers within the element; the corners first, counter-clockwise
+        as seen from outside.
     n_corners : int
         3: u, v ≥ 0 and u + v ≤ 1. 4: both from 0 to 1.
     origin : ndarray, shape (3,)

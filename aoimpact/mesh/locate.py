@@ -101,7 +101,7 @@ def _candidates(mesh: Mesh, point: FloatArray) -> IntArray:
 def _reference_place(
     element: ReferenceElement, corners: FloatArray, point: FloatArray
 ) -> FloatArray:
-    """Solve Σ φ_a(ξ) x_a = point by Newton's method, held within the element and a little more."""
+    """Solve Σ φ_a(ξ) x_a = point by Newton's method, not far outside the element."""
     middle = element.nodes[: element.n_corners].mean(axis=0)
     place: FloatArray = middle
     for _ in range(_MOST_STEPS):

@@ -46,7 +46,7 @@ def motions_at(places: FloatArray) -> FloatArray:
 def unresisted_motions(K: Any, M: Any, motions: FloatArray) -> FloatArray:
     """Return an M-orthonormal basis of the rigid motions with K r = 0, shape (n, r).
 
-    Every combination of the motions is looked at (a body hinged about any line turns about it),
+    Every combination of the motions is tested (a body hinged about any line turns about it),
     for each part of the body that K does not connect with the rest.
 
     Parameters

@@ -50,7 +50,7 @@ class Place:
     x : ndarray, shape (n, 3)
         m.
     distance : ndarray, shape (n,)
-        How far from what was asked for, m.
+        Distance from the given point, m.
     """
 
     face: IntArray
@@ -82,7 +82,7 @@ class Surface:
 
     @cached_property
     def part(self) -> IntArray:
-        """For each element, which of the parts that hang together by whole sides it is in."""
+        """For each element, the number of its part; elements of one part share whole sides."""
         n = self.mesh.n_cells
         links = sp.coo_array((np.ones(len(self.joined), bool), tuple(self.joined.T)), shape=(n, n))
         part: IntArray = sp.csgraph.connected_components(links, directed=False)[1].astype(np.int64)
@@ -163,7 +163,8 @@ class Surface:
         ----------
         points : ndarray, shape (n, 3)
         axis : ndarray, shape (3,)
-            Unit vector; only faces that look that way (or the other, if not `outward`) count.
+            Unit vector; only faces whose normal points that way count (the other way, if not
+            `outward`).
         reach : float
             How far from the points, m, along the axis and against it.
         """

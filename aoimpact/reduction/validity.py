@@ -13,11 +13,11 @@ from .star import AOModel
 __all__ = ["fitted_time", "fitted_times", "knows", "unbalanced"]
 
 
-# Factor by which a contact may be shorter than what was fitted before it is looked at: measured on
+# Factor by which a contact may be shorter than what was fitted before it is checked: measured on
 # twelve impacts with three and eight oscillators, down to there the force is hardly worse.
 _SHORTER = 3.0
 
-# And by which the times grow at which longer ones are looked at: of three oscillators a contact 1.5
+# And by which the times grow at which longer ones are checked: of three oscillators a contact 1.5
 # times as long may have a fifth of the force wrong, where eight know one of three times.
 _LONGER = 1.15
 
@@ -28,7 +28,7 @@ _BALANCED = 5e-3
 
 
 def fitted_times(models: Sequence[Any]) -> tuple[float, float]:
-    """Return between which durations of a contact the models need not be looked at, s."""
+    """Return between which durations of a contact the models need no check, s."""
     fitted = [time for time in map(fitted_time, models) if time is not None]
     return max(fitted, default=0.0) / _SHORTER, min(fitted, default=math.inf)
 
@@ -62,7 +62,7 @@ def unbalanced(model: AOModel | InterfaceModel, s: float, port: int = 0) -> floa
 
     √(rᵀD⁻¹r / bᵀX) of the residual r = b - (K + s²M) X, D the diagonal of K + s²M.
     """
-    point, x = model.contact_points[port], model.deflection(s, port)
+    point, x = model.contact_points[port], model._deflection(s, port)
     body = point.body
     K, M, rigid = body.K, body.M, body.rigid_modes
     left = point.b - K @ x - s**2 * (M @ x)

@@ -52,7 +52,7 @@ class StarBody(SceneBody):
 
     @property
     def constrained(self) -> bool:
-        return self.model.held
+        return self.model.constrained
 
     @property
     def static_mass(self) -> float:

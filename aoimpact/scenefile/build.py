@@ -238,36 +238,33 @@ class Builder:
         table = dict(table)
         with self.located(*place, "law"):
             if isinstance(table.get("k"), Mapping):
+                surfaces = [
+                    part
+                    for surface in table["k"]["between"]
+                    for part in (self._material(surface["material"]), surface["radius"])
+                ]
                 if "yield_pressure" in table:
-                    return self._yielding(table)
-                if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
-                    raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
-                if "relative_radius" in table:
-                    raise InputError("relative_radius: it follows from the two surfaces of k")
-                one, two = table["k"]["between"]
-                surfaces = Hertz.between(
-                    self._material(one["material"]),
-                    one["radius"],
-                    self._material(two["material"]),
-                    two["radius"],
-                    angle=table["k"].get("angle", 0.0),
-                )
-                table |= {"k": surfaces.k, "relative_radius": surfaces.relative_radius}
+                    return _yielding(table, surfaces)
+                table |= _of_surfaces(table, surfaces)
             law: ContactLaw = _made(LAWS, table)
             return law
 
-    def _yielding(self, table: Mapping[str, Any]) -> Thornton:
-        """Thornton's law of two surfaces that yield under a pressure."""
-        if "angle" in table["k"]:
-            raise InputError("angle: with yield_pressure the surfaces are spheres, flats or cups")
-        one, two = table["k"]["between"]
-        return Thornton.between(
-            self._material(one["material"]),
-            one["radius"],
-            self._material(two["material"]),
-            two["radius"],
-            yield_pressure=table["yield_pressure"],
-        )
+
+def _yielding(table: Mapping[str, Any], surfaces: list[Any]) -> Thornton:
+    """Thornton's law of two surfaces that yield under a pressure."""
+    if "angle" in table["k"]:
+        raise InputError("angle: with yield_pressure the surfaces are spheres, flats or cups")
+    return Thornton.between(*surfaces, yield_pressure=table["yield_pressure"])
+
+
+def _of_surfaces(table: Mapping[str, Any], surfaces: list[Any]) -> dict[str, float | None]:
+    """The parameters of a law that follow from two surfaces by Hertz's theory."""
+    if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
+        raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
+    if "relative_radius" in table:
+        raise InputError("relative_radius: it follows from the two surfaces of k")
+    hertz = Hertz.between(*surfaces, angle=table["k"].get("angle", 0.0))
+    return {"k": hertz.k, "relative_radius": hertz.relative_radius}
 
 
 _REDUCTIONS: dict[str, Callable[..., Any]] = {"antioscillators": antioscillators, "modal": modal}

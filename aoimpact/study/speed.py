@@ -6,7 +6,7 @@ import math
 import time
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..base import (
     AOImpactError,
@@ -123,13 +123,18 @@ def work_precision(
         *_adaptive_runs(scene, adaptive),
         *(_scipy_run(ode, bodies[0], velocity, name, rtol) for name in names for rtol in _SCIPY),
     ]
-    rows = tuple(_measure(*run, exact.outcome, velocity, count) for run in runs)
+    rows = tuple(_measure(run, exact.outcome, velocity, count) for run in runs)
     labels = f"{bodies[0].label} on {bodies[1].label}"
     title = f"{labels}, {law}, {velocity:g} m/s, {quantity(duration, 's')}"
     return WorkPrecision(title, exact, rows)
 
 
-_Run = tuple[str, str, Callable[[], Outcome]]
+class _Run(NamedTuple):
+    """A method with a setting, as the table names them, and a run of it."""
+
+    method: str
+    setting: str
+    run: Callable[[], Outcome]
 
 
 def _star_body(name: str, body: Any, velocity: float) -> StarBody:
@@ -168,14 +173,14 @@ def _newmark_runs(
     shortest = scene["duration"] / _MOST_STEPS
     default = [share * contact_time for share in _NEWMARK if share * contact_time >= shortest]
     return [
-        ("Newmark", f"dt={dt:.3g} s", _simulation(scene, Newmark(dt=dt, estimate=False)))
+        _Run("Newmark", f"dt={dt:.3g} s", _simulation(scene, Newmark(dt=dt, estimate=False)))
         for dt in _settings("newmark", steps, default)
     ]
 
 
 def _adaptive_runs(scene: dict[str, Any], tolerances: Iterable[float] | None) -> list[_Run]:
     return [
-        ("Adaptive", f"rtol={rtol:.3g}", _simulation(scene, Adaptive(rtol=rtol)))
+        _Run("Adaptive", f"rtol={rtol:.3g}", _simulation(scene, Adaptive(rtol=rtol)))
         for rtol in _settings("adaptive", tolerances, _ADAPTIVE)
     ]
 
@@ -184,13 +189,13 @@ def _scipy_run(
     ode: OdeScene | None, projectile: SceneBody, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
-    unseen = projectile.omitted[0] * velocity
+    omitted = projectile.omitted[0] * velocity
 
     def run() -> Outcome:
         done = ode.run(method, rtol, _LONGEST)
-        return Outcome(done.peak_force, done.contact_duration, done.rebound_velocity + unseen)
+        return Outcome(done.peak_force, done.contact_duration, done.rebound_velocity + omitted)
 
-    return f"SciPy {method}", f"rtol={rtol:.3g}", run
+    return _Run(f"SciPy {method}", f"rtol={rtol:.3g}", run)
 
 
 def _outcome(result: Result) -> Outcome:
@@ -221,9 +226,9 @@ def _given(reference: Result | Reference) -> Reference:
 def _with_independent(
     reference: Reference, ode: OdeScene, projectile: SceneBody, velocity: float
 ) -> Reference:
-    """Where SciPy cannot do it in reasonable time, the reference stands alone."""
+    """The reference with its distance from SciPy, unless that takes too long."""
     try:
-        second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT)[2]()
+        second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT).run()
     except AOImpactError:
         return reference
     distance = max(_errors(second, reference.outcome, velocity))
@@ -245,14 +250,8 @@ def _relative(value: float, exact: float) -> float:
     return abs(value - exact) / abs(exact) if exact else math.inf
 
 
-def _measure(
-    method: str,
-    setting: str,
-    run: Callable[[], Outcome],
-    exact: Outcome,
-    velocity: float,
-    repeats: int,
-) -> Measurement:
+def _measure(timed: _Run, exact: Outcome, velocity: float, repeats: int) -> Measurement:
+    method, setting, run = timed
     best, spent, done = math.inf, 0.0, 0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", AOImpactWarning)  # a bad setting shows by its error

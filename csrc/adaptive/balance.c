@@ -9,7 +9,7 @@
 #include "law/law.h"
 #include "model/coupled.h"
 #include "model/system.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 
@@ -58,9 +58,9 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
     for (size_t i = 0; i < e->count; i++) {
         const aoi_contact_state *contact = &run->balanced[i];
         double here, rate, acceleration;
-        aoi_flight pair;
+        aoi_free_pair pair;
         aoi_pair_now(run, contact->at[0], &pair);
-        aoi_flight_indentation(&pair, &here, &rate, &acceleration);
+        aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
         e->free[i] = here + time * rate;
         e->rate_free[i] = time > 0.0 ? (e->free[i] - contact->indentation) / time : 0.0;
         for (size_t k = 0; k < width; k++) {
@@ -98,9 +98,9 @@ static double placed(const aoi_adaptive *run, size_t c)
 {
     const aoi_contact *of = &run->system->contact[c];
     double indentation, rate, acceleration;
-    aoi_flight pair;
+    aoi_free_pair pair;
     aoi_pair_now(run, c, &pair);
-    aoi_flight_indentation(&pair, &indentation, &rate, &acceleration);
+    aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = pair.body[side];
         for (size_t q = 0; body->residual && q < body->ports; q++) {

@@ -2,7 +2,7 @@
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "model/system.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 
@@ -77,7 +77,7 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
 
 /* The compliance of both ports to a sudden force, 1/kg, and how far held bodies can swing by
  * themselves; infinite where they move freely. */
-static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
+static void mobility_of(const aoi_free_pair *pair, double *mobility, double *swing)
 {
     *mobility = *swing = 0.0;
     for (int side = 0; side < 2; side++) {
@@ -96,9 +96,9 @@ static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
 /* What a load that rises from nothing comes to while the contact takes it, as an acceleration: it and the
  * time that the contact takes hang on each other, loosely. */
 static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contact, const aoi_law *law,
-                     const aoi_flight *pair)
+                     const aoi_free_pair *pair)
 {
-    const double jerk = aoi_flight_jerk(pair);
+    const double jerk = aoi_free_pair_jerk(pair);
     const double left = run->end - pair->time;
     double time = left;
     for (int side = 0; side < 2; side++) {
@@ -115,7 +115,7 @@ static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contac
 
 /* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
  * that the first steps are rather too careful. */
-static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_flight *pair, double rate,
+static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate,
                             double acceleration)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
@@ -178,14 +178,14 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     const aoi_contact *of = &run->system->contact[c];
     const double rest = aoi_law_rest(of->law, contact->memory);
     double here, rate, acceleration;
-    aoi_flight pair;
+    aoi_free_pair pair;
     aoi_law_value value;
     aoi_watch_remove(run, c);
     list_closed(run, c);
     aoi_body_engage(run, of->body[0], 1);
     aoi_body_engage(run, of->body[1], 1);
     aoi_pair_now(run, c, &pair);
-    aoi_flight_indentation(&pair, &here, &rate, &acceleration);
+    aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
     here -= aoi_contact_bent(run, c, 0);
     rate -= aoi_contact_bent(run, c, 1);
     run->unbalanced = 1;

@@ -1,7 +1,7 @@
 /* When a contact will let go, before it does: what is left of it is taken in steps that fit. */
 #include "adaptive/run.h"
 #include "law/law.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "collocation/collocation.h"
 
 #include <float.h>
@@ -30,7 +30,7 @@ static double slowness(double e, double power)
 /* With several contacts at once none ends as it would alone. */
 static const aoi_adaptive_contact *only_contact(const aoi_adaptive *run)
 {
-    return run->closed_count == 1 ? &run->contact[run->stage[0].contact] : NULL;
+    return run->closed_count == 1 ? &run->contact[run->entry[0].contact] : NULL;
 }
 
 double aoi_release_after(const aoi_adaptive *run, double within)
@@ -39,12 +39,12 @@ double aoi_release_after(const aoi_adaptive *run, double within)
     if (!contact || contact->piece == AOI_SLACK || !(contact->start_rate < 0.0)) {
         return HUGE_VAL;
     }
-    const size_t c = run->stage[0].contact;
+    const size_t c = run->entry[0].contact;
     const aoi_law *law = run->system->contact[c].law;
     const double depth = contact->start - aoi_law_rest(law, contact->memory);
     double here, rate, acceleration;
     aoi_law_value value;
-    aoi_flight pair;
+    aoi_free_pair pair;
     aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
     if (!(depth > 0.0) || !(value.force > 0.0)) {
         return HUGE_VAL;
@@ -58,7 +58,7 @@ double aoi_release_after(const aoi_adaptive *run, double within)
         return HUGE_VAL;
     }
     aoi_pair_now(run, c, &pair);
-    aoi_flight_indentation(&pair, &here, &rate, &acceleration);
+    aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
     const double speed = rate * rate + gain;
     return depth / sqrt(speed) * slowness(gain / speed, power);
 }

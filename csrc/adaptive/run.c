@@ -1,4 +1,4 @@
-/* The adaptive run: contact by collocation in steps of base 2^(-level/8), flight in closed form, and what
+/* The adaptive run: contact by collocation in steps of base 2^(-level/8), free motion in closed form, and what
  * makes the one follow the other. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
@@ -6,7 +6,7 @@
 #include "law/law.h"
 #include "model/system.h"
 #include "motion/energy.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 #include "motion/response.h"
 #include "collocation/collocation.h"
@@ -23,7 +23,7 @@ enum {
 /* An event closer to the start than this share of the step happens at the start. */
 static const double AT_START = 1e-9;
 
-/* Beside a contact, bodies that fly and ring are looked at so many steps ahead. */
+/* Beside a contact, bodies that move freely and ring are looked at so many steps ahead. */
 static const double STEPS_AHEAD = 64.0;
 
 /* A rest of a step shorter than this share of it is taken along: over it rates are noise. */
@@ -83,7 +83,7 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     (void)aoi_memory_take(&memory, 1, sizeof *run);
     run->body = aoi_memory_take(&memory, bodies, sizeof *run->body);
     run->contact = aoi_memory_take(&memory, contacts, sizeof *run->contact);
-    run->stage = aoi_memory_take(&memory, contacts, sizeof *run->stage);
+    run->entry = aoi_memory_take(&memory, contacts, sizeof *run->entry);
     run->response = aoi_memory_take(&memory, bodies, sizeof *run->response);
     run->balanced = aoi_memory_take(&memory, contacts, sizeof *run->balanced);
     run->engaged.at = aoi_memory_numbers(&memory, bodies);
@@ -96,7 +96,7 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     run->flight[0] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
     run->flight[1] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
     run->scratch = aoi_memory_doubles(&memory, 2 * aoi_system_most_modes(system));
-    run->port_force = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_STAGES);
+    run->port_force = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
     run->collocation = aoi_memory_doubles(&memory, aoi_collocation_size(contacts, run->span));
     for (size_t b = 0; b < bodies; b++) {
         const size_t tables = tables_of(&system->body[b]);
@@ -225,7 +225,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
 
 aoi_progress aoi_adaptive_progress(const aoi_adaptive *run)
 {
-    return (aoi_progress){run->time, run->steps, run->rejected, run->x, run->v};
+    return (aoi_progress){run->time, run->steps, run->rejected, run->failed, run->x, run->v};
 }
 
 aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
@@ -234,9 +234,9 @@ aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
     return (aoi_peak){of->peak_force, of->peak_time, of->impulse};
 }
 
-/* ---------------------------------------------------------------------------------- flight */
+/* ---------------------------------------------------------------------------------- free motion */
 
-/* A body without oscillations: one look sees its flight to the end. */
+/* A body without oscillations: one look sees its free motion to the end. */
 static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
 
 /* Looks when the bodies of a watched contact touch, up to limit, on copies of their states. */
@@ -246,7 +246,7 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_contact *of = &system->contact[c];
     const double now = aoi_run_now(run);
-    aoi_flight pair;
+    aoi_free_pair pair;
     aoi_watch_remove(run, c);
     aoi_pair_now(run, c, &pair);
     pair.gap += aoi_law_rest(of->law, contact->memory) + contact->slack;
@@ -256,20 +256,20 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
             copy[j] = run->x[first + j];
             copy[n + j] = run->v[first + j];
         }
-        aoi_modes_fly(&system->body[b], run->body[b].time, now, copy, copy + n);
+        aoi_modes_advance(&system->body[b], run->body[b].time, now, copy, copy + n);
         pair.x[side] = copy;
         pair.v[side] = copy + n;
         copy += 2 * n;
     }
     limit = is_simple(pair.body[0]) && is_simple(pair.body[1]) ? run->end : limit;
     const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
-    const int status = aoi_flight_next_touch(&pair, limit, most, &contact->touches);
+    const int status = aoi_free_pair_next_touch(&pair, limit, most, &contact->touches);
     contact->free_until = pair.time;
     aoi_watch_add(run, c);
     if (status == AOI_ERROR_NO_CONVERGENCE && pair.time > now) {
         return AOI_OK; /* so far at least */
     }
-    run->culprit = status != AOI_OK ? c : run->culprit;
+    run->failed = status != AOI_OK ? c : run->failed;
     return status;
 }
 
@@ -292,7 +292,7 @@ static void land(aoi_adaptive *run, size_t c, const double *copy)
 
 /* Nothing touches: on to the first touch of all, or to the end; or, where that takes long to find, as far as it is
  * certain that nothing does. */
-static int flight(aoi_adaptive *run)
+static int move_freely(aoi_adaptive *run)
 {
     size_t c, landed = run->system->contact_count;
     aoi_step_release(run);
@@ -331,9 +331,9 @@ static int flight(aoi_adaptive *run)
 
 /* ------------------------------------------------------------------------- a step of contact */
 
-/* Closes contacts of bodies in flight whose time has come, and finds out how long the others are
+/* Closes contacts of bodies in free motion whose time has come, and finds out how long the others are
  * certain not to touch. */
-static int watch_flights(aoi_adaptive *run)
+static int watch_free_pairs(aoi_adaptive *run)
 {
     const size_t none = run->system->contact_count;
     const double now = aoi_run_now(run), step = step_of_level(run);
@@ -359,7 +359,7 @@ static int prepare(aoi_adaptive *run, double *limit)
 {
     do {
         aoi_step_prepare(run);
-        const int status = watch_flights(run);
+        const int status = watch_free_pairs(run);
         if (status != AOI_OK) {
             return status;
         }
@@ -440,7 +440,7 @@ static int law_fails(aoi_adaptive *run)
     for (size_t c = 0; c < run->system->contact_count; c++) {
         const aoi_law *law = run->system->contact[c].law;
         if (law->note && !isnan(law->note[0])) {
-            run->culprit = c;
+            run->failed = c;
             return 1;
         }
     }
@@ -500,12 +500,12 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;
 }
 
-/* Bodies that have not been asked for since fly on to the end. */
+/* Bodies that have not been asked for since move on freely to the end. */
 static void bring_all_home(aoi_adaptive *run)
 {
     for (size_t b = 0; b < run->system->body_count; b++) {
         const size_t at = run->system->first[b];
-        aoi_modes_fly(&run->system->body[b], run->body[b].time, run->end, run->x + at, run->v + at);
+        aoi_modes_advance(&run->system->body[b], run->body[b].time, run->end, run->x + at, run->v + at);
         run->body[b].time = run->end;
     }
 }
@@ -524,7 +524,7 @@ static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
     } else if (run->changed.count > 0) {
         size = aoi_step_write(run, 0.0, 0, row);
     } else {
-        status = flight(run);
+        status = move_freely(run);
         *paused = run->time < run->end && run->closed.count == 0;
     }
     if (status == AOI_OK && size > 0) {

@@ -3,11 +3,11 @@
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <math.h>
@@ -76,32 +76,32 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
 
 /* What contact forces take from an indentation at the start by residual compliances, m: by the bodies' places,
  * since a force that has just begun is known only roughly. */
-static double bent_at_start(const aoi_adaptive *run, const aoi_stage *stage)
+static double bent_at_start(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     double without_forces, rate, acceleration;
-    aoi_flight pair;
-    if (!aoi_contact_has_residual(run, stage->contact)) {
+    aoi_free_pair pair;
+    if (!aoi_contact_has_residual(run, entry->contact)) {
         return 0.0;
     }
-    aoi_pair_now(run, stage->contact, &pair);
-    aoi_flight_indentation(&pair, &without_forces, &rate, &acceleration);
-    return without_forces - stage->start;
+    aoi_pair_now(run, entry->contact, &pair);
+    aoi_free_pair_indentation(&pair, &without_forces, &rate, &acceleration);
+    return without_forces - entry->start;
 }
 
-static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_rates)
+static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, double h, int with_rates)
 {
-    const aoi_contact *contact = &run->system->contact[stage->contact];
-    const double bent = bent_at_start(run, stage);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        stage->homogeneous[i] = stage->start + bent;
-        stage->homogeneous_rate[i] =
+    const aoi_contact *contact = &run->system->contact[entry->contact];
+    const double bent = bent_at_start(run, entry);
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        entry->homogeneous[i] = entry->start + bent;
+        entry->homogeneous_rate[i] =
             with_rates ? -bent / h * aoi_radau_slope_at_node[0][i] : 0.0;
     }
     for (int side = 0; side < 2; side++) {
         const size_t b = contact->body[side], at = run->system->first[b];
         aoi_response_homogeneous(&run->response[b], &run->system->body[b], contact->port[side],
                                  side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
-                                 stage->homogeneous, with_rates ? stage->homogeneous_rate : NULL);
+                                 entry->homogeneous, with_rates ? entry->homogeneous_rate : NULL);
     }
 }
 
@@ -111,12 +111,12 @@ static void draw_on(const aoi_adaptive_contact *contact, double h, double *inden
     const double stretch = h / contact->last_length;
     if (stretch == 1.0 && !rate) {
         const double *beyond = &aoi_radau_legendre_beyond[0][0];
-        aoi_stages_multiply_from(contact->last[0], beyond, contact->last + 1, indentation);
+        aoi_nodes_multiply_from(contact->last[0], beyond, contact->last + 1, indentation);
         return;
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         double slope;
-        indentation[i] = aoi_legendre_evaluate(AOI_STAGES + 1, contact->last,
+        indentation[i] = aoi_legendre_evaluate(AOI_NODES + 1, contact->last,
                                                1.0 + aoi_radau_node[i] * stretch, &slope);
         if (rate) {
             rate[i] = slope / contact->last_length;
@@ -127,7 +127,7 @@ static void draw_on(const aoi_adaptive_contact *contact, double h, double *inden
 /* The same of the motion at its start. */
 static void draw_line(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         indentation[i] = contact->start + h * aoi_radau_node[i] * contact->start_rate;
         rate[i] = contact->start_rate;
     }
@@ -137,22 +137,22 @@ static void draw_line(const aoi_adaptive_contact *contact, double h, double *ind
  * deeper than that. Where other contacts press on the same massless place this bounds nothing: it would
  * leap away, at rates without limit. */
 static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int shared,
-                  aoi_stage *stage)
+                  aoi_contact_step *entry)
 {
     const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
-    double drawn_on[AOI_STAGES], rate[AOI_STAGES], largest = 0.0;
+    double drawn_on[AOI_NODES], rate[AOI_NODES], largest = 0.0;
     if (known) {
         draw_on(contact, h, drawn_on, with_rates ? rate : NULL);
     } else if (shared) {
         draw_line(contact, h, drawn_on, rate);
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        const int shallower = shared || (known && drawn_on[i] < stage->homogeneous[i]);
-        stage->indentation[i] = shallower ? drawn_on[i] : stage->homogeneous[i];
-        stage->rate[i] = shallower && with_rates ? rate[i] : stage->homogeneous_rate[i];
-        largest = fabs(stage->indentation[i]) > largest ? fabs(stage->indentation[i]) : largest;
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        const int shallower = shared || (known && drawn_on[i] < entry->homogeneous[i]);
+        entry->indentation[i] = shallower ? drawn_on[i] : entry->homogeneous[i];
+        entry->rate[i] = shallower && with_rates ? rate[i] : entry->homogeneous_rate[i];
+        largest = fabs(entry->indentation[i]) > largest ? fabs(entry->indentation[i]) : largest;
     }
-    stage->scale = fmax(largest, (shared ? SHARED_NEWTON_SHARE : NEWTON_SHARE) * usual);
+    entry->scale = fmax(largest, (shared ? SHARED_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
 /* Which edge of a contact a step of length h has. */
@@ -172,20 +172,20 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;
 }
 
-/* Fills the stage of a closed contact for a step of length h. */
-static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
+/* Fills the entry of a closed contact for a step of length h. */
+static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
 {
-    aoi_stage *stage = &run->stage[s];
-    const aoi_adaptive_contact *contact = &run->contact[stage->contact];
-    stage->memory = contact->memory;
-    stage->piece = contact->piece;
-    stage->edge = edge_of(run, stage->contact, h);
-    stage->start_force = contact->force;
-    stage->start = contact->start;
-    stage->start_rate = contact->start_rate;
-    homogeneous(run, stage, h, with_rates);
-    const int shared = run->closed_count > 1 && aoi_contact_has_residual(run, stage->contact);
-    guess(contact, h, run->indentation_scale, with_rates, shared, stage);
+    aoi_contact_step *entry = &run->entry[s];
+    const aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    entry->memory = contact->memory;
+    entry->piece = contact->piece;
+    entry->edge = edge_of(run, entry->contact, h);
+    entry->start_force = contact->force;
+    entry->start = contact->start;
+    entry->start_rate = contact->start_rate;
+    homogeneous(run, entry, h, with_rates);
+    const int shared = run->closed_count > 1 && aoi_contact_has_residual(run, entry->contact);
+    guess(contact, h, run->indentation_scale, with_rates, shared, entry);
 }
 
 /* The step's forces on the ports of all bodies under force. */
@@ -194,17 +194,17 @@ static void gather_forces(aoi_adaptive *run)
     const aoi_system *system = run->system;
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i];
-        double *force = run->port_force + system->first_port[b] * AOI_STAGES;
-        for (size_t k = 0; k < system->body[b].ports * AOI_STAGES; k++) {
+        double *force = run->port_force + system->first_port[b] * AOI_NODES;
+        for (size_t k = 0; k < system->body[b].ports * AOI_NODES; k++) {
             force[k] = 0.0;
         }
     }
     for (size_t s = 0; s < run->closed_count; s++) {
-        const aoi_contact *contact = &system->contact[run->stage[s].contact];
+        const aoi_contact *contact = &system->contact[run->entry[s].contact];
         for (int side = 0; side < 2; side++) {
             const size_t port = run->system->first_port[contact->body[side]] + contact->port[side];
-            aoi_stages_add(side == 0 ? -1.0 : 1.0, run->stage[s].force,
-                           run->port_force + port * AOI_STAGES);
+            aoi_nodes_add(side == 0 ? -1.0 : 1.0, run->entry[s].force,
+                           run->port_force + port * AOI_NODES);
         }
     }
 }
@@ -214,15 +214,15 @@ static double force_scale_of(const aoi_adaptive *run)
 {
     double largest = 0.0;
     for (size_t s = 0; s < run->closed_count && run->closed_count > 1; s++) {
-        const aoi_adaptive_contact *contact = &run->contact[run->stage[s].contact];
+        const aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
         const double stop = contact->impulse_scale * contact->rate_scale;
-        largest = fmax(largest, fmax(contact->peak_force, aoi_step_force(&run->stage[s])));
+        largest = fmax(largest, fmax(contact->peak_force, aoi_step_force(&run->entry[s])));
         largest = stop > 0.0 ? fmax(largest, stop / contact->indentation_scale) : largest;
     }
     return largest;
 }
 
-/* Contacts that share a body are at most so many stages apart. */
+/* Contacts that share a body are at most so many entries apart. */
 static size_t span_of(const aoi_adaptive *run)
 {
     return run->closed_count < 2 ? 0
@@ -233,7 +233,7 @@ static size_t span_of(const aoi_adaptive *run)
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
 {
     const int with_rates =
-        aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
+        aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
     *attempt = (aoi_attempt){h, 0.0, 2.0, 0};
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i], before = i > 0 ? run->engaged.at[i - 1] : b;
@@ -243,28 +243,28 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
             make_response(run, b, h, level, with_rates);
         }
     }
-    for (size_t s = 0; s < run->stage_count; s++) {
-        run->contact[run->stage[s].contact].event = AOI_EVENT_NONE;
-        run->contact[run->stage[s].contact].event_place = HUGE_VAL;
+    for (size_t s = 0; s < run->entry_count; s++) {
+        run->contact[run->entry[s].contact].event = AOI_EVENT_NONE;
+        run->contact[run->entry[s].contact].event_place = HUGE_VAL;
         if (s < run->closed_count) {
-            run->contact[run->stage[s].contact].slack = 0.0;
-            begin_stage(run, s, h, with_rates);
+            run->contact[run->entry[s].contact].slack = 0.0;
+            begin_entry(run, s, h, with_rates);
         }
     }
     if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
-                              run->stage, run->collocation) != AOI_OK) {
+                              run->entry, run->collocation) != AOI_OK) {
         return;
     }
     gather_forces(run);
     run->force_scale = force_scale_of(run);
     attempt->growth = HUGE_VAL;
     for (size_t s = 0; s < run->closed_count; s++) {
-        const double growth = aoi_step_growth(run, &run->stage[s], h);
+        const double growth = aoi_step_growth(run, &run->entry[s], h);
         attempt->growth = growth < attempt->growth ? growth : attempt->growth;
-        aoi_step_closed_events(run, &run->stage[s], attempt);
-        aoi_step_doze(run, &run->stage[s], attempt);
+        aoi_step_closed_events(run, &run->entry[s], attempt);
+        aoi_step_skip(run, &run->entry[s], attempt);
     }
-    for (size_t s = run->closed_count; s < run->stage_count; s++) {
-        aoi_step_open_events(run, &run->stage[s], attempt);
+    for (size_t s = run->closed_count; s < run->entry_count; s++) {
+        aoi_step_open_events(run, &run->entry[s], attempt);
     }
 }

@@ -7,23 +7,23 @@
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <math.h>
 
 /* Where in the step the force has its largest maximum: that of the indentation, or, under a law that
  * depends on the rate, before it. 1 where there is none inside. */
-static double top_of(const aoi_law *law, const aoi_stage *stage)
+static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
-    double place, value, by_force[AOI_STAGES];
+    double place, value, by_force[AOI_NODES];
     if (!law->depends_on_rate) {
-        return aoi_legendre_top(AOI_STAGES + 1, stage->legendre, &place, &value) ? place : 1.0;
+        return aoi_legendre_top(AOI_NODES + 1, entry->legendre, &place, &value) ? place : 1.0;
     }
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        by_force[k] = aoi_stages_dot(aoi_radau_to_legendre[k], stage->force);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        by_force[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], entry->force);
     }
-    return aoi_legendre_top(AOI_STAGES, by_force, &place, &value) ? place : 1.0;
+    return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
 static void take_peak(const aoi_adaptive *run, double force, double after, aoi_adaptive_contact *contact)
@@ -39,29 +39,29 @@ void aoi_contact_note_peak(aoi_adaptive *run, size_t c)
     take_peak(run, run->contact[c].force, 0.0, &run->contact[c]);
 }
 
-static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h, aoi_adaptive_contact *contact)
+static void note_peak(const aoi_adaptive *run, const aoi_contact_step *entry, double h, aoi_adaptive_contact *contact)
 {
-    const aoi_law *law = aoi_step_law(run, stage);
-    double rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1], slope, rate = 0.0;
+    const aoi_law *law = aoi_step_law(run, entry);
+    double rates[AOI_NODES + 1] = {entry->start_rate}, by_rate[AOI_NODES + 1], slope, rate = 0.0;
     aoi_law_value value;
-    if (!aoi_step_may_peak(contact, stage)) {
+    if (!aoi_step_may_peak(contact, entry)) {
         return;
     }
-    const double place = top_of(law, stage);
+    const double place = top_of(law, entry);
     if (law->depends_on_rate) {
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            rates[i + 1] = stage->rate[i];
+        for (size_t i = 0; i < AOI_NODES; i++) {
+            rates[i + 1] = entry->rate[i];
         }
         aoi_legendre_fit(rates, by_rate); /* a slope over a very short step would be noise */
-        rate = aoi_legendre_evaluate(AOI_STAGES + 1, by_rate, place, &slope);
+        rate = aoi_legendre_evaluate(AOI_NODES + 1, by_rate, place, &slope);
     }
     if (place < 1.0) {
         const double indentation =
-            aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, place, &slope);
-        aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
+            aoi_legendre_evaluate(AOI_NODES + 1, entry->legendre, place, &slope);
+        aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
         take_peak(run, value.force, place * h, contact);
     }
-    aoi_step_law_at_end(law, stage, &value);
+    aoi_step_law_at_end(law, entry, &value);
     take_peak(run, value.force, h, contact);
 }
 
@@ -69,7 +69,7 @@ static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h,
 static void move_body(aoi_adaptive *run, size_t b, double h)
 {
     const aoi_modes *body = &run->system->body[b];
-    const double *force = run->port_force + run->system->first_port[b] * AOI_STAGES;
+    const double *force = run->port_force + run->system->first_port[b] * AOI_NODES;
     double *x = run->x + run->system->first[b], *v = run->v + run->system->first[b];
     const double now = aoi_run_now(run);
     double *before = run->flight[0], work, dissipated;
@@ -99,34 +99,34 @@ static void move_bodies(aoi_adaptive *run, double h, double later)
 }
 
 /* The largest indentation of the step; between the nodes, too, where the law has a limit. */
-static double deepest(const aoi_law *law, const aoi_stage *stage)
+static double deepest(const aoi_law *law, const aoi_contact_step *entry)
 {
-    const double at_nodes = aoi_step_indentation(stage);
+    const double at_nodes = aoi_step_indentation(entry);
     double place, value;
     const int between = law->limit < HUGE_VAL &&
-                        aoi_legendre_top(AOI_STAGES + 1, stage->legendre, &place, &value);
+                        aoi_legendre_top(AOI_NODES + 1, entry->legendre, &place, &value);
     return between ? fmax(at_nodes, value) : at_nodes;
 }
 
 /* Whether the forces at the nodes are the law's, or a line drawn on beyond it. */
-static int stands(const aoi_law *law, const aoi_stage *stage)
+static int stands(const aoi_law *law, const aoi_contact_step *entry)
 {
     int all = 1;
-    for (size_t i = 0; i < AOI_STAGES && law->compliance > 0.0 && law->depends_on_rate && all; i++) {
-        all = stage->force[i] <= 0.0 ||
-              aoi_law_stands(law, stage->memory, stage->indentation[i], stage->rate[i]);
+    for (size_t i = 0; i < AOI_NODES && law->compliance > 0.0 && law->depends_on_rate && all; i++) {
+        all = entry->force[i] <= 0.0 ||
+              aoi_law_stands(law, entry->memory, entry->indentation[i], entry->rate[i]);
     }
     return all;
 }
 
 /* At an edge the nodes' polynomial is right on the whole, but not at its end. */
-static double force_at_end(const aoi_law *law, const aoi_stage *stage)
+static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
 {
     aoi_law_value value;
-    if (stage->edge == AOI_EDGE_NONE) {
-        return stage->force[AOI_STAGES - 1];
+    if (entry->edge == AOI_EDGE_NONE) {
+        return entry->force[AOI_NODES - 1];
     }
-    aoi_step_law_at_end(law, stage, &value);
+    aoi_step_law_at_end(law, entry, &value);
     return value.force;
 }
 
@@ -134,56 +134,56 @@ static double force_at_end(const aoi_law *law, const aoi_stage *stage)
 static double end_slope(const double *legendre)
 {
     double sum = 0.0;
-    for (size_t k = 1; k <= AOI_STAGES; k++) {
+    for (size_t k = 1; k <= AOI_NODES; k++) {
         sum += (double)(k * (k + 1)) * legendre[k];
     }
     return sum;
 }
 
-static double force_slope(const aoi_stage *stage)
+static double force_slope(const aoi_contact_step *entry)
 {
-    double legendre[AOI_STAGES + 1] = {0.0};
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        legendre[k] = aoi_stages_dot(aoi_radau_to_legendre[k], stage->force);
+    double legendre[AOI_NODES + 1] = {0.0};
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], entry->force);
     }
     return end_slope(legendre);
 }
 
 /* What a contact has gone through in the step, and its state at the end. */
-static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int with_rates)
+static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double h, int with_rates)
 {
-    aoi_adaptive_contact *contact = &run->contact[stage->contact];
-    const aoi_law *law = aoi_step_law(run, stage);
-    const double largest = deepest(law, stage);
-    const int end = AOI_STAGES - 1;
-    if (largest > law->limit || !stands(law, stage)) {
-        run->culprit = stage->contact;
+    aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    const aoi_law *law = aoi_step_law(run, entry);
+    const double largest = deepest(law, entry);
+    const int end = AOI_NODES - 1;
+    if (largest > law->limit || !stands(law, entry)) {
+        run->failed = entry->contact;
         return AOI_ERROR_PATCH;
     }
-    if (stage->piece != AOI_SLACK) {
-        note_peak(run, stage, h, contact);
-        const double impulse = aoi_collocation_impulse(stage, h);
+    if (entry->piece != AOI_SLACK) {
+        note_peak(run, entry, h, contact);
+        const double impulse = aoi_collocation_impulse(entry, h);
         contact->impulse += impulse;
         contact->since_touch += impulse;
-        contact->work += aoi_collocation_work(stage);
+        contact->work += aoi_collocation_work(entry);
     }
     contact->impulse_scale = fmax(contact->impulse_scale, contact->since_touch);
     contact->indentation_scale = fmax(contact->indentation_scale, largest);
-    for (size_t i = 0; i <= AOI_STAGES; i++) {
-        contact->last[i] = stage->legendre[i];
+    for (size_t i = 0; i <= AOI_NODES; i++) {
+        contact->last[i] = entry->legendre[i];
     }
     contact->last_length = h;
     contact->begins = 0;
-    contact->start = stage->indentation[end];
-    contact->start_rate = stage->rate[end];
+    contact->start = entry->indentation[end];
+    contact->start_rate = entry->rate[end];
     if (!with_rates) {
-        contact->start_rate = end_slope(stage->legendre) / h;
+        contact->start_rate = end_slope(entry->legendre) / h;
     }
-    contact->force = force_at_end(law, stage);
-    contact->bending = stage->force[end];
-    contact->force_rate = aoi_contact_has_residual(run, stage->contact) ? force_slope(stage) / h : 0.0;
+    contact->force = force_at_end(law, entry);
+    contact->bending = entry->force[end];
+    contact->force_rate = aoi_contact_has_residual(run, entry->contact) ? force_slope(entry) / h : 0.0;
     contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));
-    if (stage->piece != AOI_SLACK) {
+    if (entry->piece != AOI_SLACK) {
         aoi_law_remember(law, contact->start, contact->start_rate, contact->memory);
     }
     return AOI_OK;
@@ -212,7 +212,7 @@ void aoi_contact_open(aoi_adaptive *run, size_t c)
     run->contact[c].closed = 0;
 }
 
-static void happen(aoi_adaptive *run, size_t c, double now)
+static void apply_event(aoi_adaptive *run, size_t c, double now)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_law *law = run->system->contact[c].law;
@@ -262,14 +262,14 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
 {
     int some = 0;
     for (size_t s = 0; s < run->closed_count; s++) {
-        aoi_adaptive_contact *contact = &run->contact[run->stage[s].contact];
+        aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
         if (contact->event_place > place) {
             continue;
         }
         if (goes_back(contact)) {
             return 0;
         }
-        happen(run, run->stage[s].contact, aoi_run_now(run));
+        apply_event(run, run->entry[s].contact, aoi_run_now(run));
         some = 1;
     }
     return some;
@@ -284,12 +284,12 @@ static void pass_time(aoi_adaptive *run, double h)
 }
 
 /* The contact that ends with a pull at a place without mass, which snaps back: what it does to the others there
- * hangs on their laws. None: the number of stages. */
+ * hangs on their laws. None: the number of entries. */
 static size_t snapping(const aoi_adaptive *run)
 {
     size_t s = 0;
     for (; s < run->closed_count; s++) {
-        const size_t c = run->stage[s].contact;
+        const size_t c = run->entry[s].contact;
         if (run->system->contact[c].law->pulls && run->contact[c].event == AOI_EVENT_OPEN &&
             run->contact[c].force < 0.0 && aoi_contact_has_residual(run, c)) {
             break;
@@ -302,12 +302,12 @@ static size_t snapping(const aoi_adaptive *run)
 static void events(aoi_adaptive *run, double later)
 {
     run->indentation_scale = run->impulse_scale = 0.0;
-    for (size_t s = 0; s < run->stage_count; s++) {
-        const size_t c = run->stage[s].contact;
+    for (size_t s = 0; s < run->entry_count; s++) {
+        const size_t c = run->entry[s].contact;
         if (run->contact[c].event == AOI_EVENT_TOUCH) {
             aoi_contact_close(run, c);
         } else if (s < run->closed_count) {
-            happen(run, c, later);
+            apply_event(run, c, later);
         }
         run->indentation_scale =
             fmax(run->indentation_scale, run->contact[c].indentation_scale);
@@ -319,11 +319,11 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
 {
     const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
     const int with_rates =
-        aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
+        aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
     *size = aoi_step_write(run, h, run->closed_count, row);
     move_bodies(run, h, later);
     for (size_t s = 0; s < run->closed_count; s++) {
-        const int status = move_contact(run, &run->stage[s], h, with_rates);
+        const int status = move_contact(run, &run->entry[s], h, with_rates);
         if (status != AOI_OK) {
             return status;
         }
@@ -339,7 +339,7 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     events(run, later);
     aoi_balance_at_once(run, h);
     const double lost = before - aoi_balance_book(run, 1.0);
-    run->contact[run->stage[s].contact].work += lost;
+    run->contact[run->entry[s].contact].work += lost;
     row[*size - (run->closed_count - s) * AOI_TRACK_CONTACT_SIZE + AOI_TRACK_LOST] = lost;
     return AOI_OK;
 }

@@ -3,7 +3,7 @@
 #include "adaptive/step.h"
 #include "model/modes.h"
 #include "motion/energy.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x,
     const size_t at = run->system->first[b];
     double work, dissipated;
     if (aoi_body_has_ledger(body)) {
-        aoi_modes_flight_work(body, run->body[b].time, time, run->x + at, run->v + at, x, v,
+        aoi_modes_free_work(body, run->body[b].time, time, run->x + at, run->v + at, x, v,
                               run->flight[0], &work, &dissipated);
         run->body[b].work += work;
         run->body[b].dissipated += dissipated;
@@ -41,7 +41,7 @@ void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
             run->scratch[j] = run->x[at + j];
             run->scratch[n + j] = run->v[at + j];
         }
-        aoi_modes_fly(&run->system->body[b], body->time, now, run->scratch, run->scratch + n);
+        aoi_modes_advance(&run->system->body[b], body->time, now, run->scratch, run->scratch + n);
         aoi_body_account(run, b, now, run->scratch, run->scratch + n);
         for (size_t j = 0; j < n; j++) {
             run->x[at + j] = run->scratch[j];
@@ -59,7 +59,7 @@ void aoi_body_note_change(aoi_adaptive *run, size_t b)
     }
 }
 
-void aoi_pair_now(const aoi_adaptive *run, size_t c, aoi_flight *pair)
+void aoi_pair_now(const aoi_adaptive *run, size_t c, aoi_free_pair *pair)
 {
     const aoi_contact *of = &run->system->contact[c];
     for (int side = 0; side < 2; side++) {
@@ -79,12 +79,12 @@ void aoi_step_release(aoi_adaptive *run)
     for (size_t i = 0; i < run->engaged.count; i++) {
         run->body[run->engaged.at[i]].engaged = 0;
     }
-    for (size_t s = 0; s < run->stage_count; s++) {
-        if (!run->contact[run->stage[s].contact].closed) {
-            aoi_watch_add(run, run->stage[s].contact);
+    for (size_t s = 0; s < run->entry_count; s++) {
+        if (!run->contact[run->entry[s].contact].closed) {
+            aoi_watch_add(run, run->entry[s].contact);
         }
     }
-    run->engaged.count = run->closed_count = run->stage_count = 0;
+    run->engaged.count = run->closed_count = run->entry_count = 0;
 }
 
 /* Open contacts of a body under force take part in the step: whatever was known of them no longer holds. */
@@ -94,7 +94,7 @@ static void bring_along(aoi_adaptive *run, size_t b)
     for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
         const size_t c = system->contact_of[i];
         if (aoi_watch_remove(run, c)) {
-            run->stage[run->stage_count++].contact = c;
+            run->entry[run->entry_count++].contact = c;
             run->contact[c].free_until = -HUGE_VAL;
             run->contact[c].touches = 0;
             aoi_body_engage(run, system->contact[c].body[0], 1);
@@ -108,11 +108,11 @@ void aoi_step_prepare(aoi_adaptive *run)
     aoi_step_release(run);
     for (size_t i = 0; i < run->closed.count; i++) {
         const size_t c = run->closed.at[i];
-        run->stage[i].contact = c;
+        run->entry[i].contact = c;
         aoi_body_engage(run, run->system->contact[c].body[0], 2);
         aoi_body_engage(run, run->system->contact[c].body[1], 2);
     }
-    run->closed_count = run->stage_count = run->closed.count;
+    run->closed_count = run->entry_count = run->closed.count;
     const size_t count = run->engaged.count; /* those brought along bring nobody */
     for (size_t i = 0; i < count; i++) {
         if (run->body[run->engaged.at[i]].engaged == 2) {

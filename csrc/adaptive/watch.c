@@ -1,4 +1,4 @@
-/* Open contacts between bodies in flight, in two heaps: those that are certain not to touch before a time,
+/* Open contacts between bodies in free motion, in two heaps: those that are certain not to touch before a time,
  * and those that touch at it. However many there are, only the first of each is ever looked at. */
 #include "adaptive/run.h"
 

@@ -4,7 +4,7 @@
 #include "motion/path.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "linear/vector.h"
 #include "law/law.h"
 #include "model/modes.h"
@@ -92,7 +92,7 @@ double aoi_modes_bent_work(const aoi_modes *body, double time, const double *for
     return work;
 }
 
-/* ---------------------------------------------------------------------------------- in flight */
+/* ---------------------------------------------------------------------------------- in free motion */
 
 /* What the loads' rise does in all to mode j: sum of slope and shape over the ports. */
 static double rise_on(const aoi_modes *body, size_t j, double time)
@@ -112,7 +112,7 @@ static aoi_path path_of(const aoi_modes *body, size_t j, double from, double len
 {
     double load, slope;
     aoi_modes_drive(body, j, from, &load, &slope);
-    for (size_t k = 2; k < AOI_STAGES; k++) {
+    for (size_t k = 2; k < AOI_NODES; k++) {
         force[k] = 0.0;
     }
     force[1] = 0.5 * slope * length;
@@ -126,7 +126,7 @@ static double rising_work(const aoi_modes *body, double from, double to, double 
     double work = 0.0;
     for (size_t j = 0; j < body->n; j++) {
         const double rise = rise_on(body, j, from);
-        double force[AOI_STAGES], squared, moment;
+        double force[AOI_NODES], squared, moment;
         if (rise != 0.0) {
             const aoi_path path = path_of(body, j, from, to - from, x[j], v[j], force);
             aoi_path_integrals(&path, &squared, &moment);
@@ -134,7 +134,7 @@ static double rising_work(const aoi_modes *body, double from, double to, double 
         }
     }
     work -= loaded(body, from, x);
-    aoi_modes_fly(body, from, to, x, v);
+    aoi_modes_advance(body, from, to, x, v);
     return work + loaded(body, from, x);
 }
 
@@ -155,7 +155,7 @@ static double changing_work(const aoi_modes *body, double from, double to, const
     return work;
 }
 
-void aoi_modes_flight_work(const aoi_modes *body, double from, double to, const double *x0,
+void aoi_modes_free_work(const aoi_modes *body, double from, double to, const double *x0,
                            const double *v0, const double *x1, const double *v1, double *scratch,
                            double *work, double *dissipated)
 {
@@ -188,7 +188,7 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
                      const double *force, double x, double v, step_integrals *sum)
 {
     const double rise = rise_on(body, j, from), decay = body->decay ? body->decay[j] : 0.0;
-    double push[AOI_STAGES] = {0.0}, whole[AOI_STAGES], squared, moment;
+    double push[AOI_NODES] = {0.0}, whole[AOI_NODES], squared, moment;
     if (rise == 0.0 && decay == 0.0) {
         return;
     }
@@ -196,10 +196,10 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
     path.place = place;
     path.straight = 0;
     for (size_t p = 0; p < body->ports; p++) {
-        aoi_stages_add(body->push[p * body->n + j], force + p * AOI_STAGES, push);
+        aoi_nodes_add(body->push[p * body->n + j], force + p * AOI_NODES, push);
     }
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        whole[k] += aoi_stages_dot(aoi_radau_to_legendre[k], push);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        whole[k] += aoi_nodes_dot(aoi_radau_to_legendre[k], push);
     }
     aoi_path_integrals(&path, &squared, &moment);
     sum->lost += 2.0 * decay * aoi_modes_inertia(body, j) * squared;
@@ -211,15 +211,15 @@ static double bent_by(const aoi_modes *body, double from, double h, double place
 {
     double sum = 0.0;
     for (size_t k = 0; body->residual && body->load.count > 0 && k < body->ports * body->ports; k++) {
-        const double *by = force + k % body->ports * AOI_STAGES;
-        double load, slope, legendre[AOI_STAGES], ignored;
+        const double *by = force + k % body->ports * AOI_NODES;
+        double load, slope, legendre[AOI_NODES], ignored;
         aoi_modes_load(body, k / body->ports, from, &load, &slope);
-        for (size_t l = 0; l < AOI_STAGES; l++) {
-            legendre[l] = aoi_stages_dot(aoi_radau_to_legendre[l], by);
+        for (size_t l = 0; l < AOI_NODES; l++) {
+            legendre[l] = aoi_nodes_dot(aoi_radau_to_legendre[l], by);
         }
-        for (size_t i = 0; i < AOI_STAGES && slope != 0.0; i++) {
+        for (size_t i = 0; i < AOI_NODES && slope != 0.0; i++) {
             sum += aoi_radau_to_legendre[0][i] * place * h * slope * body->residual[k] *
-                   aoi_legendre_evaluate(AOI_STAGES, legendre, place * aoi_radau_node[i], &ignored);
+                   aoi_legendre_evaluate(AOI_NODES, legendre, place * aoi_radau_node[i], &ignored);
         }
     }
     return sum;

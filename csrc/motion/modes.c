@@ -49,7 +49,7 @@ void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load,
 }
 
 /* Over a time in which no load bends. */
-static void fly_straight(const aoi_modes *body, double from, double time, double *x, double *v)
+static void advance_straight(const aoi_modes *body, double from, double time, double *x, double *v)
 {
     aoi_load_span at = {NULL, NULL, 0.0, 1.0};
     if (body->load.count > 0) {
@@ -68,11 +68,11 @@ static void fly_straight(const aoi_modes *body, double from, double time, double
     }
 }
 
-void aoi_modes_fly(const aoi_modes *body, double from, double to, double *x, double *v)
+void aoi_modes_advance(const aoi_modes *body, double from, double to, double *x, double *v)
 {
     while (from < to) {
         const double bend = aoi_modes_next_bend(body, from), next = bend < to ? bend : to;
-        fly_straight(body, from, next - from, x, v);
+        advance_straight(body, from, next - from, x, v);
         from = next;
     }
 }

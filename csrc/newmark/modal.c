@@ -11,9 +11,9 @@
 
 enum { LOST };
 
-/* state by the mode: x, v, a, the free acceleration, 1 over the inertia; by the port: the last force
- * and the one before; compliance, rate compliance. */
-enum { X, V, A, FREE_A, MOBILITY, PARTS };
+/* state by the mode: x, v, a, the free acceleration, the acceleration of a unit force in a step, twice the
+ * dashpot; by the port: the last force and the one before; compliance, rate compliance. */
+enum { X, V, A, FREE_A, MOBILITY, DASHPOT, PARTS };
 
 size_t aoi_body_modal_size(size_t n, size_t ports) { return PARTS * n + 2 * ports + 2 * ports * ports; }
 
@@ -74,6 +74,7 @@ static void modal_correct(aoi_body *body, const double *force)
     const size_t n = modes->n, ports = modes->ports;
     double *x = part(body, X), *v = part(body, V), *a = part(body, A), power = 0.0;
     const double *free_a = part(body, FREE_A), *mobility = part(body, MOBILITY);
+    const double *dashpot = part(body, DASHPOT);
     for (size_t j = 0; j < n; j++) {
         const double before = v[j] - step->predict_v * a[j];
         double push = 0.0;
@@ -83,7 +84,7 @@ static void modal_correct(aoi_body *body, const double *force)
         a[j] = free_a[j] + mobility[j] * push;
         v[j] += step->correct_v * a[j];
         x[j] += step->dt * (step->correct_u * a[j]);
-        power += aoi_modes_inertia(modes, j) * twice_decay(modes, j) * (before + v[j]) * (before + v[j]);
+        power += dashpot[j] * (before + v[j]) * (before + v[j]);
     }
     body->scratch[LOST] += 0.25 * step->dt * power;
     memcpy(force_of(body) + ports, force_of(body), ports * sizeof(double));
@@ -190,6 +191,7 @@ static int modal_prepare(const aoi_body *body, double *compliance, double *rate_
     double *mobility = part(body, MOBILITY);
     for (size_t j = 0; j < n; j++) {
         const double stiffness = step->reach * modes->omega[j] * modes->omega[j];
+        part(body, DASHPOT)[j] = aoi_modes_inertia(modes, j) * twice_decay(modes, j);
         mobility[j] = 1.0 / (1.0 + step->correct_v * twice_decay(modes, j) + stiffness);
     }
     for (size_t i = 0; i < ports * ports; i++) {

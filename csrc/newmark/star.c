@@ -2,7 +2,7 @@
  * equation has only its own and the contact mass's acceleration in it: eliminated by hand, the whole
  * star is one scalar equation, and a step costs O(n).
  *
- * The oscillators are stepped by their stretch s = u_i - u_0, not by their place: a free body may fly
+ * The oscillators are stepped by their stretch s = u_i - u_0, not by their place: a free body may move freely
  * far, and the rounding of its place would act on its springs. With p the predictor of u_0, q that of
  * a stretch, and a' the new accelerations, u_0' = p + beta dt^2 a_0', s' = q + beta dt^2 (a_i' - a_0'):
  *   m_i a_i' = -k_i s'   gives   a_i' = w_i (beta dt^2 a_0' - q_i),  w_i = k_i / (m_i + beta dt^2 k_i)
@@ -24,7 +24,7 @@
 
 #include <math.h>
 
-enum { MOBILITY, FREE_A, MASSLESS, RATE, CENTRE, SAG, FALL, ALPHA, BETA, REACH, LOST };
+enum { MOBILITY, FREE_A, MASSLESS, RATE, CENTRE, DEFLECTION, FALL, ALPHA, BETA, REACH, LOST };
 
 int aoi_rule_prepare(const aoi_rule *rule, aoi_rule_step *step)
 {
@@ -212,7 +212,7 @@ static void damped_correct(aoi_body *body, const double *force)
 }
 
 /* How much longer an oscillator's spring is than the stretch in the state. */
-static double sag(const aoi_body *body, size_t i)
+static double deflection(const aoi_body *body, size_t i)
 {
     const aoi_star *star = body->model;
     return body->gravity ? body->gravity[i + 1] / star->k[i] : 0.0;
@@ -244,7 +244,7 @@ static double star_elastic(const aoi_body *body)
         return 0.5 * (twice + weighted_squares(star->n, star->k, stretch, 0.0));
     }
     for (size_t i = 0; i < star->n; i++) {
-        const double whole = stretch[i] + sag(body, i);
+        const double whole = stretch[i] + deflection(body, i);
         twice += star->k[i] * whole * whole;
     }
     return 0.5 * twice;
@@ -255,7 +255,7 @@ static double star_gravity_work(const aoi_body *body)
     const double *u = state_u(body);
     double work = body->scratch[FALL] * u[0];
     for (size_t i = 0; i < ((const aoi_star *)body->model)->n; i++) {
-        work += body->gravity[i + 1] * (u[i + 1] + sag(body, i));
+        work += body->gravity[i + 1] * (u[i + 1] + deflection(body, i));
     }
     return work;
 }
@@ -273,7 +273,7 @@ static void star_observe(const aoi_body *body, int energies, double *row, size_t
     const size_t n = ((const aoi_star *)body->model)->n;
     const double *u = state_u(body), *v = state_v(body, n), *weight = body->centre;
     const double all = body->scratch[CENTRE], contact_rate = body->scratch[RATE];
-    double centre = all * u[0] + body->scratch[SAG];
+    double centre = all * u[0] + body->scratch[DEFLECTION];
     double rate = weight[0] * contact_rate + (all - weight[0]) * v[0];
     if (n > 0) {
         centre += aoi_vector_dot(n, weight + 1, u + 1);
@@ -298,7 +298,7 @@ static void star_copy_state(const aoi_body *body, double *u_out, double *v_out)
     u_out[0] = u[0];
     v_out[0] = body->scratch[RATE];
     for (size_t i = 1; i <= n; i++) {
-        u_out[i] = u[0] + (u[i] + sag(body, i - 1));
+        u_out[i] = u[0] + (u[i] + deflection(body, i - 1));
         v_out[i] = v[0] + v[i];
     }
 }
@@ -339,10 +339,10 @@ static void star_fill(const aoi_body *body, const aoi_body_start *start, double 
         gain[i] = star->k[i] / (mass + c[REACH] * star->k[i]);
         reaction[i] = gain[i] * mass;
         stiffness += reaction[i];
-        u[i + 1] = start->u[i + 1] - u[0] - sag(body, i);
+        u[i + 1] = start->u[i + 1] - u[0] - deflection(body, i);
         v[i + 1] = start->v[i + 1] - v[0];
         c[CENTRE] += start->centre[i + 1];
-        c[SAG] += start->centre[i + 1] * sag(body, i);
+        c[DEFLECTION] += start->centre[i + 1] * deflection(body, i);
         c[FALL] += start->gravity ? start->gravity[i + 1] : 0.0;
     }
     c[RATE] = start->v[0];

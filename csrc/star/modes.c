@@ -39,7 +39,7 @@ static double massless_compliance(const aoi_star *star)
     return 1.0 / stiffness;
 }
 
-/* Momentum over mass: in a mode of a held star, the ground spring's force is what moves the mass. */
+/* Momentum over mass: in a mode of a constrained star, the ground spring's force is what moves the mass. */
 static void find_centre(const aoi_star *star, size_t n, const double *omega, const double *shape,
                         double *centre)
 {

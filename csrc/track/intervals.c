@@ -37,7 +37,7 @@ static void close_interval(search *found, aoi_interval *open, double end, int la
 static void begin_interval(const double *row, const double *of, aoi_interval *open)
 {
     double slope;
-    (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, 0.0, &slope);
+    (void)aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, 0.0, &slope);
     *open = (aoi_interval){.contact = (size_t)of[AOI_TRACK_CONTACT], .start = row[AOI_TRACK_START]};
     open->rate = slope / row[AOI_TRACK_LENGTH];
     open->lasts = 1;
@@ -59,10 +59,10 @@ static void follow_contact(search *found, const double *row, const double *of)
     if (begins) {
         begin_interval(row, of, open);
     }
-    open->deepest = fmax(open->deepest, aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, 1.0,
+    open->deepest = fmax(open->deepest, aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, 1.0,
                                                               &slope));
     open->impulse += row[AOI_TRACK_LENGTH] *
-                     aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[0], of + AOI_TRACK_FORCE);
+                     aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[0], of + AOI_TRACK_FORCE);
     open->end = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
     if (of[AOI_TRACK_ENDS] != 0.0) { /* of the force: bodies may overlap for longer */
         close_interval(found, open, open->end, 0);

@@ -30,10 +30,10 @@ struct aoi_sampler {
     double *port_force, *states;
     double *ports; /* of all ports: forces, rates of these, displacements */
     double *settled; /* work on each contact up to the end of its last row; NaN: not yet asked for */
-    double *flown, *booked; /* bodies in flight as they were at the last bend of their loads */
+    double *flown, *booked; /* bodies in free motion as they were at the last bend of their loads */
 };
 
-/* A body in flight as it was when a load last bent: time, work and losses since its row; then x, v. */
+/* A body in free motion as it was when a load last bent: time, work and losses since its row; then x, v. */
 enum { BEND_TIME, BEND_WORK, BEND_LOST, BEND_STATE };
 
 /* Doubles of all bodies' such. */
@@ -53,7 +53,7 @@ static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *bloc
     sampler->body_at = aoi_memory_numbers(&memory, bodies);
     sampler->contact_row = aoi_memory_numbers(&memory, contacts);
     sampler->contact_at = aoi_memory_numbers(&memory, contacts);
-    sampler->port_force = aoi_memory_doubles(&memory, ports * AOI_STAGES);
+    sampler->port_force = aoi_memory_doubles(&memory, ports * AOI_NODES);
     sampler->ports = aoi_memory_doubles(&memory, 3 * ports);
     sampler->states = aoi_memory_doubles(&memory, 6 * sampler->most_modes);
     sampler->settled = aoi_memory_doubles(&memory, contacts);
@@ -76,8 +76,8 @@ static const double *row_of(const aoi_sampler *sampler, size_t row)
 /* The force's polynomial over a contact's row. */
 static void fit_force(const double *of, double *legendre)
 {
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        legendre[k] = aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
     }
 }
 
@@ -93,11 +93,11 @@ static void force_on_part(const aoi_sampler *sampler, size_t c, double place, do
                                 of + AOI_TRACK_INDENTATION, place, force);
         return;
     }
-    double legendre[AOI_STAGES], slope;
+    double legendre[AOI_NODES], slope;
     fit_force(of, legendre);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         const double at = place * aoi_radau_node[i];
-        force[i] = place < 1.0 ? aoi_legendre_evaluate(AOI_STAGES, legendre, at, &slope) : whole[i];
+        force[i] = place < 1.0 ? aoi_legendre_evaluate(AOI_NODES, legendre, at, &slope) : whole[i];
     }
 }
 
@@ -107,20 +107,20 @@ static void gather(aoi_sampler *sampler, double part)
     const aoi_system *system = sampler->system;
     const size_t ports = system->first_port[system->body_count];
     sampler->part = part;
-    for (size_t k = 0; k < ports * AOI_STAGES; k++) {
+    for (size_t k = 0; k < ports * AOI_NODES; k++) {
         sampler->port_force[k] = 0.0;
     }
     for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
             continue;
         }
-        double force[AOI_STAGES];
+        double force[AOI_NODES];
         force_on_part(sampler, c, part, force);
         for (int side = 0; side < 2; side++) {
             const size_t port = system->first_port[system->contact[c].body[side]] +
                                 system->contact[c].port[side];
-            aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, force,
-                           sampler->port_force + port * AOI_STAGES);
+            aoi_vector_add(AOI_NODES, side == 0 ? -1.0 : 1.0, force,
+                           sampler->port_force + port * AOI_NODES);
         }
     }
 }
@@ -286,7 +286,7 @@ static void advance(aoi_sampler *sampler, double time)
     }
 }
 
-/* Takes a body that flies to the last bend of its loads before a time, from the one where it was left last:
+/* Takes a body that moves freely to the last bend of its loads before a time, from the one where it was left last:
  * else each time would cost all bends since its row. with_work: and the ledger. */
 static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, int with_work)
 {
@@ -305,9 +305,9 @@ static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, in
          bend = aoi_modes_next_bend(body, bend)) {
         double work, lost;
         memcpy(before, x, bytes);
-        aoi_modes_fly(body, at[BEND_TIME], bend, x, x + body->n);
+        aoi_modes_advance(body, at[BEND_TIME], bend, x, x + body->n);
         if (with_work) {
-            aoi_modes_flight_work(body, at[BEND_TIME], bend, before, before + body->n, x, x + body->n,
+            aoi_modes_free_work(body, at[BEND_TIME], bend, before, before + body->n, x, x + body->n,
                                   before + 2 * sampler->most_modes, &work, &lost);
             at[BEND_WORK] += work;
             at[BEND_LOST] += lost;
@@ -328,16 +328,16 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
     if (!pushed) {
         const double *bend = fly_to_bend(sampler, time, b, 0);
         memcpy(state, bend + BEND_STATE, 2 * body->n * sizeof(double));
-        aoi_modes_fly(body, bend[BEND_TIME], time, state, state + body->n);
+        aoi_modes_advance(body, bend[BEND_TIME], time, state, state + body->n);
         return 0;
     }
     const double place = place_of(sampler, time);
     memcpy(state, held, 2 * body->n * sizeof(double));
-    aoi_modes_fly(body, start, start + place * length, state, state + body->n);
+    aoi_modes_advance(body, start, start + place * length, state, state + body->n);
     aoi_response_push(body, sampler->part * length,
-                      sampler->port_force + sampler->system->first_port[b] * AOI_STAGES,
+                      sampler->port_force + sampler->system->first_port[b] * AOI_NODES,
                       place / sampler->part, state, state + body->n);
-    aoi_modes_fly(body, start + length, time, state, state + body->n);
+    aoi_modes_advance(body, start + length, time, state, state + body->n);
     return 1;
 }
 
@@ -351,11 +351,11 @@ void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *s
 static double contact_work(const aoi_sampler *sampler, size_t c, double place)
 {
     const double *of = sampler->track + sampler->contact_at[c];
-    double force[AOI_STAGES], work = 0.0;
+    double force[AOI_NODES], work = 0.0;
     force_on_part(sampler, c, place, force);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         double slope;
-        (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION,
+        (void)aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION,
                                     place * aoi_radau_node[i], &slope);
         work += aoi_radau_to_legendre[0][i] * place * force[i] * slope;
     }
@@ -367,9 +367,9 @@ static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law
 
 static double force_at(const double *of, double place)
 {
-    double legendre[AOI_STAGES], slope;
+    double legendre[AOI_NODES], slope;
     fit_force(of, legendre);
-    return aoi_legendre_evaluate(AOI_STAGES, legendre, place, &slope);
+    return aoi_legendre_evaluate(AOI_NODES, legendre, place, &slope);
 }
 
 /* The rows of a contact that is closed; its force and the rate of that for the bodies. */
@@ -383,7 +383,7 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     double slope;
     aoi_law_value value = {0.0, 0.0, 0.0};
     const double indentation =
-        aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
+        aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
     if (piece != AOI_SLACK) {
         aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
         if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {
@@ -451,11 +451,11 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
     if (pushed) {
         aoi_modes_step_work(body, start, sampler->part * row[AOI_TRACK_LENGTH],
                             place_of(sampler, time) / sampler->part,
-                            sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, x0, v0,
+                            sampler->port_force + sampler->system->first_port[b] * AOI_NODES, x0, v0,
                             state, &more, &lost);
     } else {
         const double *bend = fly_to_bend(sampler, time, b, 1), *x = bend + BEND_STATE;
-        aoi_modes_flight_work(body, bend[BEND_TIME], time, x, x + body->n, state, state + body->n, scratch,
+        aoi_modes_free_work(body, bend[BEND_TIME], time, x, x + body->n, state, state + body->n, scratch,
                               &more, &lost);
         more += bend[BEND_WORK];
         lost += bend[BEND_LOST];

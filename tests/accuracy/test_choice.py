@@ -1,4 +1,4 @@
-"""Models no larger than the answer asked for needs: its true error is what was allowed."""
+"""Models no larger than a quantity of interest needs: its true error is within rtol."""
 
 import copy
 import functools
@@ -169,7 +169,7 @@ class Scene:
             star = space.antioscillators(n)
         if star.n < n:
             return []
-        return [ao.rigid(mass=math.inf), star] if n == 0 and star.held else [star]
+        return [ao.rigid(mass=math.inf), star] if n == 0 and star.constrained else [star]
 
 
 # Up to that many oscillators of both bodies all smaller pairs are tried.
@@ -217,7 +217,7 @@ def test_a_body_too_large_to_be_known_whole(rtol):
     hit = run(target=target, quantity="force", rtol=rtol)
     one, other = (
         run(
-            target=KrylovSpace(target, contact_time=time, sharpened=True).seen(n),
+            target=KrylovSpace(target, contact_time=time, sharpened=True).factored(n),
             solver=ao.Adaptive(rtol=1e-8),
         )
         for time, n in ((hit.contact_duration, 300), (hit.contact_duration / 3, 260))

@@ -1,4 +1,4 @@
-"""The search for the least orders, on bodies whose answers are known functions of the order."""
+"""The least orders, for a quantity that is a known function of the orders."""
 
 import re
 from types import SimpleNamespace
@@ -114,7 +114,7 @@ def test_a_pause_does_not_deceive():
 
 def test_what_does_not_converge_is_refused():
     endless = ao.AOModel(m0=1.0, m=np.ones(1000), k=np.arange(1.0, 1001.0))
-    with pytest.raises(ao.ConvergenceError, match="still change the answer"):
+    with pytest.raises(ao.ConvergenceError, match="the quantity still changes"):
         search(lambda n, m: 1.0 + 0.1 * np.sin(n), 1e-3, bodies=(endless, ao.rigid(mass=1.0)))
 
 

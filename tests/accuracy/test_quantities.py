@@ -1,4 +1,4 @@
-"""How far two runs' answers are apart, against two runs whose difference is known."""
+"""Quantities of interest compared between two runs whose difference is known."""
 
 import re
 from pathlib import Path

@@ -40,7 +40,7 @@ typedef struct plant {
     aoi_adaptive *run;
     aoi_track track;
     aoi_sampler *sampler;
-    aoi_stage stage[MOST_CONTACTS]; /* a step by itself */
+    aoi_contact_step entry[MOST_CONTACTS]; /* a step by itself */
     aoi_response response[MOST_BODIES];
     double *work;
 } plant;

@@ -320,7 +320,7 @@ static void a_massless_contact_is_a_spring_in_series(void)
     release(&p);
 }
 
-/* A massless platform between two ports passes a blow on at once: it is at c F(t), and touches a wall when
+/* A massless platform between two ports passes an impact on at once: it is at c F(t), and touches a wall when
  * that has grown to the gap. */
 static void what_a_force_bends_touches_elsewhere(void)
 {
@@ -369,7 +369,7 @@ static void compare(const plant *p, const double *x, const double *v, double pla
 static void fly_to_the_end(plant *p)
 {
     for (size_t b = 0; b < p->bodies; b++) {
-        aoi_modes_fly(&p->body[b], p->run->body[b].time, p->run->end, p->x + p->system.first[b], p->v + p->system.first[b]);
+        aoi_modes_advance(&p->body[b], p->run->body[b].time, p->run->end, p->x + p->system.first[b], p->v + p->system.first[b]);
     }
 }
 
@@ -875,7 +875,7 @@ static void a_pull_ends_beside_what_presses(void)
         }
         join(&p, 1, 1, 2, 0, 0.0, &pull);
         must_go(&p, 1e-8, 0.02);
-        double energy = beside ? 0.2 : 0.21; /* all of it kinetic at the start, and of what flies apart */
+        double energy = beside ? 0.2 : 0.21; /* all of it kinetic at the start, and of what moves freely apart */
         for (size_t b = 0; b < p.bodies; b++) {
             energy -= 0.5 * p.body[b].inertia[0] * p.v[b] * p.v[b];
         }
@@ -1144,7 +1144,7 @@ static void a_law_that_fails_is_named(void)
     join_rigid(&p, 0, 1, 0.0, &sound);
     join_rigid(&p, 2, 1, 0.0, &law);
     CHECK(go(&p, 1e-8, 1.0) == AOI_ERROR_LAW, "the law's failure");
-    CHECK(p.run->culprit == 1 && near(note[0], 5e-5, 1e-5), "which, and where: %g m", note[0]);
+    CHECK(aoi_adaptive_progress(p.run).failed == 1 && near(note[0], 5e-5, 1e-5), "which, and where: %g m", note[0]);
     release(&p);
 }
 

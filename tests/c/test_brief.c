@@ -125,7 +125,7 @@ static void touches_are_counted(void)
     CHECK(brief.end > 1e-3 && brief.end < 0.05, "the last one's end: %g", brief.end);
 }
 
-/* After they have parted a held body swings on: its velocity is that of the parting. */
+/* After they have parted a constrained body swings on: its velocity is that of the parting. */
 static void what_comes_later_does_not_count(void)
 {
     pair p;

@@ -124,7 +124,7 @@ static void star_and_its_matrices_are_one_body(double k0, aoi_rule rule, double 
                                              fabs(b.centre_velocity - a.centre_velocity)));
         const double energy = a.kinetic + a.elastic;
         worst_energy = fmax(worst_energy, fabs(b.kinetic - a.kinetic) / energy);
-        /* u K u of a body that flies loses what its stretches are smaller than its places. */
+        /* u K u of a body that moves freely loses what its stretches are smaller than its places. */
         worst_energy = fmax(worst_energy, fabs(b.elastic - a.elastic) / energy);
     }
     CHECK(worst < 1e-12 * size && worst_speed < 1e-11 * speed,
@@ -289,7 +289,7 @@ static aoi_modes row_modes(const chain_body *c, const row_motion *nodes, row_mot
 static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_rule rule, aoi_rayleigh damping)
 {
     static chain_body c;
-    static double work[10 * ROW + 2 * TWO * TWO], modal_work[5 * ROW + 12];
+    static double work[10 * ROW + 2 * TWO * TWO], modal_work[6 * ROW + 12];
     const double zero[ROW] = {0.0};
     row_motion nodes, modes;
     row_make(&c, rule, damping, work + 8 * ROW + 8);

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { MOST = 12, PORTS = 2, WORK = 5 * MOST + 2 * PORTS + 2 * PORTS * PORTS };
+enum { MOST = 12, PORTS = 2, WORK = 6 * MOST + 2 * PORTS + 2 * PORTS * PORTS };
 
 static const aoi_rule AVERAGE = {1e-6, 0.25, 0.5};
 

@@ -15,7 +15,7 @@ typedef struct stepped {
 
 static const aoi_rule AVERAGE = {1e-6, 0.25, 0.5};
 
-/* An undeformed star, all of it moving with velocity but the contact mass, which has had a blow and
+/* An undeformed star, all of it moving with velocity but the contact mass, which has had an impact and
  * is faster; centre of mass by the masses. */
 static void start_with_blow(stepped *s, const aoi_star *star, aoi_rule rule, double velocity,
                             double blow)
@@ -344,7 +344,7 @@ static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_rule rule
 }
 
 /* Average acceleration keeps the energy of a linear system: 1e5 steps of free vibration, of bodies
- * held and of bodies that meanwhile fly a tenth of a metre. */
+ * held and of bodies that meanwhile move freely a tenth of a metre. */
 static void energy_is_kept(size_t n, double k0, double h)
 {
     random_star r;

@@ -95,7 +95,7 @@ static void pulls_that_end_are_booked(void)
         const double *row = p.track.values + p.track.row[r];
         const double *of = row + (size_t)row[AOI_TRACK_SIZE] - AOI_TRACK_CONTACT_SIZE;
         if (row[AOI_TRACK_CONTACTS] > 0.0 && of[AOI_TRACK_ENDS] > 0.0) {
-            const double pull = of[AOI_TRACK_FORCE + AOI_STAGES - 1];
+            const double pull = of[AOI_TRACK_FORCE + AOI_NODES - 1];
             lost += 0.5 * compliance * pull * pull;
         }
     }
@@ -185,7 +185,7 @@ static void dense_output_meets_the_rows(void)
             for (size_t j = 0; j < 4; j++) {
                 CHECK(fabs(state[j] - of[j]) < (j < 2 ? 1e-16 : 1e-12), "row %zu: %zu", r, j);
             }
-            aoi_modes_fly(p.body, time, time + 1e-5, state, state + 2);
+            aoi_modes_advance(p.body, time, time + 1e-5, state, state + 2);
             double later[4];
             aoi_sampler_state(p.sampler, time + 1e-5, 0, later);
             for (size_t j = 0; j < 4; j++) {
@@ -359,7 +359,7 @@ static void bends_are_flown_over_once(void)
             }
             double x[6] = {0.0};
             memcpy(x + 3, p.part[0].v, 3 * sizeof(double));
-            aoi_modes_fly(p.body, 0.0, (double)i / 63.0, x, x + 3);
+            aoi_modes_advance(p.body, 0.0, (double)i / 63.0, x, x + 3);
             CHECK(memcmp(x, state, sizeof x) == 0, "column %zu: flown in one go", i);
             const double first = in_turn[0][AOI_BODY_KINETIC] + in_turn[0][AOI_BODY_ELASTIC];
             const double *now = in_turn[i];

@@ -1,4 +1,4 @@
-/* Contacts in flight come out in the order of their times, whatever goes in and out between. */
+/* Contacts in free motion come out in the order of their times, whatever goes in and out between. */
 #include "check.h"
 #include "adaptive/run.h"
 

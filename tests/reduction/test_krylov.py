@@ -178,7 +178,7 @@ def test_more_than_one_solve_is_taken_only_where_nothing_is_left_to_gain():
 def test_what_is_seen_of_a_model_is_the_model(block):
     """Before its shapes are multiplied out: the star, places seen by it, and shapes asked for."""
     space = ao.KrylovSpace(block, contact_time=20e-6)
-    star, seen = space.of_vectors(5), space.seen(5)
+    star, seen = space.of_vectors(5), space.factored(5)
     space.of_vectors(40)  # grown since
     for name in ("m0", "k0", "m", "k"):
         np.testing.assert_array_equal(getattr(seen, name), getattr(star, name))
@@ -205,15 +205,15 @@ def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits()
             solver=ao.Adaptive(rtol=1e-10),
             energies=False,
         )
-        for star in (space.seen(140), ao.antioscillators(tip))
+        for star in (space.factored(140), ao.antioscillators(tip))
     ]
     few, full = (hit.run.at(hits[1].t).forces[0] for hit in hits)
     np.testing.assert_allclose(few, full, atol=1e-8 * full.max())
     # The same space, however it has grown.
     small = ao.KrylovSpace(tip, contact_time=0.1, sharpened=True)
     for n in (5, 30, 60, 140):
-        grown = small.seen(n)
-    np.testing.assert_allclose(grown.m, space.seen(140).m, rtol=1e-9)
+        grown = small.factored(n)
+    np.testing.assert_allclose(grown.m, space.factored(140).m, rtol=1e-9)
 
 
 def test_a_basis_that_does_not_fit_is_refused(block, monkeypatch):
