@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, InputError, InputTypeError, finite_array, quantity
+from ..base import FloatArray, InputError, InputTypeError, finite_array, quantity, warn
 from ..fields import response_of
 from ..integrate import Events, Recorder, find_events
 from ..scene import BODY_ROWS, CONTACT_ROWS, Drift, Plan
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["Chosen", "Handle", "Run"]
+
+# The ledger of a run is off by no more than so many times its error, or rounding.
+_DRIFT, _ROUNDING = 100.0, 1e-12
 
 
 @dataclass(frozen=True)
@@ -362,6 +365,8 @@ class Run:
         if self.energies and not self._driven:
             ledger = replace(self, asked=self.recorder.marks) if self.recorder.dense else self
             energy = energy_range(ledger.energy)
+            if self.recorder.dense and energy is not None:
+                _warn_of_ledger(energy, self.time_error)
         if (of := self.chosen) is None:
             return ErrorEstimate(None, self.time_error, energy)
         return ErrorEstimate(
@@ -434,6 +439,19 @@ def _energy(rows: FloatArray, joints: int, first: Sequence[int]) -> Energy:
     dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
     total = kinetic + elastic + contact + dissipated - work
     return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)
+
+
+def _warn_of_ledger(energy: float, error: float | None) -> None:
+    """Warn where the energy of a run to a tolerance drifts by far more than its error.
+
+    Over 600 random scenes it drifted by at most 0.3 times that, at contacts without mass by 10.
+    """
+    if error is not None and energy > _DRIFT * max(error, _ROUNDING):
+        warn(
+            f"the run's energy ledger is off by {energy:.2g} of the largest energy stored, though "
+            f"its error should be {error:.2g}: the run is not to be trusted, unless it is a law's "
+            "own energy that is not the work of its force"
+        )
 
 
 def energy_range(energy: Energy) -> float | None:

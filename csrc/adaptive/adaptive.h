@@ -82,6 +82,7 @@ typedef struct aoi_adaptive {
     double horizon;         /* no contact between bodies in flight before */
     int unbalanced;         /* something has happened to a contact since the last step */
     double *flight[2], *scratch, *port_force, *collocation;
+    double *port_slope; /* of the step's forces at its start, where a body has modes that ring: aoi_step_slopes */
     size_t steps, rejected, uses;
     size_t culprit; /* contact in which an error came up */
 } aoi_adaptive;

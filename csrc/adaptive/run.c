@@ -32,10 +32,7 @@ static const double SLIVER = 1e-6;
 /* After a failure steps are shorter by this at most and at least. */
 static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
 
-/* After a success they are longer by this at most. */
-static const double MOST_GROWTH = 8.0;
-
-/* And by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
+/* After a success they are longer by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
  * largest body. */
 static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
 
@@ -96,7 +93,7 @@ void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, si
         *row += AOI_TRACK_STATE + 2 * body->n;
         ports += body->ports;
     }
-    *work += ports * AOI_STAGES + aoi_collocation_size(system->joint_count, span_of(system));
+    *work += 2 * ports * AOI_STAGES + aoi_collocation_size(system->joint_count, span_of(system));
 }
 
 /* -------------------------------------------------------------------------------- the start */
@@ -175,7 +172,8 @@ static void lay_out_work(aoi_adaptive *run)
     run->scratch = work;
     work += 2 * aoi_system_most_modes(system);
     run->port_force = work;
-    run->collocation = work + system->first_port[system->body_count] * AOI_STAGES;
+    run->port_slope = work + system->first_port[system->body_count] * AOI_STAGES;
+    run->collocation = run->port_slope + system->first_port[system->body_count] * AOI_STAGES;
 }
 
 static void begin_bodies(aoi_adaptive *run)
@@ -414,7 +412,7 @@ static void coarsen(aoi_adaptive *run, double growth)
     if (growth < WORTH_IT) {
         return;
     }
-    const double longer = AOI_LEVELS * log2(fmin(growth, MOST_GROWTH));
+    const double longer = AOI_LEVELS * log2(fmin(growth, AOI_MOST_GROWTH));
     const int level = aoi_level_from(run, run->level - longer), rise = run->level - level;
     if (rise < LEAST_RISE || level < AOI_HIGHEST_LEVEL) {
         return;

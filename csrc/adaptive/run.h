@@ -16,6 +16,9 @@ enum {
     AOI_NO_LEVEL = 1000
 };
 
+/* After a step that was good enough the next is longer by this at most. */
+#define AOI_MOST_GROWTH 8.0
+
 /* The search for a touch looks at so many modes in all, some tenth of a second, before it hands over. */
 enum { AOI_MOST_LOOKS = 500000 };
 

@@ -101,8 +101,7 @@ static void line_up(double start, const double *nodes, double factor, double shi
     }
 }
 
-/* The piece of the law that a contact is on, or would be if it were not slack. */
-static int piece_of(const aoi_law *law, const aoi_stage *stage)
+int aoi_step_piece(const aoi_law *law, const aoi_stage *stage)
 {
     double low, high;
     return stage->piece != AOI_SLACK
@@ -125,7 +124,7 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
 {
     aoi_contact_state *contact = &run->contact[stage->joint];
     const aoi_law *law = aoi_step_law(run, stage);
-    const int piece = piece_of(law, stage);
+    const int piece = aoi_step_piece(law, stage);
     double force[AOI_STAGES], values[AOI_STAGES + 1], largest = 0.0;
     aoi_law_value value;
     for (size_t i = 0; i < AOI_STAGES; i++) {

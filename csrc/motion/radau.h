@@ -11,6 +11,7 @@ extern const double aoi_radau_to_legendre[AOI_STAGES][AOI_STAGES];
 extern const double aoi_radau_to_legendre_0[AOI_STAGES + 1][AOI_STAGES + 1];
 extern const double aoi_radau_legendre_beyond[AOI_STAGES + 1][AOI_STAGES];
 extern const double aoi_radau_legendre_slope[AOI_STAGES + 1][AOI_STAGES];
+extern const double aoi_radau_at_start[AOI_STAGES][AOI_STAGES];
 extern const double aoi_radau_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES];
 extern const double aoi_radau_rate_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES];
 extern const double aoi_radau_shrink[AOI_STAGES][AOI_STAGES][AOI_STAGES];
