@@ -1294,7 +1294,7 @@ static void what_rings_in_a_contact_is_in_its_force(void)
                 aoi_law law = linear(k);
                 plant p = rung_plant(&law, omega, amplitude);
                 must_go(&p, rtol, 1.05 * end);
-                const double off[] = {p.contact[0].peak_force / (k * top) - 1.0, p.contact[0].impulse / impulse - 1.0,
+                const double off[] = {p.run->contact[0].peak_force / (k * top) - 1.0, p.run->contact[0].impulse / impulse - 1.0,
                                       moment_of(&p, 0, AOI_TRACK_ENDS) / end - 1.0};
                 for (int i = 0; i < 3; i++) {
                     CHECK(fabs(off[i]) < 2.0 * rtol, "%g turns of %g, rtol %g: quantity %d off by %g", turns, share,
