@@ -382,7 +382,7 @@ static int prepare(aoi_adaptive *run, double *limit)
             return status;
         }
         if (run->unbalanced) {
-            aoi_balance_at_once(run, fmin(step_of_level(run), run->end - aoi_run_now(run)));
+            aoi_balance_at_once(run);
             run->unbalanced = 0;
         }
     } while (run->closed_count != run->closed.count);

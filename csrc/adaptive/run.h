@@ -74,6 +74,9 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
  * its rate, as they went on so far, m/s. */
 double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates);
 
+/* A contact's indentation now, by the places of its bodies and the forces that bend them. */
+double aoi_contact_place(const aoi_adaptive *run, size_t joint);
+
 /* Takes note of a contact's force now, which may be its largest. */
 void aoi_contact_note_peak(aoi_adaptive *run, size_t joint);
 
@@ -82,9 +85,9 @@ void aoi_contact_note_peak(aoi_adaptive *run, size_t joint);
  * aoi_coupled_solve. */
 int aoi_balance_at_start(aoi_adaptive *run);
 
-/* Finds rates and forces of such contacts after something has happened to one of them; within: a time in which
- * little happens. One that has only just touched opens again where the others draw it away. */
-void aoi_balance_at_once(aoi_adaptive *run, double within);
+/* Finds places, rates and forces of such contacts after something has happened to one of them, or leaves all as it
+ * is. One that has only just touched opens again where the others draw it away. */
+void aoi_balance_at_once(aoi_adaptive *run);
 
 /* The energy in residual compliances and in the laws of contacts at them, J; the work on each of these contacts
  * takes note of its law's share: with sign -1 before something happens at once, with 1 after it. */

@@ -75,28 +75,46 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates)
     return sum;
 }
 
-/* What contact forces take from an indentation at the start by residual compliances, m: by the bodies' places,
- * since a force that has just begun is known only roughly. */
-static double bent_at_start(const aoi_adaptive *run, const aoi_stage *stage)
+/* Takes off what the forces that places without mass follow do in the step if they stay as they are. */
+static void add_constant_forces(const aoi_adaptive *run, aoi_stage *stage, int with_rates)
+{
+    const aoi_system *system = run->system;
+    const aoi_joint *of = &system->joint[stage->joint];
+    for (int side = 0; side < 2; side++) {
+        const size_t b = of->body[side], ports = system->body[b].ports;
+        for (size_t i = system->first_joint[b]; i < system->first_joint[b + 1]; i++) {
+            const aoi_joint *by = &system->joint[system->joint_of[i]];
+            const double force = run->contact[system->joint_of[i]].bending;
+            const int other = by->body[1] == b;
+            const size_t pair = of->port[side] * ports + by->port[other];
+            const size_t at = pair * AOI_STAGES * AOI_STAGES;
+            for (size_t q = 0; q < AOI_STAGES && force != 0.0; q++) {
+                const double sign = side == other ? -force : force;
+                const size_t column = at + q * AOI_STAGES;
+                aoi_stages_add(sign, run->response[b].influence + column, stage->homogeneous);
+                if (with_rates) {
+                    aoi_stages_add(sign, run->response[b].influence_rate + column, stage->homogeneous_rate);
+                }
+            }
+        }
+    }
+}
+
+double aoi_contact_place(const aoi_adaptive *run, size_t joint)
 {
     double without_forces, rate, acceleration;
     aoi_flight pair;
-    if (!aoi_joint_bends(run, stage->joint)) {
-        return 0.0;
-    }
-    aoi_pair_now(run, stage->joint, &pair);
+    aoi_pair_now(run, joint, &pair);
     aoi_flight_indentation(&pair, &without_forces, &rate, &acceleration);
-    return without_forces - stage->start;
+    return without_forces - aoi_contact_bent(run, joint, 0);
 }
 
-static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_rates)
+static void homogeneous(aoi_adaptive *run, aoi_stage *stage, int with_rates)
 {
     const aoi_joint *joint = &run->system->joint[stage->joint];
-    const double bent = bent_at_start(run, stage);
     for (size_t i = 0; i < AOI_STAGES; i++) {
-        stage->homogeneous[i] = stage->start + bent;
-        stage->homogeneous_rate[i] =
-            with_rates ? -bent / h * aoi_radau_slope_at_node[0][i] : 0.0;
+        stage->homogeneous[i] = stage->start;
+        stage->homogeneous_rate[i] = 0.0;
     }
     for (int side = 0; side < 2; side++) {
         const size_t b = joint->body[side], at = run->system->first[b];
@@ -104,6 +122,7 @@ static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_
                                  side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
                                  stage->homogeneous, with_rates ? stage->homogeneous_rate : NULL);
     }
+    add_constant_forces(run, stage, with_rates);
 }
 
 /* The last step's polynomial at the nodes of a step of length h behind it, and its slope there. */
@@ -177,14 +196,18 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t joint, double h)
 static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
 {
     aoi_stage *stage = &run->stage[s];
-    const aoi_contact_state *contact = &run->contact[stage->joint];
+    aoi_contact_state *contact = &run->contact[stage->joint];
+    if (aoi_joint_bends(run, stage->joint)) {
+        contact->start = aoi_contact_place(run, stage->joint);
+    }
+    stage->constant = contact->bending;
     stage->memory = contact->memory;
     stage->piece = contact->piece;
     stage->edge = edge_of(run, stage->joint, h);
     stage->start_force = contact->force;
     stage->start = contact->start;
     stage->start_rate = contact->start_rate;
-    homogeneous(run, stage, h, with_rates);
+    homogeneous(run, stage, with_rates);
     const int shared = run->closed_count > 1 && aoi_joint_bends(run, stage->joint);
     guess(contact, h, run->indentation_scale, with_rates, shared, stage);
 }
@@ -255,6 +278,11 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
     if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
                               run->stage, run->collocation) != AOI_OK) {
         return;
+    }
+    for (size_t s = 0; s < run->closed_count && with_rates; s++) {
+        if (aoi_joint_bends(run, run->stage[s].joint)) {
+            run->stage[s].start_rate = aoi_stages_at_start(run->stage[s].rate);
+        }
     }
     gather_forces(run);
     run->force_scale = force_scale_of(run);

@@ -49,6 +49,9 @@ static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h,
         return;
     }
     const double place = top_of(law, stage);
+    if (law->depends_on_rate && aoi_joint_bends(run, stage->joint)) { /* rates may have jumped */
+        take_peak(run, aoi_stages_at_start(stage->force), 0.0, contact);
+    }
     if (law->depends_on_rate) {
         for (size_t i = 0; i < AOI_STAGES; i++) {
             rates[i + 1] = stage->rate[i];
@@ -210,7 +213,9 @@ void aoi_contact_open(aoi_adaptive *run, size_t joint)
     for (; at < run->closed.count; at++) {
         run->closed.at[at] = run->closed.at[at + 1];
     }
-    run->contact[joint].closed = 0;
+    aoi_contact_state *contact = &run->contact[joint];
+    contact->closed = 0;
+    contact->force = contact->bending = contact->force_rate = 0.0;
 }
 
 static void happen(aoi_adaptive *run, size_t joint, double now)
@@ -221,7 +226,6 @@ static void happen(aoi_adaptive *run, size_t joint, double now)
     switch (contact->event) {
     case AOI_EVENT_OPEN:
         aoi_contact_open(run, joint);
-        contact->force = contact->bending = contact->force_rate = 0.0;
         contact->touches = 0;
         contact->free_until = now;
         break;
@@ -338,7 +342,7 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     }
     const double before = aoi_balance_book(run, -1.0);
     events(run, later);
-    aoi_balance_at_once(run, h);
+    aoi_balance_at_once(run);
     const double lost = before - aoi_balance_book(run, 1.0);
     run->contact[run->stage[s].joint].work += lost;
     row[*size - (run->closed_count - s) * AOI_TRACK_CONTACT_SIZE + AOI_TRACK_LOST] = lost;

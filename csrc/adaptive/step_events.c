@@ -110,16 +110,6 @@ static int piece_of(const aoi_law *law, const aoi_stage *stage)
                : aoi_law_piece(law, stage->memory, stage->start, stage->start_rate > 0.0, &low, &high);
 }
 
-/* The polynomial through the nodes at the start. */
-static double at_start_by_nodes(const double *nodes)
-{
-    double sum = 0.0;
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        sum += (k % 2 == 0 ? 1.0 : -1.0) * aoi_stages_dot(aoi_radau_to_legendre[k], nodes);
-    }
-    return sum;
-}
-
 /* Where the law's own force, which is cut at zero, changes its sign. */
 static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
 {
@@ -149,7 +139,7 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
             aoi_step_note_event(0.0, kind, contact, attempt);
             return;
         }
-        values[0] = values[1] < -tolerance ? values[0] : at_start_by_nodes(values + 1);
+        values[0] = values[1] < -tolerance ? values[0] : aoi_stages_at_start(values + 1);
     }
     leaves(values, tolerance, kind, contact, attempt);
 }
@@ -180,7 +170,8 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
 {
     const aoi_law *law = aoi_step_law(run, stage);
     aoi_contact_state *contact = &run->contact[stage->joint];
-    const double rest = aoi_law_rest(law, stage->memory);
+    const double touch = aoi_law_rest(law, stage->memory); /* or, to its tolerance, where it began */
+    const double rest = contact->begins ? fmin(touch, stage->start) : touch;
     const double scale = aoi_step_scale(run, stage, aoi_step_indentation(stage));
     const double tolerance = aoi_event_tolerance(run, scale);
     double values[AOI_STAGES + 1];
@@ -201,7 +192,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
         line_up(stage->start, stage->indentation, 1.0, -contact->low, values);
         leaves(values, tolerance, AOI_EVENT_BELOW, contact, attempt);
     }
-    if (law->turns && stage->piece != AOI_SLACK && stage->start_rate > 0.0) {
+    if (law->turns && stage->piece != AOI_SLACK && contact->start_rate > 0.0) {
         const double slow = EVENT_SHARE * run->rtol * contact->rate_scale;
         line_up(stage->start_rate, stage->rate, 1.0, 0.0, values);
         leaves(values, slow, AOI_EVENT_TURN, contact, attempt);

@@ -72,7 +72,7 @@ static void renew(const aoi_stage *stage, const aoi_law_values *law, single *of)
     aoi_stages_invert(of->inverse); /* pivots as in many.c; the inverse has columns likewise */
 }
 
-/* From a change of the forces (the first: from nothing) to that of indentation and rate. Returns the
+/* From a change of the forces (the first: from the constant one) to that of indentation and rate. Returns the
  * largest relative to scale. */
 static double move(const single *of, const double *by, int first, aoi_stage *stage)
 {
@@ -84,7 +84,7 @@ static double move(const single *of, const double *by, int first, aoi_stage *sta
         const double change = fabs(next - stage->indentation[i]) * inverse;
         largest = change <= largest ? largest : change; /* NaN, too, is large */
         stage->indentation[i] = next;
-        stage->force[i] = first ? by[i] : stage->force[i] + by[i];
+        stage->force[i] = (first ? stage->constant : stage->force[i]) + by[i];
     }
     if (of->with_rates) {
         aoi_stages_multiply(of->rate, by, answer);

@@ -20,6 +20,9 @@ void aoi_stages_multiply(const double *column, const double *x, double *y);
  * nodes. */
 void aoi_stages_multiply_from(double start, const double *column, const double *nodes, double *y);
 
+/* What the polynomial through the nodes is at the start. */
+double aoi_stages_at_start(const double *nodes);
+
 /* The inverse in place of a matrix with pivots near or above one, by rows or by columns. */
 void aoi_stages_invert(double *matrix);
 
