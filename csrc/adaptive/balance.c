@@ -21,7 +21,7 @@
 
 /* Newton's method on rates has settled at this relative change; laws are all but linear in them. */
 enum { MOST_LOOPS = 30 };
-static const double SETTLED = 1e-12, RATE_ERROR = 1e-7;
+static const double SETTLED = 1e-12, RATE_ERROR = 1e-8;
 
 /* Of the time that the contacts take, about: what happens at once is an implicit step so long, over which
  * places change by less than rounding of what they are (2e-16 / 1e-13 of the rates is noise, and stays in
@@ -30,7 +30,7 @@ static const double AT_ONCE = 1e-13;
 
 /* Also of that time: a dashpot that comes to rest in less counts as none. A rate's error is about this, or
  * rounding by this. */
-static const double SOON = 1e-8;
+static const double SOON = 1e-7;
 
 /* What the force of one joint takes from the indentation of another by the residual compliance, m/N. */
 static double compliance_between(const aoi_system *system, size_t joint, size_t by)
@@ -217,28 +217,40 @@ static double set_rates(double time, const aoi_coupled *e, const double *change,
     return most;
 }
 
-/* Rates just after what happens at once, from places and forces then. Returns their error, m/s; negative where they
- * are not found. */
+/* Newton's method on rates a short time after what happens at once, from places and forces then. Returns the
+ * largest, m/s; NaN where they are not found. */
+static double rates_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
+{
+    double *change = e->free, largest;
+    for (int i = 0; i < MOST_LOOPS; i++) {
+        set_changes(run, time, e, change);
+        if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
+            break;
+        }
+        if (set_rates(time, e, change, &largest) <= SETTLED * largest) {
+            return largest;
+        }
+    }
+    return (double)NAN;
+}
+
+/* Rates at that time, which dashpots change on the way: by those after once and twice as long. Returns the largest. */
 static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
-    double *change = e->free;
+    double largest = 0.0;
     for (size_t i = 0; i < e->count; i++) {
         double here, acceleration;
         aoi_flight pair;
         aoi_pair_now(run, run->balanced[i].at[0], &pair);
         aoi_flight_indentation(&pair, &here, &e->rate_free[i], &acceleration);
     }
-    for (int i = 0; i < MOST_LOOPS; i++) {
-        set_changes(run, time, e, change);
-        if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
-            break;
-        }
-        double largest;
-        if (set_rates(time, e, change, &largest) <= SETTLED * largest) {
-            return RATE_ERROR * largest;
+    for (int k = 2; k > 0 && !isnan(largest); k--) {
+        largest = rates_after(run, k * time, e);
+        for (size_t i = 0; i < e->count; i++) {
+            run->balanced[i].rate = k == 2 ? e->rate[i] : 2.0 * e->rate[i] - run->balanced[i].rate;
         }
     }
-    return -1.0;
+    return largest;
 }
 
 /* A force that comes or goes at once does so by more than this, as a share of rtol and of the largest force:
@@ -294,12 +306,14 @@ static void take(aoi_adaptive *run, const aoi_contact *from, double least)
     if (law->turns && contact->piece != AOI_SLACK) {
         turn(law, before, contact);
     }
-    if (contact->piece == AOI_SLACK && from->force > least) {
+    /* What the step has just found is not undone: it knows more digits. */
+    const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
+    if (!found && contact->piece == AOI_SLACK && from->force > least) {
         contact->begins = 1;
         contact->last_length = 0.0;
         contact->piece = aoi_law_piece(law, contact->memory, contact->start, from->rate > 0.0,
                                        &contact->low, &contact->high);
-    } else if (lets_go(contact, law, from->force, least)) {
+    } else if (!found && lets_go(contact, law, from->force, least)) {
         contact->piece = AOI_SLACK;
     }
     contact->force = contact->piece != AOI_SLACK ? cut(law, from->force) : 0.0;
@@ -322,14 +336,13 @@ void aoi_balance_at_once(aoi_adaptive *run)
     if (aoi_coupled_solve(&e, of) != AOI_OK) {
         return;
     }
-    const double error = find_rates(run, SOON * time, &e);
-    if (!(error >= 0.0)) {
+    const double error = RATE_ERROR * find_rates(run, SOON * time, &e);
+    if (isnan(error)) {
         return; /* all is as it was: the step itself begins with a worse guess */
     }
     for (size_t i = 0; i < count; i++) {
         run->contact[of[i].at[0]].bending = e.force[i];
-        ask(run, &of[i], e.indentation[i], e.rate[i], &value);
-        of[i].rate = e.rate[i];
+        ask(run, &of[i], e.indentation[i], of[i].rate, &value);
         of[i].force = value.force;
         of[i].work = value.damping * error;
     }

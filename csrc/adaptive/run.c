@@ -32,6 +32,9 @@ static const double SLIVER = 1e-6;
 /* After a failure steps are shorter by this at most and at least. */
 static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
 
+/* And by this at least where the event that a step was cut short for was none. */
+static const double NOT_THERE = 0.5;
+
 /* After a success they are longer by this at most. */
 static const double MOST_GROWTH = 8.0;
 
@@ -512,7 +515,7 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             }
             return status;
         }
-        doubted = attempt.growth < 1.0 ? h * fmax(attempt.growth, LEAST_SHRINKAGE) : doubted;
+        doubted = h * fmax(fmin(attempt.growth, NOT_THERE), LEAST_SHRINKAGE);
         status = go_back(run, &attempt, &trim, &trims, &limit);
     }
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;

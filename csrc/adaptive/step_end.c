@@ -269,6 +269,7 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
     for (size_t s = 0; s < run->closed_count; s++) {
         aoi_contact_state *contact = &run->contact[run->stage[s].joint];
         if (contact->event_place > place) {
+            contact->event = AOI_EVENT_NONE; /* not yet */
             continue;
         }
         if (goes_back(contact)) {

@@ -163,7 +163,7 @@ static int is_over(const aoi_adaptive *run, const aoi_stage *stage, double rest,
     const double least = aoi_event_tolerance(run, aoi_step_force_scale(run, stage, 0.0));
     return aoi_joint_bends(run, stage->joint) && !contact->begins && stage->start - rest <= tolerance &&
            stage->start_rate < 0.0 && stage->indentation[0] - rest < stage->start - rest &&
-           fabs(stage->start_force) <= least;
+           fmax(fabs(stage->start_force), aoi_step_force(stage)) <= least;
 }
 
 void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
@@ -177,6 +177,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
     double values[AOI_STAGES + 1];
     line_up(stage->start, stage->indentation, 1.0, -rest, values);
     if (is_over(run, stage, rest, tolerance)) {
+        contact->slack = tolerance; /* or it would touch again where it is */
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
     }
