@@ -186,7 +186,8 @@ static void set_changes(const aoi_adaptive *run, double time, const aoi_coupled 
         ask(run, of, e->indentation[i], 0.0, &still);
         ask(run, of, e->indentation[i], e->rate[i], &value);
         const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
-        const int presses = of->law->pulls || value.force + by_place * e->rate[i] > 0.0;
+        const int presses = of->law->pulls || !of->law->depends_on_rate ||
+                            value.force + by_place * e->rate[i] > 0.0;
         const double by_rate = presses ? damping + by_place : 0.0;
         for (size_t k = 0; k < width; k++) {
             e->rate_compliance[i * width + k] = by_rate * e->compliance[i * width + k] / time;
@@ -217,6 +218,33 @@ static double set_rates(double time, const aoi_coupled *e, const double *change,
     return most;
 }
 
+/* The bodies' own rates, without forces. */
+static void set_own_rates(const aoi_adaptive *run, const aoi_coupled *e)
+{
+    for (size_t i = 0; i < e->count; i++) {
+        double here, acceleration;
+        aoi_flight pair;
+        aoi_pair_now(run, run->balanced[i].at[0], &pair);
+        aoi_flight_indentation(&pair, &here, &e->rate_free[i], &acceleration);
+    }
+}
+
+/* A law goes on below the touch, which is hit to a tolerance: forces and places where it does. */
+static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *e)
+{
+    double *change = e->free, largest;
+    set_changes(run, time, e, change);
+    if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
+        return 0;
+    }
+    (void)set_rates(time, e, change, &largest);
+    for (size_t i = 0; i < e->count; i++) {
+        e->force[i] += change[i];
+        e->indentation[i] += time * (e->rate[i] - e->rate_free[i]);
+    }
+    return isfinite(largest);
+}
+
 /* Newton's method on rates a short time after what happens at once, from places and forces then. Returns the
  * largest, m/s; NaN where they are not found. */
 static double rates_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
@@ -238,12 +266,6 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
 static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double largest = 0.0;
-    for (size_t i = 0; i < e->count; i++) {
-        double here, acceleration;
-        aoi_flight pair;
-        aoi_pair_now(run, run->balanced[i].at[0], &pair);
-        aoi_flight_indentation(&pair, &here, &e->rate_free[i], &acceleration);
-    }
     for (int k = 2; k > 0 && !isnan(largest); k--) {
         largest = rates_after(run, k * time, e);
         for (size_t i = 0; i < e->count; i++) {
@@ -334,6 +356,10 @@ void aoi_balance_at_once(aoi_adaptive *run)
     aoi_coupled e = lay_out(run, count);
     set_equations(run, AT_ONCE * time, &e);
     if (aoi_coupled_solve(&e, of) != AOI_OK) {
+        return;
+    }
+    set_own_rates(run, &e);
+    if (!find_places(run, AT_ONCE * time, &e)) {
         return;
     }
     const double error = RATE_ERROR * find_rates(run, SOON * time, &e);

@@ -258,7 +258,7 @@ static void happen(aoi_adaptive *run, size_t joint, double now)
  * opens in the first look at it, or leaves its piece by the end that it moves away from. */
 static int goes_back(const aoi_contact_state *contact)
 {
-    return (contact->event == AOI_EVENT_OPEN && contact->begins) ||
+    return (contact->event == AOI_EVENT_OPEN && contact->begins && contact->event_place > 0.0) ||
            (contact->event == AOI_EVENT_ABOVE && contact->start_rate < 0.0) ||
            (contact->event == AOI_EVENT_BELOW && contact->start_rate > 0.0);
 }

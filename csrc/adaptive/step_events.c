@@ -19,6 +19,10 @@ static const double EVENT_SHARE = 0.01, PLACE_ROUNDING = 8.0;
 /* A contact dozes off within this share of what it wakes up at. */
 static const double DOZING = 0.1;
 
+/* In steps over which bodies come no further than this share of their deepest, what does not touch at once does not
+ * touch. */
+static const double SHORTEST = 1e-6;
+
 double aoi_event_tolerance(const aoi_adaptive *run, double scale)
 {
     return fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) * scale;
@@ -166,6 +170,15 @@ static int is_over(const aoi_adaptive *run, const aoi_stage *stage, double rest,
            fmax(fabs(stage->start_force), aoi_step_force(stage)) <= least;
 }
 
+/* Whether a contact that has just touched a place without mass is none: others move that away from the first, as the
+ * shortest steps show. reach: how far the bodies come in the step. */
+static int is_none(const aoi_adaptive *run, const aoi_stage *stage, double reach, double scale)
+{
+    return run->contact[stage->joint].begins && aoi_joint_bends(run, stage->joint) &&
+           stage->indentation[0] < stage->start && stage->indentation[AOI_STAGES - 1] < stage->start &&
+           stage->start_force <= 0.0 && reach <= SHORTEST * scale;
+}
+
 void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
 {
     const aoi_law *law = aoi_step_law(run, stage);
@@ -178,6 +191,11 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attem
     line_up(stage->start, stage->indentation, 1.0, -rest, values);
     if (is_over(run, stage, rest, tolerance)) {
         contact->slack = tolerance; /* or it would touch again where it is */
+        aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
+        return;
+    }
+    if (is_none(run, stage, attempt->h * contact->rate_scale, scale)) {
+        contact->slack = tolerance;
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
     }
