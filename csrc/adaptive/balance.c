@@ -163,16 +163,25 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
 /* What a law that may not pull is cut to. */
 static double cut(const aoi_law *law, double force) { return law->pulls ? force : fmax(force, 0.0); }
 
-/* The law's own force; on the piece that a slack contact would be on. */
+/* The piece of the law that a contact is on; that of its place where it is slack, or something has moved it beyond an
+ * end by more than events are off. */
+static int piece_at(const aoi_adaptive *run, const aoi_contact *of, double indentation, double rate)
+{
+    const aoi_contact_state *contact = &run->contact[of->at[0]];
+    const double off = run->rtol * contact->indentation_scale;
+    double low, high;
+    if (contact->closed && contact->piece != AOI_SLACK && indentation >= contact->low - off &&
+        indentation <= contact->high + off) {
+        return contact->piece;
+    }
+    return aoi_law_piece(of->law, of->memory, indentation, rate > 0.0, &low, &high);
+}
+
+/* The law's own force, which is not cut. */
 static void ask(const aoi_adaptive *run, const aoi_contact *of, double indentation, double rate,
                 aoi_law_value *value)
 {
-    int piece = run->contact[of->at[0]].piece;
-    if (piece == AOI_SLACK) {
-        double low, high;
-        piece = aoi_law_piece(of->law, of->memory, indentation, rate > 0.0, &low, &high);
-    }
-    aoi_law_force(of->law, of->memory, piece, indentation, rate, value);
+    aoi_law_force(of->law, of->memory, piece_at(run, of, indentation, rate), indentation, rate, value);
 }
 
 /* The equations of the changes of forces in a short time, (1 + W C / time) change = force - held + W rate, with
@@ -186,8 +195,9 @@ static void set_changes(const aoi_adaptive *run, double time, const aoi_coupled 
         ask(run, of, e->indentation[i], 0.0, &still);
         ask(run, of, e->indentation[i], e->rate[i], &value);
         const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
-        const int presses = of->law->pulls || !of->law->depends_on_rate ||
-                            value.force + by_place * e->rate[i] > 0.0;
+        const int presses = run->contact[of->at[0]].closed &&
+                            (of->law->pulls || !of->law->depends_on_rate ||
+                             value.force + by_place * e->rate[i] > 0.0);
         const double by_rate = presses ? damping + by_place : 0.0;
         for (size_t k = 0; k < width; k++) {
             e->rate_compliance[i * width + k] = by_rate * e->compliance[i * width + k] / time;
@@ -302,7 +312,7 @@ static int lets_go(const aoi_contact_state *contact, const aoi_law *law, double 
 static int is_drawn_away(const aoi_adaptive *run, const aoi_contact *from, double least)
 {
     const aoi_contact_state *contact = &run->contact[from->at[0]];
-    return contact->begins && contact->start <= aoi_law_rest(from->law, contact->memory) &&
+    return contact->begins && contact->event != AOI_EVENT_TOUCH && contact->start <= aoi_law_rest(from->law, contact->memory) &&
            from->force <= least && from->rate < -DRAWN * contact->rate_scale;
 }
 
@@ -328,6 +338,12 @@ static void take(aoi_adaptive *run, const aoi_contact *from, double least)
     if (law->turns && contact->piece != AOI_SLACK) {
         turn(law, before, contact);
     }
+    if (contact->piece != AOI_SLACK &&
+        piece_at(run, from, contact->start, from->rate) != contact->piece) {
+        contact->piece = aoi_law_piece(law, contact->memory, contact->start, from->rate > 0.0,
+                                       &contact->low, &contact->high);
+        contact->last_length = 0.0;
+    }
     /* What the step has just found is not undone: it knows more digits. */
     const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
     if (!found && contact->piece == AOI_SLACK && from->force > least) {
@@ -341,14 +357,42 @@ static void take(aoi_adaptive *run, const aoi_contact *from, double least)
     contact->force = contact->piece != AOI_SLACK ? cut(law, from->force) : 0.0;
 }
 
-void aoi_balance_at_once(aoi_adaptive *run)
+/* What snaps back is held by the forces found, and has met what presses now: rates are found when all is listed. */
+static void meet(aoi_adaptive *run, const aoi_coupled *e)
+{
+    for (size_t i = 0; i < e->count; i++) {
+        run->contact[run->balanced[i].at[0]].bending = e->force[i];
+    }
+    for (size_t i = 0; i < e->count; i++) {
+        const size_t joint = run->balanced[i].at[0];
+        run->contact[joint].start = aoi_contact_place(run, joint);
+        if (!run->contact[joint].closed && e->force[i] != 0.0) {
+            aoi_contact_close(run, joint);
+        }
+    }
+}
+
+/* Contacts that take part: closed ones; or with those beside them, which a place that snaps back may meet. */
+static size_t list_all(aoi_adaptive *run, int snaps)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < run->closed.count && !snaps; i++) {
+        count = list(run, run->closed.at[i], count);
+    }
+    for (size_t c = 0; c < run->system->joint_count && snaps; c++) {
+        const aoi_contact_state *contact = &run->contact[c];
+        if (contact->closed || (!aoi_watch_has(run, c) && contact->event != AOI_EVENT_OPEN)) {
+            count = list(run, c, count);
+        }
+    }
+    return count;
+}
+
+void aoi_balance_at_once(aoi_adaptive *run, int snaps)
 {
     aoi_contact *of = run->balanced;
     aoi_law_value value;
-    size_t count = 0;
-    for (size_t i = 0; i < run->closed.count; i++) {
-        count = list(run, run->closed.at[i], count);
-    }
+    const size_t count = list_all(run, snaps);
     if (count == 0) {
         return;
     }
@@ -359,6 +403,10 @@ void aoi_balance_at_once(aoi_adaptive *run)
         return;
     }
     set_own_rates(run, &e);
+    if (snaps) {
+        meet(run, &e);
+        return;
+    }
     if (!find_places(run, AT_ONCE * time, &e)) {
         return;
     }

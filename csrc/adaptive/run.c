@@ -385,7 +385,7 @@ static int prepare(aoi_adaptive *run, double *limit)
             return status;
         }
         if (run->unbalanced) {
-            aoi_balance_at_once(run);
+            aoi_balance_at_once(run, 0);
             run->unbalanced = 0;
         }
     } while (run->closed_count != run->closed.count);

@@ -86,8 +86,9 @@ void aoi_contact_note_peak(aoi_adaptive *run, size_t joint);
 int aoi_balance_at_start(aoi_adaptive *run);
 
 /* Finds places, rates and forces of such contacts after something has happened to one of them, or leaves all as it
- * is. One that has only just touched opens again where the others draw it away. */
-void aoi_balance_at_once(aoi_adaptive *run);
+ * is. One that has only just touched opens again where the others draw it away. snaps: a place snaps back, as one that
+ * was pulled is let go; only places and forces are found, and those of the step that it meets close. */
+void aoi_balance_at_once(aoi_adaptive *run, int snaps);
 
 /* The energy in residual compliances and in the laws of contacts at them, J; the work on each of these contacts
  * takes note of its law's share: with sign -1 before something happens at once, with 1 after it. */
@@ -132,6 +133,8 @@ void aoi_watch_begin(aoi_adaptive *run);
 /* Watches an open contact, if it is not watched yet, by its free_until and touches, which are not to change
  * until it is removed. */
 void aoi_watch_add(aoi_adaptive *run, size_t joint);
+
+int aoi_watch_has(const aoi_adaptive *run, size_t joint);
 
 /* Returns whether it was watched. */
 int aoi_watch_remove(aoi_adaptive *run, size_t joint);

@@ -341,9 +341,12 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
         events(run, later);
         return AOI_OK;
     }
+    for (size_t k = run->closed_count; k < run->stage_count; k++) {
+        run->contact[run->stage[k].joint].start = aoi_contact_place(run, run->stage[k].joint);
+    }
     const double before = aoi_balance_book(run, -1.0);
     events(run, later);
-    aoi_balance_at_once(run);
+    aoi_balance_at_once(run, 1);
     const double lost = before - aoi_balance_book(run, 1.0);
     run->contact[run->stage[s].joint].work += lost;
     row[*size - (run->closed_count - s) * AOI_TRACK_CONTACT_SIZE + AOI_TRACK_LOST] = lost;

@@ -129,6 +129,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *atte
     if (aoi_is_at_start(run, after, attempt->h) ||
         (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_joint_bends(run, stage->joint))) {
         attempt->closed = 1;
+        contact->event = AOI_EVENT_TOUCH;
         aoi_contact_close(run, stage->joint);
         return;
     }

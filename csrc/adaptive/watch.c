@@ -54,6 +54,8 @@ void aoi_watch_begin(aoi_adaptive *run)
     }
 }
 
+int aoi_watch_has(const aoi_adaptive *run, size_t joint) { return run->contact[joint].place != NOWHERE; }
+
 void aoi_watch_add(aoi_adaptive *run, size_t joint)
 {
     aoi_list *heap = &run->watched[run->contact[joint].touches != 0];
