@@ -20,7 +20,7 @@
 #include <math.h>
 
 /* Newton's method on rates has settled at this relative change; laws are all but linear in them. */
-enum { MOST_LOOPS = 30 };
+enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
 static const double SETTLED = 1e-12, RATE_ERROR = 1e-8;
 
 /* Of the time that the contacts take, about: what happens at once is an implicit step so long, over which
@@ -185,8 +185,9 @@ static void ask(const aoi_adaptive *run, const aoi_contact *of, double indentati
 }
 
 /* The equations of the changes of forces in a short time, (1 + W C / time) change = force - held + W rate, with
- * W = damping + time stiffness of those laws that press. */
-static void set_changes(const aoi_adaptive *run, double time, const aoi_coupled *e, double *change)
+ * W = damping + time stiffness of those laws that press. over: places are those after it, and those press that
+ * did; else places are those before, and what its law would pull does not press. */
+static void set_changes(const aoi_adaptive *run, double time, int over, const aoi_coupled *e, double *change)
 {
     const size_t width = 2 * e->band + 1;
     for (size_t i = 0; i < e->count; i++) {
@@ -195,16 +196,16 @@ static void set_changes(const aoi_adaptive *run, double time, const aoi_coupled 
         ask(run, of, e->indentation[i], 0.0, &still);
         ask(run, of, e->indentation[i], e->rate[i], &value);
         const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
-        const int presses = run->contact[of->at[0]].closed &&
-                            (of->law->pulls || !of->law->depends_on_rate ||
-                             value.force + by_place * e->rate[i] > 0.0);
+        const double force = value.force + (over ? 0.0 : by_place * e->rate[i]);
+        const int presses = over ? of->work != 0.0
+                                 : of->law->pulls || !of->law->depends_on_rate || force > 0.0;
         const double by_rate = presses ? damping + by_place : 0.0;
         for (size_t k = 0; k < width; k++) {
             e->rate_compliance[i * width + k] = by_rate * e->compliance[i * width + k] / time;
         }
         e->rate_compliance[i * width + e->band] += 1.0;
         change[i] = (presses ? value.force - damping * e->rate[i] : 0.0) - e->force[i] +
-                    by_rate * e->rate_free[i];
+                    (by_rate - (over && presses ? by_place : 0.0)) * e->rate_free[i];
     }
 }
 
@@ -228,30 +229,43 @@ static double set_rates(double time, const aoi_coupled *e, const double *change,
     return most;
 }
 
-/* The bodies' own rates, without forces. */
-static void set_own_rates(const aoi_adaptive *run, const aoi_coupled *e)
+/* Places that the forces make, and the rates of the bodies alone. */
+static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
 {
+    const size_t width = 2 * e->band + 1;
     for (size_t i = 0; i < e->count; i++) {
-        double here, acceleration;
+        double acceleration;
         aoi_flight pair;
         aoi_pair_now(run, run->balanced[i].at[0], &pair);
-        aoi_flight_indentation(&pair, &here, &e->rate_free[i], &acceleration);
+        aoi_flight_indentation(&pair, &e->indentation[i], &e->rate_free[i], &acceleration);
+        for (size_t k = 0; k < width; k++) {
+            const size_t j = i + k - e->band; /* wraps round below the first */
+            e->indentation[i] -= j < e->count ? e->compliance[i * width + k] * e->force[j] : 0.0;
+        }
     }
 }
 
-/* A law goes on below the touch, which is hit to a tolerance: forces and places where it does. */
+/* Forces that balance, and places, by Newton's method from some that all but do: what dashpots hold stays where it
+ * was, and laws without go on below the touch, which is hit to a tolerance. */
 static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
-    double *change = e->free, largest;
-    set_changes(run, time, e, change);
-    if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
-        return 0;
+    double *change = e->free, largest = 0.0;
+    for (int k = 0; k < PLACE_LOOPS && isfinite(largest); k++) {
+        set_motion(run, e);
+        for (size_t i = 0; i < e->count; i++) {
+            e->rate_free[i] += (e->indentation[i] - run->balanced[i].indentation) / time;
+            e->rate[i] = e->rate_free[i];
+        }
+        set_changes(run, time, 1, e, change);
+        if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
+            return 0;
+        }
+        (void)set_rates(time, e, change, &largest);
+        for (size_t i = 0; i < e->count; i++) {
+            e->force[i] += change[i];
+        }
     }
-    (void)set_rates(time, e, change, &largest);
-    for (size_t i = 0; i < e->count; i++) {
-        e->force[i] += change[i];
-        e->indentation[i] += time * (e->rate[i] - e->rate_free[i]);
-    }
+    set_motion(run, e);
     return isfinite(largest);
 }
 
@@ -261,7 +275,7 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
 {
     double *change = e->free, largest;
     for (int i = 0; i < MOST_LOOPS; i++) {
-        set_changes(run, time, e, change);
+        set_changes(run, time, 0, e, change);
         if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
             break;
         }
@@ -399,16 +413,23 @@ void aoi_balance_at_once(aoi_adaptive *run, int snaps)
     const double time = time_of_contacts(run, count);
     aoi_coupled e = lay_out(run, count);
     set_equations(run, AT_ONCE * time, &e);
-    if (aoi_coupled_solve(&e, of) != AOI_OK) {
+    if (snaps && aoi_coupled_solve(&e, of) != AOI_OK) {
         return;
     }
-    set_own_rates(run, &e);
+    for (size_t i = 0; i < count; i++) {
+        const aoi_contact_state *contact = &run->contact[of[i].at[0]];
+        e.force[i] = snaps ? e.force[i] : contact->bending;
+        of[i].work = snaps ? e.force[i] != 0.0 : contact->piece != AOI_SLACK;
+    }
+    if (!find_places(run, AT_ONCE * time, &e)) {
+        return;
+    }
     if (snaps) {
         meet(run, &e);
         return;
     }
-    if (!find_places(run, AT_ONCE * time, &e)) {
-        return;
+    for (size_t i = 0; i < count; i++) {
+        e.rate[i] = of[i].rate;
     }
     const double error = RATE_ERROR * find_rates(run, SOON * time, &e);
     if (isnan(error)) {

@@ -49,7 +49,7 @@ static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h,
         return;
     }
     const double place = top_of(law, stage);
-    if (law->depends_on_rate && aoi_joint_bends(run, stage->joint)) { /* rates may have jumped */
+    if (aoi_joint_bends(run, stage->joint)) { /* it may have come at once */
         take_peak(run, aoi_stages_at_start(stage->force), 0.0, contact);
     }
     if (law->depends_on_rate) {
