@@ -19,9 +19,10 @@
 #include <float.h>
 #include <math.h>
 
-/* Newton's method on rates has settled at this relative change; laws are all but linear in them. */
+/* Of the largest rate: at such a change Newton's method has settled, laws being all but linear in rates; and so much
+ * is left to their rounding. */
 enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
-static const double SETTLED = 1e-12, RATE_ERROR = 1e-8;
+static const double RATE_ERROR = 1e-8;
 
 /* Of the time that the contacts take, about: what happens at once is an implicit step so long, over which
  * places change by less than rounding of what they are (2e-16 / 1e-13 of the rates is noise, and stays in
@@ -279,7 +280,7 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
         if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
             break;
         }
-        if (set_rates(time, e, change, &largest) <= SETTLED * largest) {
+        if (set_rates(time, e, change, &largest) <= RATE_ERROR * largest) {
             return largest;
         }
     }
@@ -371,16 +372,32 @@ static void take(aoi_adaptive *run, const aoi_contact *from, double least)
     contact->force = contact->piece != AOI_SLACK ? cut(law, from->force) : 0.0;
 }
 
-/* What snaps back is held by the forces found, and has met what presses now: rates are found when all is listed. */
+/* A contact opens; whatever was known of its touch no longer holds. */
+static void leave(aoi_adaptive *run, size_t joint)
+{
+    aoi_contact_open(run, joint);
+    run->contact[joint].touches = 0;
+    run->contact[joint].free_until = aoi_run_now(run);
+    aoi_watch_add(run, joint);
+}
+
+/* What snaps back is held by the forces found: it has left contacts behind, and met others. Rates are found when all
+ * are listed. */
 static void meet(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
-        run->contact[run->balanced[i].at[0]].bending = e->force[i];
+        run->contact[run->balanced[i].at[0]].bending = run->balanced[i].work != 0.0 ? e->force[i] : 0.0;
     }
     for (size_t i = 0; i < e->count; i++) {
-        const size_t joint = run->balanced[i].at[0];
-        run->contact[joint].start = aoi_contact_place(run, joint);
-        if (!run->contact[joint].closed && e->force[i] != 0.0) {
+        const aoi_contact *of = &run->balanced[i];
+        const size_t joint = of->at[0];
+        aoi_contact_state *contact = &run->contact[joint];
+        const double tolerance = aoi_event_tolerance(run, contact->indentation_scale);
+        contact->start = aoi_contact_place(run, joint);
+        const int touches = contact->start >= aoi_law_rest(of->law, of->memory) - tolerance;
+        if (contact->closed && !touches) {
+            leave(run, joint);
+        } else if (!contact->closed && touches && of->work != 0.0) {
             aoi_contact_close(run, joint);
         }
     }
@@ -447,8 +464,7 @@ void aoi_balance_at_once(aoi_adaptive *run, int snaps)
     }
     for (size_t i = 0; i < count; i++) {
         if (is_drawn_away(run, &of[i], least + of[i].work)) {
-            aoi_contact_open(run, of[i].at[0]);
-            aoi_watch_add(run, of[i].at[0]);
+            leave(run, of[i].at[0]);
         } else {
             take(run, &of[i], least + of[i].work);
         }
