@@ -246,30 +246,29 @@ static void fill_matrix(const newton *s)
     }
 }
 
-/* Elimination within the band, no pivoting; 0 where a pivot is not positive. */
-static int eliminate(const newton *s)
+int aoi_coupled_eliminate(size_t n, size_t band, double *matrix, double *x)
 {
-    const size_t n = s->e->count, band = s->e->band, width = s->width;
+    const size_t width = 2 * band + 1;
     for (size_t p = 0; p < n; p++) {
-        const double *row = s->matrix + p * width;
+        const double *row = matrix + p * width;
         if (!(row[band] > 0.0) || !isfinite(row[band])) {
             return 0;
         }
-        for (size_t i = p + 1; i < last_of(s->e, p); i++) {
-            double *other = s->matrix + i * width + (p + band - i); /* column p of row i */
+        for (size_t i = p + 1; i < n && i <= p + band; i++) {
+            double *other = matrix + i * width + (p + band - i); /* column p of row i */
             const double factor = other[0] / row[band];
             for (size_t j = 1; factor != 0.0 && j <= band; j++) {
                 other[j] -= factor * row[band + j];
             }
-            s->change[i] -= factor * s->change[p];
+            x[i] -= factor * x[p];
         }
     }
     for (size_t p = n; p-- > 0;) {
-        const double *row = row_of(s->e, s->matrix, p);
-        for (size_t j = p + 1; j < last_of(s->e, p); j++) {
-            s->change[p] -= row[j] * s->change[j];
+        const double *row = matrix + p * width + band;
+        for (size_t j = 1; j <= band && p + j < n; j++) {
+            x[p] -= row[j] * x[p + j];
         }
-        s->change[p] /= row[p];
+        x[p] /= row[0];
     }
     return 1;
 }
@@ -321,7 +320,7 @@ static int newton_step(newton *s, double *merit, int *nearer)
     double share = 1.0, after;
     *nearer = 0;
     fill_matrix(s);
-    if (!eliminate(s)) {
+    if (!aoi_coupled_eliminate(s->e->count, s->e->band, s->matrix, s->change)) {
         return AOI_OK;
     }
     find_moves(s);
