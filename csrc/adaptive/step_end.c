@@ -342,6 +342,9 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
         return AOI_OK;
     }
     for (size_t k = run->closed_count; k < run->stage_count; k++) {
+        const aoi_joint *beside = &run->system->joint[run->stage[k].joint];
+        aoi_body_engage(run, beside->body[0], 1);
+        aoi_body_engage(run, beside->body[1], 1);
         run->contact[run->stage[k].joint].start = aoi_contact_place(run, run->stage[k].joint);
     }
     const double before = aoi_balance_book(run, -1.0);
