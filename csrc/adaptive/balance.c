@@ -184,28 +184,46 @@ static void ask(const aoi_adaptive *run, const aoi_contact_state *of, double ind
     aoi_law_force(of->law, of->memory, piece_at(run, of, indentation, rate), indentation, rate, value);
 }
 
-/* The equations of the changes of forces in a short time, (1 + W C / time) change = force - held + W rate, with
- * W = damping + time stiffness of those laws that press. over: places are those after it, and those press that
- * did; else places are those before, and what its law would pull does not press. */
+/* What a law does meanwhile, at[1] of a contact that is listed: nothing; its force follows it; or it keeps the place where
+ * it is, as a dashpot does into which a place snaps, however weak it is at the touch. */
+enum { IS_SLACK, FOLLOWS, HOLDS };
+
+/* How the force of a contact answers to its rate over a time, what it would be at the rate it has, and that. over:
+ * places are those after it, and roles are given; else those before, and a law that would pull does nothing. */
+static aoi_law_value answer(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int over)
+{
+    const aoi_contact_state *of = &run->balanced[i];
+    aoi_law_value still, value;
+    if (of->at[1] == HOLDS) {
+        const double own = e->compliance[i * (2 * e->band + 1) + e->band];
+        const double damping = time_of_contacts(run, e->count) / own;
+        return (aoi_law_value){e->force[i] + damping * e->rate_free[i], 0.0, damping};
+    }
+    ask(run, of, e->indentation[i], 0.0, &still);
+    ask(run, of, e->indentation[i], e->rate[i], &value);
+    const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
+    const double way = over ? 0.0 : by_place * e->rate_free[i];
+    const double force = value.force + damping * (e->rate_free[i] - e->rate[i]) + way;
+    const int cuts = of->law->depends_on_rate && !of->law->pulls;
+    if (over ? of->at[1] == IS_SLACK
+             : cuts && !(value.force + by_place * e->rate[i] > 0.0)) {
+        return (aoi_law_value){0.0, 0.0, 0.0};
+    }
+    return (aoi_law_value){force, 0.0, damping + by_place};
+}
+
+/* The equations of the changes of forces in a short time, (1 + W C / time) change = force - held, with W by answer,
+ * as the force is at the rates without changes. */
 static void set_changes(const aoi_adaptive *run, double time, int over, const aoi_coupled *e, double *change)
 {
     const size_t width = 2 * e->band + 1;
     for (size_t i = 0; i < e->count; i++) {
-        const aoi_contact_state *of = &run->balanced[i];
-        aoi_law_value still, value;
-        ask(run, of, e->indentation[i], 0.0, &still);
-        ask(run, of, e->indentation[i], e->rate[i], &value);
-        const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
-        const double force = value.force + (over ? 0.0 : by_place * e->rate[i]);
-        const int presses = over ? of->work != 0.0
-                                 : of->law->pulls || !of->law->depends_on_rate || force > 0.0;
-        const double by_rate = presses ? damping + by_place : 0.0;
+        const aoi_law_value value = answer(run, e, i, time, over);
         for (size_t k = 0; k < width; k++) {
-            e->rate_compliance[i * width + k] = by_rate * e->compliance[i * width + k] / time;
+            e->rate_compliance[i * width + k] = value.damping * e->compliance[i * width + k] / time;
         }
         e->rate_compliance[i * width + e->band] += 1.0;
-        change[i] = (presses ? value.force - damping * e->rate[i] : 0.0) - e->force[i] +
-                    (by_rate - (over && presses ? by_place : 0.0)) * e->rate_free[i];
+        change[i] = value.force - e->force[i];
     }
 }
 
@@ -385,7 +403,7 @@ static void leave(aoi_adaptive *run, size_t c)
 static void meet(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
-        run->contact[run->balanced[i].at[0]].bending = run->balanced[i].work != 0.0 ? e->force[i] : 0.0;
+        run->contact[run->balanced[i].at[0]].bending = run->balanced[i].at[1] != IS_SLACK ? e->force[i] : 0.0;
     }
     for (size_t i = 0; i < e->count; i++) {
         const aoi_contact_state *of = &run->balanced[i];
@@ -396,8 +414,10 @@ static void meet(aoi_adaptive *run, const aoi_coupled *e)
         const int touches = contact->start >= aoi_law_rest(of->law, of->memory) - tolerance;
         if (contact->closed && !touches) {
             leave(run, c);
-        } else if (!contact->closed && touches && of->work != 0.0) {
+        } else if (!contact->closed && touches && of->at[1] != IS_SLACK) {
             aoi_contact_close(run, c);
+        } else if (!contact->closed) {
+            contact->bending = 0.0;
         }
     }
 }
@@ -418,6 +438,22 @@ static size_t list_all(aoi_adaptive *run, int snaps)
     return count;
 }
 
+/* What a listed contact does, and the force that it begins with: as it does, or, where a place snaps back, as found. */
+static void set_role(const aoi_adaptive *run, int snaps, double least, aoi_contact_state *of, double *force)
+{
+    const aoi_adaptive_contact *contact = &run->contact[of->at[0]];
+    const int follows = snaps ? *force != 0.0 : contact->piece != AOI_SLACK;
+    const double off = contact->start - aoi_law_rest(of->law, of->memory);
+    const int is_met = snaps ? !contact->closed
+                             : contact->begins && contact->bending > least &&
+                                   off <= aoi_event_tolerance(run, contact->indentation_scale);
+    *force = snaps ? *force : contact->bending;
+    of->at[1] = follows && is_met && of->law->depends_on_rate ? HOLDS : follows ? FOLLOWS : IS_SLACK;
+    if (!contact->closed) {
+        of->indentation = aoi_law_rest(of->law, of->memory);
+    }
+}
+
 void aoi_balance_at_once(aoi_adaptive *run, int snaps)
 {
     aoi_contact_state *of = run->balanced;
@@ -432,10 +468,9 @@ void aoi_balance_at_once(aoi_adaptive *run, int snaps)
     if (snaps && aoi_coupled_solve(&e, of) != AOI_OK) {
         return;
     }
+    const double least = comes(run, count);
     for (size_t i = 0; i < count; i++) {
-        const aoi_adaptive_contact *contact = &run->contact[of[i].at[0]];
-        e.force[i] = snaps ? e.force[i] : contact->bending;
-        of[i].work = snaps ? e.force[i] != 0.0 : contact->piece != AOI_SLACK;
+        set_role(run, snaps, least, &of[i], &e.force[i]);
     }
     if (!find_places(run, AT_ONCE * time, &e)) {
         return;
@@ -453,19 +488,18 @@ void aoi_balance_at_once(aoi_adaptive *run, int snaps)
     }
     for (size_t i = 0; i < count; i++) {
         run->contact[of[i].at[0]].bending = e.force[i];
-        ask(run, &of[i], e.indentation[i], of[i].rate, &value);
-        of[i].force = value.force;
-        of[i].work = value.damping * error;
     }
-    const double least = comes(run, count);
     for (size_t i = 0; i < count; i++) {
         run->contact[of[i].at[0]].start = aoi_contact_place(run, of[i].at[0]);
+        ask(run, &of[i], e.indentation[i], of[i].rate, &value);
+        of[i].force = of[i].at[1] == HOLDS ? e.force[i] : value.force;
+        of[i].work = least + value.damping * error; /* that a force is above or below zero is certain from here on */
     }
     for (size_t i = 0; i < count; i++) {
-        if (is_drawn_away(run, &of[i], least + of[i].work)) {
+        if (is_drawn_away(run, &of[i], of[i].work)) {
             leave(run, of[i].at[0]);
         } else {
-            take(run, &of[i], least + of[i].work);
+            take(run, &of[i], of[i].work);
         }
     }
 }

@@ -341,6 +341,9 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
         return AOI_OK;
     }
     for (size_t k = run->closed_count; k < run->entry_count; k++) {
+        const aoi_contact *beside = &run->system->contact[run->entry[k].contact];
+        aoi_body_engage(run, beside->body[0], 1);
+        aoi_body_engage(run, beside->body[1], 1);
         run->contact[run->entry[k].contact].start = aoi_contact_place(run, run->entry[k].contact);
     }
     const double before = aoi_balance_book(run, -1.0);

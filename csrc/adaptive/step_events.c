@@ -20,7 +20,7 @@ static const double DOZING = 0.1;
 
 /* In steps over which bodies come no further than this share of their deepest, what does not touch at once does not
  * touch. */
-static const double SHORTEST = 1e-6;
+static const double SHORTEST = 1e-2;
 
 double aoi_event_tolerance(const aoi_adaptive *run, double scale)
 {
@@ -192,7 +192,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
     }
-    if (is_none(run, entry, attempt->h * contact->rate_scale, scale)) {
+    if (entry->start - touch <= tolerance && is_none(run, entry, attempt->h * contact->rate_scale, scale)) {
         contact->slack = tolerance;
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
