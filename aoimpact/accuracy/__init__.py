@@ -4,9 +4,10 @@ from .answer import SCENE_QUANTITIES, Answer, answer, scene_answer
 from .choice import checked_linear_solver, sufficient
 from .hierarchy import Ladder, Models, ladder
 from .order import first_guess
-from .quantities import QUANTITIES, Keep, Named, keeper, quantity_unit
+from .quantities import CONTROLLED, QUANTITIES, Keep, Named, keeper, quantity_unit
 
 __all__ = [
+    "CONTROLLED",
     "QUANTITIES",
     "SCENE_QUANTITIES",
     "Answer",

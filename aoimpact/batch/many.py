@@ -53,7 +53,8 @@ def simulate_many(
     keep : names or function, optional
         What to keep of each case instead of its result, which holds whole histories: names of
         numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, with the
-        "impulse_error" of each where models are chosen (`ErrorEstimate.numbers`); or a function
+        "impulse_error" and "impulse_controlled" of each where models are chosen
+        (`ErrorEstimate.numbers`); or a function
         of the result, which other processes must be able to import. Plain impacts of two stars
         asked for names alone run many in one call of the core.
     checkpoint : path, optional

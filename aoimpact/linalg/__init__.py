@@ -1,6 +1,7 @@
 """Linear algebra of K and K + s²M: solvers behind one interface, and eigenpairs."""
 
 from .coarsening import QUADRATIC, corner_interpolation
+from .dense import dense_modes
 from .matrices import (
     LARGEST,
     LEAST,
@@ -44,6 +45,7 @@ __all__ = [
     "checked_solver",
     "core_rows",
     "corner_interpolation",
+    "dense_modes",
     "factorize",
     "linear_solver",
     "lowest",

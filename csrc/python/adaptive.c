@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Rows, or bytes, between looks for signals: a hundredth of a second at most. */
+#define AT_ONCE ((size_t)1 << 22)
+
 /* ----------------------------------------------------------------------- bodies and contacts */
 
 /* A system and all that it is made of. */
@@ -305,6 +308,9 @@ static int gather_intervals(const growing *track, const aoi_system *system, doub
 {
     for (size_t r = 0; r < track->rows; r++) {
         const double *row = track->track + track->index[r], *of = row + AOI_TRACK_FIXED;
+        if (r % (AT_ONCE / 64) == 0 && PyErr_CheckSignals() != 0) {
+            return 0;
+        }
         for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
             of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[0]].n;
         }
@@ -357,18 +363,35 @@ static PyObject *contacts_of(const aoi_adaptive *run, const growing *track)
     return result;
 }
 
+/* A record may fill GiB: signals are heard while it is copied. */
+static PyObject *bytes_of(const void *record, size_t size)
+{
+    PyObject *bytes = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)size);
+    for (size_t done = 0; bytes && done < size; done += AT_ONCE) {
+        const size_t left = size - done;
+        memcpy(PyBytes_AsString(bytes) + done, (const char *)record + done,
+               left < AT_ONCE ? left : AT_ONCE);
+        if (PyErr_CheckSignals() != 0) {
+            Py_CLEAR(bytes);
+        }
+    }
+    return bytes;
+}
+
 /* (track, index, x, v, contacts, steps, rejected) */
 static PyObject *adaptive_result(const aoi_adaptive *run, const growing *track)
 {
     const size_t n = run->system->first[run->system->body_count];
     const Py_ssize_t state = (Py_ssize_t)(n * sizeof(double));
     PyObject *contacts = contacts_of(run, track);
-    if (!contacts) {
+    PyObject *rows = contacts ? bytes_of(track->track, track->used * sizeof(double)) : NULL;
+    PyObject *index = rows ? bytes_of(track->index, track->rows * sizeof(size_t)) : NULL;
+    if (!index) {
+        Py_XDECREF(contacts);
+        Py_XDECREF(rows);
         return NULL;
     }
-    return Py_BuildValue("y#y#y#y#Nnn", (const char *)track->track,
-                         (Py_ssize_t)(track->used * sizeof(double)), (const char *)track->index,
-                         (Py_ssize_t)(track->rows * sizeof(size_t)), (const char *)run->x, state,
+    return Py_BuildValue("NNy#y#Nnn", rows, index, (const char *)run->x, state,
                          (const char *)run->v, state, contacts, (Py_ssize_t)run->steps,
                          (Py_ssize_t)run->rejected);
 }

@@ -75,6 +75,22 @@ def test_dashpots_on_a_massless_coordinate_are_the_limit_of_small_masses() -> No
     assert np.abs(apart).max() < 2e-3
 
 
+def test_the_oracle_s_peak_is_the_largest_force_on_its_curve() -> None:
+    # The second contact makes a kink in the force of the first, beside its top.
+    frame = Frame((2.736, 5.153, 0.2668, 3.794), (1.411e12, 1.265e9, 1.16e8), (1.635e8, 0, 0, 0))
+    bodies = (frame, Body(0.55, velocity=10.0), Body(2.1, velocity=8.3))
+    contacts = (
+        Contact(1, 0, Law("Linear", {"k": 5.4e9}), 0.0, (0, 2)),
+        Contact(2, 0, Law("Hertz", {"k": 1.35e13}), 2.84e-4, (0, 2)),
+    )
+    outcome = Oracle(Case(bodies, contacts, duration=6e-5), rtol=1e-9).run()
+    assert outcome.force_at is not None
+    for c, (peak, when) in enumerate(zip(outcome.peaks, outcome.peak_times, strict=True)):
+        times = np.linspace(max(0.0, when - 1e-6), min(6e-5, when + 1e-6), 400)
+        largest = max(outcome.force_at(c, float(t)) for t in times)
+        assert largest <= peak * (1.0 + 1e-9)
+
+
 def test_shrinking_leaves_what_fails() -> None:
     case = next(case_of(seed) for seed in range(500) if len(case_of(seed).contacts) == 8)
     small = shrink(case, lambda one: any(contact.a == 0 for contact in one.contacts))
