@@ -40,10 +40,9 @@ from peers import (
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.base.units import quantity
-from aoimpact.integrate.adaptive import adaptive_run
+from aoimpact.integrate.dense import adaptive_run
 from aoimpact.integrate.newmark import newmark_scene
-from aoimpact.scene.bodies import StarPlayer, player
-from aoimpact.scene.plan import Joint, Plan
+from aoimpact.scene import Joint, Plan, StarBody, scene_body
 from aoimpact.study.scipy_solvers import Outcome
 
 
@@ -58,8 +57,8 @@ def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
 def plan_of(scene: dict[str, Any]) -> Plan:
     """The scene as `simulate` hands it on."""
     bodies = (
-        player("projectile", scene["projectile"], scene["velocity"]),
-        player("target", scene["target"], 0.0),
+        scene_body("projectile", scene["projectile"], scene["velocity"]),
+        scene_body("target", scene["target"], 0.0),
     )
     joint = Joint(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
     speeds = scene["velocity"], 0.0
@@ -107,14 +106,14 @@ def newmark_call(case: Case, exact: Outcome) -> Iterator[Run]:
 
 def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
     scene = case.scene
-    players = StarPlayer(case.stars[0], scene["velocity"]), StarPlayer(case.stars[1], 0.0)
+    bodies = StarBody(case.stars[0], scene["velocity"]), StarBody(case.stars[1], 0.0)
     for dt in newmark_steps(case):
         rule = ao.Newmark(dt=dt, estimate=False)
 
         def run(dt: float = dt, rule: ao.Newmark = rule) -> None:
             newmark_scene(
-                [player.stepped() for player in players],
-                [(0, 0, 1, 0, scene["law"], 0.0)],
+                [body.stepped() for body in bodies],
+                [Joint(0, 0, 1, 0, scene["law"], 0.0)],
                 rule=rule,
                 dt=dt,
                 duration=scene["duration"],
@@ -214,19 +213,19 @@ def print_fixed_cost() -> None:
 def print_parts(case: Case) -> None:
     """Where the time of one call goes."""
     scene, plan = case.scene, plan_of(case.scene)
-    arguments = core_arguments(plan)
     for rtol in (1e-3, 1e-6, 1e-9):
         solver = ao.Adaptive(rtol=rtol)
         whole = best_time(lambda s=solver: ao.simulate(**scene, solver=s).peak_force)
-        options = {"rtol": rtol, "duration": scene["duration"]}
-        track = adaptive_run(*arguments, **options)
-        times = track.times
+        run = adaptive_run(plan, rtol=rtol)
+        times = run.times
         parts = {
-            "run": best_time(lambda o=options: adaptive_run(*arguments, **o)),
-            f"if asked for, {len(times)} samples": best_time(lambda t=track, s=times: t.sample(s)),
+            "run": best_time(lambda r=rtol: adaptive_run(plan, rtol=r)),
+            f"if asked for, {len(times)} samples": best_time(
+                lambda r=run, t=times: r.rows(t, True)
+            ),
         }
         words = ", ".join(f"{name} {quantity(value, 's', 3)}" for name, value in parts.items())
-        steps = f"{track.steps} steps and {track.rejected} in vain"
+        steps = f"{run.steps} steps and {run.rejected} in vain"
         print(f"  rtol={rtol:g}: call {quantity(whole, 's', 3)}, of which {words}; {steps}")
 
 

@@ -1,15 +1,15 @@
 """What building scene-fitted anti-oscillators costs, as ratios to what else could be done.
 
     python benchmarks/reduction.py [--size 2.5]
-    python benchmarks/reduction.py --held
+    python benchmarks/reduction.py --constrained
     python benchmarks/reduction.py --arpack [--size 1.9] [--along 100]
 
 The first: against one factorisation of K + s²M by the same solver, and n + 2 solutions with it; a
-sphere with elements of `size` mm. The second: the same for bodies held at their ends, slender,
+sphere with elements of `size` mm. The second: the same for bodies clamped at their ends, slender,
 thin and compact, which need their static mode besides; in processor time. The third: against the
 lowest constraint modes by ARPACK with factors by the same solver, for equal force error, in
-processor time; the sphere on its like, and a rigid ball on a slender bar held at both ends (4 x 4
-elements across, `along` along). Machines differ and are shared: the ratios are what to read.
+processor time; the sphere on its like, and a rigid ball on a slender bar clamped at both ends
+(4 x 4 elements across, `along` along). Machines differ and are shared: the ratios are what to read.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ import numpy as np
 from measuring import Line, best_times, print_table
 
 import aoimpact as ao
-from aoimpact.accuracy.answer import Answer
+from aoimpact.accuracy import QUANTITIES
 from aoimpact.base.errors import held_warnings
-from aoimpact.linalg import pardiso
+from aoimpact.linalg import Pencil, pardiso
 from aoimpact.linalg.superlu import factorize
 from aoimpact.paper.beam import ALUMINIUM
 from aoimpact.paper.sphere import BALL_MASS, LAW, RADIUS, STEEL
@@ -69,7 +69,7 @@ def against_solutions(tip: ao.ContactPoint) -> None:
     print_table(f"Sphere, {tip.body.n_dofs} dofs, {krylov(1).origin.solver}", lines)
 
 
-def held(
+def clamped(
     size: tuple[float, float, float], divisions: tuple[int, int, int], kind: str = "hexahedron20"
 ) -> ao.ContactPoint:
     mesh = ao.box_mesh(size, divisions, kind=kind)
@@ -85,26 +85,26 @@ def without_mesh(tip: ao.ContactPoint) -> ao.ContactPoint:
 
 BEAM, PLATE, BLOCK = (1.0, 0.02, 0.02), (0.3, 0.3, 0.005), (0.05, 0.05, 0.05)
 
-HELD: dict[str, Callable[[], ao.ContactPoint]] = {
-    "Beam": partial(held, BEAM, (60, 3, 3)),
-    "Beam, finer": partial(held, BEAM, (200, 4, 4)),
-    "Beam of hexahedra, coarse": partial(held, BEAM, (50, 2, 2), "hexahedron"),
-    "Beam of hexahedra": partial(held, BEAM, (120, 6, 6), "hexahedron"),
-    "Bar of tetrahedra": partial(held, (1.0, 0.05, 0.05), (100, 4, 4), "tetra10"),
-    "Beam without its mesh": lambda: without_mesh(held(BEAM, (60, 3, 3))),
-    "Plate": partial(held, PLATE, (18, 18, 2)),
-    "Plate, finer": partial(held, PLATE, (40, 40, 2)),
-    "Block": partial(held, BLOCK, (9, 9, 9)),
-    "Block, finer": partial(held, BLOCK, (15, 15, 15)),
+CONSTRAINED: dict[str, Callable[[], ao.ContactPoint]] = {
+    "Beam": partial(clamped, BEAM, (60, 3, 3)),
+    "Beam, finer": partial(clamped, BEAM, (200, 4, 4)),
+    "Beam of hexahedra, coarse": partial(clamped, BEAM, (50, 2, 2), "hexahedron"),
+    "Beam of hexahedra": partial(clamped, BEAM, (120, 6, 6), "hexahedron"),
+    "Bar of tetrahedra": partial(clamped, (1.0, 0.05, 0.05), (100, 4, 4), "tetra10"),
+    "Beam without its mesh": lambda: without_mesh(clamped(BEAM, (60, 3, 3))),
+    "Plate": partial(clamped, PLATE, (18, 18, 2)),
+    "Plate, finer": partial(clamped, PLATE, (40, 40, 2)),
+    "Block": partial(clamped, BLOCK, (9, 9, 9)),
+    "Block, finer": partial(clamped, BLOCK, (15, 15, 15)),
 }
 
 # Dofs beyond which SuperLU is left out: a factorisation by it takes minutes.
 SUPERLU_MOST = 20_000
 
 
-def held_against_solutions() -> None:
+def constrained_against_solutions() -> None:
     solvers = ("pardiso", "superlu") if pardiso.is_installed() else ("superlu",)
-    for name, make in HELD.items():
+    for name, make in CONSTRAINED.items():
         tip = make()
         tip.body.rigid_modes  # noqa: B018 - as in main
         for solver in solvers if tip.body.n_dofs <= SUPERLU_MOST else solvers[:1]:
@@ -131,7 +131,7 @@ class Factors:
         if trace not in self._kept:
             start = time.process_time()
             if pardiso.is_installed():
-                self._kept[trace] = pardiso.inverse(matrix.T, "K + s²M")
+                self._kept[trace] = pardiso.PARDISO.set_up(Pencil(matrix.T, 0.0 * matrix.T)).solve
             else:
                 self._kept[trace] = factorize(matrix).solve
             self.seconds += time.process_time() - start
@@ -151,7 +151,7 @@ def force_errors(stars: list[ao.AOModel], exact: ao.AOModel, projectile: Any) ->
             )
 
     reference = run(exact)
-    return [Answer("force").difference(run(star), reference) for star in stars]
+    return [QUANTITIES["force"].difference(run(star), reference) for star in stars]
 
 
 def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
@@ -196,19 +196,19 @@ def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--arpack", action="store_true", help="against constraint modes by ARPACK")
-    parser.add_argument("--held", action="store_true", help="bodies that are held")
+    parser.add_argument("--constrained", action="store_true", help="bodies with supports")
     parser.add_argument("--size", type=float, help="of the sphere's elements, mm")
     parser.add_argument("--along", type=int, default=100, help="elements along the bar")
     options = parser.parse_args()
-    if options.held:
-        held_against_solutions()
+    if options.constrained:
+        constrained_against_solutions()
         return
     ball = sphere(1e-3 * (options.size or (1.9 if options.arpack else 2.5)))
     ball.body.rigid_modes  # noqa: B018 - they are the body's, not the model's
     if not options.arpack:
         against_solutions(ball)
         return
-    against_arpack("Slender held bar", bar(options.along), ao.rigid(mass=BALL_MASS))
+    against_arpack("Slender clamped bar", bar(options.along), ao.rigid(mass=BALL_MASS))
     against_arpack("Sphere on its like", ball, None)
 
 

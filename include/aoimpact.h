@@ -1,16 +1,22 @@
 /* aoimpact: the anti-oscillator model of a body at its point of contact, and impacts in time.
  *
- * This header is the whole public interface of the C core, and its specification. "Paper" is
+ * This header is what a C programmer may use, and its specification; examples/impact.c uses it. "Paper" is
  * E. Jacquelin, "On the rigid projectile model for low velocity impacts"; equation numbers are its.
  *
+ * A system of bodies and contacts is described once (aoi_modes, aoi_law, aoi_contact, aoi_system) and linked; runs
+ * in fixed steps (aoi_newmark) or to a tolerance (aoi_adaptive) take it as it is. What an adaptive run has written
+ * (aoi_track) is read at any time (aoi_sampler), and tells when contacts began and ended.
+ *
  * Rules that hold for every function
- *   Memory    The caller owns all memory. Nothing here allocates, frees, or keeps a pointer after
- *             it returns, except inside an object that the caller made, for as long as it uses it.
- *             Work space is asked for by the size functions beside each object.
- *   State     There are no globals. Objects may be used from several threads, one thread each.
+ *   Memory    The caller owns all memory. Nothing here allocates, frees, or keeps a pointer after it returns,
+ *             except inside an object that the caller made, for as long as it uses it. The size functions say
+ *             how many bytes an object needs, aligned as malloc's are.
+ *   Threads   There are no globals. A linked system, its laws and its bodies are only read: any number of threads
+ *             may share them, but for a law with a note or with functions of the caller's. A run and a sampler
+ *             are for one thread at a time.
  *   Units     SI: m, kg, s, N, J, rad/s; omega2 is an angular frequency squared, (rad/s)^2.
  *   Returns   AOI_OK (0) or one of the codes below; then the outputs are not to be used.
- *   Arrays    Contiguous doubles; dense matrices by columns (Fortran order) unless said otherwise.
+ *   Arrays    Contiguous doubles; matrices by rows, [rows][columns].
  */
 #ifndef AOIMPACT_H
 #define AOIMPACT_H
@@ -26,6 +32,15 @@
 
 #ifdef __cplusplus
 extern "C" {
+#endif
+
+#define AOI_VERSION "0.1.0"
+
+/* The functions that a shared library shows; its other symbols are hidden. */
+#if defined(_WIN32)
+#define AOI_API
+#else
+#define AOI_API __attribute__((visibility("default")))
 #endif
 
 typedef enum aoi_status {
@@ -63,34 +78,34 @@ typedef struct aoi_star {
 } aoi_star;
 
 /* AOI_OK for a star as above with some mass in it, or what is wrong with it. */
-int aoi_star_check(const aoi_star *star);
+AOI_API int aoi_star_check(const aoi_star *star);
 
 /* m_st = m0 + sum of m_i, eq. (10). */
-double aoi_star_static_mass(const aoi_star *star);
+AOI_API double aoi_star_static_mass(const aoi_star *star);
 
 /* Receptance u/f at the contact coordinate, real, for count angular frequencies:
  * 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)); infinite on a resonance (and at w = 0 of
  * a free star), zero on an antiresonance. */
-void aoi_star_receptance(const aoi_star *star, size_t count, const double *omega,
-                         double *receptance);
+AOI_API void aoi_star_receptance(const aoi_star *star, size_t count, const double *omega,
+                                 double *receptance);
 
 /* Kinetic energy 1/2 sum m v^2 (0 for a wall) and elastic energy 1/2 k0 u0^2 + 1/2 sum k (u0-u_i)^2
  * of the coordinates u, v: n+1 doubles each, the contact coordinate first. */
-void aoi_star_energy(const aoi_star *star, const double *u, const double *v, double *kinetic,
-                     double *elastic);
+AOI_API void aoi_star_energy(const aoi_star *star, const double *u, const double *v, double *kinetic,
+                             double *elastic);
 
 /* The star's natural modes. In: oscillators in ascending, distinct k_i/m_i. Out: omega2 (n+1,
  * ascending) and participation r_j = b^T phi_j > 0 of the mass-normalised modes (n+1), so that the
  * receptance is sum_j r_j^2 / (omega2_j - w^2). mode_count: n+1, or n where m0 is zero. work: n.
  * AOI_ERROR_NOT_FINITE also where a k_i/m_i or a mode leaves the range of numbers. */
-int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
-                      size_t *mode_count, double *work, const aoi_pause *pause);
+AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
+                              size_t *mode_count, double *work, const aoi_pause *pause);
 
 /* The star of a modal model of count >= 1 modes with ascending, distinct omega2 >= 0 and weights
  * r_j^2 > 0: its antiresonances by the secular equation. Out: m0, k0 and count-1 oscillators in
  * ascending frequency (m, k). The inverse of aoi_star_to_modal. */
-int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
-                        double *k0, double *m, double *k, const aoi_pause *pause);
+AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
+                                double *k0, double *m, double *k, const aoi_pause *pause);
 
 /* ------------------------------------------------------------------------------ contact laws */
 
@@ -168,104 +183,234 @@ struct aoi_law {
  * k and the yield force are positive, what damps is not negative. The formulas stand in csrc/law.
  * AOI_ERROR_ARGUMENT for an unknown name, a wrong count or a value out of range, or where
  * what follows from them is. */
-int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
+AOI_API int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
 
 /* A law through count >= 2 knots: cubics between them, a straight line past the last, which is the
  * law's limit. table: indentations (ascending, from 0), forces (from 0, never falling), slopes there,
  * and energies (the integral of the cubics), count each; the caller's, for as long as the law is
  * used. AOI_ERROR_ARGUMENT where these do not hold. */
-int aoi_law_create_table(aoi_law *law, size_t count, const double *table);
+AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table);
 
 /* The caller's law. AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
-int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
+AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
 /* AOI_ERROR_ARGUMENT where a law cannot be used: without force or potential, with a compliance that is
  * negative or not finite, with a limit that is not positive. */
-int aoi_law_check(const aoi_law *law);
+AOI_API int aoi_law_check(const aoi_law *law);
 
 /* The force itself, for fixed steps and plots: on the piece of this indentation and direction; zero
  * at and below rest; cut at zero unless the law pulls. A NaN (of a caller's law) goes through. */
-void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
-                  aoi_law_value *value);
+AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
+                          aoi_law_value *value);
 
 /* As law->potential, of the total indentation: less the c F^2/2 that is the bodies' own. Past the
  * limit of a law with a compliance, where it has no meaning, it grows on as over a straight line. */
-double aoi_law_potential(const aoi_law *law, const double *memory, double indentation);
+AOI_API double aoi_law_potential(const aoi_law *law, const double *memory, double indentation);
 
-/* --------------------------------------------------------------------------- bodies in modes */
+/* ----------------------------------------------------------------- what there is: the model */
+
+/* Forces on the ports of a body that run straight between times (ascending; of two equal ones the later
+ * counts): at time[i] force[i][p] on port p, constant before the first and after the last. count 0: none. */
+typedef struct aoi_load {
+    size_t count;
+    const double *time, *force;
+} aoi_load;
 
 /* A body with ports (its contact functionals) in natural modes: x_j'' + 2 decay_j x_j' + omega_j^2 x_j
- * = gravity_j + sum_p push[p][j] f_p, u_p = sum_j shape[p][j] x_j + sum_q residual[p][q] f_q. The scale
- * of x_j is free; for mass-normalised modes shape = push = participation. A wall has one mode with
- * shape 1 and push 0, which moves on whatever happens. decay, residual and gravity may be NULL (zero).
- * f_p is the contact forces plus a load that runs straight between load_time[i] (ascending), where it
- * is load_force[i][p], and is constant before the first and after the last. */
+ * = gravity_j + sum_p push[p][j] f_p, u_p = sum_j shape[p][j] x_j + sum_q residual[p][q] f_q, with f_p the
+ * contact forces plus the load. The scale of x_j is free; for mass-normalised modes shape = push =
+ * participation, and inertia may be NULL. A wall has one mode with shape 1, push 0 and inertia 0, which
+ * moves on whatever happens. decay, residual, gravity and centre_residual may be NULL (zero). */
 typedef struct aoi_modes {
     size_t n, ports;
-    const double *omega; /* n, ascending */
-    const double *decay;
-    const double *shape, *push; /* [ports][n] */
-    const double *residual;     /* [ports][ports] */
-    const double *gravity;
-    const double *inertia, *centre; /* n: energy inertia v^2 / 2 (0 for a wall); centre of mass */
-    const double *centre_residual;  /* ports: its displacement per force, beside the modes'; or NULL */
-    size_t load_count;
-    const double *load_time, *load_force;
+    const double *omega;           /* [n], ascending, rad/s                          */
+    const double *decay;           /* [n], 1/s                                       */
+    const double *shape, *push;    /* [ports][n]                                     */
+    const double *residual;        /* [ports][ports], m/N, symmetric                 */
+    const double *gravity;         /* [n]                                            */
+    const double *inertia;         /* [n], energy inertia v^2 / 2; NULL: 1           */
+    const double *centre;          /* [n], displacement of the centre of mass        */
+    const double *centre_residual; /* [ports], the same per force, beside the modes' */
+    aoi_load load;
 } aoi_modes;
 
-/* ----------------------------------------------------------------------------------- systems */
+/* The body that an AO model is, free of damping, gravity and loads: one port, n + 1 modes (or fewer). memory:
+ * aoi_star_modes_size bytes, which the body keeps. Errors as aoi_star_to_modal. */
+AOI_API size_t aoi_star_modes_size(const aoi_star *star);
+AOI_API int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body);
 
-/* Contact between ports of two bodies (of the same body twice: not allowed): indentation = u_first -
- * u_second - gap; its force presses the first back and the second forward. */
-typedef struct aoi_joint {
+/* A contact between ports of two bodies: indentation = u_first - u_second - gap; its force presses the first
+ * back and the second forward. */
+typedef struct aoi_contact {
     size_t body[2], port[2];
     double gap;
     const aoi_law *law;
-} aoi_joint;
+} aoi_contact;
 
-/* Bodies and contacts. Body b has the modes first[b] .. first[b+1]-1 of the arrays x, v of all, and of
- * all ports those from first_port[b] to first_port[b+1]-1. Its joints, ascending, are joint_of[i] from
- * i = first_joint[b] to first_joint[b+1]-1: aoi_system_link finds them, for those who run the system. */
+/* Bodies and contacts: what both integrators take, and never change. The caller sets the first block, has
+ * aoi_system_link fill in the second, and then changes neither. Of the arrays of all bodies, b has the modes
+ * first[b] .. first[b+1]-1 and the ports first_port[b] .. first_port[b+1]-1; its contacts are contact_of[i]
+ * for first_contact[b] <= i < first_contact[b+1], ascending. */
 typedef struct aoi_system {
-    size_t body_count, joint_count;
+    size_t body_count, contact_count;
     const aoi_modes *body;
-    const size_t *first, *first_port;
-    const aoi_joint *joint;
-    const size_t *first_joint, *joint_of;
+    const aoi_contact *contact;
+
+    const size_t *first, *first_port, *first_contact, *contact_of;
 } aoi_system;
 
-/* Finds the joints of each body. first_joint: body_count + 1, joint_of: 2 joint_count, of the caller, who
- * keeps them. AOI_ERROR_ARGUMENT where a joint names a body that is not there. */
-int aoi_system_link(aoi_system *system, size_t *first_joint, size_t *joint_of);
+/* Checks the system and links it. memory: aoi_system_size bytes, which the system keeps. AOI_ERROR_ARGUMENT
+ * where numbers are not finite, frequencies or load times do not ascend, decays are negative, a contact names
+ * a body or port that is not there, or one body twice, or has no usable law. */
+AOI_API size_t aoi_system_size(const aoi_system *system);
+AOI_API int aoi_system_link(aoi_system *system, void *memory);
 
-/* AOI_ERROR_ARGUMENT where numbers are not finite, frequencies or load times do not ascend, decays are
- * negative, a joint names a body or port that is not there, or one body twice, or has no usable law, where
- * first and first_port are not the sums of the bodies' n and ports, or first_joint (which may be NULL) and
- * joint_of not as aoi_system_link makes them. O(all arrays). */
-int aoi_system_check(const aoi_system *system);
+/* --------------------------------------------------------------------- what is seen: a record */
 
-/* ----------------------------------------------------------------------------------- records */
-
-/* Rows of a record, one value a step, the initial state first: for each contact force [N],
- * indentation [m], elastic [J], dissipated [J] (work of the force less elastic; zero for a law that
- * has neither rate nor memory); then for each body what enum aoi_body_row says, its work being that
- * of loads and gravity since the start. */
-enum { AOI_CONTACT_ROWS = 4 };
-
-/* What a body shows at the end of a step, in this order: displacement and velocity of its centre of
- * mass; kinetic and elastic energy, what damping took so far (the rule's own sum, dt/4 (v + v')^T C
- * (v + v') each step) and the work of gravity from u = 0 on, in J; displacement and velocity of each
- * port. */
+/* A record is a matrix by rows, one column a time: four rows for each contact, then for each body the rows of
+ * aoi_body_row and two for each of its ports. What a law has dissipated is the work of its force less what is
+ * stored, zero for a law that has neither rate nor memory. */
+enum aoi_contact_row {
+    AOI_CONTACT_FORCE = 0,   /* N                */
+    AOI_CONTACT_INDENTATION, /* m                */
+    AOI_CONTACT_ELASTIC,     /* J, in the law    */
+    AOI_CONTACT_DISSIPATED,  /* J                */
+    AOI_CONTACT_ROWS
+};
 enum aoi_body_row {
-    AOI_BODY_CENTRE = 0,
-    AOI_BODY_CENTRE_VELOCITY,
-    AOI_BODY_KINETIC,
-    AOI_BODY_ELASTIC,
-    AOI_BODY_DISSIPATED,
-    AOI_BODY_WORK,
-    AOI_BODY_ROWS,
+    AOI_BODY_CENTRE = 0,      /* m, of the centre of mass                       */
+    AOI_BODY_CENTRE_VELOCITY, /* m/s                                            */
+    AOI_BODY_KINETIC,         /* J                                              */
+    AOI_BODY_ELASTIC,         /* J                                              */
+    AOI_BODY_DISSIPATED,      /* J, what damping has taken since the start      */
+    AOI_BODY_WORK,            /* J, of loads and gravity since the start        */
+    AOI_BODY_ROWS,            /* then displacement and velocity of each port    */
     AOI_PORT_ROWS = 2
 };
+
+/* Rows of a linked system's record; the first row of a contact, and of a body. */
+AOI_API size_t aoi_record_rows(const aoi_system *system);
+AOI_API size_t aoi_record_contact(const aoi_system *system, size_t contact);
+AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
+
+/* ------------------------------------------------------------------------- how a run begins */
+
+/* Modes x and their rates v of all bodies at t = 0, first[body_count] each; NULL: zero. rested: the bodies have
+ * come to rest under loads and contacts; 0: those set in at t = 0. Copied by the run. */
+typedef struct aoi_start {
+    const double *x, *v;
+    int rested;
+} aoi_start;
+
+/* ------------------------------------------------- fixed steps: Newmark's rule, section 3.1 */
+
+/* dt > 0, beta > 0, gamma >= 1/2; beta = 1/4, gamma = 1/2 is the average-acceleration rule. */
+typedef struct aoi_rule {
+    double dt, beta, gamma;
+} aoi_rule;
+
+/* A run in steps of dt. It lies in memory of the caller, aoi_newmark_size bytes, aligned as by malloc. */
+typedef struct aoi_newmark aoi_newmark;
+AOI_API size_t aoi_newmark_size(const aoi_system *system);
+
+/* Sets a run of a linked system to its beginning and writes column 0 of the record, which has so many columns,
+ * and stays the caller's; energies: 0 leaves their rows alone. AOI_ERROR_ARGUMENT for a rule that is none,
+ * AOI_ERROR_NOT_POSITIVE for a contact where nothing can deform or move. */
+AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
+                              const aoi_start *start, int energies, double *record, size_t columns);
+
+/* Goes on to column last (< columns), at last dt. done gets the last column written; on an error that is the
+ * step before the one that failed. AOI_ERROR_LAW where a law gives no number, AOI_ERROR_PATCH where a contact
+ * goes deeper than its law holds. */
+AOI_API int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done);
+
+/* ------------------------------------------------------------ a tolerance instead of a step */
+
+/* What an adaptive run writes, for aoi_sampler and aoi_track_intervals to read: rows of values, a step of
+ * contact each, or a moment from which bodies move freely. The caller sets the first block: room for capacity
+ * values and row_capacity rows; and used and rows to zero. */
+typedef struct aoi_track {
+    double *values;
+    size_t *row; /* where each begins */
+    size_t capacity, row_capacity;
+
+    size_t used, rows;
+} aoi_track;
+
+/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities. It lies in memory
+ * of the caller, aoi_adaptive_size bytes, aligned as by malloc. Bodies that overlap at the start are in
+ * contact from the start. What a step costs depends on the bodies that take part in it only. */
+typedef struct aoi_adaptive aoi_adaptive;
+AOI_API size_t aoi_adaptive_size(const aoi_system *system);
+
+/* Sets a run of a linked system to its beginning. AOI_ERROR_ARGUMENT where rtol or end is not positive,
+ * AOI_ERROR_NOT_FINITE for x, v. */
+AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start,
+                               double rtol, double end);
+
+/* Goes on until its end, or the track has no room for a row, or a touch takes more than some .1 s to find: is
+ * the time still before the end, make room and call again. AOI_ERROR_TOLERANCE where even the shortest step
+ * does not meet rtol; AOI_ERROR_LAW where a law gives no number; AOI_ERROR_PATCH where contact goes deeper than
+ * the law holds. */
+AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
+
+/* Values that the track must have free for any row of a run. */
+AOI_API size_t aoi_adaptive_room(const aoi_system *system);
+
+/* The same to its end: AOI_ERROR_TOO_LONG where the track has no room for it. */
+AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
+
+/* Where a run is: the time, steps made and tried in vain; in which contact an error came up; the modes of all
+ * bodies and their rates, at that time once it is the end. */
+typedef struct aoi_progress {
+    double time;
+    size_t steps, rejected, failed;
+    const double *x, *v;
+} aoi_progress;
+AOI_API aoi_progress aoi_adaptive_progress(const aoi_adaptive *run);
+
+/* What a run has seen of a contact so far: the largest force, when, and the integral of the force. */
+typedef struct aoi_peak {
+    double force, time, impulse;
+} aoi_peak;
+AOI_API aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact);
+
+/* ----------------------------------------------------------------------------- dense output */
+
+/* A track read at any times. It lies in memory of the caller, aoi_sampler_size bytes, aligned as by malloc. */
+typedef struct aoi_sampler aoi_sampler;
+AOI_API size_t aoi_sampler_size(const aoi_system *system);
+
+/* To the beginning of a track, which it keeps. AOI_ERROR_ARGUMENT for one that does not start with all bodies,
+ * or names what is not in the system, or has contacts in a row of no length, or rows that go back in time, or
+ * is not whole. */
+AOI_API int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track);
+
+/* The next three at times that ascend from one call to the next. The column of a record: value i goes to
+ * record[i * stride]; energies: 0 leaves their rows alone. */
+AOI_API void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
+                                size_t stride);
+
+/* The contact forces, N: that of contact c goes to force[c * stride]. They need no body's motion, which is
+ * what a column costs. */
+AOI_API void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t stride);
+
+/* x, then v, of one body (2n doubles). */
+AOI_API void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
+
+/* A contact from its beginning to its end, s, or to that of the record (lasts); the impulse of its force, N s;
+ * the rate at which it began, m/s; the deepest indentation at the end of a step of it, m; and its pace: that
+ * rate times how long it lasted over that indentation, 0 where it went no deeper than 0. */
+typedef struct aoi_interval {
+    size_t contact;
+    double start, end, impulse, rate, deepest, pace;
+    int lasts;
+} aoi_interval;
+
+/* The intervals of a track that ends at a time, in the order in which they end, but for those that begin there.
+ * Writes the first so many and returns how many there are: with capacity 0 it counts. work: one for each contact. */
+AOI_API size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
+                                   aoi_interval *work, size_t capacity, aoi_interval *interval);
 
 #ifdef __cplusplus
 }

@@ -182,25 +182,25 @@ def declare(comment: str, declaration: str, value: object) -> None:
 
 def declare_series(nodes: list[mp.mpf]) -> None:
     """Nodes, and the way to Legendre series and back."""
-    declare("Radau IIA nodes.", "node[AOI_STAGES]", nodes)
+    declare("Radau IIA nodes.", "node[AOI_NODES]", nodes)
     declare(
         "From values at the nodes to Legendre coefficients.",
-        "to_legendre[AOI_STAGES][AOI_STAGES]",
+        "to_legendre[AOI_NODES][AOI_NODES]",
         to_legendre(nodes),
     )
     declare(
         "From values at 0 and the nodes to Legendre coefficients, by columns.",
-        "to_legendre_0[AOI_STAGES + 1][AOI_STAGES + 1]",
+        "to_legendre_0[AOI_NODES + 1][AOI_NODES + 1]",
         by_columns(to_legendre([mp.mpf(0), *nodes])),
     )
     declare(
         "P_k at the nodes of the next step of the same length, by columns.",
-        "legendre_beyond[AOI_STAGES + 1][AOI_STAGES]",
+        "legendre_beyond[AOI_NODES + 1][AOI_NODES]",
         [[at(shifted_legendre(k), 1 + c) for c in nodes] for k in range(STAGES + 1)],
     )
     declare(
         "Slopes of P_k at the nodes, by columns.",
-        "legendre_slope[AOI_STAGES + 1][AOI_STAGES]",
+        "legendre_slope[AOI_NODES + 1][AOI_NODES]",
         [[slope_of(shifted_legendre(k), c) for c in nodes] for k in range(STAGES + 1)],
     )
 
@@ -210,17 +210,17 @@ def declare_moments(nodes: list[mp.mpf]) -> None:
     cardinal = cardinal_monomials(to_legendre(nodes))
     declare(
         "int_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx, by m, node c and j.",
-        "moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES]",
+        "moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES]",
         moments(nodes, cardinal, 1),
     )
     declare(
         "int_0^c (c-x)^(2m)/(2m)! l_j(x) dx, by m, node c and j.",
-        "rate_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES]",
+        "rate_moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES]",
         moments(nodes, cardinal, 0),
     )
     declare(
         "P_k(c x) = sum_l shrink[c][k][l] P_l(x).",
-        "shrink[AOI_STAGES][AOI_STAGES][AOI_STAGES]",
+        "shrink[AOI_NODES][AOI_NODES][AOI_NODES]",
         [shrink(c) for c in nodes],
     )
 
@@ -230,22 +230,22 @@ def declare_extra(nodes: list[mp.mpf]) -> None:
     extra, ends = extra_points(nodes), [mp.mpf(0), *nodes]
     declare(
         "Weights of the extra points, 1 - node, in the quadrature on these and the nodes.",
-        "extra_weight[AOI_STAGES]",
+        "extra_weight[AOI_NODES]",
         extra_weights(nodes, extra),
     )
     declare(
         "l_j at the extra points, by columns.",
-        "force_at_extra[AOI_STAGES][AOI_STAGES]",
+        "force_at_extra[AOI_NODES][AOI_NODES]",
         by_columns([lagrange(nodes, x) for x in extra]),
     )
     declare(
         "The same for the cardinal polynomials of 0 and the nodes.",
-        "indentation_at_extra[AOI_STAGES + 1][AOI_STAGES]",
+        "indentation_at_extra[AOI_NODES + 1][AOI_NODES]",
         by_columns([lagrange(ends, x) for x in extra]),
     )
     declare(
         "Slopes at the nodes of the cardinal polynomials of 0 and the nodes, by columns.",
-        "slope_at_node[AOI_STAGES + 1][AOI_STAGES]",
+        "slope_at_node[AOI_NODES + 1][AOI_NODES]",
         by_columns(slopes(ends, nodes)),
     )
 
@@ -254,15 +254,15 @@ def declare_edges(nodes: list[mp.mpf]) -> None:
     """The points of a step that a contact begins or ends in, and those of its finer rule."""
     edges, checks = edge_points(STAGES), edge_points(CHECKS)
     ends = [mp.mpf(0), *nodes]
-    declare("Points at an edge.", "edge_point[2][AOI_STAGES]", edges)
+    declare("Points at an edge.", "edge_point[2][AOI_NODES]", edges)
     declare(
         "Cardinal polynomials of 0 and the nodes at the points of an edge, by columns.",
-        "indentation_at_edge[2][AOI_STAGES + 1][AOI_STAGES]",
+        "indentation_at_edge[2][AOI_NODES + 1][AOI_NODES]",
         [by_columns([lagrange(ends, x) for x in points]) for points in edges],
     )
     declare(
         "From values at the points of an edge to the nodes, by the nearest polynomial, by columns.",
-        "edge_projection[2][AOI_STAGES][AOI_STAGES]",
+        "edge_projection[2][AOI_NODES][AOI_NODES]",
         [by_columns(projection(nodes, points)) for points in edges],
     )
     declare(
@@ -272,17 +272,17 @@ def declare_edges(nodes: list[mp.mpf]) -> None:
     )
     declare(
         "l_j at its points.",
-        "force_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES]",
+        "force_at_check[2][AOI_EDGE_CHECKS][AOI_NODES]",
         [[lagrange(nodes, x) for x in points] for points in checks],
     )
     declare(
         "Cardinal polynomials of 0 and the nodes there.",
-        "indentation_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES + 1]",
+        "indentation_at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1]",
         [[lagrange(ends, x) for x in points] for points in checks],
     )
     declare(
         "Those of the nodes at what is left of the step there.",
-        "answer_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES]",
+        "answer_at_check[2][AOI_EDGE_CHECKS][AOI_NODES]",
         [[lagrange(ends, 1 - x)[1:] for x in points] for points in checks],
     )
 

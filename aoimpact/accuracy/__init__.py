@@ -1,26 +1,35 @@
-"""Quantities of interest, and the models that give them to a tolerance."""
+"""Quantities of interest, and the models that give them to a tolerance.
 
-from .answer import SCENE_QUANTITIES, Answer, answer, scene_answer
-from .choice import checked_linear_solver, sufficient
-from .hierarchy import Ladder, Models, ladder
+For what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
+"""
+
+from .choice import checked_linear_solver, choose_models
+from .hierarchy import Hierarchy, Models, model_hierarchy
+from .interest import impact_quantity, scene_quantity
+from .keep import CONTROLLED, Keep, Named, keeper
 from .order import first_guess
-from .quantities import CONTROLLED, QUANTITIES, Keep, Named, keeper, quantity_unit
+from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
+from .solve import TimeSolver, solve
 
 __all__ = [
+    "COLUMNS",
     "CONTROLLED",
     "QUANTITIES",
-    "SCENE_QUANTITIES",
-    "Answer",
+    "SCENE_CHOICES",
+    "Hierarchy",
     "Keep",
-    "Ladder",
     "Models",
     "Named",
-    "answer",
+    "Quantity",
+    "R",
+    "TimeSolver",
     "checked_linear_solver",
+    "choose_models",
     "first_guess",
+    "impact_quantity",
     "keeper",
-    "ladder",
+    "model_hierarchy",
     "quantity_unit",
-    "scene_answer",
-    "sufficient",
+    "scene_quantity",
+    "solve",
 ]

@@ -1,45 +1,32 @@
-"""A run with the least models that give the answer asked for, to the tolerance asked for."""
+"""The choice of the model: a run with the least models that give a quantity to a tolerance."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 from ..base import ConvergenceError, InputError, held_warnings, positive
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import Solver, checked_solver
-from ..results import Chosen, Result, Run
+from ..results import Chosen, Run
+from ..scene import Plan
 from .hierarchy import Models
-from .order import Asked, least_orders
+from .order import least_orders
+from .quantities import Quantity, R, number_errors
+from .solve import solve
 
-__all__ = ["checked_linear_solver", "sufficient"]
+__all__ = ["checked_linear_solver", "choose_models"]
 
-# What is asked for where nothing is said, and the tightest that models are searched for: to their
-# last digits they agree only by being the whole bodies.
+# The default tolerance, and the tightest: models agree to more digits only where they are the whole
+# bodies.
 _RTOL, _TIGHTEST = 1e-2, 1e-8
 
-# Shares of the tolerance: what time integration takes of peak forces and times (a history that
-# rings errs by twenty times as much), what fixed steps take, which cost more the smaller it is, and
-# what is used of it at all, since the search's estimates are no bounds.
+# Shares of the tolerance: of time integration (its tolerance is for peak forces and times; the
+# error of a ringing history is twenty times as much), of fixed steps, which cost more, and of all
+# errors together, since estimates are no bounds.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _MARGIN = 0.005, 0.2, 0.95
-
-R = TypeVar("R", Result, Run)
-R_contra = TypeVar("R_contra", contravariant=True)
-
-
-class Wanted(Asked[R_contra], Protocol[R_contra]):
-    """What is asked for, and what else a run is summed up by."""
-
-    @property
-    def named(self) -> str:
-        """What it is, in words."""
-        ...
-
-    def errors(self, result: R_contra, /, *exact: R_contra) -> dict[str, float]:
-        """By how much each number that sums up a run may be wrong, by more and more exact ones."""
-        ...
 
 
 def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
@@ -61,29 +48,31 @@ def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
     return checked_solver(solver, name="linear_solver")
 
 
-def sufficient(
-    run: Callable[[Models, Any, bool], R],
+def choose_models(
+    plan_of: Callable[[Models, bool], Plan],
     bodies: Sequence[Any],
-    asked: Wanted[R],
+    quantity: Quantity,
     rtol: float | None,
     solver: Any,
     *,
+    view: Callable[[Run], R],
     energies: bool,
     linear_solver: Solver = "auto",
-) -> tuple[R, Chosen]:
-    """Run with models of the least order; return what they gave, and what is known of them.
+) -> R:
+    """Run with models of the least order, and say in the run how they were chosen.
 
     Parameters
     ----------
-    run : callable
-        Of models, one for each body, a solver, and whether to see energies.
+    plan_of : callable
+        Of a model for each body, and whether to record energies.
     bodies : sequence
         As of `least_orders`.
-    asked : Wanted
-        Of the runs.
+    quantity : Quantity
     rtol : float, optional
         Relative.
     solver : Adaptive or Newmark, optional
+    view : callable
+        What the caller makes of a run: a `Result`, or the `Run` itself.
     energies : bool
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
@@ -91,9 +80,9 @@ def sufficient(
     Raises
     ------
     InputError, InputTypeError
-        If `rtol` is out of range, or the solver is not to tell its error.
+        If `rtol` is out of range, or the solver does not estimate its error.
     ConvergenceError
-        If no models that were looked at are good enough, or the solver that was given is not.
+        If neither the largest models tried nor the given solver meet the tolerance.
     """
     tolerance = positive("rtol", _RTOL if rtol is None else rtol)
     if not _TIGHTEST <= tolerance < 1.0:
@@ -107,26 +96,27 @@ def sufficient(
 
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
-            return run(models, rule, False)
+            return view(solve(plan_of(models, False), rule))
 
     found = least_orders(
         bodies,
         run=trial,
-        asked=asked,
+        quantity=quantity,
         rtol=_MARGIN * tolerance - in_time,
         solver=linear_solver,
     )
-    numbers = asked.errors(*found.runs) | (
-        {asked.named: found.error} if not asked.is_history else {}
+    numbers = number_errors(*found.runs) | (
+        {quantity.name: found.error} if not quantity.is_history else {}
     )
-    chosen = Chosen(found.models, asked.named, tolerance, found.error, numbers)
-    done = run(found.models, rule, energies)
-    _refuse_coarse(rule, done, found.error, tolerance, in_time)
-    return done, chosen
+    run = solve(plan_of(found.models, energies), rule)
+    _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
+    models = tuple(body.model for body in run.plan.bodies)
+    chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
+    return view(replace(run, chosen=chosen))
 
 
 def _rule(solver: Any, in_time: float) -> Any:
-    """Return the solver that was given, with steps that may be chosen fine enough."""
+    """Return the given solver, with a tolerance for its steps where it chooses them."""
     if not isinstance(solver, Newmark):
         return solver
     if solver.dt is None:
@@ -134,17 +124,16 @@ def _rule(solver: Any, in_time: float) -> Any:
     if not solver.estimate:
         raise InputError(
             f"solver=Newmark(dt={solver.dt:g}, estimate=False) leaves the error of its steps "
-            "unknown, and a tolerance is asked for: leave estimate=False out, or give models and "
+            "unknown, and rtol cannot be kept: leave estimate=False out, or give models and "
             "no rtol"
         )
     return solver
 
 
 def _refuse_coarse(
-    rule: Any, done: Result | Run, in_models: float, tolerance: float, in_time: float
+    rule: Any, error: float | None, in_models: float, tolerance: float, in_time: float
 ) -> None:
     """Refuse a run whose time integration leaves more error than is allowed."""
-    error = (done.run if isinstance(done, Result) else done).time_error
     if error is None or error + in_models <= tolerance:
         return
     if isinstance(rule, Newmark) and rule.dt is not None:

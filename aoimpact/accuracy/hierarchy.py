@@ -1,14 +1,15 @@
-"""A body's models of rising order, from rigid to the whole: their bases are nested.
+"""The model hierarchy of a body: reduced models of rising order, from rigid to the whole body.
 
-Every order up to the largest looked at is made of the vectors of that one, and costs no solve.
+The bases are nested: every order up to the largest that was made costs no further linear solve.
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -26,102 +27,90 @@ from ..reduction import (
 )
 
 __all__ = [
-    "GivenLadder",
-    "InterfaceLadder",
-    "KrylovLadder",
-    "Ladder",
+    "AOHierarchy",
+    "FixedModel",
+    "Hierarchy",
+    "InterfaceHierarchy",
+    "KrylovHierarchy",
     "Model",
     "Models",
-    "StarLadder",
-    "ladder",
+    "model_hierarchy",
 ]
 
 Model = AOModel | InterfaceModel
 Models = tuple[Model, ...]
 
-# Where it takes more vectors of a small body than this share of its dofs to tell the truth, the
-# body itself is quicker.
+# A body of no more dofs is its own reference where that would take more than this share of its dofs
+# as Krylov vectors: it is then quicker.
 _SMALL_BODY = 1500
 _SHARE_OF_DOFS = 0.1
 
-# Beyond this a larger truth costs more than a model somewhat larger than the least.
+# Beyond this order a larger reference costs more than a model somewhat larger than the least.
 _CHEAP_ORDER = 40
 
-# Oscillators that tell whether a body has anything slower than the blow.
+# Oscillators that tell whether a body has any mode slower than the contact.
 _FEW = 6
 
 
-class Ladder(Protocol):
-    """One body's models of rising order: 0 is rigid (a fixed wall, if the body is held)."""
+class Hierarchy(ABC):
+    """One body's models of rising order: 0 is rigid (a fixed wall, if the body is constrained)."""
 
     @property
+    @abstractmethod
     def first(self) -> int:
-        """The order of the model without oscillators: a held body's is a step above a wall."""
-        ...
+        """The order of the model without oscillators: 0, of a constrained body 1."""
 
+    @abstractmethod
     def model(self, order: int) -> Model:
-        """The model, to be run; what its body does need not be known yet."""
-        ...
+        """Return the model to run; what its body does need not be known yet."""
 
     def finished(self, order: int) -> Model:
-        """The model, to be handed out."""
-        ...
+        """Return the model to hand out."""
+        return self.model(order)
 
+    @abstractmethod
     def at_most(self, order: int) -> int:
-        """The order itself, or the largest that there is, if that is less."""
-        ...
+        """Return the order itself, or the largest that there is, if that is less."""
 
-    def stand_in(self, order: int) -> int:
-        """The order to stand for the truth where this one might: itself, or the whole body's."""
-        ...
+    def reference_order(self, order: int) -> int:
+        """Return the order of a reference no smaller than that: itself, or the whole body's."""
+        return order
 
     def is_whole(self, order: int) -> bool:
         """Whether the model of this order is the body itself, as seen from its contact."""
-        ...
-
-    def is_costly(self, order: int) -> bool:
-        """Whether a larger model costs more than it may save."""
-        ...
-
-
-@dataclass(eq=False)
-class StarLadder:
-    """A star given by numbers, or a modal model: its truncations."""
-
-    star: AOModel
-
-    @property
-    def first(self) -> int:
-        return 1 if self.star.held else 0
-
-    @property
-    def _most(self) -> int:
-        return self.star.n + self.first
-
-    def model(self, order: int) -> AOModel:
-        kept = self.at_most(order)
-        if kept == 0:
-            return _rigid(self.star.truncated(0))
-        return self.star.truncated(kept - self.first)
-
-    finished = model
-
-    def at_most(self, order: int) -> int:
-        return 0 if math.isinf(self.star.m0) else min(order, self._most)
-
-    def stand_in(self, order: int) -> int:
-        return self.at_most(order)
-
-    def is_whole(self, order: int) -> bool:
         return self.at_most(order + 1) == self.at_most(order)
 
     def is_costly(self, order: int) -> bool:
+        """Whether a larger model costs more than it may save."""
         return False
 
 
 @dataclass(eq=False)
-class GivenLadder:
-    """A model that stays as it is."""
+class AOHierarchy(Hierarchy):
+    """The truncations of an AO model given by numbers, or of a modal model."""
+
+    whole: AOModel
+
+    @property
+    def first(self) -> int:
+        return 1 if self.whole.constrained else 0
+
+    def model(self, order: int) -> AOModel:
+        kept = self.at_most(order)
+        if kept == 0:
+            return _rigid(self.whole.truncated(0))
+        return self.whole.truncated(kept - self.first)
+
+    def at_most(self, order: int) -> int:
+        return 0 if math.isinf(self.whole.m0) else min(order, self.whole.n + self.first)
+
+    def reference_order(self, order: int) -> int:
+        return self.at_most(order)
+
+
+@dataclass(eq=False)
+class FixedModel(Hierarchy):
+    """An interface model, which stays as it is."""
 
     given: InterfaceModel
     first: int = 0
@@ -129,23 +118,15 @@ class GivenLadder:
     def model(self, order: int) -> InterfaceModel:
         return self.given
 
-    finished = model
-
     def at_most(self, order: int) -> int:
         return 0
 
-    def stand_in(self, order: int) -> int:
+    def reference_order(self, order: int) -> int:
         return 0
-
-    def is_whole(self, order: int) -> bool:
-        return True
-
-    def is_costly(self, order: int) -> bool:
-        return False
 
 
 @dataclass(eq=False)
-class KrylovLadder:
+class KrylovHierarchy(Hierarchy):
     """A finite-element body: scene-fitted models, and the whole body where it is small."""
 
     tip: ContactPoint
@@ -163,7 +144,7 @@ class KrylovLadder:
         resolved = max(self.contact_time, shortest_contact_time(self.tip))
         space = KrylovSpace(self.tip, contact_time=resolved, sharpened=True, solver=self.solver)
         if self.duration is not None:
-            # A second factorisation, where the body has anything slower than the blow.
+            # A second factorisation, where the body has any mode slower than the contact.
             natural = space.of_vectors(_FEW).natural_frequencies
             if (natural > 0.0).any() and 2.0 * np.pi * natural[natural > 0.0][0] < space.shift:
                 space.include(self.duration)
@@ -187,15 +168,15 @@ class KrylovLadder:
             return rigid(mass=math.inf)
         if self._small and order == self.tip.body.n_dofs:
             return antioscillators(self.tip, order="frequency")
-        star = self._space.seen(order - self.first)
+        model = self._space.factored(order - self.first)
         if self._space.exhausted:
             self._most = order
-        return star if order > 0 else _rigid(star)
+        return model if order > 0 else _rigid(model)
 
     def at_most(self, order: int) -> int:
         return min(order, self._most)
 
-    def stand_in(self, order: int) -> int:
+    def reference_order(self, order: int) -> int:
         dofs = self.tip.body.n_dofs
         return dofs if self._small and order > _SHARE_OF_DOFS * dofs else order
 
@@ -203,28 +184,25 @@ class KrylovLadder:
     def _small(self) -> bool:
         return self.tip.body.n_dofs <= _SMALL_BODY
 
-    def is_whole(self, order: int) -> bool:
-        return order >= self._most
-
     def is_costly(self, order: int) -> bool:
         return order > _CHEAP_ORDER and not self._small
 
 
-def _rigid(star: AOModel) -> AOModel:
+def _rigid(model: AOModel) -> AOModel:
     """A model without oscillators as a body that does not deform, not under a patch either."""
-    if star.held:
+    if model.constrained:
         return rigid(mass=math.inf)
-    if star.origin is None or star.origin.tip.patch is None:
-        return star
-    tip = replace(star.origin.tip, patch=None)  # else its indentation is taken out of the law
-    return replace(star, origin=replace(star.origin, tip=tip))
+    if model.origin is None or model.origin.tip.patch is None:
+        return model
+    tip = replace(model.origin.tip, patch=None)  # else its indentation is taken out of the law
+    return replace(model, origin=replace(model.origin, tip=tip))
 
 
 @dataclass(eq=False)
-class InterfaceLadder:
+class InterfaceHierarchy(Hierarchy):
     """A finite-element body touched in several places: as many vectors for each as the order.
 
-    Held, it has at least one for each, and is no wall.
+    A constrained one has at least one vector for each place, and is no wall.
     """
 
     tips: tuple[ContactPoint, ...]
@@ -261,33 +239,34 @@ class InterfaceLadder:
                 self._most = order
         return self._models[order]
 
-    finished = model
-
     def at_most(self, order: int) -> int:
         return min(order, self._most)
-
-    def stand_in(self, order: int) -> int:
-        return order
-
-    def is_whole(self, order: int) -> bool:
-        return order >= self._most
 
     def is_costly(self, order: int) -> bool:
         dofs = self.tips[0].body.n_dofs
         return order * len(self.tips) > _CHEAP_ORDER and dofs > _SMALL_BODY
 
 
-def ladder(
+def model_hierarchy(
     body: Any, contact_time: float, duration: float | None, solver: Solver = "auto"
-) -> Ladder:
+) -> Hierarchy:
     """Return the models of what `simulate` or a scene takes for a body.
 
-    An interface model is as it is.
+    Parameters
+    ----------
+    body : ContactPoint, tuple of ContactPoint, AOModel, ModalModel or InterfaceModel
+        An interface model stays as it is.
+    contact_time : float
+        That the models are fitted to, s.
+    duration : float, optional
+        How long their motion must be right after that, s.
+    solver : str or callable, optional
+        The linear solver.
     """
     if isinstance(body, ContactPoint):
-        return KrylovLadder(body, contact_time, duration, solver)
+        return KrylovHierarchy(body, contact_time, duration, solver)
     if isinstance(body, tuple):
-        return InterfaceLadder(body, contact_time, duration, solver)
+        return InterfaceHierarchy(body, contact_time, duration, solver)
     if isinstance(body, InterfaceModel):
-        return GivenLadder(body)
-    return StarLadder(body.star if isinstance(body, ModalModel) else body)
+        return FixedModel(body)
+    return AOHierarchy(body.star if isinstance(body, ModalModel) else body)

@@ -1,131 +1,263 @@
-"""Numbers of a result by their names: what a sweep keeps of each of its cases."""
+"""The quantities of interest: what an impact or a scene is summed up by.
+
+`QUANTITIES` is the only list of them. `simulate(quantity=)`, the errors of a result, the names that
+a sweep keeps, the units of its columns and the comparison of models all read it. A new quantity is
+one more entry, a test in tests/accuracy/test_quantities.py and a line of docs/scene-files.md.
+"""
 
 from __future__ import annotations
 
-import numbers
-import re
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from itertools import pairwise
+from typing import Any, TypeVar
 
 import numpy as np
 
-from ..base import InputError, InputTypeError, nearest, sequence
-from ..results import Result
+from ..base import FloatArray, InputError
+from ..results import Result, Run
 
-__all__ = ["QUANTITIES", "Keep", "keeper", "quantity_unit"]
+__all__ = [
+    "COLUMNS",
+    "IMPACT_CHOICES",
+    "QUANTITIES",
+    "SCENE_CHOICES",
+    "Quantity",
+    "R",
+    "number_errors",
+    "quantity_unit",
+    "recorded",
+]
 
-# What an impact of two bodies is summed up by, and the units.
-QUANTITIES = {
-    "peak_force": "N",
-    "peak_time": "s",
-    "contact_duration": "s",
-    "impulse": "N s",
-    "rebound_velocity": "m/s",
-    "restitution": "",
-}
+# What runs of one search are.
+R = TypeVar("R", Result, Run)
 
-# Ends the name of a column that says which numbers of another were controlled.
-CONTROLLED = "_controlled"
+# Times, s, to values of shape (rows, times).
+History = Callable[[Run, FloatArray], FloatArray]
 
-_NAME = re.compile(r"[A-Za-z_]\w*(\.\w+)*")
+# The least scale of a relative error, as a share: of the largest contact of a scene, since one
+# that only grazes has no digits of its own; of the initial velocity, or of a restitution of 1,
+# since neither has a body that is all but stopped.
+_LEAST_CONTACT, _LEAST_REBOUND = 0.1, 0.1
+
+
+def recorded(rows: Callable[[Run], FloatArray]) -> History:
+    """Return a history from rows that a run has at its own times, shape (rows, times)."""
+
+    def history(run: Run, times: FloatArray) -> FloatArray:
+        if run.t is times:
+            return rows(run)
+        try:
+            return rows(run.at(times))
+        except InputError:  # of a run with fixed steps, known at these only
+            return np.array([np.interp(times, run.t, row) for row in rows(run)])
+
+    return history
 
 
 @dataclass(frozen=True)
-class Named:
-    """Keeps quantities by name: attributes, dotted, with numbers for places in lists."""
+class Quantity:
+    """A number or a history of a run.
 
-    names: tuple[str, ...]
-
-    def __call__(self, result: Any) -> dict[str, float]:
-        """Return them; where models were chosen, with their errors and what was controlled.
-
-        These are called name + "_error" and name + "_controlled": 1 if the error is below the
-        tolerance, else 0.
-        """
-        kept = {}
-        for name in self.names:
-            kept[name] = _number(name, _look_up(result, name))
-            if name in result.error.numbers:
-                kept[f"{name}_error"] = result.error.numbers[name]
-                kept[f"{name}{CONTROLLED}"] = float(result.error.controls(name))
-        return kept
-
-
-@dataclass(frozen=True)
-class Computed:
-    """Keeps what the caller's own function of the result returns."""
-
-    function: Callable[[Any], Any]
-
-    def __call__(self, result: Any) -> Any:
-        return self.function(result)
-
-
-Keep = Named | Computed
-
-
-def keeper(keep: Any) -> Keep | None:
-    """Return what a caller's `keep` means; None keeps whole results.
-
-    Raises
-    ------
-    InputError, InputTypeError
-        If it is neither a function nor names, or a name is misspelt.
+    Attributes
+    ----------
+    name, unit : str
+    number : callable, optional
+        Of a `Result`; if `of_contacts` of the `Events` of one contact as well. NaN where there is
+        no such number.
+    history : callable, optional
+        Of a `Run` and times, s: shape (rows, times). A quantity has either this or `number`.
+    compared : callable, optional
+        Stands for `number` where two runs are compared, if that may be NaN.
+    least : callable, optional
+        Of the more exact `Result`: errors are relative to no less than this.
+    of_contacts : bool
+        Whether each contact of a scene has it, or only an impact of two bodies.
+    selectable : bool
+        Whether models can be chosen for it, by ``quantity=name``.
+    column : bool
+        Whether a sweep keeps it if it is not told what to keep.
+    lasting : bool
+        Whether the motion after the last contact is part of it.
     """
-    if keep is None:
-        return None
-    if callable(keep):
-        return Computed(keep)
-    names = (keep,) if isinstance(keep, str) else keep
-    try:
-        names = tuple(sequence("keep", names))
-    except InputTypeError:
-        raise InputTypeError(
-            f"keep must be names such as ('peak_force', 'impulse') or a function, got {keep!r}"
-        ) from None
-    if not names:
-        raise InputError("keep has no names: give some, such as ('peak_force', 'impulse')")
-    for name in names:
-        if not isinstance(name, str):
-            raise InputTypeError(f"keep must hold names, got {name!r}")
-        if not _NAME.fullmatch(name):
-            raise InputError(f"keep: {name!r} is no name of a quantity, such as 'peak_force'")
-        if (first := name.partition(".")[0]) not in _KNOWN:
-            raise InputError(f"keep: results have no {first!r}{nearest(first, _KNOWN)}")
-    return Named(names)
+
+    name: str
+    unit: str
+    number: Callable[[Any], float] | None = None
+    history: History | None = None
+    compared: Callable[[Any], float] | None = None
+    least: Callable[[Any], float] | None = None
+    of_contacts: bool = False
+    selectable: bool = True
+    column: bool = False
+    lasting: bool = False
+
+    @property
+    def is_history(self) -> bool:
+        """Whether it is a history, or several, rather than numbers."""
+        return self.history is not None
+
+    def difference(self, run: R, exact: R) -> float:
+        """Return how far a run is from a more exact one: the largest `deviation`."""
+        return float(np.abs(self.deviation(run, exact)).max(initial=0.0))
+
+    def deviation(self, run: R, exact: R) -> FloatArray:
+        """Return by how much a run gives more than a more exact one, relative.
+
+        Flat, contact by contact, of histories at the times of the more exact run. Relative to the
+        largest value of the history, or to the number; in a scene to no less than a tenth of the
+        largest of all contacts.
+        """
+        if self.history is not None:
+            ours, theirs = (self.history(_run_of(one), exact.t) for one in (run, exact))
+            size = np.abs(theirs).max(axis=1)
+        else:
+            ours, theirs = (
+                np.array([self._compared(part) for part in _parts(one)]) for one in (run, exact)
+            )
+            size = np.abs(theirs)
+        scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
+        if self.least is not None:
+            scales = np.maximum(scales, self.least(exact))
+        return _relative(ours - theirs, scales).ravel()
+
+    def change(self, one: Any, exact: Any) -> float:
+        """Return by how much this number of a result or contact differs from a more exact one."""
+        value = self._compared(exact)
+        scale = abs(value) if self.least is None else max(abs(value), self.least(exact))
+        return abs(float(_relative(np.array([self._compared(one) - value]), np.array([scale]))[0]))
+
+    def span(self, run: Result | Run) -> float:
+        """Return how long, s, the motion must be right for this quantity to be so."""
+        if self.lasting:
+            return run.duration
+        return max((of.contacts[-1][1] for of in _events(run) if of.contacts), default=0.0)
+
+    def contact_time(self, run: Result | Run) -> float | None:
+        """Return the duration of the first contact, s, or None where none ends in the record.
+
+        Of a scene that of the shortest of the hard contacts, where its force is largest.
+        """
+        if isinstance(run, Result):
+            return run.contact_duration or None
+        hardest = max((of.peak_force for of in run.events), default=0.0)
+        lasting = [
+            next(end - start for start, end in of.contacts if of.peak_time <= end)
+            for of in run.events
+            if of.contacts and of.peak_force >= _LEAST_CONTACT * hardest
+        ]
+        return min((time for time in lasting if time > 0.0), default=None)
+
+    def _compared(self, of: Any) -> float:
+        read = self.compared or self.number
+        assert read is not None
+        return read(of)
+
+
+def number_errors(*runs: Result | Run) -> dict[str, float]:
+    """Return by how much each number that sums up a run may be wrong, relative.
+
+    The sum of the changes from each run to the next, more exact one, by the names by which the
+    numbers are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of a number
+    that there is not. "contacts" ("contacts.0.intervals") is infinite where the runs have not as
+    many of them.
+    """
+    if isinstance(runs[0], Result):
+        return dict(_number_errors("", "contacts", runs))
+    scenes = zip(*(_events(run) for run in runs), strict=True)
+    return {
+        name: error
+        for i, contacts in enumerate(scenes)
+        for name, error in _number_errors(f"contacts.{i}.", "intervals", contacts)
+    }
+
+
+def _number_errors(prefix: str, count: str, runs: tuple[Any, ...]) -> Iterator[tuple[str, float]]:
+    """Of runs, or of one contact of each."""
+    for quantity in QUANTITIES.values():
+        if quantity.number is None or (prefix and not quantity.of_contacts):
+            continue
+        error = sum(quantity.change(*pair) for pair in pairwise(runs))
+        yield prefix + quantity.name, math.nan if math.isnan(quantity.number(runs[0])) else error
+    as_many = len({len(run.contacts) for run in runs}) == 1
+    yield prefix + count, 0.0 if as_many else math.inf
+
+
+def _run_of(run: Result | Run) -> Run:
+    return run if isinstance(run, Run) else run.run
+
+
+def _events(run: Result | Run) -> tuple[Any, ...]:
+    return _run_of(run).events
+
+
+def _parts(run: Result | Run) -> tuple[Any, ...]:
+    """What has the numbers: an impact itself, of a scene each contact."""
+    return (run,) if isinstance(run, Result) else run.events
+
+
+def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
+    """Rows over their scales; of a scale of 0 a difference is infinite."""
+    scales = scales.reshape(-1, *(1,) * (difference.ndim - 1))
+    relative = np.where(difference == 0.0, 0.0, np.copysign(np.inf, difference))
+    np.divide(difference, scales, out=relative, where=np.broadcast_to(scales > 0.0, relative.shape))
+    return relative
+
+
+_ALL = (
+    Quantity("force", "N", history=recorded(lambda run: run.forces), of_contacts=True),
+    Quantity("peak_force", "N", lambda hit: hit.peak_force, of_contacts=True, column=True),
+    Quantity(
+        "peak_time",
+        "s",
+        lambda hit: hit.peak_time,
+        of_contacts=True,
+        selectable=False,
+        column=True,
+    ),
+    Quantity("contact_duration", "s", lambda hit: hit.contact_duration, column=True),
+    Quantity("impulse", "N s", lambda hit: hit.impulse, of_contacts=True, column=True),
+    Quantity(
+        "rebound_velocity",
+        "m/s",
+        lambda hit: hit.rebound_velocity,
+        compared=lambda hit: hit.parting[0],
+        least=lambda hit: _LEAST_REBOUND * abs(hit.velocity),
+        column=True,
+    ),
+    Quantity(
+        "restitution",
+        "",
+        lambda hit: hit.restitution,
+        compared=lambda hit: hit.parting_speed / hit.velocity,
+        least=lambda hit: _LEAST_REBOUND,
+        selectable=False,
+        column=True,
+    ),
+    Quantity(
+        "projectile_displacement",
+        "m",
+        history=recorded(lambda run: run.bodies[0].port_displacements),
+        lasting=True,
+    ),
+    Quantity(
+        "target_displacement",
+        "m",
+        history=recorded(lambda run: run.bodies[1].port_displacements),
+        lasting=True,
+    ),
+)
+
+QUANTITIES = {quantity.name: quantity for quantity in _ALL}
+
+# What ``quantity=`` may be in an impact and in a scene, and what a sweep keeps by default.
+IMPACT_CHOICES = tuple(one.name for one in _ALL if one.selectable)
+SCENE_CHOICES = tuple(one.name for one in _ALL if one.selectable and one.of_contacts)
+COLUMNS = tuple(one.name for one in _ALL if one.column)
 
 
 def quantity_unit(name: str) -> str:
-    """Return the unit of a named quantity, "" where none is known."""
-    return QUANTITIES.get(name.rpartition(".")[2], "")
-
-
-def _look_up(result: Any, name: str) -> Any:
-    found = result
-    for part in name.split("."):
-        try:
-            found = found[int(part)] if part.isdigit() else getattr(found, part)
-        except (AttributeError, IndexError, TypeError):
-            raise InputError(
-                f"keep: {name!r}: {type(found).__name__} has no {part!r}"
-                f"{nearest(part, _public(found))}"
-            ) from None
-    return found
-
-
-def _public(thing: Any) -> list[str]:
-    fields = getattr(thing, "__dataclass_fields__", {})
-    return [name for name in {*dir(thing), *fields} if not name.startswith("_")]
-
-
-# What the first part of a name may be.
-_KNOWN = frozenset(_public(Result))
-
-
-def _number(name: str, value: Any) -> float:
-    if value is None:  # an error estimate where nothing is known
-        return float("nan")
-    if isinstance(value, (numbers.Real, np.bool_)):
-        return float(value)
-    raise InputTypeError(f"keep: {name!r} is no number but {type(value).__name__}; keep=function")
+    """Return the unit of a number by its name, dotted or not; "" where none is known."""
+    quantity = QUANTITIES.get(name.rpartition(".")[2])
+    return "" if quantity is None or quantity.is_history else quantity.unit

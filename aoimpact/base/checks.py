@@ -1,4 +1,4 @@
-"""Validators of single arguments: they convert, or say which argument is wrong and how.
+"""Validators of single arguments: they convert, or raise an error that names the argument.
 
 Every function takes the argument's name first and returns the value in the one form that the
 rest of the package works with (`float`, `int`, contiguous native float64 arrays).

@@ -1,7 +1,7 @@
 """The package's exceptions and its one warning.
 
 Each exception is also the built-in kind that a caller expects, so that ``except ValueError``
-works for whoever has never heard of `AOImpactError`.
+works for callers who do not know `AOImpactError`.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class SceneFileError(InputError):
 
 
 class SingularError(AOImpactError, RuntimeError):
-    """A matrix that has to be inverted is singular: a mechanism, or a body that is not held."""
+    """A matrix that has to be inverted is singular: a mechanism, or a body without supports."""
 
 
 class ConvergenceError(AOImpactError, RuntimeError):
@@ -84,7 +84,7 @@ class MissingPackageError(AOImpactError, ImportError):
 
 
 class AOImpactWarning(UserWarning):
-    """Something looks wrong, but may be meant."""
+    """Something is likely to be a mistake, but may be intended."""
 
 
 _held: ContextVar[list[str] | None] = ContextVar("aoimpact_held_warnings", default=None)

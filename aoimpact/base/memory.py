@@ -18,7 +18,7 @@ _CGROUP = Path("/sys/fs/cgroup")
 
 
 def available() -> float:
-    """Return the bytes of memory that can be had now; infinite if the system does not tell."""
+    """Return the memory available now, bytes; infinite if the system does not report it."""
     if sys.platform == "win32":
         return _windows()
     try:

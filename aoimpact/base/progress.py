@@ -20,5 +20,5 @@ def bar(what: str, total: float | None = None, unit: str = "step") -> Any:
     """
     from tqdm import tqdm  # takes longer to import than most bars would show
 
-    # disable=None: silent where standard error is no terminal, as in logs and tests.
+    # disable=None: no bar where standard error is no terminal, as in logs and tests.
     return tqdm(total=total, desc=what, unit=unit, delay=1.0, leave=False, disable=None)

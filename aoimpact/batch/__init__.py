@@ -1,4 +1,7 @@
-"""Many impacts: workers, checkpoints, sweeps."""
+"""Many impacts: workers, checkpoints, sweeps and their tables.
+
+Plain impacts run many in one call of the core (plain.py); all others by `simulate`. For `cli`.
+"""
 
 from .many import iterate_many, simulate_many
 from .sweep import sweep, sweep_file

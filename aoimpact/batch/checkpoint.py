@@ -1,9 +1,9 @@
-"""A file that keeps what a sweep has finished, so that one killed half-way goes on where it was.
+"""A file of finished cases, from which a sweep that was killed resumes.
 
-The file only ever grows: eight bytes that say what it is, then one record a case, its length and
-its checksum first. A process that is killed leaves at most one record torn, the last, which the
-next one cuts off. Records are found by the digest of their case, not by their place in the sweep:
-cases that were changed, added or put elsewhere are told apart from those that are done.
+The file only grows: eight bytes that identify it, then one record per case, which begins with its
+length and checksum. A process that is killed leaves at most the last record incomplete; the next
+process cuts it off. Records are found by the digest of their case, not by their place in the sweep,
+so cases may be changed, added or reordered.
 
 Records are pickles: open only checkpoints that you, or someone you trust, have written.
 """
@@ -58,7 +58,7 @@ class Checkpoint:
         self._lock = threading.Lock()
         self._places: dict[bytes, tuple[int, int]] = {}
         try:
-            # O_APPEND would not let a torn record be written over.
+            # O_APPEND would not allow an incomplete record to be overwritten.
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
         except OSError as error:
             raise InputError(
@@ -98,7 +98,7 @@ class Checkpoint:
         return pickle.loads(data)
 
     def put(self, digest: bytes, value: Any) -> None:
-        """Write a record; a process that is killed after that does not lose it."""
+        """Write a record; it survives if the process is killed after that."""
         data = pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
         record = _HEAD.pack(len(data), zlib.crc32(data, zlib.crc32(digest))) + digest + data
         with self._lock:
@@ -109,7 +109,7 @@ class Checkpoint:
             self._end += len(record)
 
     def close(self) -> None:
-        """Wait until everything is on the disk, and let others use the file."""
+        """Wait until everything is on the disk, and release the file."""
         with self._lock:
             if self._file.closed:
                 return
@@ -129,7 +129,7 @@ class Checkpoint:
                 f"checkpoint {self._name!r} is a file of another kind and was left as it is; give "
                 "another path"
             )
-        if len(start) < len(_MAGIC):  # new, or killed in its first write
+        if len(start) < len(_MAGIC):  # new, or killed during its first write
             self._file.seek(0)
             self._file.write(_MAGIC)
             self._file.flush()
@@ -160,7 +160,7 @@ class Checkpoint:
         return (digest, length) if found == checksum else None
 
     def _cut(self, end: int, size: int) -> None:
-        """Drop a torn record in silence, and say so where more than that must be damaged."""
+        """Drop an incomplete record; warn if the file is damaged otherwise."""
         self._file.seek(end)
         head = self._file.read(_HEAD.size)
         fits = size - end - _HEAD.size - DIGEST_SIZE
@@ -172,8 +172,8 @@ class Checkpoint:
         self._file.truncate(end)
 
 
-# Files that this process has open as checkpoints, by device and inode: a process does not lock
-# itself out.
+# Files that this process has open as checkpoints, by device and inode: a process is not
+# stopped by its own lock.
 _open_here: set[tuple[int, int]] = set()
 
 
@@ -183,10 +183,10 @@ def _identity(file: BinaryIO) -> tuple[int, int]:
 
 
 def _lock_file(file: BinaryIO, name: str) -> None:
-    """Keep others out; the system lets go when this process ends, however it does.
+    """Lock the file for this process; the system releases it when the process ends in any way.
 
-    The lock is the process's, not the file's as flock's would be: workers forked from it do not
-    hold on to it when it is killed.
+    The lock belongs to the process, not to the file as flock's would: workers forked from it do not
+    keep it when it is killed.
     """
     busy = f"checkpoint {name!r} is in use by another sweep; wait for it, or give another path"
     if _identity(file) in _open_here:

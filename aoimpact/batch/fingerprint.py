@@ -1,6 +1,8 @@
-"""A digest of what a case is made of, the same in every process and whatever has been cached since.
+"""A digest of the content of a case: the same in every process, whatever has been cached since.
 
-Pickles do not serve: the same content has many, by what is shared and what was computed meanwhile.
+Pickles do not serve: the same content has many, depending on what is shared and what is cached. A
+function is digested by its bytecode, constants and closure. Its name alone would not do: after a
+change in a law or in `keep`, a checkpoint would give the results of the old one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Many impacts: in order, on every core, streamed, and restarted where they were killed."""
+"""Many impacts: on all cores, in order, as a stream, and resumed from a checkpoint."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ import numpy as np
 from ..accuracy import Keep, Named, keeper
 from ..base import AOImpactError, InputError, InputTypeError, boolean, held_warnings, nearest, warn
 from ..impact import simulate
-from .briefs import BRIEF, brief_numbers
 from .checkpoint import Checkpoint
 from .fingerprint import Fingerprints
+from .plain import PLAIN_NUMBERS, plain_numbers
 from .workers import Workers
 
 __all__ = ["KEYWORDS", "REQUIRED", "Failed", "iterate_many", "simulate_many"]
@@ -28,7 +28,7 @@ _PARAMETERS = inspect.signature(simulate).parameters
 KEYWORDS = tuple(_PARAMETERS)
 REQUIRED = tuple(name for name in KEYWORDS if _PARAMETERS[name].default is inspect.Parameter.empty)
 
-# What became of a case: the result, what was kept of it or its exception; and its warnings.
+# Of a case: its result, what was kept of it, or its exception; and its warnings.
 Outcome = tuple[Any, tuple[str, ...]]
 
 
@@ -40,7 +40,7 @@ def simulate_many(
     checkpoint: str | os.PathLike[str] | None = None,
     progress: bool = True,
 ) -> list[Any]:
-    """Simulate many cases; a case that fails is its exception and stops nobody else.
+    """Simulate many cases; one that fails gives its exception and does not stop the others.
 
     Parameters
     ----------
@@ -52,15 +52,15 @@ def simulate_many(
         to the last bit whoever computes them.
     keep : names or function, optional
         What to keep of each case instead of its result, which holds whole histories: names of
-        numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, with the
-        "impulse_error" and "impulse_controlled" of each where models are chosen
-        (`ErrorEstimate.numbers`); or a function
-        of the result, which other processes must be able to import. Plain impacts of two stars
-        asked for names alone run many in one call of the core.
+        numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
+        its error, such as "impulse_error" (`ErrorEstimate.numbers`), and "impulse_controlled",
+        where models are chosen; or a function of the result, which other processes must be able
+        to import. Impacts of two AO models of which only named numbers are kept run many in one call of
+        the core.
     checkpoint : path, optional
-        A file to keep finished cases in: the same call goes on where an earlier one was stopped or
-        killed. Cases are recognised by their content, so that those changed since are computed
-        anew. It is a pickle: use no file of someone you do not trust.
+        A file that keeps finished cases: the same call resumes where an earlier one was stopped or
+        killed. Cases are recognised by their content; one that has changed is computed again. The
+        file is a pickle: use none from someone you do not trust.
     progress : bool, optional
         Whether to show a progress bar on a terminal when it takes longer than a second.
 
@@ -92,10 +92,10 @@ def iterate_many(
     checkpoint: str | os.PathLike[str] | None = None,
     progress: bool = True,
 ) -> Iterator[Any]:
-    """As `simulate_many`, yielding one after the other: a stream that never is in memory at once.
+    """Simulate many cases as a stream, which is never in memory as a whole.
 
-    `cases` may be a generator; only what the workers are busy with, a few tasks of a tenth of a
-    second each, is drawn from it ahead of what has been yielded.
+    `cases` may be a generator. Only a few tasks of a tenth of a second each are drawn from it ahead
+    of what has been yielded.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def _bar(total: int | None, progress: bool) -> Any:
 
 
 class _Item(NamedTuple):
-    """A case on its way, the digest that it is kept by, and whether it is there already."""
+    """A case, its digest in the checkpoint, and whether the checkpoint has it already."""
 
     case: Any
     digest: bytes = b""
@@ -182,7 +182,7 @@ def _outcomes(
             _keep(kept, item, outcome)
 
     items = _recognised(cases, job, store)
-    # Threads of ours put each case away themselves; what others have done comes back in batches.
+    # Our own threads write each case themselves; those of other executors come back in batches.
     task, finished = (_Task(job, store), None) if workers.local else (_Task(job), keep_all)
     for batch, made in workers.run(task, items, finished):
         keep_all(batch, made)
@@ -199,7 +199,7 @@ def _recognised(cases: Iterable[Any], job: _Job, store: Checkpoint) -> Iterator[
 
 
 def _keep(store: Checkpoint, item: _Item, outcome: Outcome | None) -> None:
-    """Keep results and this package's own errors; other errors may not come a second time."""
+    """Keep results and this package's own errors; other errors may not occur again."""
     if outcome is None or item.digest in store:
         return
     if not isinstance(outcome[0], Exception) or isinstance(outcome[0], AOImpactError):
@@ -208,7 +208,7 @@ def _keep(store: Checkpoint, item: _Item, outcome: Outcome | None) -> None:
 
 @dataclass(frozen=True)
 class _Task:
-    """What a worker does with some cases; tells how long it took."""
+    """What a worker does with some cases; returns the seconds that it took as well."""
 
     job: _Job
     store: Checkpoint | None = None
@@ -226,15 +226,15 @@ class _Task:
 
 @dataclass(frozen=True)
 class _Job:
-    """One case and what is kept of it; never raises but for the end of the program."""
+    """Runs one case and keeps what is wanted of it; returns exceptions instead of raising."""
 
     keep: Keep | None
 
     def together(self, cases: Sequence[Any]) -> list[Outcome | None]:
-        """The outcomes of the cases that the core makes in one call; None for the others."""
-        if not isinstance(self.keep, Named) or not BRIEF.issuperset(self.keep.names):
+        """The outcomes of the plain impacts, from one call of the core; None for the others."""
+        if not isinstance(self.keep, Named) or not PLAIN_NUMBERS.issuperset(self.keep.names):
             return [None] * len(cases)
-        found = brief_numbers(cases, self.keep.names)
+        found = plain_numbers(cases, self.keep.names)
         return [None if numbers is None else (numbers, ()) for numbers in found]
 
     def __call__(self, case: Any) -> Outcome:
@@ -249,7 +249,7 @@ class _Job:
 
 @dataclass(frozen=True)
 class Failed:
-    """A case that could not even be made."""
+    """A case that could not be made."""
 
     error: Exception
 
@@ -276,7 +276,7 @@ def _run(case: Any) -> Any:
 
 
 def _portable(error: Exception) -> Exception:
-    """An exception that can be sent and kept: no traceback, which holds all arrays on its way."""
+    """An exception that can be pickled, without its traceback, which would keep arrays alive."""
     error.__traceback__ = error.__context__ = error.__cause__ = None
     try:
         pickle.loads(pickle.dumps(error))

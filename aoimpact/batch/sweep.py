@@ -1,4 +1,4 @@
-"""Sweeps: one case for each combination of named parameters, and the table of what came out."""
+"""Sweeps: one case for each combination of named parameters, and a table of their results."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..accuracy import QUANTITIES, Named, keeper
+from ..accuracy import COLUMNS, Named, keeper
 from ..base import InputError, InputTypeError, nearest, require, sequence
 from ..impact import SceneCase
 from ..scenefile import SceneFile, read_scene
@@ -19,7 +19,7 @@ from .sweep_table import SweepTable, sweep_table
 
 __all__ = ["sweep", "sweep_file"]
 
-# A column of its own, and once more in the structured array of all.
+# Each number stands in a column of its own and in the structured array.
 _BYTES_PER_NUMBER = 16.0
 
 
@@ -27,7 +27,7 @@ def sweep(
     base: Any,
     grid: Mapping[str, Iterable[Any]],
     *,
-    keep: Any = tuple(QUANTITIES),
+    keep: Any = COLUMNS,
     workers: Any = 1,
     checkpoint: str | os.PathLike[str] | None = None,
     progress: bool = True,
@@ -44,10 +44,10 @@ def sweep(
     grid : mapping of str to sequence
         Values of each parameter; the last one varies fastest.
     keep : names or function, optional
-        Quantities for the columns, as of `simulate_many`, with "restitution_error" and the like
-        beside them where models are chosen, and "restitution_controlled": 1 where that error is
-        within the tolerance, 0 where nobody controlled it. A function returns a number, or a dict
-        of numbers, of the same names for each result.
+        Quantities for the columns, as of `simulate_many`, with columns such as "restitution_error"
+        and "restitution_controlled" beside them where models are chosen: 1 where that error is
+        within the tolerance, 0 where nobody controlled it. A function returns a number, or a
+        dict of numbers with the same names for each result.
     workers, checkpoint, progress : optional
         As of `simulate_many`. Cases are made in this process, one after the other.
 
@@ -60,7 +60,7 @@ def sweep(
     Raises
     ------
     InputError, InputTypeError
-        If a parameter has no values, or the base does not know its name.
+        If a parameter has no values, or the base has no such parameter.
     MemoryLimitError
         If the table of so many cases would not fit into memory; nothing is simulated then.
 
@@ -94,21 +94,21 @@ def sweep_file(
     scene : SceneFile
         With a [sweep].
     workers, checkpoint : optional
-        As of `sweep`; what the file says if not given. A path in the file starts in its folder.
+        As of `sweep`; by default those of the file. A path in the file starts in its folder.
 
     Raises
     ------
     InputError
         If the file has no sweep, or every case of it fails.
     """
-    asked = scene.data.get("sweep", {})
-    if checkpoint is None and "checkpoint" in asked:
-        checkpoint = scene.path.parent / asked["checkpoint"]
+    settings = scene.data.get("sweep", {})
+    if checkpoint is None and "checkpoint" in settings:
+        checkpoint = scene.path.parent / settings["checkpoint"]
     table = sweep(
         scene,
         scene.grid,
         keep=scene.swept,
-        workers=asked.get("workers", 1) if workers is None else workers,
+        workers=settings.get("workers", 1) if workers is None else workers,
         checkpoint=checkpoint,
     )
     if len(table.errors) == len(table):
@@ -148,7 +148,7 @@ def _check_fits(grid: Mapping[str, Sequence[Any]], keep: Any) -> None:
 
 @dataclass(frozen=True)
 class _Plan:
-    """The cases of a sweep: counted, but each made when it is asked for."""
+    """The cases of a sweep: their number is known, each is made when it is needed."""
 
     make: Any
     grid: dict[str, list[Any]]
@@ -165,11 +165,13 @@ class _Plan:
 
 
 def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
-    """What makes a case of parameters by name; refuses names that it does not know."""
+    """Return what makes a case of named parameters; refuse unknown names."""
     if isinstance(base, (str, os.PathLike)):
         base = read_scene(base)
     if isinstance(base, SceneFile):
-        base.replaced({name: values[0] for name, values in grid.items()})  # are there such places?
+        base.replaced(
+            {name: values[0] for name, values in grid.items()}
+        )  # raises if there is no such place
         return lambda **parameters: base.replaced(parameters).case()
     if isinstance(base, Mapping):
         _check_names((*grid, *base), KEYWORDS)

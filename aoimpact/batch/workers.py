@@ -1,4 +1,4 @@
-"""Who computes: this thread, several threads, or the caller's executor, here or on a cluster."""
+"""Workers: this thread, several threads, or the caller's executor, here or on a cluster."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from ..base import InputTypeError, WorkerError, integer
 
 __all__ = ["Workers"]
 
-# What a task makes of its items, and the seconds that took it.
+# What a task returns: the outcomes of its items, and the seconds that it took.
 Done = tuple[Any, float]
 Task = Callable[[list[Any]], Done]
 Finished = Callable[[Sequence[Any], Any], None]
 
-# Seconds that one task should take, by a thread of ours and by others: far above what handing it
-# over costs, and so little that all finish together.
+# Seconds that one task should take, in our threads and in other executors: far above the cost of
+# handing it over, and short enough that all workers finish together.
 _TASK_HERE, _TASK_AWAY = 0.015, 0.1
 
-# Tasks under way per worker: one that runs and one that waits.
+# Tasks per worker: one that runs and one that waits.
 _AHEAD = 2
 
 _MOST_IN_TASK = 4096
@@ -34,7 +34,7 @@ _MOST_THREADS = 4096
 
 
 class _UnderWay(NamedTuple):
-    """Items with a worker, how to wait for them, and how to call them back."""
+    """A task that was handed over: its items, how to wait for it, and how to cancel it."""
 
     items: list[Any]
     result: Callable[[], Done]
@@ -94,7 +94,7 @@ class Workers:
         under_way: deque[_UnderWay] = deque()
         try:
             while True:
-                # By halves: a plain map works through what it is given before it gives back.
+                # By halves: a plain map works through all that it is given before it yields.
                 if 2 * len(under_way) <= most:
                     room = most - len(under_way)
                     batches = [batch for _ in range(room) if (batch := list(islice(source, size)))]
@@ -125,7 +125,7 @@ class Workers:
         return _UnderWay(batch, future.result, future.cancel)
 
     def _sent(self, ask: Callable[..., Any], *arguments: Any) -> Any:
-        """Ask an executor; whatever it raises is its own failure, since tasks raise nothing."""
+        """Call an executor; what it raises is its own failure, since tasks raise nothing."""
         if self.local:
             return ask(*arguments)
         try:
@@ -158,13 +158,13 @@ def _reporter(batch: list[Any], finished: Finished) -> Callable[[Any], None]:
 
 
 def _next_size(size: int, seconds: float, target: float) -> int:
-    """So many items that a task takes `target`, s; growing not too fast, since cases differ."""
+    """The number of items for which a task takes `target` seconds; it grows slowly."""
     wanted = target * size / seconds if seconds > 0.0 else math.inf
     return int(max(1.0, min(wanted, 4.0 * size, _MOST_IN_TASK)))
 
 
 def _width(executor: Any) -> int:
-    """How many workers an executor has; as many as cores where it does not tell."""
+    """How many workers an executor has; the number of cores where it does not say."""
     for name in ("num_workers", "_max_workers"):
         if isinstance(number := getattr(executor, name, None), int) and number > 0:
             return number

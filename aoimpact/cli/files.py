@@ -1,11 +1,11 @@
-"""What ``aoimpact run`` leaves: histories, tables, figures, and numbers for machines."""
+"""The output of ``aoimpact run``: histories, figures, fields, tables, and JSON."""
 
 from __future__ import annotations
 
 import json
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,10 @@ import numpy as np
 from ..accuracy import keeper
 from ..base import writable_folder
 from ..batch import SweepTable
-from ..results import BodyResult, Result, Run
+from ..results import Result, Run
 from ..scenefile import SceneFile
 
-__all__ = ["as_json", "numbers", "rows", "write_files", "write_sweep"]
+__all__ = ["FORMATS", "as_json", "numbers", "rows", "write_files", "write_sweep"]
 
 _FIGURES = ("force", "indentation", "displacement", "energy")
 
@@ -28,10 +28,7 @@ _FRAMES = 20
 def write_files(
     scene: SceneFile, result: Result | Run, out: str | os.PathLike[str]
 ) -> tuple[Path, ...]:
-    """Write histories, figures, and the fields of bodies to a folder, made if there is none.
-
-    Each body with a mesh gives a figure of it deformed at the peak force, and a .pvd with .vtu
-    files for ParaView.
+    """Write a result in every format of `FORMATS` to a folder, made if there is none.
 
     Raises
     ------
@@ -39,33 +36,52 @@ def write_files(
         If the folder cannot be made or written to.
     """
     folder = writable_folder(out)
-    files = [folder / "histories.csv"]
-    names = [name for name, _ in scene.members]
+    return tuple(file for write in FORMATS for file in write(scene, result, folder))
+
+
+def _histories(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
+    """All histories, as CSV."""
+    file = folder / "histories.csv"
     if isinstance(result, Run):
-        result.to_csv(files[0], names=names)
+        result.to_csv(file, names=[name for name, _ in scene.members])
+    else:
+        result.to_csv(file)
+    return [file]
+
+
+def _figures(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
+    """Histories, as PNG."""
+    if isinstance(result, Run):
+        names = [name for name, _ in scene.members]
         figures = {
             "force": result.plot_force(),
             "displacement": result.plot_displacement(names=names),
             "energy": result.plot_energy(),
         }
     else:
-        result.to_csv(files[0])
         figures = {name: getattr(result, f"plot_{name}")() for name in _FIGURES}
-    files += [_saved(axes, folder / f"{name}.png") for name, axes in figures.items()]
-    for i, (name, body) in enumerate(scene.members):
-        if scene.has_mesh(body):
-            files += _fields(_bodies(result)[i], result.t[-1], folder / name)
-    return tuple(files)
+    return [_saved(axes, folder / f"{name}.png") for name, axes in figures.items()]
 
 
-def _bodies(result: Result | Run) -> Sequence[BodyResult]:
-    return result.bodies if isinstance(result, Run) else (result.projectile, result.target)
+def _fields(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
+    """Each body with a mesh: a figure at the peak force, and .pvd with .vtu files for ParaView."""
+    bodies = result.bodies if isinstance(result, Run) else (result.projectile, result.target)
+    files = []
+    for (name, member), body in zip(scene.members, bodies, strict=True):
+        if scene.has_mesh(member):
+            peak = body.field()
+            times = np.union1d(np.linspace(0.0, result.t[-1], _FRAMES), peak.times)
+            files.append(_saved(peak.plot(), folder / f"{name}.png"))
+            files.append(body.to_vtu(folder / name, times))
+    return files
 
 
-def _fields(body: BodyResult, end: float, file: Path) -> list[Path]:
-    peak = body.field()
-    times = np.union1d(np.linspace(0.0, end, _FRAMES), peak.times)
-    return [_saved(peak.plot(), file.with_name(f"{file.name}.png")), body.to_vtu(file, times)]
+# What ``aoimpact run --out`` writes of a result; each returns the files that it made.
+FORMATS: tuple[Callable[[SceneFile, Result | Run, Path], list[Path]], ...] = (
+    _histories,
+    _figures,
+    _fields,
+)
 
 
 def _saved(axes: Any, file: Path) -> Path:

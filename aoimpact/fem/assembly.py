@@ -2,7 +2,7 @@
 
 Both matrices are blocks of 3 x 3 between pairs of nodes that share an element. Where each element's
 entries go is worked out once, for nodes; then every one of the six different blocks (xx … zz) is
-an array of sums, and no entry is ever held twice.
+an array of sums, and no entry is ever stored twice.
 """
 
 from __future__ import annotations

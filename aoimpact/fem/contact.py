@@ -1,4 +1,4 @@
-"""The contact functional: the one displacement u = bᵀX by which a body is seen from its contact.
+"""The contact functional: the displacement u = bᵀX of a body at its contact.
 
 The paper takes the unit vector of a dof i₀ (eq. 1); any other vector b serves as well: a point
 inside a face, by that face's shape functions, or a patch of the surface under Hertz's pressure.
@@ -201,7 +201,7 @@ def contact_point(
     radius: float | str = 0.0,
     expected: float | None = None,
 ) -> ContactPoint:
-    """Return the functional of a place on a body, or of a single dof, as `FEModel.contact` says."""
+    """Return the functional of a place on a body, or of a single dof; see `FEModel.contact`."""
     if isinstance(radius, str):
         choice("radius", radius, ("auto",))
     else:
@@ -290,10 +290,10 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
     assert body.free is not None
     forces = np.outer(touch.weights, touch.direction).reshape(-1)
     b = forces[body.free]
-    held = np.ones(len(forces), dtype=bool)
-    held[body.free] = False
-    if np.abs(forces[held]).max(initial=0.0) > _HELD:
-        nodes = np.flatnonzero(np.abs(forces * held).reshape(-1, 3).any(axis=1))
+    fixed = np.ones(len(forces), dtype=bool)
+    fixed[body.free] = False
+    if np.abs(forces[fixed]).max(initial=0.0) > _HELD:
+        nodes = np.flatnonzero(np.abs(forces * fixed).reshape(-1, 3).any(axis=1))
         raise InputError(
             f"point {plain(touch.point)} m with direction {plain(touch.direction)}: the contact "
             f"rests on nodes held by the supports in that direction, the first is {nodes[0]}; "

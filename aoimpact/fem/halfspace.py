@@ -16,7 +16,7 @@ __all__ = ["PatchCheck", "check_patch", "warn_of_room"]
 # A patch is compared with one so much larger, or smaller if the surface has no room for it.
 _LARGER = 1.25
 
-# A body thinner than two radii, or that ends 1.25 radii from the point, is looked at more closely:
+# A body thinner than two radii, or that ends 1.25 radii from the point, is computed with elements:
 # a plate's compliance then moves by 3 % of the patch's part and more when r grows by a quarter.
 _THIN, _NEAR = 2.0, 1.25
 
@@ -34,7 +34,7 @@ class PatchCheck:
         where the body about the patch is like a half-space and the mesh resolves the patch. The
         rigid motion of a free body does not count.
     share : float
-        Their difference over 3/(4 E* a), what the body gives way in Hertz's contact of radius a:
+        Their difference over 3/(4 E* a), the deflection of the body in Hertz's contact of radius a:
         about how much of the body's part of the indentation is uncertain. The force is less so, by
         half and more.
     """

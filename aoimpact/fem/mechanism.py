@@ -239,20 +239,20 @@ class _Parts:
         return cls(surface, part, owner, node[link], of_node[link], of_node[link + 1], centre, size)
 
     def constraints(self, free: IntArray) -> sp.csr_array:
-        """What shared nodes and supports ask of the parts' motions: rows, shape (any, 6 n_parts).
+        """What shared nodes and supports constrain: rows on the motions, shape (any, 6 n_parts).
 
         The motions are translations and rotations about the parts' own middles.
         """
-        held = np.setdiff1d(np.arange(3 * len(self.owner)), free)
-        node, component = np.divmod(held, 3)
-        fixed = self._at(node, self.owner[node])[np.arange(len(held)), component]
+        fixed_dofs = np.setdiff1d(np.arange(3 * len(self.owner)), free)
+        node, component = np.divmod(fixed_dofs, 3)
+        fixed = self._at(node, self.owner[node])[np.arange(len(fixed_dofs)), component]
         joints = [self._at(self.joint, side) for side in (self.one, self.other)]
         values = np.concatenate([fixed, joints[0].reshape(-1, 6), -joints[1].reshape(-1, 6)])
-        links = len(held) + np.arange(3 * len(self.joint))
-        row = np.concatenate([np.arange(len(held)), links, links])
+        links = len(fixed_dofs) + np.arange(3 * len(self.joint))
+        row = np.concatenate([np.arange(len(fixed_dofs)), links, links])
         part = np.concatenate([self.owner[node], np.repeat(self.one, 3), np.repeat(self.other, 3)])
         column = 6 * part[:, None] + np.arange(6)
-        shape = (len(held) + 3 * len(self.joint), 6 * len(self.size))
+        shape = (len(fixed_dofs) + 3 * len(self.joint), 6 * len(self.size))
         return sp.csr_array((values.ravel(), (np.repeat(row, 6), column.ravel())), shape=shape)
 
     def field(self, combinations: FloatArray) -> FloatArray:

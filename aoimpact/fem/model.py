@@ -84,8 +84,8 @@ class FEModel(Frozen):
     mesh : Mesh or None
     material : Material or None
     mass : float or None
-        Of the whole body, kg, from 1ᵀM1; None if M does not tell (no nodes, or supports taken out
-        of the M given).
+        Of the whole body, kg, from 1ᵀM1; None if M does not determine it (no nodes, or
+        an M without the dofs of the supports).
 
     Raises
     ------
@@ -144,8 +144,8 @@ class FEModel(Frozen):
         material : Material
         fixed : sequence of (nodes, letters), optional
             Supports: node numbers, the name of a node set of the mesh, or a function of the nodes'
-            coordinates (n_nodes, 3) that returns one bool for each; and the components held there,
-            of "x", "y", "z". None leaves the body free.
+            coordinates (n_nodes, 3) that returns one bool for each; and the components constrained
+            there, of "x", "y", "z". None leaves the body free.
         damping : Rayleigh or ModalDamping, optional
             Inherited by the models made from this one.
 
@@ -160,14 +160,14 @@ class FEModel(Frozen):
         Warns
         -----
         AOImpactWarning
-            If the body is so large or heavy that its coordinates look like millimetres.
+            If the body is so large or heavy that its coordinates are probably in millimetres.
 
         Examples
         --------
         >>> from aoimpact.generate import box_mesh
         >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
         >>> FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
-        FEModel(120 dofs, 44 nodes, 10 hexahedron, 0.027 kg, 12 dofs held)
+        FEModel(120 dofs, 44 nodes, 10 hexahedron, 0.027 kg, 12 dofs constrained)
         """
         if not isinstance(material, Material):
             raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
@@ -203,8 +203,8 @@ class FEModel(Frozen):
         if self.mass is not None:
             parts.append(f"{self.mass:.4g} kg")
         if self.nodes is not None:
-            held = 3 * len(self.nodes) - self.n_dofs
-            parts.append(f"{held} dofs held" if held else "free")
+            fixed = 3 * len(self.nodes) - self.n_dofs
+            parts.append(f"{fixed} dofs constrained" if fixed else "free")
         return f"FEModel({', '.join(parts)})"
 
     def translation(self, direction: npt.ArrayLike) -> FloatArray:
@@ -228,7 +228,7 @@ class FEModel(Frozen):
     def com_functional(self, direction: npt.ArrayLike) -> FloatArray:
         """Return h, shape (n_dofs,), with hᵀx the displacement of the centre of mass.
 
-        h = M g / m with g the translation of all nodes, those held included.
+        h = M g / m with g the translation of all nodes, constrained ones included.
 
         Parameters
         ----------
@@ -238,7 +238,7 @@ class FEModel(Frozen):
         Raises
         ------
         InputError
-            If the model has no nodes, or M was given without the dofs that are held.
+            If the model has no nodes, or M was given without the constrained dofs.
         """
         along = unit_vector("direction", direction)
         if self._momentum is None or self.mass is None:
@@ -292,7 +292,8 @@ class FEModel(Frozen):
             How many it is to serve, roughly; see `linear_solver` for both.
         """
         shift = nonnegative("s2", s2, unit="(rad/s)²")
-        return linear_solver(self._pencil.at(shift), solver, solutions=solutions)
+        served = integer("solutions", solutions, low=0)
+        return linear_solver(self._pencil.at(shift), solver, solutions=served)
 
     @cached_property
     def _pencil(self) -> Pencil:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.special import roots_jacobi
+import scipy
 
 from ..base import FloatArray, InputError, IntArray, checked, integer, nonnegative, positive
 from ..mesh import Place, Surface, plane_of
@@ -47,7 +47,7 @@ class Patch:
     modulus : float
         E* = E/(1 - ν²) of the body's material, Pa.
     compliance : float
-        What an elastic half-space gives way under the patch per force along the direction of
+        Deflection of an elastic half-space under the patch per force along the direction of
         travel, m/N: 0.6/(r E*) along the normal.
     faces : int
         How many faces of elements it touches.
@@ -153,7 +153,7 @@ def _disc_rule(radius: float) -> tuple[FloatArray, FloatArray]:
 
     Gauss–Jacobi in ρ²/r², with the weight √(1 - ρ²/r²), and even angles.
     """
-    x, w = roots_jacobi(_RINGS, 0.5, 0.0)
+    x, w = scipy.special.roots_jacobi(_RINGS, 0.5, 0.0)
     rho = radius * np.sqrt(0.5 * (1.0 + x))
     turn = np.arange(_AROUND) + np.modf(_GOLDEN * np.arange(_RINGS))[0][:, None]
     angle = 2.0 * np.pi / _AROUND * turn

@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg as la
+import scipy
 import scipy.sparse as sp
 
 from .. import _core
 from ..base import FloatArray, InputTypeError, SingularError
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from .contact import Body, ContactPoint
-from .fromdynamic import static_by_dynamic
 
 __all__ = [
     "StaticMode",
@@ -27,7 +26,7 @@ __all__ = [
 
 
 # rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
-# just told from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
+# just distinguished from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
 _MOVED = 1e-7
 
 # Of a motion that is 0 or 1 everywhere, what rounding of a null space leaves.
@@ -51,15 +50,15 @@ class StaticMode:
         M φ_st.
     mass : float
         m_st = φ_stᵀ M φ_st, kg.
-    silent : ndarray, shape (n_dofs, r)
-        The M-orthonormal rigid motions that never feel the contact.
+    unobservable : ndarray, shape (n_dofs, r)
+        The M-orthonormal rigid motions that do not move the contact point.
     """
 
     phi: FloatArray
     k0: float
     m_phi: FloatArray
     mass: float
-    silent: FloatArray
+    unobservable: FloatArray
 
 
 def static_mode(
@@ -85,7 +84,7 @@ def static_mode(
     if moves_rigidly(tip):
         phi = np.empty_like(b)
         mass = _core.static_free(np.ascontiguousarray(rigid.T), b, phi)
-        across = la.qr(reach[:, None])[0][:, 1:]
+        across = scipy.linalg.qr(reach[:, None])[0][:, 1:]
         return StaticMode(phi, 0.0, tip.body.M @ phi, mass, rigid @ across)
     phi = np.ascontiguousarray(displacement(tip.body, b, invert or tip.body.inverse))
     k0 = _core.static_held(b, phi)
@@ -94,7 +93,7 @@ def static_mode(
 
 
 def moves_rigidly(tip: ContactPoint) -> bool:
-    """Whether a force at the contact moves the body as a whole: seen from there it is free."""
+    """Whether a force at the contact moves the body as a whole: for that force it is free."""
     rigid = tip.body.rigid_modes
     reach = float(np.linalg.norm(rigid.T @ tip.b))
     return reach > _MOVED * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
@@ -103,9 +102,9 @@ def moves_rigidly(tip: ContactPoint) -> bool:
 def elastic_compliance(
     tip: ContactPoint, *, invert: Callable[[float], LinearSolver] | None = None
 ) -> float:
-    """Return how far the contact gives way to a steady unit force, rigid motion not counted, m/N.
+    """Return the deflection of the contact under a steady unit force, without rigid motion, m/N.
 
-    A free body accelerates as a whole under the force; in that motion its inertia holds it.
+    A free body accelerates as a whole under the force; its inertia balances the force.
 
     Parameters
     ----------
@@ -121,9 +120,6 @@ def displacement(
     body: Body,
     b: FloatArray,
     invert: Callable[[float], LinearSolver],
-    *,
-    dynamic: LinearSolver | None = None,
-    start: FloatArray | None = None,
 ) -> FloatArray:
     """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them.
 
@@ -133,16 +129,7 @@ def displacement(
     b : ndarray, shape (n_dofs,)
     invert : callable
         s² ↦ the solver of K + s²M.
-    dynamic : LinearSolver, optional
-        A solver of K + s²M that is there already: tried first, if it is a direct one, for less than
-        the cost of a factorisation; the energy of x is then right to some 1e-9.
-    start : ndarray, shape (n_dofs,), optional
-        What is known of K⁻¹ b from solutions with `dynamic`.
     """
-    if dynamic is not None and dynamic.precondition is None:
-        found = static_by_dynamic(body, b, dynamic, start=start)
-        if found is not None:
-            return found
     K, M, rigid = body.K, body.M, body.rigid_modes
     if rigid.shape[1] == 0:
         try:
@@ -176,12 +163,12 @@ def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray
     change nothing but where it is.
     """
     K, M, rigid = body.K, body.M, body.rigid_modes
-    places = la.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
+    places = scipy.linalg.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
     springs = np.zeros(len(b))
     springs[places] = K.diagonal()[places]
     pencil = replace(solver.pencil, K=(K + sp.diags_array(springs)).tocsr(), s2=0.0, diagonals=None)
-    held = linear_solver(pencil, solver.name if solver.name in SOLVERS else "auto", solutions=1)
-    x = held.solve(b - M @ (rigid @ (rigid.T @ b)))
+    grounded = linear_solver(pencil, solver.name if solver.name in SOLVERS else "auto", solutions=1)
+    x = grounded.solve(b - M @ (rigid @ (rigid.T @ b)))
     found: FloatArray = x - rigid @ (rigid.T @ (M @ x))
     return found
 
@@ -189,7 +176,7 @@ def _by_grounding(body: Body, b: FloatArray, solver: LinearSolver) -> FloatArray
 def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatArray, float, bool]:
     """Return the centre of mass's functional, the body's mass, kg, and whether these are right.
 
-    Where nodes do not tell, the mean over the static mode stands for the centre, and its mass for
+    Without nodes, the mean over the static mode stands for the centre, and its mass for
     the body's. That is right if the mode is a translation: all that moves moves as the contact.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Supports: which degrees of freedom of a mesh are held."""
+"""Supports: which degrees of freedom of a mesh are constrained."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def free_dofs(
         m.
     fixed : sequence of (nodes, letters)
         The nodes by number, by the name of a set, or by a function of all coordinates that returns
-        one bool for each; the letters, of "x", "y" and "z", say which components are held.
+        one bool for each; the letters, of "x", "y" and "z", say which components are constrained.
     node_sets : mapping of str to array of int
 
     Raises
@@ -36,16 +36,16 @@ def free_dofs(
     InputError, InputTypeError
         If an entry selects nothing, names an unknown set or letter, or nothing is left free.
     """
-    held = np.zeros((len(nodes), 3), dtype=bool)
+    fixed_dofs = np.zeros((len(nodes), 3), dtype=bool)
     for i, entry in enumerate(_entries(fixed)):
         selector, letters = entry
         components = _components(f"fixed[{i}]", letters)
         selected = selected_nodes(f"fixed[{i}]", selector, nodes, node_sets)
         for component in components:
-            held[selected, component] = True
-    if held.all():
+            fixed_dofs[selected, component] = True
+    if fixed_dofs.all():
         raise InputError("fixed holds every dof of the body; leave some free to move")
-    return np.flatnonzero(~held.reshape(-1))
+    return np.flatnonzero(~fixed_dofs.reshape(-1))
 
 
 def _entries(fixed: Any) -> Sequence[Support]:

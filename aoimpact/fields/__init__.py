@@ -1,4 +1,4 @@
-"""What all of a body does in a run: displacement and stress over time, pictures, files."""
+"""The whole body in a run: displacement and stress over time, pictures, files."""
 
 from .fields import Field, Probe
 from .replay import response_of

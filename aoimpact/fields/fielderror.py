@@ -1,14 +1,14 @@
 """How wrong the motion of a whole body may be that a few shapes give.
 
-Two things go wrong. What the correction (recovery.py) adds to the shapes is as uncertain as it is
-large, and the largest that it has been rings on. And after the first blow the body swings with the
-model's frequencies: where K φ - λ M φ = r is left of a mode φ, there is a natural λ* with
-|(λ + s²)/(λ* + s²) - 1| ≤ |e|, e = (K + s²M)⁻¹ r in the norm of M, |φ| = 1, or |e|²/γ with the
-relative gap γ to the next mode (the bounds of a symmetric problem, here (K + s²M)⁻¹ M; B. N.
-Parlett, The Symmetric Eigenvalue Problem, chapter 11; the gap is the model's own), and the phase
-goes astray by up to |ω - ω*| times the time since: as much of the mode's amplitude, kinetic energy
-included, for it shows most where the mode passes through zero. The force may be right all
-the same: it is over by then.
+There are two errors. The first is that of the correction (recovery.py): it is as uncertain as it is
+large, and its largest value persists as vibration. The second comes after the first contact, when
+the body vibrates at the model's frequencies. If a mode φ of the model leaves the residual r = K φ -
+λ M φ, a natural λ* lies within |(λ + s²)/(λ* + s²) - 1| ≤ |e|, e = (K + s²M)⁻¹ r in the norm of M,
+|φ| = 1, or within |e|²/γ with the relative gap γ to the next mode of the model (bounds of the
+symmetric problem (K + s²M)⁻¹ M; B. N. Parlett, The Symmetric Eigenvalue Problem, chapter 11). The
+phase is then wrong by up to |ω - ω*| times the time since. The error is that share of the mode's
+amplitude, kinetic energy included, since a wrong phase shows most where the mode passes through
+zero. The force may be right all the same: it is over by then.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as la
+import scipy
 
 from ..base import FloatArray
 from .recovery import Recovery
@@ -26,20 +26,20 @@ from .recovery import Recovery
 __all__ = ["FieldError", "History"]
 
 
-# Of the largest mass over stiffness: what is less belongs to coordinates without inertia.
+# Share of the largest mass over stiffness below which a coordinate has no inertia.
 _NO_INERTIA = 1e-12
 
-# Modes up to so many times s swing by themselves.
+# Modes up to this many times s vibrate freely; faster ones follow the force.
 _SLOW = 3.0
 
 
-# What two swings of one amplitude differ by, in the mean square, where nothing is known of phases.
+# The difference of two vibrations of one amplitude, root mean square, with phases unknown.
 _OPPOSITE = math.sqrt(2.0)
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """What a reduced model went through.
+    """The states of a reduced model at some times.
 
     Attributes
     ----------
@@ -69,11 +69,11 @@ class FieldError:
     def _modes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """λ of the model's modes, their shares of coordinates, shape (n, n), and |ω - ω*|, rad/s.
 
-        Modes much faster than s follow the blow as the correction does; they count with no drift.
+        Modes much faster than s follow the force as the correction does; they have no drift.
         """
         reduced, s2 = self.recovery.reduced, self.recovery.s**2
         shifted = reduced.stiffness + s2 * np.diag(reduced.mass)
-        inverse, y = la.eigh(np.diag(reduced.mass), shifted)
+        inverse, y = scipy.linalg.eigh(np.diag(reduced.mass), shifted)
         inert = inverse > _NO_INERTIA * inverse.max()
         inverse, y = inverse[inert], y[:, inert]
         square = np.maximum(1.0 / inverse - s2, 0.0)
@@ -101,28 +101,28 @@ class FieldError:
         kinetic: FloatArray = weight[:, None] * (shares @ rates) ** 2
         return strain, kinetic
 
-    def estimate(self, blow: History, at: History, since: FloatArray) -> FloatArray:
+    def estimate(self, contact: History, at: History, since: FloatArray) -> FloatArray:
         """Return the errors at some times, relative to the largest motion, shape (times,).
 
         Parameters
         ----------
-        blow, at : History
-            During the blow, and at the times asked for.
+        contact, at : History
+            During contact, and at the times asked for.
         since : ndarray, shape (times,)
-            How long the body has swung by itself, s; negative before it does.
+            How long the body has vibrated freely, s; negative before it does.
         """
         strain, kinetic = self.energies(at.coordinates, at.rates)
-        during = self.energies(blow.coordinates, blow.rates)[0].sum(axis=0)
+        during = self.energies(contact.coordinates, contact.rates)[0].sum(axis=0)
         largest = max(float(of.max(initial=0.0)) for of in (strain.sum(axis=0), during))
-        # What was missed once is out of place ever after, whatever it is at the moment.
-        missed = self._added(at), self._added(blow)
+        # An error of displacement persists as free vibration, whatever its value at a moment.
+        missed = self._added(at), self._added(contact)
         largest = max(largest, *(float(of.max(initial=0.0)) for of in missed))
         if largest == 0.0:
             return np.zeros(len(since))
         before = np.maximum.accumulate(np.concatenate([[0.0], missed[1]]))
-        so_far = before[np.searchsorted(blow.times, at.times, side="right")]
+        so_far = before[np.searchsorted(contact.times, at.times, side="right")]
         wrong = np.maximum.accumulate(np.maximum(missed[0], so_far))
-        # A mode that is behind is most wrong where it passes through zero: by its amplitude.
+        # A mode with a wrong phase is most wrong where it passes through zero: by its amplitude.
         astray = np.minimum(_OPPOSITE, np.outer(self._modes[2], np.maximum(since, 0.0))) ** 2
         swing = ((strain + kinetic) * astray).sum(axis=0)
         error: FloatArray = np.sqrt((wrong + swing) / largest)

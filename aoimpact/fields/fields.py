@@ -1,4 +1,4 @@
-"""How a struck body moves and what it bears: points over time, all of it at chosen times."""
+"""How a struck body moves and which stress it carries: points over time, fields at chosen times."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 __all__ = ["Field", "Probe", "solid", "warn_if_wrong"]
 
 
-# Relative errors of fields that nobody should have to look for.
+# Relative error of a field from which on it warns.
 _BADLY_WRONG = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Probe:
-    """What one place of a body did over time.
+    """Motion and stress of one place of a body over time.
 
     Attributes
     ----------
@@ -84,11 +84,11 @@ class Field:
 
     @cached_property
     def error(self) -> FloatArray | None:
-        """How wrong the field may be at its times for the few shapes of a reduced model, (k,).
+        """Estimated error of the field at its times from the few shapes of a reduced model, (k,).
 
-        An estimate within some factor, relative, in the norm of strain energy. None of a full
-        model. The force may be right where this is large: a model fitted to a short blow need not
-        swing on as the body does. The error of the force itself (`Result.error`) comes on top.
+        It is relative, in the norm of strain energy, and right within some factor; None for a full
+        model. The force may be right where this is large: a model fitted to a short contact need
+        not vibrate as the body does afterwards. The error of the force (`Result.error`) adds to it.
         """
         return self._error()
 
@@ -103,8 +103,8 @@ class Field:
         Parameters
         ----------
         at : {"nodes", "gauss"}, optional
-            "nodes": carried from the Gauss points to the nodes and averaged over the elements that
-            meet there, components of shape (k, n_nodes, 6). "gauss": at the Gauss points of the
+            "nodes": extrapolated from the Gauss points and averaged over the elements that meet
+            there, components of shape (k, n_nodes, 6). "gauss": at the Gauss points of the
             elements' stiffness, components of shape (k, n_cells, n_gauss, 6).
 
         Raises
@@ -184,14 +184,14 @@ class Field:
 
 
 def warn_if_wrong(times: FloatArray, error: FloatArray | None) -> None:
-    """Say where a reduced model's few shapes may give a field badly wrong."""
+    """Warn where a reduced model's few shapes may give a badly wrong field."""
     if error is None or not (error > _BADLY_WRONG).any():
         return
     first, worst = times[int(np.argmax(error > _BADLY_WRONG))], float(error.max())
     warn(
         f"the stress may be wrong by {min(worst, 1.0):.0%} of the largest, from t = {first:.3g} s "
-        "on: the model's few shapes give the force, but not how the body swings on; take more "
-        'oscillators, method="krylov" with duration=, or quantity= a point of the body'
+        "on: the model's few shapes give the force, but not the free vibration afterwards; take "
+        'more oscillators, method="krylov" with duration=, or quantity= a point of the body'
     )
 
 

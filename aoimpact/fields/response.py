@@ -1,63 +1,48 @@
-"""What all of a body did in a run: from its recorded coordinates and the force on it."""
+"""The response of a whole body in a run, from its recorded coordinates and the force on it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from ..base import FARTHEST, FloatArray, InputError, IntArray, finite_array, unit_vector
 from ..fem import Body, selected_nodes
+from ..integrate import Motion
 from ..mesh import node_at, weights_at
+from ..scene import FreeMotion
 from .fielderror import FieldError, History
 from .fields import Field, Probe, solid, warn_if_wrong
 from .recovery import Recovery
 from .stress import stress_rows
 
-__all__ = ["Flight", "Motion", "Response"]
+__all__ = ["OmittedMotion", "Response"]
 
 
-# Times of a blow at which is looked what a model misses of it.
-_BLOW = 24
-
-
-class Motion(Protocol):
-    """One body's coordinates over a run, (n, times), and what acts on it, (p, times)."""
-
-    @property
-    def duration(self) -> float: ...
-    def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]: ...
-    def force(self, times: FloatArray) -> FloatArray: ...
-    def force_rate(self, times: FloatArray) -> FloatArray: ...
+# Times in a contact at which the error of a model is looked for.
+_IN_CONTACT = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Flight:
-    """A rigid motion that no contact feels.
+class OmittedMotion:
+    """A rigid motion that a reduced model does not contain, since no contact excites it.
 
     Attributes
     ----------
     shape : ndarray, shape (n_dofs,)
-    velocity, acceleration : float
-        At t = 0, m/s, and constant, m/s².
+    motion : FreeMotion
     """
 
     shape: FloatArray
-    velocity: float
-    acceleration: float
-
-    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far it has gone, m, and how fast it is, m/s, at `times`."""
-        way = times * (self.velocity + 0.5 * self.acceleration * times)
-        return way, self.velocity + self.acceleration * times
+    motion: FreeMotion
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What is needed to know all of a body at any time of a run.
+    """A whole body at any time of a run.
 
     Attributes
     ----------
@@ -66,26 +51,26 @@ class Response:
         Of the body's own dofs, or of its reduced model's coordinates.
     recovery : Recovery or None
         From the reduced model's coordinates to the dofs; None where `motion` has these.
-    flight : Flight or None
-        What a free body does beside what its model contains.
+    omitted : OmittedMotion or None
+        The motion of a free body that its model does not contain.
     peak_time : float
         When the largest force acts, s.
-    blows : tuple of (start, end)
+    contacts : tuple of (start, end)
         When the body is touched first, and with the largest force, s.
-    stirred : float
-        From when on it swings by itself, s.
-    sag : ndarray, shape (n_dofs,), or None
-        What `recovery` misses of where the body is at rest under load, m.
+    free_from : float
+        From when on it vibrates freely, s.
+    static_deflection : ndarray, shape (n_dofs,), or None
+        The part of the deflection at rest under load that `recovery` misses, m.
     """
 
     body: Body
     motion: Motion
     recovery: Recovery | None
-    flight: Flight | None
+    omitted: OmittedMotion | None
     peak_time: float
-    blows: tuple[tuple[float, float], ...] = ()
-    stirred: float = 0.0
-    sag: FloatArray | None = None
+    contacts: tuple[tuple[float, float], ...] = ()
+    free_from: float = 0.0
+    static_deflection: FloatArray | None = None
 
     def probe(self, point: Any, direction: Any, nodes: Any, times: Any) -> Probe:
         """See `BodyResult.probe`."""
@@ -105,12 +90,12 @@ class Response:
         if self.recovery is not None:
             coordinates = self.recovery.displacement(coordinates, self.motion.force(wanted))
             rates = self.recovery.displacement(rates, self.motion.force_rate(wanted))
-        if self.sag is not None:
-            coordinates = coordinates + self.sag[:, None]
-        if self.flight is not None:
-            way, speed = self.flight.at(wanted)
-            coordinates = coordinates + np.outer(self.flight.shape, way)
-            rates = rates + np.outer(self.flight.shape, speed)
+        if self.static_deflection is not None:
+            coordinates = coordinates + self.static_deflection[:, None]
+        if self.omitted is not None:
+            way, speed = self.omitted.motion.at(wanted)
+            coordinates = coordinates + np.outer(self.omitted.shape, way)
+            rates = rates + np.outer(self.omitted.shape, speed)
         moved, speeds = self._at_nodes(coordinates), self._at_nodes(rates)
         return Field(self.body, wanted, moved, speeds, partial(self._error, wanted))
 
@@ -124,22 +109,22 @@ class Response:
             s.
         """
         row = functional if self.recovery is None else functional @ self.recovery.reduced.basis
-        seen: FloatArray = self.motion.observed(row[None], times)[0][0]
-        if self.flight is None:
-            return seen
-        return seen + float(functional @ self.flight.shape) * self.flight.at(times)[0]
+        found: FloatArray = self.motion.observed(row[None], times)[0][0]
+        if self.omitted is None:
+            return found
+        return found + float(functional @ self.omitted.shape) * self.omitted.motion.at(times)[0]
 
     @cached_property
-    def _judge(self) -> FieldError | None:
+    def _estimator(self) -> FieldError | None:
         return None if self.recovery is None else FieldError(self.recovery)
 
     def _error(self, times: FloatArray) -> FloatArray | None:
-        """How wrong the field may be at `times`, relative; None where nothing is left out."""
-        if self._judge is None:
+        """Estimated relative error of the field at `times`; None of a full model."""
+        if self._estimator is None:
             return None
-        looks = [np.linspace(start, end, _BLOW) for start, end in self.blows]
-        blow = self._history(np.unique([self.peak_time, *np.concatenate(looks)]))
-        return self._judge.estimate(blow, self._history(times), times - self.stirred)
+        looks = [np.linspace(start, end, _IN_CONTACT) for start, end in self.contacts]
+        contact = self._history(np.unique([self.peak_time, *np.concatenate(looks)]))
+        return self._estimator.estimate(contact, self._history(times), times - self.free_from)
 
     def _history(self, times: FloatArray) -> History:
         return History(times, *self.motion.observed(None, times), self.motion.force(times))
@@ -185,16 +170,16 @@ class Response:
             u, v = self.motion.observed(of_coordinates, times)
             u = u + of_forces @ self.motion.force(times)
             v = v + of_forces @ self.motion.force_rate(times)
-        if self.sag is not None:
-            u = u + (rows @ self.sag)[:, None]
-        if self.flight is not None:
-            way, speed = self.flight.at(times)
-            seen = rows @ self.flight.shape
-            u, v = u + np.outer(seen, way), v + np.outer(seen, speed)
+        if self.static_deflection is not None:
+            u = u + (rows @ self.static_deflection)[:, None]
+        if self.omitted is not None:
+            way, speed = self.omitted.motion.at(times)
+            moved = rows @ self.omitted.shape
+            u, v = u + np.outer(moved, way), v + np.outer(moved, speed)
         return u, v
 
     def _at_nodes(self, dofs: FloatArray) -> FloatArray:
-        """Dofs (n_dofs, k) as vectors at all nodes, zero where they are held."""
+        """Dofs (n_dofs, k) as vectors at all nodes, zero where they are constrained."""
         free, nodes = self._free, self.body.nodes
         assert nodes is not None
         full = np.zeros((dofs.shape[1], 3 * len(nodes)))

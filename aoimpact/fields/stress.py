@@ -20,7 +20,7 @@ from ..base import FloatArray, IntArray, choice
 from ..fem import Material
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
 
-__all__ = ["COMPONENTS", "Stress", "corner_element", "gauss_stress", "nodal_stress", "stress_rows"]
+__all__ = ["COMPONENTS", "Stress", "gauss_stress", "nodal_stress", "stress_rows"]
 
 
 # VTK's order of a symmetric tensor.
@@ -156,11 +156,6 @@ def stress_rows(mesh: Mesh, material: Material, nodes: IntArray) -> sp.csr_array
     return rows.tocsr()
 
 
-def corner_element(element: ReferenceElement) -> ReferenceElement:
-    """Return the element of first order on the same corners."""
-    return reference_element({4: "tetra", 6: "wedge", 8: "hexahedron"}[element.n_corners])
-
-
 def _batches(n_cells: int, element: ReferenceElement) -> Iterator[slice]:
     n_points = max(element.n_nodes, len(element.stiffness_rule.weights))
     step = max(1, int(_BATCH / (8 * 3 * n_points * element.n_nodes)))
@@ -191,7 +186,7 @@ def _extrapolation(kind: str) -> FloatArray:
     By least squares with the weights of the quadrature. A single point gives its value everywhere.
     """
     element = reference_element(kind)
-    corners, rule = corner_element(element), element.stiffness_rule
+    corners, rule = element.linear, element.stiffness_rule
     root = np.sqrt(rule.weights)
     fit = np.linalg.pinv(root[:, None] * corners.shape(rule.points)) * root
     extrapolation: FloatArray = corners.shape(element.nodes) @ fit

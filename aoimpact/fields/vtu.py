@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
-import meshio
 import numpy as np
 
 from ..base import FloatArray, InputError, file_path
@@ -35,6 +33,8 @@ def write_series(
     InputError
         If the folder is not there.
     """
+    import meshio  # slow to import
+
     given = file_path("path", path)
     stem = given.with_suffix("") if given.suffix.lower() in (".vtu", ".pvd") else given
     if not stem.parent.is_dir():
@@ -54,6 +54,8 @@ def write_series(
 
 
 def _collection(times: FloatArray, names: list[str]) -> str:
+    from xml.sax.saxutils import quoteattr  # would bring urllib and ssl with it
+
     entries = [
         f'    <DataSet timestep="{float(time)!r}" group="" part="0" file={quoteattr(name)}/>'
         for time, name in zip(times, names, strict=True)

@@ -1,12 +1,13 @@
-"""The public verbs: an impact of two bodies, a scene of many."""
+"""The public verbs: `simulate`, an impact of two bodies, and `Scene`, of any number.
 
-from .scene import FASTEST, LONGEST, SLOWEST, Scene, SceneCase
+They turn what a caller gives into a plan, and have models chosen where a tolerance is given. For
+`scenefile`, `batch`, `study` and `paper`.
+"""
+
+from .scene import Scene, SceneCase
 from .simulate import checked_numbers, plan_impact, simulate
 
 __all__ = [
-    "FASTEST",
-    "LONGEST",
-    "SLOWEST",
     "Scene",
     "SceneCase",
     "checked_numbers",

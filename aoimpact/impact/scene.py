@@ -5,46 +5,36 @@ from __future__ import annotations
 import math
 import uuid
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..accuracy import Models, checked_linear_solver, scene_answer, sufficient
+from ..accuracy import Quantity, TimeSolver, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
-    LawLimitError,
     boolean,
     finite_array,
-    positive,
     real,
     warn,
 )
 from ..fem import ContactPoint
-from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
-from ..laws import ContactLaw, effective_law, own_law, wide_enough
+from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import Solver as LinearSolver
 from ..reduction import InterfaceModel
-from ..results import Handle, Run, warn_of_misfit
-from ..scene import FullPlayer, Joint, Load, Plan, Player, StarPlayer, normal_gap, player
+from ..results import Handle, Run
+from ..scene import Joint, Load, Plan, SceneBody, StarBody, normal_gap, scene_body
+from .checks import checked_duration, checked_speed
+from .run import RunOptions, run_models
 
-__all__ = ["Scene", "SceneCase", "Solver", "checked_speed", "solve", "warn_of_centres"]
-
-Solver = Adaptive | Newmark
-
-# Squares and energies of speeds beyond these overflow, or vanish.
-SLOWEST, FASTEST = 1e-60, 1e60
-
-# s; its cube is a number, and so is the way of what flies as fast as that.
-LONGEST = 1e100
-
-_BY_DEFAULT = Adaptive()
+__all__ = ["Scene", "SceneCase"]
 
 
 @dataclass(frozen=True)
 class _Mark:
-    """What tells the handles of scenes apart."""
+    """Tells the handles of one scene from those of another."""
 
     name: str = field(metadata={"identity": True})
 
@@ -58,8 +48,9 @@ class Scene:
     Parameters
     ----------
     gravity : float, optional
-        Acceleration of every finite mass along the direction of travel, m/s². A body held by
-        supports takes its true share where it has nodes; a held star given by numbers takes none.
+        Acceleration of every finite mass along the direction of travel, m/s². A body constrained
+        by supports takes its true share where it has nodes; a constrained AO model given by
+        numbers takes none.
 
     Examples
     --------
@@ -74,7 +65,7 @@ class Scene:
     def __init__(self, *, gravity: float = 0.0) -> None:
         self.gravity = real("gravity", gravity, unit="m/s²")
         self._bodies: list[Any] = []
-        self._players: list[Player] = []
+        self._scene_bodies: list[SceneBody] = []
         self._velocities: list[float] = []
         self._positions: list[float] = []
         self._names: list[str] = []
@@ -85,10 +76,10 @@ class Scene:
         self._mark = _Mark(uuid.uuid4().hex)
 
     def __repr__(self) -> str:
-        labels = ", ".join(player.label for player in self._players[:6])
-        more = ", …" if len(self._players) > 6 else ""
+        labels = ", ".join(body.label for body in self._scene_bodies[:6])
+        more = ", …" if len(self._scene_bodies) > 6 else ""
         return (
-            f"Scene(gravity={self.gravity:g}): {len(self._players)} bodies ({labels}{more}), "
+            f"Scene(gravity={self.gravity:g}): {len(self._scene_bodies)} bodies ({labels}{more}), "
             f"{len(self._joints)} contacts, {len(self._loads)} loads"
         )
 
@@ -125,12 +116,12 @@ class Scene:
         if not isinstance(name, str):
             raise InputTypeError(f"name must be a str, got {name!r}")
         speed = checked_speed("velocity", velocity)
-        self._players.append(player("body", body, speed))
+        self._scene_bodies.append(scene_body("body", body, speed))
         self._bodies.append(tuple(body) if isinstance(body, list) else body)
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
         self._names.append(name)
-        return Handle(len(self._players) - 1, name=name, scene=self._mark.name)
+        return Handle(len(self._scene_bodies) - 1, name=name, scene=self._mark.name)
 
     def connect(self, a: Handle, b: Handle, law: ContactLaw, *, gap: float = 0.0) -> int:
         """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
@@ -161,10 +152,10 @@ class Scene:
             )
         if not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-        if all(math.isinf(self._players[end.body].static_mass) for end in (first, second)):
+        if all(math.isinf(self._scene_bodies[end.body].static_mass) for end in (first, second)):
             raise InputError(
                 f"{self._called(first)} and {self._called(second)} are both of infinite mass: "
-                "nothing can give way between them"
+                "there is no motion between them"
             )
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
@@ -172,7 +163,7 @@ class Scene:
         between = effective_law(law, ends)
         gap = normal_gap(apart)
         joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends)
-        beside = self._between.setdefault(joint.ends_at, [])
+        beside = self._between.setdefault(joint[:4], [])
         for number in beside:
             other = self._joints[number]
             if (other.law, other.gap) == (joint.law, joint.gap):
@@ -212,19 +203,19 @@ class Scene:
                 )
         else:
             times, forces = np.zeros(1), np.array([real("force", force, unit="N")])
-        if math.isinf(self._players[end.body].static_mass):
+        if math.isinf(self._scene_bodies[end.body].static_mass):
             raise InputError(f"{self._called(end)} is a wall: no force moves it; load another body")
         self._loads.append(Load(end.body, end.at, times.copy(), forces.copy()))
 
     def _known(self, name: str, handle: Any) -> Handle:
         if not isinstance(handle, Handle):
             raise InputTypeError(f"{name} must be a handle that scene.add returned, got {handle!r}")
-        if handle.scene != self._mark.name or handle.body >= len(self._players):
+        if handle.scene != self._mark.name or handle.body >= len(self._scene_bodies):
             raise InputError(
                 f"{name}={handle!r} is of another scene; add the body to this one and take the "
                 "handle that scene.add returns"
             )
-        ports = self._players[handle.body].ports
+        ports = self._scene_bodies[handle.body].ports
         if not 0 <= handle.at < ports:
             raise InputError(
                 f"{name}: {self._called(handle)} may be touched in {ports} place(s), there is no "
@@ -242,7 +233,7 @@ class Scene:
         self,
         *,
         duration: float,
-        solver: Solver | None = None,
+        solver: TimeSolver | None = None,
         energies: bool = True,
         preload: bool = False,
         quantity: str | Handle | ContactPoint | None = None,
@@ -264,16 +255,17 @@ class Scene:
             other, found by a static solve; velocities are then added. What no force presses stays
             where it was put, or moves aside as far as it must.
         quantity : str, Handle or ContactPoint, optional
-            What matters: "force" (of every contact over the record), "peak_force" or "impulse" (of
-            every contact), a handle, for the displacement of that contact coordinate over the
-            record, or a point of a body, for its displacement over the record. Given this or
-            `rtol`, finite-element bodies are reduced, and stars truncated, as far as that allows;
-            `Run.models` says to what. What was added twice is reduced alike.
+            The quantity of interest: "force" (of every contact over the record), "peak_force" or
+            "impulse" (of every contact), a handle, for the displacement of that contact coordinate
+            over the record, or a point of a body, for its displacement over the record. Given this
+            or `rtol`, finite-element bodies are reduced, and AO models truncated, as far as the
+            tolerance allows; `Run.models` are those taken. A body that was added twice is reduced
+            once.
         rtol : float, optional
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts. A solver that does not keep it is refused.
-        linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        linear_solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
             What solves for these reduced models, as `solver` of `antioscillators`.
 
         Raises
@@ -287,47 +279,48 @@ class Scene:
         Warns
         -----
         AOImpactWarning
-            If gravity has no effect on a held star given by numbers or without nodes, a body's
-            centre of mass is not known, or its model was fitted to quite another contact time.
+            If gravity has no effect on a constrained AO model given by numbers or without nodes, a
+            body's centre of mass is not known, or its model was fitted to another contact time.
         """
         length = checked_duration(duration)
         boolean("energies", energies)
         boolean("preload", preload)
-        if not self._players:
+        if not self._scene_bodies:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
-        chosen = quantity is not None or rtol is not None
-        linear = checked_linear_solver(linear_solver, chosen=chosen)
-        if chosen:
-            return self._sufficient(length, solver, energies, preload, quantity, rtol, linear)
-        plan = self._plan(self._bodies, length, energies, preload)
-        done = solve(plan, solver)
-        warn_of_misfit(plan, done, self._every_name())
-        warn_of_centres(plan, self._every_name())
-        return done
+        bodies, which = _different(self._bodies)
 
-    def _every_name(self) -> list[str]:
-        return [self._called(Handle(body)) for body in range(len(self._players))]
+        def plan_of(models: Sequence[Any], energies: bool) -> Plan:
+            return self._plan([models[i] for i in which], length, energies, preload)
+
+        return run_models(
+            plan_of,
+            bodies,
+            RunOptions(quantity, rtol, solver, energies, linear_solver),
+            names=[self._called(Handle(body)) for body in range(len(self._bodies))],
+            interest=partial(self._interest, quantity),
+            view=_itself,
+        )
 
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
-        """The plan with models in the place of bodies."""
-        players, joints = self._players, self._joints
-        if bodies is not self._bodies:
-            players = [
-                player("body", body, speed)
+        """The plan of the bodies, or of models in their place."""
+        scene_bodies, joints = self._scene_bodies, self._joints
+        if any(model is not body for model, body in zip(bodies, self._bodies, strict=True)):
+            scene_bodies = [
+                scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
-            joints = [_between(joint, bodies, players) for joint in joints]
-        for body in players:
-            if self.gravity and isinstance(body, StarPlayer) and body.model.weightless:
+            joints = [_between(joint, bodies, scene_bodies) for joint in joints]
+        for body in scene_bodies:
+            if self.gravity and isinstance(body, StarBody) and body.model.weightless:
                 warn(
-                    f"gravity has no effect on {body.label}: what holds a star given by numbers, "
-                    "or by matrices without nodes, is not known; make it by antioscillators(...) "
-                    "of a body with nodes"
+                    f"gravity has no effect on {body.label}: the supports of an AO model given by "
+                    "numbers, or by matrices without nodes, are not known; make it by "
+                    "antioscillators(...) of a body with nodes"
                 )
         return Plan(
-            tuple(players),
+            tuple(scene_bodies),
             tuple(self._velocities),
             tuple(joints),
             tuple(self._loads),
@@ -338,37 +331,17 @@ class Scene:
             self._mark.name,
         )
 
-    def _sufficient(
-        self,
-        length: float,
-        solver: Solver | None,
-        energies: bool,
-        preload: bool,
-        quantity: Any,
-        rtol: float | None,
-        linear_solver: LinearSolver,
-    ) -> Run:
-        """The run of the least models that do."""
+    def _interest(self, quantity: Any) -> Quantity:
+        """The quantity of interest."""
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
-        asked = scene_answer("force" if quantity is None else quantity, self._bodies)
-        if isinstance(asked.quantity, str) and not self._joints:
+        interest = scene_quantity(quantity, self._bodies)
+        if interest.of_contacts and not self._joints:
             raise InputError(
-                f"quantity={asked.quantity!r}: the scene has no contacts; connect bodies, or ask "
-                "for the displacement of one by its handle"
+                f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
+                "the handle of a body for its displacement"
             )
-        different = list({id(body): body for body in self._bodies}.values())
-        which = [next(i for i, one in enumerate(different) if one is body) for body in self._bodies]
-
-        def run(models: Models, rule: Solver, seen: bool) -> Run:
-            return solve(self._plan([models[i] for i in which], length, seen, preload), rule)
-
-        done, found = sufficient(
-            run, different, asked, rtol, solver, energies=energies, linear_solver=linear_solver
-        )
-        warn_of_centres(done.plan, self._every_name())
-        models = tuple(found.models[i] for i in which)
-        return replace(done, chosen=replace(found, models=models))
+        return interest
 
     def _refuse_overlap(self) -> None:
         for number, joint in enumerate(self._joints):
@@ -381,17 +354,30 @@ class Scene:
                 )
 
 
+def _itself(run: Run) -> Run:
+    return run
+
+
+def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
+    """Bodies that were added more than once only once, and which of these each is."""
+    different = list({id(body): body for body in bodies}.values())
+    places = {id(body): i for i, body in enumerate(different)}
+    return different, [places[id(body)] for body in bodies]
+
+
 def _touched(bodies: Sequence[Any], handle: Handle) -> Any:
-    """What has the patch over which a body is touched there."""
+    """The contact point or model whose patch, if any, a handle stands for."""
     body = bodies[handle.body]
     tips = body.tips if isinstance(body, InterfaceModel) else body
     return tips[handle.at] if isinstance(tips, tuple) else tips
 
 
-def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[Player]) -> Joint:
-    """A contact when models stand for its bodies."""
-    if all(math.isinf(players[body].static_mass) for body in (joint.first, joint.second)):
-        raise InputError("both bodies of a contact are of infinite mass: nothing can give way")
+def _between(joint: Joint, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Joint:
+    """The contact between the models that stand for its bodies."""
+    if all(math.isinf(scene_bodies[body].static_mass) for body in (joint.first, joint.second)):
+        raise InputError(
+            "both bodies of a contact are of infinite mass: there is no motion between them"
+        )
     ends = (
         _touched(bodies, Handle(joint.first, joint.first_port)),
         _touched(bodies, Handle(joint.second, joint.second_port)),
@@ -399,78 +385,9 @@ def _between(joint: Joint, bodies: Sequence[Any], players: Sequence[Player]) -> 
     return joint._replace(law=effective_law(own_law(joint.law), ends), ends=ends)
 
 
-def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
-    """Say which bodies' rebound is not known.
-
-    Parameters
-    ----------
-    plan : Plan
-    names : sequence of str
-        What to call the bodies.
-    """
-    for body, velocity, name in zip(plan.players, plan.velocities, names, strict=True):
-        if not body.centre_known and (velocity != 0.0 or not body.held):
-            warn(
-                f"{name}: the centre of mass of a body given by K and M alone is known only where "
-                "it is free and struck through it; the centre's displacement, its velocity and "
-                "what follows from it (rebound_velocity, restitution) are NaN: give the nodes as "
-                "well, FEModel(K=, M=, nodes=)"
-            )
-
-
-def checked_duration(duration: Any) -> float:
-    """Return the length of a record, s, over which displacements are numbers."""
-    length = positive("duration", duration, unit="s")
-    if length > LONGEST:
-        raise InputError(f"duration={length:g} s is beyond what can be computed: {LONGEST:g} s")
-    return length
-
-
-def checked_speed(name: str, value: Any) -> float:
-    """Return a speed, m/s, whose square is a number.
-
-    Raises
-    ------
-    InputError
-    """
-    speed = real(name, value, unit="m/s")
-    if speed != 0.0 and not SLOWEST <= abs(speed) <= FASTEST:
-        raise InputError(
-            f"{name}={speed:g} m/s: its square is beyond the range of numbers; give a speed from "
-            f"{SLOWEST:g} to {FASTEST:g} m/s"
-        )
-    return speed
-
-
-def solve(plan: Plan, solver: Solver | None) -> Run:
-    """Run a scene by a solver, or by the one that suits its bodies.
-
-    Raises
-    ------
-    InputTypeError
-        If `solver` is none.
-    LawLimitError
-        If a contact grows wider than its patches.
-    """
-    if solver is None:
-        full = any(isinstance(body, FullPlayer) for body in plan.players)
-        solver = Newmark() if full else _BY_DEFAULT
-    if not isinstance(solver, (Adaptive, Newmark)):
-        raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
-    try:
-        if isinstance(solver, Adaptive):
-            return Run(plan, *solve_adaptive(plan, solver))
-        return Run(plan, *solve_newmark(plan, solver))
-    except LawLimitError as error:
-        joint = next(joint for joint in plan.joints if joint.patched)
-        masses = (plan.players[body].static_mass for body in (joint.first, joint.second))
-        mass = 1.0 / sum(1.0 / mass for mass in masses)
-        raise wide_enough(error, joint.law, joint.ends, mass, plan.fastest) from None
-
-
 @dataclass(frozen=True)
 class SceneCase:
-    """A scene whose run is given more than its duration."""
+    """A scene and the keywords of its run, without the duration."""
 
     scene: Any
     keywords: dict[str, Any]

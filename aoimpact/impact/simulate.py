@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
-from ..accuracy import answer, checked_linear_solver, sufficient
+from ..accuracy import TimeSolver, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
-from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw, effective_law
 from ..linalg import Solver
 from ..reduction import InterfaceModel
-from ..results import Result, warn_of_misfit
-from ..scene import Joint, Plan, normal_gap, player
-from .scene import checked_duration, checked_speed, solve, warn_of_centres
+from ..results import Result, Run
+from ..scene import Joint, Plan, normal_gap, scene_body
+from .checks import checked_duration, checked_speed
+from .run import RunOptions, run_models
 
 __all__ = ["checked_numbers", "plan_impact", "simulate"]
 
@@ -30,7 +30,7 @@ def simulate(
     law: ContactLaw,
     velocity: float,
     duration: float,
-    solver: Adaptive | Newmark | None = None,
+    solver: TimeSolver | None = None,
     gap: float = 0.0,
     energies: bool = True,
     quantity: str | ContactPoint | None = None,
@@ -48,8 +48,8 @@ def simulate(
     law : ContactLaw
         Force of the indentation δ = x_projectile - x_target - gap.
     velocity : float
-        Of the projectile along the direction of travel, m/s, not zero; negative only of a held one,
-        which swings back.
+        Of the projectile along the direction of travel, m/s, not zero; negative only if the
+        projectile is constrained, so that it swings back.
     duration : float
         Length of the record, s.
     solver : Adaptive or Newmark, optional
@@ -61,16 +61,16 @@ def simulate(
     energies : bool, optional
         Whether to record energies as well.
     quantity : str or ContactPoint, optional
-        What matters: "force" (over the record), "peak_force", "impulse", "contact_duration" (of the
-        first contact), "rebound_velocity", "projectile_displacement" or "target_displacement" (of
-        the contact coordinate, over the record), or a point of a body, for its displacement over
-        the record. Given this or `rtol`, finite-element bodies are
-        reduced, and stars truncated, as far as that allows; `Result.models` says to what. Only this
-        is right to `rtol`: `Result.error.numbers` says how wrong each other number may be.
+        The quantity of interest: "force" (over the record), "peak_force", "impulse",
+        "contact_duration" (of the first contact), "rebound_velocity", "projectile_displacement" or
+        "target_displacement" (of the contact point, over the record); or a point of a body, for its
+        displacement over the record. Given this or `rtol`, finite-element bodies are reduced, and
+        AO models truncated, as far as the tolerance allows; `Result.models` are those taken. Only
+        this quantity is right to `rtol`: `Result.error.numbers` estimates the errors of the others.
     rtol : float, optional
         Its relative error, 1e-2 if left out; that of a history is its largest over the record,
         relative to the largest value. A solver that does not keep it is refused.
-    linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+    linear_solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
         What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
 
     Returns
@@ -88,52 +88,37 @@ def simulate(
     -----
     AOImpactWarning
         If the record ends in contact, the step is too large for any digit to be right, a body's
-        centre of mass is not known, or its model was fitted to quite another contact time.
+        centre of mass is not known, or its model was fitted to another contact time.
     """
-    chosen = quantity is not None or rtol is not None
-    linear = checked_linear_solver(linear_solver, chosen=chosen)
-    if not chosen:
-        plan = plan_impact(
-            projectile,
-            target,
-            law,
-            velocity=velocity,
-            duration=duration,
-            gap=gap,
-            energies=energies,
+    options = RunOptions(quantity, rtol, solver, energies, linear_solver)
+    if options.chooses:  # before any model is made
+        checked_numbers(law, velocity, duration, gap, energies)
+
+    def plan_of(models: Sequence[Any], energies: bool) -> Plan:
+        first, second = models
+        return plan_impact(
+            first, second, law, velocity=velocity, duration=duration, gap=gap, energies=energies
         )
-        result = _simulated(plan, solver)
-        warn_of_misfit(plan, result.run, _NAMES)
-        return result
-    checked_numbers(law, velocity, duration, gap, energies)
-    bodies = projectile, target
-    plan_of = partial(plan_impact, law=law, velocity=velocity, duration=duration, gap=gap)
-    done, found = sufficient(
-        lambda models, rule, seen: _simulated(plan_of(*models, energies=seen), rule),
-        bodies,
-        answer("force" if quantity is None else quantity, *bodies),
-        rtol,
-        solver,
-        energies=energies,
-        linear_solver=linear,
+
+    result = run_models(
+        plan_of,
+        (projectile, target),
+        options,
+        names=_NAMES,
+        interest=partial(impact_quantity, quantity, projectile, target),
+        view=_result,
     )
-    return replace(done, run=replace(done.run, chosen=found))
-
-
-def _simulated(plan: Plan, solver: Adaptive | Newmark | None) -> Result:
-    run = solve(plan, solver)
-    if run.in_contact_at_end:
+    if result.in_contact_at_end:
         warn(
-            f"the record of {run.duration:.4g} s ends in contact: impulse and the last contact's "
-            "end are those so far, and there is no rebound (NaN); take a longer duration"
+            f"the record of {result.duration:.4g} s ends in contact: impulse and the last "
+            "contact's end are those so far, and there is no rebound (NaN); take a longer duration"
         )
-    warn_of_centres(plan, _NAMES)
-    return Result(
-        run=run,
-        velocity=plan.velocities[0],
-        gap=plan.joints[0].gap,
-        law=plan.joints[0].law,
-    )
+    return result
+
+
+def _result(run: Run) -> Result:
+    joint = run.plan.joints[0]
+    return Result(run=run, velocity=run.plan.velocities[0], gap=joint.gap, law=joint.law)
 
 
 def plan_impact(
@@ -154,29 +139,45 @@ def plan_impact(
         For an argument that makes no sense.
     """
     speed, length, distance = checked_numbers(law, velocity, duration, gap, energies)
-    bodies = player("projectile", projectile, speed), player("target", target, 0.0)
+    bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body.model, InterfaceModel):
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"
             )
-    if speed < 0.0 and not bodies[0].held:
+    if speed < 0.0 and not bodies[0].constrained:
         raise InputError(
             f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing turns "
             "it round; give the speed at which it comes, or build a Scene with what brings it back "
             "(gravity, a load, a body behind it)"
         )
     if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
-        raise InputError("projectile and target are both of infinite mass: nothing can give way")
+        raise InputError(
+            "projectile and target are both of infinite mass: there is no motion between them"
+        )
     ends = projectile, target
     joint = Joint(0, 0, 1, 0, effective_law(law, ends), normal_gap(distance), ends)
     return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
 
 
+class ImpactNumbers(NamedTuple):
+    """Velocity, m/s, duration, s, and gap, m, of an impact."""
+
+    velocity: float
+    duration: float
+    gap: float
+
+
 def checked_numbers(
     law: Any, velocity: Any, duration: Any, gap: Any, energies: Any
-) -> tuple[float, float, float]:
-    """Velocity, duration and gap."""
+) -> ImpactNumbers:
+    """Check what `simulate` is given beside its bodies.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        For an argument that makes no sense.
+    """
     speed = checked_speed("velocity", velocity)
     if speed == 0.0:
         raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
@@ -185,4 +186,4 @@ def checked_numbers(
     boolean("energies", energies)
     if not isinstance(law, ContactLaw):
         raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
-    return speed, length, distance
+    return ImpactNumbers(speed, length, distance)

@@ -1,26 +1,23 @@
 """Integration in time: Newmark's rule with fixed steps, and the adaptive method to a tolerance."""
 
-from .adaptive import TIGHTEST, Adaptive, Track
-from .events import Eventful, Events, find_events, find_impulse, find_peak
-from .fixed_steps import Recorded, rigid_contact_time, solve_newmark
-from .newmark import Newmark, Record
+from .adaptive import Adaptive
+from .events import Eventful, Events, find_impulse
+from .fixed_steps import rigid_contact_time, solve_newmark
+from .motion import Motion
+from .newmark import Newmark
 from .recorder import Recorder
-from .to_tolerance import Sampled, solve_adaptive
+from .to_tolerance import solve_adaptive
+from .tolerances import TIGHTEST
 
 __all__ = [
     "TIGHTEST",
     "Adaptive",
     "Eventful",
     "Events",
+    "Motion",
     "Newmark",
-    "Record",
-    "Recorded",
     "Recorder",
-    "Sampled",
-    "Track",
-    "find_events",
     "find_impulse",
-    "find_peak",
     "rigid_contact_time",
     "solve_adaptive",
     "solve_newmark",

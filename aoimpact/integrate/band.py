@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 __all__ = ["IntArray", "narrow_order"]
 
@@ -26,7 +25,7 @@ def narrow_order(ends: Sequence[tuple[int, int]], couples: Sequence[bool]) -> In
     ends : sequence of (int, int)
         The bodies of each contact.
     couples : sequence of bool
-        Of each body: whether it hands on what a contact does to it; a wall does not.
+        Of each body: whether a force on it moves its other contacts; a wall does not.
 
     Returns
     -------
@@ -44,7 +43,7 @@ def narrow_order(ends: Sequence[tuple[int, int]], couples: Sequence[bool]) -> In
     )
     # Through the bodies as vertices of their own: all pairs of contacts of one body may be many.
     graph = sp.block_array([[None, incidence], [incidence.T, None]], format="csr")
-    found = reverse_cuthill_mckee(graph, symmetric_mode=True)
+    found = sp.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)
     order = found[found < len(pairs)].astype(np.intp)
     place = np.empty(len(pairs), dtype=np.intp)
     place[order] = np.arange(len(pairs))

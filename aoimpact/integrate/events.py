@@ -1,4 +1,4 @@
-"""What happened in a recorded contact: its intervals, its peak, its impulse.
+"""The events of a recorded contact: its intervals, its peak, its impulse.
 
 A solver with fixed steps knows the force and the indentation at its steps only; what lies between
 them is found here by interpolation of an order at least that of the solver (Newmark's second). A
@@ -46,7 +46,7 @@ class _HasEvents(Protocol):
 
 
 class Eventful:
-    """What is read off `events`, for the classes that have them."""
+    """The numbers of `events` as attributes, for the classes that have them."""
 
     @property
     def peak_force(self: _HasEvents) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,24 +11,25 @@ import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputError, warn
 from ..laws import ContactLaw, check_width
-from ..scene import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, Plan
-from .events import Events
+from ..scene import Plan
+from .events import Events, find_events
+from .motion import ForcedMotion
 from .newmark import Newmark, Record, newmark_scene, steps_of
 from .steperror import time_error
 
-__all__ = ["Recorded", "rigid_contact_time", "solve_newmark"]
+__all__ = ["SteppedRecorder", "rigid_contact_time", "solve_newmark"]
 
-# The steps of a first attempt within a contact, when the caller leaves dt to us.
+# Steps within a contact of the first attempt, where no dt is given.
 _FIRST_STEPS = 50
 
 _MOST_HALVINGS = 16
 
-# A step of next to no time, relative to one of the run: nothing that has mass moves.
+# A very short step, relative to one of the run: nothing that has mass moves.
 _INSTANT = 2.0**-10
 
 
 @dataclass(frozen=True, eq=False)
-class Recorded:
+class SteppedRecorder:
     """A run with fixed steps as a :class:`Recorder`, to be read at those.
 
     Attributes
@@ -40,15 +40,12 @@ class Recorded:
     record : Record
     ports : sequence of ndarrays, shape (2, p), or None
         Of each body, as in `Start`; empty where nothing depends on them.
-    events, dense
-        It locates none, and knows nothing between its steps.
     """
 
     plan: Plan
     rule: Newmark
     record: Record
     ports: Sequence[FloatArray | None] = ()
-    events: ClassVar[tuple[Events, ...] | None] = None
     dense: ClassVar[bool] = False
 
     @property
@@ -75,14 +72,34 @@ class Recorded:
         return self.record.rows.copy()
 
     def forces(self, times: FloatArray) -> FloatArray:
-        return self.record.rows[: self.plan.first_rows[0] : CONTACT_ROWS].copy()
+        return self.plan.layout.forces(self.record.rows).copy()
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
-        player, (u, v) = self.plan.players[body], self.record.final[body]
-        return player.coordinates(u), player.coordinates(v)
+        model, (u, v) = self.plan.bodies[body], self.record.final[body]
+        return model.coordinates(u), model.coordinates(v)
+
+    @cached_property
+    def events(self) -> tuple[Events, ...]:
+        layout, rows = self.plan.layout, self.record.rows
+        found = []
+        for number, joint in enumerate(self.plan.joints):
+            contact = layout.contact(rows, number)
+            one, other = (layout.body(rows, of.body).port_velocities[of.port] for of in joint.ports)
+            found.append(find_events(self.times, contact.force, contact.indentation, one - other))
+        return tuple(found)
+
+    def motion(self, body: int) -> ForcedMotion:
+        plan, model = self.plan, self.plan.bodies[body]
+        start = model.stepped(
+            gravity=plan.weight_of(body),
+            state=plan.start_of(body),
+            ports=self.ports[body] if self.ports else None,
+        )
+        forces = plan.port_forces(body, self.times, plan.layout.forces(self.record.rows))
+        return ForcedMotion(start.equations, self.rule, self.record.dt, forces, model.coordinates)
 
 
-def solve_newmark(plan: Plan, rule: Newmark) -> tuple[Recorded, float | None]:
+def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | None]:
     """Run a scene with fixed steps; return the run and its error, from runs with larger steps.
 
     Raises
@@ -104,8 +121,8 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[Recorded, float | None]:
             "smaller dt, or Newmark() without dt"
         )
     for i, joint in enumerate(plan.joints):
-        check_width(joint.law, record.rows[CONTACT_ROWS * i + 1])
-    return Recorded(plan, rule, record, run.start.ports), error
+        check_width(joint.law, plan.layout.contact(record.rows, i).indentation)
+    return SteppedRecorder(plan, rule, record, run.start.ports), error
 
 
 class Start(NamedTuple):
@@ -114,9 +131,10 @@ class Start(NamedTuple):
     Attributes
     ----------
     forces : ndarray, shape (contacts,), or None
-        Contact forces, N; None where the laws tell them.
+        Contact forces, N; None where the laws determine them.
     ports : sequence of ndarrays, shape (2, p), or None
-        Of each body its ports' displacements, m, and rates, m/s; None where the state tells them.
+        Of each body its ports' displacements, m, and rates, m/s; None where the state determines
+        them.
     """
 
     forces: FloatArray | None
@@ -138,39 +156,40 @@ class _Stepping:
     def start(self) -> Start:
         """What acts just after t = 0.
 
-        Where a contact point has no mass, the bodies' state does not tell it: the point's place, or
-        under a damper its velocity, follows from the balance of all forces. Two steps of next to no
-        time find that: the first makes the jump, if there is one, the second tells the rates.
+        Where a contact point has no mass, the bodies' state does not determine it: its place, or
+        under a damper its velocity, follows from the balance of all forces. Two very short steps
+        find it: the first makes the jump, if there is one, the second gives the rates.
         """
         plan = self.plan
-        rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.players))])
-        if not any(player.massless for player in plan.players):
+        rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.bodies))])
+        if not any(body.massless for body in plan.bodies):
             return rest
         instant = _INSTANT * (self.rule.dt or self.first_step())
-        early, late = self._run(instant, 2.0 * instant, rest, energies=False).rows.T[1:]
+        rows = self._run(instant, 2.0 * instant, rest, energies=False).rows
         ports = []
-        for first, end in itertools.pairwise(plan.first_rows):
-            places, rates = late[first + BODY_ROWS : end].reshape(-1, PORT_ROWS).T
+        for number in range(len(plan.bodies)):
+            body = plan.layout.body(rows, number)
+            places, rates = body.port_displacements[:, 2], body.port_velocities[:, 2]
             ports.append(np.stack([places - 2.0 * instant * rates, rates]))
-        contacts = slice(0, plan.first_rows[0], CONTACT_ROWS)
-        forces = 2.0 * early[contacts] - late[contacts]
-        pressed = np.minimum(early, late)[contacts] >= 0.0
+        early, late = plan.layout.forces(rows).T[1:]
+        forces = 2.0 * early - late
+        pressed = np.minimum(early, late) >= 0.0
         return Start(np.where(pressed, np.maximum(forces, 0.0), forces), ports)
 
     def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
         plan = self.plan
         bodies = [
-            player.stepped(
+            body.stepped(
                 gravity=plan.weight_of(i),
                 state=plan.start_of(i),
                 ports=start.ports[i],
             )
-            for i, player in enumerate(plan.players)
+            for i, body in enumerate(plan.bodies)
         ]
         return newmark_scene(
             bodies,
-            [(j.first, j.first_port, j.second, j.second_port, j.law, j.gap) for j in plan.joints],
-            [(load.body, load.port, load.times, load.forces) for load in plan.loads],
+            plan.joints,
+            plan.loads,
             rule=self.rule,
             dt=dt,
             duration=duration,
@@ -180,7 +199,9 @@ class _Stepping:
 
     def with_step(self, dt: float) -> tuple[Record, float | None]:
         """Run with a step given, and with twice and four times that for the error estimate."""
-        steps = steps_of(dt, self.plan.duration, self.rows, f"dt={dt:g} s", "take a larger dt")
+        steps = steps_of(
+            dt, self.plan.duration, self.plan.layout.rows, f"dt={dt:g} s", "take a larger dt"
+        )
         dt = self.plan.duration / steps
         record = self.once(dt, energies=self.plan.energies)
         if not self.rule.estimate:
@@ -192,27 +213,22 @@ class _Stepping:
         """Halve the step until three successive ones agree."""
         rtol, length = self.rule.rtol, self.plan.duration
         given, cure = f"Newmark(rtol={rtol:g})", "take a larger rtol"
-        steps = steps_of(self.first_step(), length, self.rows, given, cure)
+        steps = steps_of(self.first_step(), length, self.plan.layout.rows, given, cure)
         before = [self.once(length / (more * steps), energies=False) for more in (1, 2)]
         for halving in range(2, _MOST_HALVINGS + 2):
             dt = length / (2**halving * steps)
-            steps_of(dt, length, self.rows, given, cure)
+            steps_of(dt, length, self.plan.layout.rows, given, cure)
             fine = self.once(dt, energies=self.plan.energies)
             error = time_error(self.plan, fine, before[1], before[0])
             if error <= rtol:
                 return fine, error
-            # Of the others only the forces are looked at: the rest is room for the next.
-            kept = fine.rows[: self.plan.first_rows[0]].copy()
-            before = [before[1], replace(fine, rows=kept)]
+            # Of coarser runs only the contacts are needed: the rest of their memory is given back.
+            kept = self.plan.layout.of_contacts(fine.rows).copy()
+            before = [before[1], replace(fine, rows=kept.reshape(-1, len(fine.t)))]
         raise ConvergenceError(
             f"Newmark: with dt={dt:.3g} s the estimated error is still "
             f"{error:.2g}, above rtol={rtol:g}; give dt, or a larger rtol"
         )
-
-    @property
-    def rows(self) -> int:
-        """Of the record."""
-        return self.plan.first_rows[-1]
 
     def first_step(self) -> float:
         """A fiftieth of the shortest contact that rigid bodies would have."""
@@ -220,7 +236,7 @@ class _Stepping:
         if plan.fastest == 0.0:
             return shortest
         for joint in plan.joints:
-            masses = plan.players[joint.first].static_mass, plan.players[joint.second].static_mass
+            masses = plan.bodies[joint.first].static_mass, plan.bodies[joint.second].static_mass
             mass = 1.0 / sum(1.0 / mass for mass in masses)
             time = rigid_contact_time(joint.law, mass, plan.fastest)
             shortest = min(shortest, time / _FIRST_STEPS)

@@ -10,10 +10,9 @@ import numpy as np
 
 from .. import _core
 from ..base import ConvergenceError, FloatArray, Frozen, InputError, boolean, positive, real
-from ..laws import ContactLaw
-from ..scene import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, SteppedBody
+from ..scene import Joint, Load, RecordLayout, SteppedBody
 
-__all__ = ["Contact", "Load", "Newmark", "Record", "newmark_scene", "steps_of"]
+__all__ = ["Newmark", "Record", "newmark_scene", "steps_of"]
 
 
 # A record larger than this is a mistake in dt more often than a wish.
@@ -73,10 +72,6 @@ class Newmark:
             raise InputError(f"rtol must be below 1, got {self.rtol:g}")
 
 
-Contact = tuple[int, int, int, int, ContactLaw, float]  # body, port, body, port, law, gap
-Load = tuple[int, int, FloatArray, FloatArray]  # body, port, times, forces
-
-
 @dataclass(frozen=True, eq=False)
 class Record(Frozen):
     """What the core wrote.
@@ -86,8 +81,7 @@ class Record(Frozen):
     t : ndarray, shape (times,)
         s.
     rows : ndarray, shape (rows, times)
-        As aoimpact.h says over ``AOICONTACT_ROWS``: 4 for each contact, then 6 and 2 for each port
-        of each body.
+        :class:`RecordLayout` tells them apart.
     final : tuple of (u, v)
         Each body's coordinates and rates at the end, as the core steps them.
     dt : float
@@ -102,7 +96,7 @@ class Record(Frozen):
 
 def newmark_scene(
     bodies: Sequence[SteppedBody],
-    contacts: Sequence[Contact],
+    contacts: Sequence[Joint],
     loads: Sequence[Load] = (),
     *,
     rule: Newmark,
@@ -117,11 +111,9 @@ def newmark_scene(
     ----------
     bodies : sequence of SteppedBody
         Their u and v, the initial state, are overwritten by the final one.
-    contacts : sequence of (body, port, body, port, law, gap)
-        δ = u of the first port - u of the second - gap; ordered so that those that share a body are
-        near each other.
-    loads : sequence of (body, port, times, forces), optional
-        Forces, N, that run straight between times, s.
+    contacts : sequence of Joint
+        Those that share a body are near each other.
+    loads : sequence of Load, optional
     rule : Newmark
     dt, duration : float
         s.
@@ -138,12 +130,15 @@ def newmark_scene(
     ConvergenceError
         If the solution leaves the range of numbers; with the time.
     """
-    count = _rows(bodies, contacts)
+    count = RecordLayout(len(contacts), tuple(body.ports for body in bodies)).rows
     steps = steps_of(dt, duration, count, f"dt={dt:g} s", "take a larger dt")
     rows = np.zeros((count, steps + 1))
     _core.newmark_scene(
         tuple(body.for_core(dt, rule.beta, rule.gamma) for body in bodies),
-        tuple((a, p, b, q, law.for_core(), gap) for a, p, b, q, law, gap in contacts),
+        tuple(
+            (j.first, j.first_port, j.second, j.second_port, j.law.for_core(), j.gap)
+            for j in contacts
+        ),
         tuple(loads),
         dt,
         rule.beta,
@@ -189,9 +184,3 @@ def steps_of(dt: float, duration: float, rows: int, given: str, cure: str) -> in
             f"{needed / 2**30:.3g} GiB: {cure} or a shorter duration"
         )
     return max(1, math.ceil(steps))
-
-
-def _rows(bodies: Sequence[SteppedBody], contacts: Sequence[Contact]) -> int:
-    """Rows of the record."""
-    ports = sum(body.ports for body in bodies)
-    return CONTACT_ROWS * len(contacts) + BODY_ROWS * len(bodies) + PORT_ROWS * ports

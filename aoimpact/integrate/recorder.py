@@ -6,6 +6,7 @@ from typing import Protocol
 
 from ..base import FloatArray
 from .events import Events
+from .motion import Motion
 
 __all__ = ["Recorder"]
 
@@ -24,15 +25,18 @@ class Recorder(Protocol):
         ...
 
     @property
-    def times(self) -> FloatArray: ...
+    def times(self) -> FloatArray:
+        """Times at which to draw it, s."""
+        ...
+
     @property
     def marks(self) -> FloatArray:
         """Times at which the run itself is most exact: the ends of its steps."""
         ...
 
     @property
-    def events(self) -> tuple[Events, ...] | None:
-        """Of each contact, where the solver locates them."""
+    def events(self) -> tuple[Events, ...]:
+        """Of each contact: where the solver does not locate them, found between its steps."""
         ...
 
     @property
@@ -43,8 +47,7 @@ class Recorder(Protocol):
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
         """Return the record at times, shape (rows, n), for the caller to write on.
 
-        Four rows a contact (force, indentation, energies stored and lost), six a body and two a
-        port of it, as the core lays them out.
+        :class:`RecordLayout` tells its rows apart.
         """
         ...
 
@@ -54,4 +57,8 @@ class Recorder(Protocol):
 
     def state(self, body: int) -> tuple[FloatArray, FloatArray]:
         """Return a body's own coordinates and their rates at the end of the record."""
+        ...
+
+    def motion(self, body: int) -> Motion:
+        """Return how a body moves at any times, in the coordinates of its model."""
         ...

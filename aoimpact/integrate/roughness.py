@@ -1,4 +1,4 @@
-"""How far the force of a user's law scatters: no answer can be more exact than that."""
+"""How far the force of a user's law scatters: no run can be more exact than that."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 from ..base import ConvergenceError
 from ..laws import ContactLaw, UserLaw
 from ..scene import Joint, Plan
+from .tolerances import ROUGHEST
 
 __all__ = ["refuse_rough", "scatter"]
 
@@ -18,11 +19,8 @@ _STEP, _POINTS, _GAIN = 1e-5, 9, 70.0**0.5
 # fastest approach. A kink at one of them is no roughness.
 _PLACES = ((0.03, 0.9), (0.1, -0.7), (0.2, 0.5), (0.4, -0.3), (0.6, 0.1))
 
-# The indentation to look at where rigid bodies do not tell, m.
+# The indentation to look at where rigid bodies give none, m.
 _SOME = 1e-6
-
-# Laws rougher than this make a run endless under any tolerance.
-_ROUGHEST = 1e-5
 
 
 def refuse_rough(plan: Plan, rtol: float) -> None:
@@ -36,11 +34,11 @@ def refuse_rough(plan: Plan, rtol: float) -> None:
     for number, joint in enumerate(plan.joints):
         if isinstance(joint.law, UserLaw):
             share = scatter(joint.law, _depth(plan, joint), plan.fastest)
-            if share > min(rtol, _ROUGHEST):
+            if share > min(rtol, ROUGHEST):
                 raise ConvergenceError(
                     f"contact {number}: the user's law is not smooth to the tolerance "
                     f"rtol={rtol:g}: at neighbouring indentations its force scatters by "
-                    f"{share:.1g} of itself; compute it more exactly (to {_ROUGHEST:g} at least), "
+                    f"{share:.1g} of itself; compute it more exactly (to {ROUGHEST:g} at least), "
                     "smooth it, take a larger rtol, or Newmark(dt=...)"
                 )
 
@@ -63,7 +61,7 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
         try:
             with np.errstate(all="ignore"):
                 force = law.force(place * depth * (1.0 + _STEP * steps), pace * speed)
-        except Exception:  # no number: the run will say so, should it come there
+        except Exception:  # the run reports it, should it come there
             continue
         size = float(np.abs(force).max())
         if 0.0 < size < np.inf:
@@ -73,11 +71,11 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
 
 
 def _depth(plan: Plan, joint: Joint) -> float:
-    """The deepest indentation of rigid bodies; some micrometre where that is not known."""
-    masses = (plan.players[body].static_mass for body in (joint.first, joint.second))
+    """The deepest indentation of rigid bodies; a micrometre where that is not known."""
+    masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
     energy = 0.5 * plan.fastest**2 / sum(1.0 / mass for mass in masses)
     try:
         with np.errstate(all="ignore"):
             return joint.law.stroke(energy) if energy > 0.0 else _SOME
-    except Exception:  # the user's law ends, by what it raises, where a run may never come
+    except Exception:  # the user's law raises where a run may never come
         return _SOME

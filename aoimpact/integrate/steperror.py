@@ -3,7 +3,7 @@
 Newmark's rule is of second order where forces are smooth. A touch or a release within a step, a law
 that jumps, and a contact point without mass make it less, and errors at two steps may agree by
 chance. So three steps are compared, in the peak, in the force around it and in the impulse; and
-what no comparison shows is looked for: a peak of few steps, a jump of the force at a touch.
+what no comparison shows is looked for: a jump of the force at a touch.
 """
 
 from __future__ import annotations
@@ -13,28 +13,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base import FloatArray
-from ..scene import BODY_ROWS, CONTACT_ROWS, PORT_ROWS, Plan
+from ..scene import Plan
 from .events import find_impulse, find_peak
 from .newmark import Record
+from .tolerances import AROUND_PEAK, LESSER, NO_DIGIT
 
 __all__ = ["time_error"]
 
-# The error, relative, from which on no digit is claimed.
-_NO_DIGIT = 0.2
-
-# Share of the peak force above which the force is compared between two steps.
-_AROUND_PEAK = 0.95
-
-# Changes that fall by less than this from step to half the step are taken to fall by this.
-_SLOWEST = 0.7
-
-# A half-sine whose peak stands above its half for n steps errs by 0.18/n²; twice that and more.
-_OF_WIDTH = 0.5
-
-# Contacts with less than this share of the largest one's peak or impulse are measured by that.
-_LESSER = 0.01
-
 # A law that gives more than this share of the peak at next to no indentation jumps there.
+# Three times as much or little changes no estimate of 1488.
 _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 
 
@@ -54,31 +41,22 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> flo
         1.0 where no digit is known.
     """
     joints = range(len(plan.joints))
-    forces = [[_force(record, joint) for joint in joints] for record in (fine, coarse, coarser)]
+    forces = [list(plan.layout.forces(record.rows)) for record in (fine, coarse, coarser)]
     if not any(force.any() for record in forces for force in record):
         return 0.0
     near, far = _changes(fine, *forces[:2]), _changes(coarse, *forces[1:])
     if near is None or far is None:
         return 1.0
     weight = _weights(np.array([force.max() for force in forces[0]]))
-    alone = [
-        weight[joint] * max(_width_error(forces[0][joint]), _touch_error(plan, fine, joint))
-        for joint in joints
-    ]
-    error = max([_limit(near, far), *alone])
-    return error if error <= _NO_DIGIT else 1.0
-
-
-def _force(record: Record, joint: int) -> FloatArray:
-    force: FloatArray = record.rows[CONTACT_ROWS * joint]
-    return force
+    alone = [weight[joint] * _touch_error(plan, fine, joint) for joint in joints]
+    # At second order this change is three times the error, and a quarter of the one before.
+    error = max([near, far / 4.0, *alone])
+    return error if error <= NO_DIGIT else 1.0
 
 
 def _weights(sizes: FloatArray) -> FloatArray:
-    """What errors relative to these sizes count: all, of the least ones less."""
-    weights: FloatArray = np.minimum(
-        1.0, sizes / (_LESSER * max(sizes.max(), np.finfo(float).tiny))
-    )
+    """Weights of errors relative to these sizes: one, and less of the smallest."""
+    weights: FloatArray = np.minimum(1.0, sizes / (LESSER * max(sizes.max(), np.finfo(float).tiny)))
     return weights
 
 
@@ -93,7 +71,7 @@ def _changes(
     found = [_change(t, one[: len(t)], two[:shared]) for one, two in zip(ours, theirs, strict=True)]
     largest = 0.0
     for change, size in np.array(found).transpose(1, 2, 0):
-        scale = np.maximum(size, _LESSER * size.max())
+        scale = np.maximum(size, LESSER * size.max())
         if size.max() > 0.0:
             largest = max(largest, float((change / scale).max()))
     return largest
@@ -103,34 +81,10 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
     """The change and the size of the peak force and of the impulse."""
     every = t[::2]
     peaks = find_peak(t, ours)[0], find_peak(every, theirs)[0]
-    around = np.maximum(ours[::2], theirs) >= _AROUND_PEAK * max(peaks)
+    around = np.maximum(ours[::2], theirs) >= AROUND_PEAK * max(peaks)
     apart = float(np.abs(ours[::2] - theirs)[around].max(initial=abs(peaks[0] - peaks[1])))
     sums = find_impulse(t, ours), find_impulse(every, theirs)
     return (apart, max(peaks)), (abs(sums[0] - sums[1]), max(map(abs, sums)))
-
-
-def _limit(near: float, far: float) -> float:
-    """The error of a run from its change to twice the step, and of that to four times it.
-
-    What is still to come if the changes go on to fall as they do; and no less than the change
-    itself, which at second order is three times the error, or than what the other one foretells.
-    """
-    if near == 0.0:
-        return far / 4.0
-    ratio = min(near / far, _SLOWEST) if far > 0.0 else _SLOWEST
-    return max(near, far / 4.0, near * ratio / (1.0 - ratio))
-
-
-def _width_error(force: FloatArray) -> float:
-    """Error of a peak by the number of steps for which it stands above its half."""
-    top = int(force.argmax())
-    low = np.flatnonzero(force < 0.5 * force[top])
-    before, after = low[low < top], low[low > top]
-    first = int(before[-1]) + 1 if len(before) else 0
-    last = int(after[0]) - 1 if len(after) else len(force) - 1
-    whole = len(before) > 0 and len(after) > 0
-    steps = (last - first + 1) * (1 if whole else 2)
-    return float(_OF_WIDTH / steps**2) if force[top] > 0.0 else 0.0
 
 
 def _touch_error(plan: Plan, record: Record, joint: int) -> float:
@@ -138,10 +92,10 @@ def _touch_error(plan: Plan, record: Record, joint: int) -> float:
 
     A step knows of a touch only at its end. Up to one step of the jump is then missing: as momentum
     of the touch, and, where the jump is the peak, as what the force has lost since. Two runs may
-    miss the same, so their difference does not tell.
+    miss the same, so their difference does not show it.
     """
     law = plan.joints[joint].law
-    force, indentation = record.rows[CONTACT_ROWS * joint : CONTACT_ROWS * joint + 2]
+    force, indentation = plan.layout.contact(record.rows, joint)[:2]
     peak = float(force.max())
     first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
     if force[0] == peak > 0.0 and not force[1:2].any():
@@ -166,9 +120,8 @@ def _touch_error(plan: Plan, record: Record, joint: int) -> float:
 def _approach(plan: Plan, record: Record, joint: int) -> FloatArray:
     """The rate of indentation of a contact of bodies with mass; none where one has not."""
     rates = np.zeros(len(record.t))
-    first, port, second, other = plan.joints[joint].ends_at
-    for body, at, sign in ((first, port, 1.0), (second, other, -1.0)):
-        if plan.players[body].massless:
+    for (body, port), sign in zip(plan.joints[joint].ports, (1.0, -1.0), strict=True):
+        if plan.bodies[body].massless:
             return np.zeros(len(record.t))
-        rates += sign * record.rows[plan.first_rows[body] + BODY_ROWS + PORT_ROWS * at + 1]
+        rates += sign * plan.layout.body(record.rows, body).port_velocities[port]
     return rates

@@ -1,7 +1,11 @@
-"""Contact laws: a family a file."""
+"""Contact laws: a family a file, and the registry of them all.
+
+To add a law, write its class in a file of this folder and import it here: scene files, and tests of
+what holds for every law, read `LAWS`.
+"""
 
 from .elastic import Hertz, Linear, PowerLaw
-from .law import ContactLaw, PatchLaw
+from .law import ContactLaw, HertzianLaw, PatchLaw
 from .patchlaw import check_width, effective_law, own_law, wide_enough
 from .plastic import Thornton
 from .restitution import restitution
@@ -20,11 +24,13 @@ from .viscous import (
 )
 
 __all__ = [
+    "LAWS",
     "ContactLaw",
     "Flores",
     "Gonthier",
     "HerbertMcWhannell",
     "Hertz",
+    "HertzianLaw",
     "HuntCrossley",
     "KelvinVoigt",
     "KuwabaraKono",
@@ -43,3 +49,11 @@ __all__ = [
     "restitution",
     "wide_enough",
 ]
+
+# Every law by its name; a law between patches is made from one of them.
+LAWS: dict[str, type[ContactLaw]] = {
+    name: law
+    for name, law in globals().items()
+    if isinstance(law, type) and issubclass(law, ContactLaw)
+    if law not in (ContactLaw, HertzianLaw, PatchLaw)
+}

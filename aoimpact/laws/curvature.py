@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import scipy.optimize
-import scipy.special
+import scipy
 
 from ..base import InputError, InputTypeError, real
 from ..fem import Material

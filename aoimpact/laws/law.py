@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
-import scipy.optimize
+import scipy
 
 from .. import _core
 from ..base import FloatArray, InputError, InputTypeError, finite_array, positive
@@ -24,7 +24,7 @@ CoreLaw = tuple[Any, ...]
 # Of c dF/dδ, up to which a law with a patch's compliance is used; as in law.c.
 MOST_SHARE = 0.95
 
-# Own indentations, m, among which the one of that share is looked for.
+# Own indentations, m, among which the one of that share is searched.
 _DECADE = 40
 _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
@@ -33,7 +33,7 @@ _NO_NOTE = np.full(3, math.nan)
 # Logarithms: where the search for the deepest indentation begins, and how it goes on up.
 _SHALLOW, _STRIDE = -28.0, 0.35
 
-# Logarithm of the longest indentation, m, and the least work, J, that are told from infinity and 0.
+# Logarithm of the longest indentation, m, and the least work, J, that count as finite and above 0.
 _LONGEST, _LEAST_WORK = 300.0, 1e-300
 
 
@@ -238,8 +238,8 @@ def _first_beyond(
 ) -> int | None:
     """Return the index of the first indentation at which `excess` is not negative.
 
-    From the shallow ones on: a user's law may end, by what it raises, beyond what it is for, and
-    whoever goes there in a run hears of it.
+    From the shallow ones on: a user's law may raise an error at indentations that it is not meant
+    for, which matters only where a run goes so deep.
     """
     for start in range(0, len(indentations), _DECADE):
         try:

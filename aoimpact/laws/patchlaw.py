@@ -1,7 +1,7 @@
-"""The contact law between bodies that are touched over patches: less what the patches give way.
+"""The contact law between bodies that touch over patches: without the patches' own deflection.
 
 Each body's finite elements contain the indentation of its patch, and the law contains all of the
-contact's. What an elastic half-space gives way under the patch, c per force, is in both; it is
+contact's. The deflection of an elastic half-space under the patch, c per force, is in both; it is
 taken out of the law, F = law(δ + c F). What then remains is the law's own contact, narrower than
 the patch, on the real body, whose mesh matters no more.
 """
@@ -28,7 +28,7 @@ _COMFORTABLE = 0.6
 # And the share of the patch's radius for the contact's, where one body alone has a patch.
 _COMFORTABLE_WIDTH = 0.8
 
-# Indentations, as shares of a patch's radius, among which the deepest of an impact is looked for.
+# Indentations, as shares of a patch's radius, among which the deepest of an impact is searched.
 _DEPTHS = np.geomspace(1e-12, 1.0, 300)
 
 
@@ -58,7 +58,7 @@ def effective_law(law: ContactLaw, bodies: Sequence[Any]) -> ContactLaw:
     except InputError:
         raise InputError(
             f"law={law!r} between patches of radius {_listed([p.radius for p in patches])}, which "
-            f"give way by {compliance:.3g} m/N: even the lightest contact is stiffer; give the "
+            f"deflect by {compliance:.3g} m/N: even the lightest contact is stiffer; give the "
             "contact points a larger radius, or none if the law leaves out the bodies' own "
             "indentation"
         ) from None

@@ -11,9 +11,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-import scipy.integrate
-import scipy.optimize
-import scipy.special
+import scipy
 
 from ..base import FloatArray
 
@@ -153,7 +151,7 @@ def kuwabara_kono_restitution(lag: float) -> float:
         return float(z - math.sqrt(-lag * v)) if v < 0.0 else 1.0
 
     released.terminal = True  # type: ignore[attr-defined]
-    with np.errstate(all="ignore"):  # whoever asks for e looks whether it is one
+    with np.errstate(all="ignore"):  # the caller checks whether e is a number
         run = scipy.integrate.solve_ivp(
             motion, (0.0, 1e6), [0.0, 1.0], method="DOP853", rtol=_RTOL, atol=1e-18, events=released
         )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import scipy.interpolate
+import scipy
 
 from ..base import FloatArray, InputError, finite_array
 from .law import ContactLaw
@@ -22,7 +22,7 @@ class Tabulated(ContactLaw):
 
     F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246, with the slopes of
     F. N. Fritsch, J. Butland (SciPy's PCHIP). An impact that goes deeper than the last point is an
-    error: the table does not say what happens there.
+    error: the table has no force there.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ class UserLaw(ContactLaw):
     Parameters
     ----------
     function : callable, C function or int
-        Force, N. It should be continuous, smoother than the tolerance asked for, and 0 at
+        Force, N. It should be continuous, smoother than the tolerance of the run, and 0 at
         indentation 0 unless a jump is meant. Where it is negative it is cut to 0, unless `pulls`.
     stiffness, damping : callable, C function or int, optional
         Its derivatives, N/m and N s/m; by differences if not given, to some eight digits.

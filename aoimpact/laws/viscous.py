@@ -1,7 +1,7 @@
 """Contact laws whose loss is a force that goes with the rate of the indentation.
 
-Except where a law says so, its force is cut at zero: it never pulls, and the contact ends where the
-force does. `from_restitution` gives the damping with which a rigid pair delivers the restitution.
+Unless a law states otherwise, its force is cut at zero: it never pulls, and the contact ends where
+the force does. `from_restitution` finds the damping for which a rigid pair has a restitution.
 """
 
 from __future__ import annotations

@@ -1,6 +1,5 @@
 """Linear algebra of K and K + s²M: solvers behind one interface, and eigenpairs."""
 
-from .coarsening import QUADRATIC, corner_interpolation
 from .dense import dense_modes
 from .matrices import (
     LARGEST,
@@ -20,12 +19,10 @@ from .solvers import (
     SolverBook,
     checked_solver,
     linear_solver,
-    solutions_worth,
     stays_quickest,
-    within_band,
 )
 from .spectra import DENSE_DOFS, EQUAL, lowest, lowest_sparse, null_space, shifted
-from .superlu import check_condition, factorize
+from .superlu import factorize
 
 __all__ = [
     "DENSE_DOFS",
@@ -33,18 +30,15 @@ __all__ = [
     "FEW_SOLUTIONS",
     "LARGEST",
     "LEAST",
-    "QUADRATIC",
     "SOLVERS",
     "LinearSolver",
     "Pencil",
     "Solver",
     "SolverBook",
-    "check_condition",
     "check_mass",
     "check_stiffness",
     "checked_solver",
     "core_rows",
-    "corner_interpolation",
     "dense_modes",
     "factorize",
     "linear_solver",
@@ -53,8 +47,6 @@ __all__ = [
     "motion_without_force",
     "null_space",
     "shifted",
-    "solutions_worth",
     "stays_quickest",
     "symmetric_pair",
-    "within_band",
 ]

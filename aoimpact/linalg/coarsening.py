@@ -12,15 +12,8 @@ from ..base import FloatArray, IntArray
 from ..mesh import Mesh, reference_element
 from .smoother import diagonal_blocks
 
-__all__ = ["QUADRATIC", "aggregated", "corner_interpolation"]
+__all__ = ["aggregated", "corner_interpolation"]
 
-
-# Elements of second order, and those of first order on their corners.
-QUADRATIC = {
-    "tetra10": "tetra",
-    "hexahedron20": "hexahedron",
-    "hexahedron27": "hexahedron",
-}
 
 # ω of the prolongation's smoothing, over λ_max of D⁻¹A (Vanek, Mandel and Brezina 1996).
 _DAMPING = 4.0 / 3.0
@@ -42,9 +35,8 @@ def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
         Their node numbers, ascending.
     """
     element = reference_element(mesh.kind)
-    linear = reference_element(QUADRATIC[mesh.kind])
-    shape = linear.shape(element.nodes)
-    corners, number = np.unique(mesh.cells[:, : linear.n_nodes], return_inverse=True)
+    shape = element.linear.shape(element.nodes)
+    corners, number = np.unique(mesh.cells[:, : element.n_corners], return_inverse=True)
     number = number.reshape(mesh.n_cells, -1)
     # A node has the same weights in all elements that share it: take the first.
     _, first = np.unique(mesh.cells, return_index=True)

@@ -10,8 +10,7 @@ import ctypes
 from typing import Any
 
 import numpy as np
-import scipy.linalg as la
-from scipy.linalg import cython_lapack, lapack
+import scipy
 
 from ..base import FloatArray, heard
 
@@ -39,7 +38,9 @@ def dense_modes(
     """
     if len(mass) <= _SHORT:
         some = None if n is None else [0, n - 1]
-        found: tuple[FloatArray, FloatArray] = la.eigh(stiffness, mass, subset_by_index=some)
+        found: tuple[FloatArray, FloatArray] = scipy.linalg.eigh(
+            stiffness, mass, subset_by_index=some
+        )
         return found
     a, b = (np.asarray_chkfinite(matrix, order="F") for matrix in (stiffness, mass))
     return heard(lambda: _all(a, b) if n is None else _lowest(a, b, n))
@@ -56,7 +57,7 @@ def _all(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _lowest(a: FloatArray, b: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
     """By bisection and inverse iteration; as `dsygvx` of SciPy calls it."""
     n = len(a)
-    best, _ = lapack.dsygvx_lwork(n, uplo="L")
+    best, _ = scipy.linalg.lapack.dsygvx_lwork(n, uplo="L")
     work, iwork, failed = np.empty(int(best)), np.empty(5 * n, np.intc), np.empty(n, np.intc)
     omega2, modes, found = np.empty(n), np.empty((n, count), order="F"), np.zeros(1, np.intc)
     reach = 0.0, 0.0, 1, count, 0.0  # by number, as exactly as may be
@@ -71,11 +72,11 @@ def _call(name: str, *arguments: Any) -> None:
     function = ctypes.CFUNCTYPE(None)(_address(name))
     function(*[_pointer(value) for value in arguments], ctypes.byref(info))
     if info.value:
-        raise la.LinAlgError(f"{name} of LAPACK ended with {info.value}")
+        raise scipy.linalg.LinAlgError(f"{name} of LAPACK ended with {info.value}")
 
 
 def _address(name: str) -> int:
-    capsule = ctypes.py_object(cython_lapack.__pyx_capi__[name])
+    capsule = ctypes.py_object(scipy.linalg.cython_lapack.__pyx_capi__[name])
     name_of, pointer_of = ctypes.pythonapi.PyCapsule_GetName, ctypes.pythonapi.PyCapsule_GetPointer
     name_of.restype, name_of.argtypes = ctypes.c_char_p, [ctypes.py_object]
     pointer_of.restype, pointer_of.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]

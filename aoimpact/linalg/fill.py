@@ -1,24 +1,60 @@
-"""What a direct factorisation will cost, told from the matrix before it is begun."""
+"""What a direct factorisation will cost, estimated from the matrix before it is begun."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-from scipy.sparse.csgraph import breadth_first_order
 
-__all__ = ["entries_by_width", "factor_entries", "mean_width"]
+__all__ = ["Graph", "direct_seconds", "factor_entries", "graph_of", "graph_width"]
 
-# Entries of the factors over n √w, with w the width of the graph. Measured on balls, boxes, plates
-# and bars of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs: 9 … 21 with PARDISO (nested
-# dissection if wide), 13 … 39 with SuperLU (minimum degree, L and U together), growing slowly.
-_PER_ROOT_WIDTH = {"pardiso": 22.0, "superlu": 40.0}
+Order = npt.NDArray[np.int32]
+
+# Estimated times, s, are compared with each other and mean nothing else: of a solution per entry of
+# the factors; and of a factorisation in solutions, an ordering with its checks and the elimination
+# per entry and dof. On beams, plates and blocks of 7 000 … 64 000 dofs a factorisation took
+# 26 … 124 solutions, within a factor of 1.7 of this.
+_SOLUTION = 1e-9
+_ORDERING, _ELIMINATION = 20.0, 0.06
 
 
-def factor_entries(matrix: Any, solver: str) -> float:
+@dataclass(frozen=True, eq=False)
+class Graph:
+    """How the dofs of a body are coupled.
+
+    Attributes
+    ----------
+    width : float
+        Dofs that a cut through the body passes, on average; see `graph_width`.
+    order : ndarray of int, shape (n,)
+        The dofs from one end of the body to the other (reverse Cuthill-McKee).
+    bandwidth : int
+        How far apart in this order two coupled dofs are at most.
+    """
+
+    width: float
+    order: Order
+    bandwidth: int
+
+
+def graph_of(K: Any, M: Any) -> Graph:
+    """Return the graph of K + s²M for symmetric K and M, csr_array of shape (n, n)."""
+    order = sp.csgraph.reverse_cuthill_mckee(K, symmetric_mode=True)
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order), dtype=order.dtype)
+    return Graph(graph_width(K), order, max(_bandwidth(K, place), _bandwidth(M, place)))
+
+
+def _bandwidth(matrix: Any, place: Order) -> int:
+    rows = np.repeat(place, np.diff(matrix.indptr))
+    return int(np.abs(rows - place[matrix.indices]).max(initial=0))
+
+
+def factor_entries(n: int, width: float, per_root_width: float) -> float:
     """Estimate how many entries the factors of a symmetric matrix have, to a factor of about 2.
 
     A body of n dofs and w dofs to a cross-section is a row of cubes of w^(3/2) dofs, whose factors
@@ -26,35 +62,39 @@ def factor_entries(matrix: Any, solver: str) -> float:
 
     Parameters
     ----------
-    matrix : scipy.sparse.csr_array or bsr_array, shape (n, n)
-    solver : {"pardiso", "superlu"}
+    n : int
+        Dofs.
+    width : float
+        See `graph_width`.
+    per_root_width : float
+        c of the solver.
     """
-    if matrix.format == "bsr":
-        graph = (np.ones(len(matrix.indices), dtype=bool), matrix.indices, matrix.indptr)
-        width = matrix.blocksize[0] * mean_width(sp.csr_array(graph))
-    else:
-        width = mean_width(matrix)
-    return entries_by_width(int(matrix.shape[0]), width, solver)
+    return per_root_width * n * math.sqrt(width)
 
 
-def entries_by_width(n: int, width: float, solver: str) -> float:
-    """Estimate what `factor_entries` does where the `mean_width` is known."""
-    return _PER_ROOT_WIDTH[solver] * n * math.sqrt(width)
+def direct_seconds(n: int, entries: float, solutions: int) -> float:
+    """Estimate the time of a sparse factorisation and so many solutions with it, s."""
+    return _SOLUTION * entries * (_ORDERING + _ELIMINATION * entries / n + solutions)
 
 
-def mean_width(matrix: Any) -> float:
+def graph_width(matrix: Any) -> float:
     """Return how many dofs a cut through the graph of a matrix passes, on average over the dofs.
 
     The cuts are the levels of a breadth-first search from a dof at one of the body's ends.
+
+    Parameters
+    ----------
+    matrix : scipy.sparse.csr_array or bsr_array, shape (n, n)
     """
-    order, _ = breadth_first_order(matrix, 0)  # its last dof is at an end
-    sizes = _level_sizes(*breadth_first_order(matrix, int(order[-1])))
+    if matrix.format == "bsr":
+        blocks = (np.ones(len(matrix.indices), dtype=bool), matrix.indices, matrix.indptr)
+        return float(matrix.blocksize[0] * graph_width(sp.csr_array(blocks)))
+    order, _ = sp.csgraph.breadth_first_order(matrix, 0)  # its last dof is at an end
+    sizes = _level_sizes(*sp.csgraph.breadth_first_order(matrix, int(order[-1])))
     return float((sizes.astype(float) ** 2).sum() / sizes.sum())
 
 
-def _level_sizes(
-    order: npt.NDArray[np.int32], before: npt.NDArray[np.int32]
-) -> npt.NDArray[np.int64]:
+def _level_sizes(order: Order, before: Order) -> npt.NDArray[np.int64]:
     """Sizes of the levels of a search; `before` is where each dof was reached from."""
     place = np.empty(len(before), dtype=np.int64)
     place[order] = np.arange(len(order))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg as la
+import scipy
 import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, InputTypeError, SingularError
@@ -141,7 +141,7 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
 
 
 def check_stiffness(K: sp.csr_array) -> Factorization | None:
-    """Refuse a K that is not positive semidefinite, as far as can be told at little cost.
+    """Refuse a K that is not positive semidefinite, as far as a cheap check finds it.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def check_stiffness(K: sp.csr_array) -> Factorization | None:
         )
     _check_minors("K", K, 1.0 + 1e-9)
     if len(diagonal) <= _SMALL:
-        lowest = float(la.eigvalsh(K.toarray(), subset_by_index=[0, 0])[0])
+        lowest = float(scipy.linalg.eigvalsh(K.toarray(), subset_by_index=[0, 0])[0])
         if lowest < -_NEGATIVE * float(diagonal.max()):
             raise InputError(
                 f"K must be positive semidefinite: its lowest eigenvalue is {lowest:.4g} N/m"
@@ -211,7 +211,7 @@ def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> Floa
 
 
 def check_mass(M: sp.csr_array) -> None:
-    """Refuse an M that is not positive definite, as far as can be told at little cost.
+    """Refuse an M that is not positive definite, as far as a cheap check finds it.
 
     Raises
     ------
@@ -243,11 +243,11 @@ def check_mass(M: sp.csr_array) -> None:
     _check_minors("M", M, 1.0 - 1e-12)
     if len(diagonal) <= _SMALL:
         try:
-            pivots = np.diag(la.cholesky(M.toarray())) ** 2
+            pivots = np.diag(scipy.linalg.cholesky(M.toarray())) ** 2
             if (pivots <= _PIVOT * diagonal).any():
-                raise la.LinAlgError
-        except la.LinAlgError:
-            lowest = float(la.eigvalsh(M.toarray(), subset_by_index=[0, 0])[0])
+                raise np.linalg.LinAlgError
+        except np.linalg.LinAlgError:
+            lowest = float(scipy.linalg.eigvalsh(M.toarray(), subset_by_index=[0, 0])[0])
             raise InputError(
                 f"M must be positive definite: its lowest eigenvalue is {lowest:.4g} kg"
             ) from None
@@ -311,7 +311,7 @@ def _checked(name: str, matrix: Any) -> Any:
 def _anew(matrix: Any) -> Any:
     """Make a sparse matrix anew from its arrays, with no flag of the old one believed.
 
-    SciPy's conversions trust these arrays and write where they say.
+    SciPy's conversions trust these arrays: wrong indices write outside the memory allocated.
     """
     if matrix.ndim != 2:
         return matrix

@@ -18,15 +18,15 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import ConvergenceError, FloatArray, SingularError, bar, heard
-from ..mesh import rigid_motions
-from .coarsening import QUADRATIC, aggregated, corner_interpolation
-from .fill import factor_entries
+from ..mesh import reference_element, rigid_motions
+from .coarsening import aggregated, corner_interpolation
 from .matrices import check_entries
+from .method import Inverse, Method
 from .pencil import Pencil
 from .smoother import Smoother
-from .superlu import factorize
+from .superlu import estimated_entries, factorize
 
-__all__ = ["Multigrid", "bytes_needed"]
+__all__ = ["MULTIGRID", "Multigrid"]
 
 Single = npt.NDArray[np.float32]
 
@@ -50,10 +50,17 @@ _MOST_ITERATIONS = 500
 # measured; and per entry of those.
 _BYTES_PER_ENTRY, _BYTES_PER_FACTOR = 30.0, 16.0
 
+# ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is
+# computed afresh comes out slightly larger.
+_TOLERANCE = 5e-11
 
-def bytes_needed(stored: float) -> float:
-    """Return the memory that the set-up takes at most beside K and M, K having `stored` entries."""
-    return _BYTES_PER_ENTRY * stored + _BYTES_PER_FACTOR * _most_in_coarsest(stored)
+# Seconds of a solution per dof, and where the nodes are not known; the set-up is about one more.
+_SECONDS, _SECONDS_WITHOUT_NODES = 5e-6, 1e-4
+
+
+def _is_quadratic(kind: str) -> bool:
+    element = reference_element(kind)
+    return element.linear is not element
 
 
 def _most_in_coarsest(stored: float) -> float:
@@ -110,11 +117,11 @@ class Multigrid:
             self._scale = float(A.diagonal().max())
             self._length = A.shape[0]
             self.sizes = [self._length]
-            if pencil.mesh is not None and pencil.mesh.kind in QUADRATIC:
+            if pencil.mesh is not None and _is_quadratic(pencil.mesh.kind):
                 A, candidates = heard(partial(self._to_corners, A))
                 progress.update()
             affordable = _most_in_coarsest(pencil.K.nnz)
-            while A.shape[0] > _DENSE and factor_entries(A, "superlu") > affordable:
+            while A.shape[0] > _DENSE and estimated_entries(A) > affordable:
                 A, candidates = heard(partial(self._to_aggregates, A, candidates))
                 progress.update()
             self._coarsest = factorize(A / self._scale, what=pencil.what)
@@ -126,7 +133,7 @@ class Multigrid:
         assert pencil.free is not None
         nodes = np.unique(pencil.free // 3)
         weights, corners = corner_interpolation(pencil.mesh)
-        kept = np.isin(corners, nodes, assume_unique=True)  # held corners do not move
+        kept = np.isin(corners, nodes, assume_unique=True)  # constrained corners do not move
         weights = weights[nodes][:, kept]
         self._add(smoother, weights, width=3)
         motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[corners[kept]]
@@ -208,10 +215,10 @@ def _finest(pencil: Pencil) -> tuple[Any, FloatArray, npt.NDArray[np.int64] | sl
             A.data += M.data
         else:
             A = A + pencil.s2 * M
-    if len(place) < n:  # nodes held in part: their dofs that do not move stand alone
-        held = np.ones(n)
-        held[place] = 0.0
-        _add_to_diagonal(A, float(A.diagonal().max()) * held)
+    if len(place) < n:  # partly constrained nodes: their other dofs stay uncoupled
+        fixed = np.ones(n)
+        fixed[place] = 0.0
+        _add_to_diagonal(A, float(A.diagonal().max()) * fixed)
     motions = rigid_motions(pencil.nodes).reshape(-1, 3, 6)[nodes]
     return A, motions, slice(None) if np.array_equal(place, np.arange(n)) else place
 
@@ -300,3 +307,21 @@ def _conjugate_gradients(
         f"right-hand side in {_MOST_ITERATIONS} iterations, {tolerance:g} was asked for: the "
         "matrix is nearly singular (a mechanism, missing supports, ν near .5); take another solver"
     )
+
+
+def _set_up(pencil: Pencil) -> Inverse:
+    multigrid = Multigrid(pencil, _TOLERANCE)
+    return Inverse(multigrid.solve, precondition=multigrid.precondition)
+
+
+def _memory(pencil: Pencil) -> float:
+    stored = float(pencil.K.nnz)
+    return _BYTES_PER_ENTRY * stored + _BYTES_PER_FACTOR * _most_in_coarsest(stored)
+
+
+def _seconds(pencil: Pencil, solutions: int) -> float:
+    each = _SECONDS_WITHOUT_NODES if pencil.nodes is None else _SECONDS
+    return each * pencil.n * (solutions + 1)
+
+
+MULTIGRID = Method("multigrid", _set_up, _memory, _seconds, direct=False)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray
-from .fill import mean_width
+from .fill import Graph, graph_of
 
 __all__ = ["Pencil"]
 
@@ -35,8 +35,8 @@ class Pencil:
     mesh : Mesh, optional
     diagonals : tuple of ndarray, shape (n,)
         Of K and M; found if not given.
-    width : float
-        The `mean_width` of K; found if not given.
+    graph : Graph
+        Found if not given.
     """
 
     K: Any
@@ -46,11 +46,11 @@ class Pencil:
     free: npt.NDArray[np.int64] | None = None
     mesh: Any = None
     diagonals: tuple[FloatArray, FloatArray] | None = None
-    width: float = 0.0
+    graph: Graph = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        if not self.width:
-            object.__setattr__(self, "width", mean_width(self.K))
+        if self.graph is None:
+            object.__setattr__(self, "graph", graph_of(self.K, self.M))
         if self.diagonals is None:
             object.__setattr__(self, "diagonals", (self.K.diagonal(), self.M.diagonal()))
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg as la
+import scipy
 
 from .. import _core
 from ..base import FloatArray, SingularError
@@ -97,7 +97,7 @@ class Smoother:
             diagonal.append(1.0 / step + previous)
             r = r + step * product
             rz_before = rz
-        return float(la.eigvalsh_tridiagonal(diagonal, off)[-1])
+        return float(scipy.linalg.eigvalsh_tridiagonal(diagonal, off)[-1])
 
 
 def diagonal_blocks(A: Any) -> FloatArray:

@@ -1,75 +1,61 @@
 """Linear solvers of K + s²M behind one interface: chosen by size and by what is installed.
 
-Whichever solves, it is the residual that vouches for the answer.
+Whichever solves, each solution is accepted by its residual. To add a solver, write a file with its
+`Method` beside the others and name it in `METHODS`.
 """
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputTypeError, available, choice, require
-from . import banded, pardiso
-from .fill import entries_by_width
-from .multigrid import Multigrid, bytes_needed
+from .banded import BANDED
+from .method import Inverse, Method, Solve
+from .multigrid import MULTIGRID
+from .pardiso import PARDISO
 from .pencil import Pencil
-from .superlu import factorize
+from .superlu import SUPERLU
 
 __all__ = [
     "FEW_SOLUTIONS",
+    "METHODS",
     "SOLVERS",
     "LinearSolver",
-    "Pencil",
     "Solver",
     "SolverBook",
     "checked_solver",
     "linear_solver",
-    "solutions_worth",
     "stays_quickest",
-    "within_band",
 ]
-
-Inverse = Callable[[FloatArray], FloatArray]
 
 # What `solver=` may be: a name, or a function that takes the sparse matrix K + s²M and returns one
 # that takes f and returns (K + s²M)⁻¹ f, as scipy.sparse.linalg.factorized does.
-Solver = str | Callable[[Any], Inverse]
+Solver = str | Callable[[Any], Solve]
 
-SOLVERS = ("auto", "superlu", "pardiso", "multigrid")
+METHODS = {method.name: method for method in (BANDED, SUPERLU, PARDISO, MULTIGRID)}
 
-# ‖f - A x‖ / ‖f‖ that is asked for where rounding allows it, and how often a solution is refined.
+# Taken where nothing fits into memory by the estimates: it needs the least for large bodies.
+_LAST_RESORT = MULTIGRID
+
+SOLVERS = ("auto", *METHODS)
+
+# ‖f - A x‖ / ‖f‖ of every solution, where rounding allows it, and how often one is refined.
 _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
-# ‖f - A x‖ / (max A_ii ‖x‖) that no solver can be asked to beat: some hundred roundings.
+# ‖f - A x‖ / (max A_ii ‖x‖) that rounding leaves in any solution: some hundred roundings.
 _ROUNDING = 2e-14
 
-# Entries of the factors (by the estimate) up to which SuperLU, always at hand, takes a second or
-# two, and up to which PARDISO is no quicker.
-_SUPERLU_QUICK, _SUPERLU_QUICKEST = 2e7, 2e6
+# Estimated seconds up to which factors are taken though iterations may be as quick: they serve any
+# number of solutions, and cannot fail to converge.
+_PROMPT = 2.0
 
-# Bytes per entry: SuperLU holds L and U with an index each, PARDISO values by supernodes. The rest
-# is what the factorisation works in, measured as part of the whole; and PARDISO's copies of K, per
-# entry of that.
-_BYTES = {"superlu": 16.0, "pardiso": 10.0}
-_PARDISO_COPIES = 30.0
-
-# Seconds, to compare and nothing more: of a factorisation per entries²/dofs, of a solution per
-# entry; of a solution by multigrid per dof, and without nodes.
-_FACTOR, _SWEEP = 6e-11, 1e-9
-_MULTIGRID, _WITHOUT_NODES = 5e-6, 1e-4
-
-# Solutions that a factorisation is worth: its ordering and checks, and its work per entries/dofs
-# (on factors that are not large it is twice as slow as above). Measured on beams, plates and
-# blocks of 7 000 … 64 000 dofs: 26 … 124, within a factor of 1.7 of that.
-_ORDERING, _OVER_RATES = 20.0, 0.06
-
-# Solutions that a solver serves, if nothing else is said: those of a model of some oscillators.
+# The default number of solutions: those of a model of some oscillators.
 FEW_SOLUTIONS = 10
 
 
@@ -80,28 +66,33 @@ class LinearSolver:
     Attributes
     ----------
     name : str
-        "superlu", "pardiso", or the name of the user's own function.
+        Of the method, or of the user's own function.
     pencil : Pencil
-    tolerance : float
-        ‖f - (K + s²M) x‖ / ‖f‖ of every solution, unless rounding alone makes more.
-    precondition : callable or None
-        About (K + s²M)⁻¹, symmetric and much cheaper, where the solver has such a thing.
-    at : callable or None
-        s² ↦ the solver at another shift for less than a factorisation, where there is such a thing.
-        There are factors for one shift at a time: do not go to and fro.
+    inverse : Inverse
+        What the method has set up.
     """
 
     name: str
     pencil: Pencil
-    _inverse: Inverse
-    tolerance: float = _TOLERANCE
-    precondition: Inverse | None = None
-    at: Callable[[float], LinearSolver] | None = None
+    inverse: Inverse
 
     @property
     def s2(self) -> float:
         """The shift s², (rad/s)²."""
         return self.pencil.s2
+
+    @property
+    def precondition(self) -> Solve | None:
+        """About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates."""
+        return self.inverse.precondition
+
+    @property
+    def at(self) -> Callable[[float], LinearSolver] | None:
+        """s² ↦ the solver at another shift for less than a factorisation; see `Inverse.at`."""
+        shift = self.inverse.at
+        if shift is None:
+            return None
+        return lambda s2: replace(self, pencil=self.pencil.at(s2), inverse=shift(s2))
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return x with (K + s²M) x = `rhs`; `rhs` of shape (n,) or (n, m).
@@ -114,7 +105,7 @@ class LinearSolver:
         return self.solve_with_products(rhs)[0]
 
     def solve_with_products(self, rhs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return x as `solve` does, and what its residual was told by: K x and M x."""
+        """Return x as `solve` does, and the products K x and M x, which its residual needs."""
         x, before = self.answer(rhs), np.inf
         for _ in range(_REFINEMENTS + 1):
             with np.errstate(over="ignore", invalid="ignore"):
@@ -129,7 +120,7 @@ class LinearSolver:
             x = x + self.answer(residual)
         raise ConvergenceError(
             f"solver {self.name!r} leaves {excess:.2g} times the residual allowed "
-            f"({self.tolerance:g} of the right-hand side) for {self.pencil.what} of "
+            f"({_TOLERANCE:g} of the right-hand side) for {self.pencil.what} of "
             f"{self.pencil.n} dofs: the matrix is singular or nearly so (a mechanism, missing "
             "supports), or this solver fails on it; take another one by solver="
         )
@@ -137,16 +128,16 @@ class LinearSolver:
     def _excess(self, residual: FloatArray, rhs: FloatArray, x: FloatArray) -> float:
         """The largest residual of all columns, over what is allowed; nan where x is too large."""
         rounding = _ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
-        allowed = np.maximum(self.tolerance * np.linalg.norm(rhs, axis=0), rounding)
+        allowed = np.maximum(_TOLERANCE * np.linalg.norm(rhs, axis=0), rounding)
         size = np.linalg.norm(residual, axis=0)
         return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
 
     def answer(self, rhs: FloatArray) -> FloatArray:
-        """Return (K + s²M)⁻¹ `rhs` as the method gives it, its residual not looked at.
+        """Return (K + s²M)⁻¹ `rhs` as the method gives it, without a check of the residual.
 
-        Enough where something else vouches for the result: as a preconditioner.
+        Enough for a preconditioner.
         """
-        answer = np.asarray(self._inverse(rhs))
+        answer = np.asarray(self.inverse.solve(rhs))
         if answer.shape != rhs.shape or answer.dtype.kind != "f":
             raise InputTypeError(
                 f"solver {self.name!r} must return a real array of shape {rhs.shape}, as its "
@@ -177,7 +168,7 @@ class SolverBook:
     _last: LinearSolver | None = None
 
     def __call__(self, s2: float) -> LinearSolver:
-        """Return the solver of K + s²M; not set up again if it was the last one asked for."""
+        """Return the solver of K + s²M; not set up again if it is the last one used."""
         if self._last is None or self._last.s2 != s2:
             self._last = None  # its memory is free before the next one is made
             self._last = self.make(s2)
@@ -198,13 +189,13 @@ def linear_solver(
     Parameters
     ----------
     pencil : Pencil
-    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-        "superlu" comes with SciPy; "pardiso", with ``pip install aoimpact[direct]``, is several
-        times faster and takes half the memory; "multigrid" goes on where factors grow too large,
-        at its best with the mesh, well with nodes, slowly without. "auto" takes what will be
-        quickest and fits into memory. A callable gets K + s²M (`scipy.sparse.csc_array`) and
-        returns a callable that solves for a right-hand side (n,), e.g.
-        ``scipy.sparse.linalg.factorized``.
+    solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
+        "banded" (LAPACK) suits slender bodies and no others; "superlu" comes with SciPy; "pardiso",
+        with ``pip install aoimpact[direct]``, is several times faster and takes half the memory;
+        "multigrid" goes on where factors grow too large, at its best with the mesh, well with
+        nodes, slowly without. "auto" takes what will be quickest and fits into memory. A callable
+        gets K + s²M (`scipy.sparse.csc_array`) and returns a callable that solves for a right-hand
+        side (n,), e.g. ``scipy.sparse.linalg.factorized``.
     solutions : int, optional
         How many solutions it is to serve, roughly: "auto" factorises sooner for many.
 
@@ -220,112 +211,36 @@ def linear_solver(
     if callable(solver):
         return _users_own(pencil, solver)
     name = str(checked_solver(solver))
-    entries = _entries(pencil)
-    needs = _needs(pencil, entries)
-    if name == "auto":
-        name = _quickest(pencil, entries, needs, solutions)
-    require(needs[name], f"solver {name!r} of {pencil.what} ({pencil.n} dofs)", _cure(name, needs))
-    if name == "multigrid":
-        # Half of it, since the residual in its own right comes out slightly larger.
-        multigrid = Multigrid(pencil, 0.5 * _TOLERANCE)
-        return LinearSolver(name, pencil, multigrid.solve, precondition=multigrid.precondition)
-    if name == "pardiso":
-        return _InTurn(pencil).at(pencil.s2)
-    return LinearSolver(name, pencil, factorize(pencil.matrix(), what=pencil.what).solve)
-
-
-def within_band(solver: LinearSolver) -> SolverBook | None:
-    """Return what factorises K + s²M of that body in far less time, if SuperLU solves it now.
-
-    That is so for slender bodies. It serves few solutions, at other shifts: no need to name it.
-    """
-    pencil = solver.pencil
-    if solver.name != "superlu" or pencil.width > banded.NARROW:
-        return None
-
-    def make(s2: float) -> LinearSolver:
-        shifted = pencil.at(s2)
-        return LinearSolver("banded", shifted, banded.inverse(shifted.matrix(), shifted.what))
-
-    return SolverBook(make)
+    method = _quickest(pencil, solutions) if name == "auto" else METHODS[name]
+    what = f"solver {method.name!r} of {pencil.what} ({pencil.n} dofs)"
+    require(method.memory(pencil), what, _cure(pencil, method))
+    return LinearSolver(method.name, pencil, method.set_up(pencil))
 
 
 def stays_quickest(solver: LinearSolver, solutions: int) -> bool:
     """Whether "auto" would take the same one for so many solutions."""
-    entries = _entries(solver.pencil)
-    needs = _needs(solver.pencil, entries)
-    return _quickest(solver.pencil, entries, needs, solutions) == solver.name
+    return _quickest(solver.pencil, solutions).name == solver.name
 
 
-def solutions_worth(solver: LinearSolver) -> float:
-    """How many solutions with a direct solver take as long as its factorisation, roughly."""
-    name = solver.name if solver.name in _BYTES else "superlu"
-    pencil = solver.pencil
-    return _ORDERING + _OVER_RATES * entries_by_width(pencil.n, pencil.width, name) / pencil.n
+def _quickest(pencil: Pencil, solutions: int) -> Method:
+    """The method that will be quickest of those that are installed and fit into memory."""
+    free, count = available(), min(solutions, sys.maxsize)  # no overflow as a float
+    fitting = [m for m in METHODS.values() if m.is_installed() and m.memory(pencil) <= free]
+    if not fitting:
+        return _LAST_RESORT
+    seconds = {method.name: method.seconds(pencil, count) for method in fitting}
+    prompt = [m for m in fitting if m.direct and seconds[m.name] <= _PROMPT]
+    return min(prompt or fitting, key=lambda method: seconds[method.name])
 
 
-class _InTurn:
-    """PARDISO's factors of one K + s²M at a time, with one analysis for all."""
-
-    def __init__(self, pencil: Pencil) -> None:
-        self._pencil, self._s2 = pencil, pencil.s2
-        self._factors = pardiso.Factors(
-            pencil.matrix(), pencil.what, width=pencil.width, diagonal=pencil.diagonal
-        )
-
-    def at(self, s2: float) -> LinearSolver:
-        """Return the solver of one of them, which has its factors made anew when it needs them."""
-        pencil = self._pencil.at(s2)
-        return LinearSolver("pardiso", pencil, partial(self._solve, pencil), at=self.at)
-
-    def _solve(self, pencil: Pencil, rhs: FloatArray) -> FloatArray:
-        if pencil.s2 != self._s2:
-            self._s2 = math.nan  # until the new ones are there
-            self._factors.replace(pencil.matrix(), pencil.what, diagonal=pencil.diagonal)
-            self._s2 = pencil.s2
-        return self._factors.solve(rhs)
-
-
-def _entries(pencil: Pencil) -> dict[str, float]:
-    return {each: entries_by_width(pencil.n, pencil.width, each) for each in _BYTES}
-
-
-def _needs(pencil: Pencil, entries: dict[str, float]) -> dict[str, float]:
-    """Bytes that each solver would need beside K and M."""
-    stored = float(pencil.K.nnz)
-    needs = {name: _BYTES[name] * entries[name] for name in _BYTES}
-    needs["pardiso"] += _PARDISO_COPIES * stored
-    return needs | {"multigrid": bytes_needed(stored)}
-
-
-def _quickest(
-    pencil: Pencil, entries: dict[str, float], needs: dict[str, float], solutions: int
-) -> str:
-    """The solver that will be quickest of those that there are and that fit into memory."""
-    if entries["superlu"] <= (_SUPERLU_QUICKEST if pardiso.is_installed() else _SUPERLU_QUICK):
-        return "superlu"
-    if entries["superlu"] <= _SUPERLU_QUICK:
-        return "pardiso"
-    seconds = {
-        name: _FACTOR * count**2 / pencil.n + solutions * _SWEEP * count
-        for name, count in entries.items()
-    }
-    each = (_WITHOUT_NODES if pencil.nodes is None else _MULTIGRID) * pencil.n
-    seconds["multigrid"] = solutions * each
-    if not pardiso.is_installed():
-        del seconds["pardiso"]
-    free = available()
-    fitting = [name for name in seconds if needs[name] <= free] or ["multigrid"]
-    return min(fitting, key=seconds.__getitem__)
-
-
-def _cure(name: str, needs: dict[str, float]) -> str:
-    if name != "multigrid":
-        return f"solver='multigrid' takes {needs['multigrid'] / 2.0**30:.2g} GiB"
+def _cure(pencil: Pencil, method: Method) -> str:
+    if method is not _LAST_RESORT:
+        memory = _LAST_RESORT.memory(pencil) / 2.0**30
+        return f"solver={_LAST_RESORT.name!r} takes {memory:.2g} GiB"
     return "take a coarser mesh, free memory, or give a solver of your own by solver="
 
 
-def _users_own(pencil: Pencil, solver: Callable[[Any], Inverse]) -> LinearSolver:
+def _users_own(pencil: Pencil, solver: Callable[[Any], Solve]) -> LinearSolver:
     name = getattr(solver, "__name__", type(solver).__name__)
     inverse = solver(pencil.matrix().T)  # of a symmetric CSR matrix that is the CSC one, no copy
     if not callable(inverse):
@@ -339,4 +254,4 @@ def _users_own(pencil: Pencil, solver: Callable[[Any], Inverse]) -> LinearSolver
             return inverse(rhs)
         return np.column_stack([inverse(column) for column in rhs.T])
 
-    return LinearSolver(name, pencil, by_columns)
+    return LinearSolver(name, pencil, Inverse(by_columns))

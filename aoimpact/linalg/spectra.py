@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.linalg as la
-import scipy.sparse.linalg as spla
+import scipy
 
 from ..base import ConvergenceError, FloatArray, heard
 from .davidson import davidson
@@ -57,7 +56,7 @@ def shifted(
     invert : callable, optional
         s² ↦ the solver of K + s²M, such as `FEModel.inverse`, which knows more of the body.
     first : LinearSolver, optional
-        That of the first guess of s², if it is there already.
+        The solver at the first guess of s², if it exists already.
     """
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     current = first or solver_at(_first_shift(K, M))
@@ -73,7 +72,7 @@ def shifted(
 
 
 def _first_shift(K: Any, M: Any) -> float:
-    """A guess of s² that makes K + s²M definite and leaves K its say, (rad/s)²."""
+    """A guess of s², (rad/s)², large enough for K + s²M to be definite, small beside K."""
     return 1e-4 * float(K.diagonal().sum() / M.diagonal().sum())
 
 
@@ -112,7 +111,9 @@ def _without_strain(K: Any, M: Any, modes: FloatArray) -> FloatArray:
         near_k = linear_solver(Pencil(K, M, s2))
         for _ in range(3):
             modes = modes - near_k.solve(K @ modes)
-        modes = la.solve_triangular(la.cholesky(modes.T @ (M @ modes)), modes.T, trans="T").T
+        modes = scipy.linalg.solve_triangular(
+            scipy.linalg.cholesky(modes.T @ (M @ modes)), modes.T, trans="T"
+        ).T
     return np.ascontiguousarray(modes)
 
 
@@ -269,9 +270,9 @@ def _arnoldi(
     def inverse(f: FloatArray) -> FloatArray:
         return project(solve(np.ascontiguousarray(f).ravel()))
 
-    operator = spla.LinearOperator((dofs, dofs), matvec=inverse, dtype=np.float64)
+    operator = scipy.sparse.linalg.LinearOperator((dofs, dofs), matvec=inverse, dtype=np.float64)
     try:
-        values, vectors = spla.eigsh(
+        values, vectors = scipy.sparse.linalg.eigsh(
             operator,  # used for its shape only: OPinv stands for the inverse
             k=n,
             M=M,
@@ -282,7 +283,7 @@ def _arnoldi(
             maxiter=restarts,
             ncv=min(dofs, max(2 * n + 1, 20)),
         )
-    except spla.ArpackError as error:
+    except scipy.sparse.linalg.ArpackError as error:
         raise ConvergenceError(
             f"ARPACK did not find {n} eigenpairs of {dofs} dofs ({error}); ask for fewer or all"
         ) from None

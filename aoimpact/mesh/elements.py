@@ -7,38 +7,50 @@ that could be wrong.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
+from itertools import permutations
 from typing import Any
 
 import numpy as np
-from scipy.special import roots_jacobi
-from skfem import element as skfem_element
-from skfem.quadrature import get_quadrature
-from skfem.refdom import RefHex, RefLine, RefTet, RefTri
+import scipy
 
 from ..base import FloatArray, IntArray
 
-__all__ = ["KINDS", "ReferenceElement", "Rule", "cofactors", "jacobians", "reference_element"]
+__all__ = [
+    "KINDS",
+    "Cell",
+    "ReferenceElement",
+    "Rule",
+    "cofactors",
+    "jacobians",
+    "reference_element",
+]
 
 
-_TET = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
-_HEX = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
-_WEDGE = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1))
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """A reference cell, which elements of several orders share.
 
-# The nodes after the corners, each in the middle of these corners (VTK's file-format figures).
-_TET_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-_HEX_EDGES = (
-    *((0, 1), (1, 2), (2, 3), (0, 3)),
-    *((4, 5), (5, 6), (6, 7), (4, 7)),
-    *((0, 4), (1, 5), (2, 6), (3, 7)),
-)
-_HEX_FACES = (
-    *((0, 3, 4, 7), (1, 2, 5, 6)),
-    *((0, 1, 4, 5), (2, 3, 6, 7)),
-    *((0, 1, 2, 3), (4, 5, 6, 7)),
-)
-_HEX_MIDDLE = ((0, 1, 2, 3, 4, 5, 6, 7),)
+    Attributes
+    ----------
+    linear : str
+        The kind of element whose nodes are the corners alone.
+    corners : ndarray, shape (n_corners, 3)
+    normals : ndarray, shape (n_sides, 3)
+        Outward normals of the sides, of any length.
+    summed : int
+        Of so many coordinates the sum is at most 1; each one lies between 0 and 1.
+    of_brick : ndarray, shape (n_cells, n_corners, 3)
+        The cells into which a brick, from 0 to 1 along each axis, is cut.
+    """
+
+    linear: str
+    corners: FloatArray
+    normals: FloatArray
+    summed: int
+    of_brick: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,16 +69,16 @@ class ReferenceElement:
     ----------
     kind : str
         meshio's name.
-    n_corners : int
-        The first nodes are corners; the rest lie in the middle of edges, faces, and the body.
+    cell : Cell
     nodes : ndarray, shape (n_nodes, 3)
-        Reference coordinates of the nodes, meshio's order.
+        Reference coordinates of the nodes, meshio's order: the corners first; the rest lie in the
+        middle of edges, faces, and the body.
     stiffness_rule, mass_rule : Rule
         Exact for ∫∇φ dV, which the patch test needs, and for ∫φφ dV, on elements however curved.
     """
 
     kind: str
-    n_corners: int
+    cell: Cell
     nodes: FloatArray
     stiffness_rule: Rule
     mass_rule: Rule
@@ -76,6 +88,15 @@ class ReferenceElement:
     @property
     def n_nodes(self) -> int:
         return len(self.nodes)
+
+    @property
+    def n_corners(self) -> int:
+        return len(self.cell.corners)
+
+    @property
+    def linear(self) -> ReferenceElement:
+        """The element of first order on the same corners; itself, if it is of first order."""
+        return self if self.kind == self.cell.linear else reference_element(self.cell.linear)
 
     def shape(self, points: FloatArray) -> FloatArray:
         """Return φ_a at reference points (n, 3), shape (n, n_nodes)."""
@@ -111,14 +132,21 @@ def _match(wanted: FloatArray, among: FloatArray) -> IntArray:
     return found
 
 
-def _rule(refdom: Any, degree: int) -> Rule:
-    points, weights = get_quadrature(refdom, degree)
+def _quadrature(domain: str, degree: int) -> tuple[FloatArray, FloatArray]:
+    """Return scikit-fem's points, shape (dimension, n), and weights on a reference domain."""
+    from skfem import quadrature, refdom  # slow to import, and of no use without a mesh
+
+    return quadrature.get_quadrature(getattr(refdom, domain), degree)  # type: ignore[no-any-return]
+
+
+def _rule(domain: str, degree: int) -> Rule:
+    points, weights = _quadrature(domain, degree)
     return Rule(np.ascontiguousarray(points.T), weights)
 
 
 def _wedge_rule(degree: int) -> Rule:
     # scikit-fem's own rule for wedges integrates the volume 1/2 to 1/4 (version 12.0.2).
-    (triangle, w), (line, v) = get_quadrature(RefTri, degree), get_quadrature(RefLine, degree)
+    (triangle, w), (line, v) = _quadrature("RefTri", degree), _quadrature("RefLine", degree)
     points = [(x, y, z) for x, y in triangle.T for z in line[0]]
     return Rule(np.array(points), np.outer(w, v).ravel())
 
@@ -128,42 +156,130 @@ def _conical_rule(n: int) -> Rule:
 
     x = r, y = s (1 − r), z = t (1 − r)(1 − s) has the Jacobian (1 − r)² (1 − s) (Stroud, 1971).
     """
-    (r, u), (s, v), (t, w) = (roots_jacobi(n, power, 0.0) for power in (2.0, 1.0, 0.0))
+    (r, u), (s, v), (t, w) = (
+        scipy.special.roots_jacobi(n, power, 0.0) for power in (2.0, 1.0, 0.0)
+    )
     r, s, t = np.meshgrid((1 + r) / 2, (1 + s) / 2, (1 + t) / 2, indexing="ij")
     points = np.stack([r, s * (1 - r), t * (1 - r) * (1 - s)], axis=-1).reshape(-1, 3)
     weights = np.einsum("i,j,k->ijk", u / 8, v / 4, w / 2).ravel()
     return Rule(points, weights)
 
 
+def _tetrahedra_of_a_brick() -> FloatArray:
+    """Six tetrahedra about one diagonal, each along the axes in another order."""
+    orders = [np.eye(3)[list(order)] for order in permutations(range(3))]
+    pieces = np.stack([np.cumsum([[0, 0, 0], *order], axis=0) for order in orders])
+    odd = np.linalg.det(pieces[:, 1:]) < 0.0
+    pieces[odd] = pieces[odd][:, [0, 2, 1, 3]]
+    return pieces
+
+
+def _cell(
+    linear: str, corners: Any, normals: Any, summed: int, of_brick: FloatArray | None = None
+) -> Cell:
+    places = np.array(corners, dtype=np.float64)
+    pieces = places[None] if of_brick is None else of_brick
+    return Cell(linear, places, np.array(normals, dtype=np.float64), summed, pieces)
+
+
+_TETRAHEDRON = _cell(
+    "tetra",
+    corners=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    normals=((-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 1, 1)),
+    summed=3,
+    of_brick=_tetrahedra_of_a_brick(),
+)
+_HEXAHEDRON = _cell(
+    "hexahedron",
+    corners=(
+        *((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)),
+        *((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
+    ),
+    normals=((-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    summed=0,
+)
+_WEDGE_CORNERS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)])
+_WEDGE = _cell(
+    "wedge",
+    corners=_WEDGE_CORNERS,
+    normals=((-1, 0, 0), (0, -1, 0), (1, 1, 0), (0, 0, -1), (0, 0, 1)),
+    summed=2,
+    of_brick=np.stack([_WEDGE_CORNERS, _WEDGE_CORNERS * [-1, -1, 1] + [1, 1, 0]]),
+)
+
+# The nodes after the corners, each in the middle of these corners (VTK's file-format figures).
+_TETRAHEDRON_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+_HEXAHEDRON_EDGES = (
+    *((0, 1), (1, 2), (2, 3), (0, 3)),
+    *((4, 5), (5, 6), (6, 7), (4, 7)),
+    *((0, 4), (1, 5), (2, 6), (3, 7)),
+)
+_HEXAHEDRON_FACES = (
+    *((0, 3, 4, 7), (1, 2, 5, 6)),
+    *((0, 1, 4, 5), (2, 3, 6, 7)),
+    *((0, 1, 2, 3), (4, 5, 6, 7)),
+)
+_HEXAHEDRON_MIDDLES = (*_HEXAHEDRON_EDGES, *_HEXAHEDRON_FACES, tuple(range(8)))
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What `ReferenceElement` is made from: scikit-fem's name of it, and rules when needed."""
+
+    cell: Cell
+    middles: tuple[tuple[int, ...], ...]
+    basis: str
+    stiffness_rule: Callable[[], Rule]
+    mass_rule: Callable[[], Rule]
+
+
+# Every kind of element, by meshio's name; nothing about a kind is said elsewhere.
+#
 # Degrees needed with curved sides, where the Jacobian is a polynomial too. Hexahedra of order p, in
 # each coordinate: 3p − 1 for ∫∇φ dV, 5p − 1 for ∫φφ dV; tetrahedra, in all: 3p − 3 and 5p − 3.
 # From "degree" 5 on, scikit-fem's positive rules for tetrahedra are exact to one degree less.
-def _build(kind: str) -> ReferenceElement:
-    corners, middles, basis, stiffness, mass = {
-        "tetra": (_TET, (), "ElementTetP1", _rule(RefTet, 1), _rule(RefTet, 2)),
-        "tetra10": (_TET, _TET_EDGES, "ElementTetP2", _rule(RefTet, 5), _conical_rule(4)),
-        "hexahedron": (_HEX, (), "ElementHex1", _rule(RefHex, 3), _rule(RefHex, 5)),
-        "hexahedron20": (_HEX, _HEX_EDGES, "ElementHexS2", _rule(RefHex, 5), _rule(RefHex, 9)),
-        "hexahedron27": (
-            *(_HEX, _HEX_EDGES + _HEX_FACES + _HEX_MIDDLE, "ElementHex2"),
-            *(_rule(RefHex, 5), _rule(RefHex, 9)),
-        ),
-        "wedge": (_WEDGE, (), "ElementWedge1", _wedge_rule(2), _wedge_rule(4)),
-    }[kind]
-    places = np.array(corners, dtype=np.float64)
-    nodes = np.vstack([places, *(places[list(c)].mean(axis=0) for c in middles)])
-    element = getattr(skfem_element, basis)()
-    order = _match(nodes, np.asarray(element.doflocs, dtype=np.float64))
-    return ReferenceElement(kind, len(corners), nodes, stiffness, mass, element, order)
+_ALL = {
+    "tetra": _Kind(
+        *(_TETRAHEDRON, (), "ElementTetP1"),
+        *(partial(_rule, "RefTet", 1), partial(_rule, "RefTet", 2)),
+    ),
+    "tetra10": _Kind(
+        *(_TETRAHEDRON, _TETRAHEDRON_EDGES, "ElementTetP2"),
+        *(partial(_rule, "RefTet", 5), partial(_conical_rule, 4)),
+    ),
+    "hexahedron": _Kind(
+        *(_HEXAHEDRON, (), "ElementHex1"),
+        *(partial(_rule, "RefHex", 3), partial(_rule, "RefHex", 5)),
+    ),
+    "hexahedron20": _Kind(
+        *(_HEXAHEDRON, _HEXAHEDRON_EDGES, "ElementHexS2"),
+        *(partial(_rule, "RefHex", 5), partial(_rule, "RefHex", 9)),
+    ),
+    "hexahedron27": _Kind(
+        *(_HEXAHEDRON, _HEXAHEDRON_MIDDLES, "ElementHex2"),
+        *(partial(_rule, "RefHex", 5), partial(_rule, "RefHex", 9)),
+    ),
+    "wedge": _Kind(
+        *(_WEDGE, (), "ElementWedge1"), *(partial(_wedge_rule, 2), partial(_wedge_rule, 4))
+    ),
+}
 
-
-KINDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge")
+KINDS = tuple(_ALL)
 
 
 @cache
 def reference_element(kind: str) -> ReferenceElement:
     """Return the element of meshio's name `kind`, one of `KINDS`."""
-    return _build(kind)
+    import skfem.element
+
+    of = _ALL[kind]
+    corners = of.cell.corners
+    nodes = np.vstack([corners, *(corners[list(c)].mean(axis=0) for c in of.middles)])
+    element = getattr(skfem.element, of.basis)()
+    order = _match(nodes, np.asarray(element.doflocs, dtype=np.float64))
+    return ReferenceElement(
+        kind, of.cell, nodes, of.stiffness_rule(), of.mass_rule(), element, order
+    )
 
 
 def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:

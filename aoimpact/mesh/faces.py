@@ -17,14 +17,6 @@ from .elements import ReferenceElement, reference_element
 __all__ = ["ReferenceFace", "reference_faces"]
 
 
-# Outward normals of the reference cells' sides, by the number of corners.
-_NORMALS = {
-    4: ((-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 1, 1)),
-    6: ((-1, 0, 0), (0, -1, 0), (1, 1, 0), (0, 0, -1), (0, 0, 1)),
-    8: ((-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
-}
-
-
 @dataclass(frozen=True, eq=False)
 class ReferenceFace:
     """One side of a reference element: ξ = origin + u axes[0] + v axes[1].
@@ -32,8 +24,8 @@ class ReferenceFace:
     Attributes
     ----------
     nodes : ndarray of int
-        The element's own numbers of the nodes on it; the corners first, counter-clockwise as seen
-        from outside.
+        The nodes on it, by their numbers within the element; the corners first, counter-clockwise
+        as seen from outside.
     n_corners : int
         3: u, v ≥ 0 and u + v ≤ 1. 4: both from 0 to 1.
     origin : ndarray, shape (3,)
@@ -51,9 +43,7 @@ class ReferenceFace:
 def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
     """Return the sides of the element of meshio's name `kind`."""
     element = reference_element(kind)
-    return tuple(
-        _side(element, np.array(normal, dtype=np.float64)) for normal in _NORMALS[element.n_corners]
-    )
+    return tuple(_side(element, normal) for normal in element.cell.normals)
 
 
 def _side(element: ReferenceElement, normal: FloatArray) -> ReferenceFace:

@@ -9,11 +9,10 @@ import os
 import re
 import stat
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import meshio
 import numpy as np
 import numpy.typing as npt
 
@@ -52,6 +51,8 @@ def load(path: str | os.PathLike[str]) -> Any:
             f"mesh file {str(file)!r}: files {file.suffix} hold surfaces, without volume cells; "
             "mesh the inside, and write .msh, .vtu or .inp"
         )
+    import meshio  # slow to import; before `bounded`, which puts bounds into its modules
+
     said = io.StringIO()
     try:
         # meshio tries one reader after the other, prints why each failed, and then exits.
@@ -63,7 +64,7 @@ def load(path: str | os.PathLike[str]) -> Any:
         ):
             warnings.simplefilter("ignore")  # of deprecations, and of arithmetic on rubbish
             warnings.filterwarnings("error", message="string or file could not be read")
-            return _read(file)
+            return _read(file, meshio.read)
     except SystemExit:
         reason = " ".join(said.getvalue().split())
     except MemoryError:
@@ -111,11 +112,11 @@ def _existing(path: str | os.PathLike[str]) -> tuple[Path, int]:
     return file, state.st_size
 
 
-def _read(file: Path) -> Any:
+def _read(file: Path, read: Callable[..., Any]) -> Any:
     if file.name.lower().endswith(".vol.gz"):  # unpacked by a reader of its own, without bounds
         with bounded_text(gzip.open(file)) as text:
-            return meshio.read(text, "netgen")
-    return meshio.read(file)
+            return read(text, "netgen")
+    return read(file)
 
 
 def named_nodes(mesh: Any) -> dict[str, IntArray]:

@@ -227,19 +227,7 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
 
 def _brick_nodes(element: ReferenceElement, counts: IntArray) -> IntArray:
     """Nodes of all elements on the lattice of half bricks, shape (n_cells, n_nodes, 3)."""
-    corner_kind = {4: "tetra", 6: "wedge", 8: "hexahedron"}[element.n_corners]
-    corner_element = reference_element(corner_kind)
-    if corner_kind == "hexahedron":
-        pieces = corner_element.nodes[None]
-    elif corner_kind == "wedge":
-        first = corner_element.nodes
-        pieces = np.stack([first, first * [-1, -1, 1] + [1, 1, 0]])
-    else:
-        orders = [np.eye(3)[list(order)] for order in permutations(range(3))]
-        pieces = np.stack([np.cumsum([[0, 0, 0], *order], axis=0) for order in orders])
-        odd = np.linalg.det(pieces[:, 1:]) < 0.0
-        pieces[odd] = pieces[odd][:, [0, 2, 1, 3]]
-    local = 2.0 * (corner_element.shape(element.nodes) @ pieces)
+    local = 2.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)
     bricks = np.array(list(product(*(range(count) for count in counts))))
     nodes = 2 * bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]
     return nodes.reshape(-1, element.n_nodes, 3)

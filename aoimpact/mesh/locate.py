@@ -101,7 +101,7 @@ def _candidates(mesh: Mesh, point: FloatArray) -> IntArray:
 def _reference_place(
     element: ReferenceElement, corners: FloatArray, point: FloatArray
 ) -> FloatArray:
-    """Solve Σ φ_a(ξ) x_a = point by Newton's method, held within the element and a little more."""
+    """Solve Σ φ_a(ξ) x_a = point by Newton's method, not far outside the element."""
     middle = element.nodes[: element.n_corners].mean(axis=0)
     place: FloatArray = middle
     for _ in range(_MOST_STEPS):
@@ -118,11 +118,10 @@ def _reference_place(
 def _inside(element: ReferenceElement, place: FloatArray) -> FloatArray:
     """The place in the reference element that is nearest, or nearly so."""
     inside = np.clip(place, 0.0, 1.0)
-    # Tetrahedra and wedges are cut off where the sum of all, or of the first two, reaches 1.
-    cut = {4: 3, 6: 2}.get(element.n_corners, 0)
-    total = float(inside[:cut].sum())
+    summed = element.cell.summed
+    total = float(inside[:summed].sum())
     if total > 1.0:
-        inside[:cut] /= total
+        inside[:summed] /= total
     return inside
 
 

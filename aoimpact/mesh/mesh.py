@@ -9,10 +9,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import scipy
 import scipy.sparse as sp
-from scipy.optimize import linear_sum_assignment
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from ..base import (
     FloatArray,
@@ -54,7 +52,7 @@ class Mesh(Frozen):
     cells : array_like of int, shape (n_cells, nodes per cell)
         Node numbers in meshio's (VTK's) order.
     kind : str
-        meshio's name of the element: tetra, tetra10, hexahedron, hexahedron20, hexahedron27, wedge.
+        meshio's name of the element, one of `KINDS`: "tetra", "hexahedron20", …
     node_sets : mapping of str to array of int, optional
         Named sets of nodes, e.g. for supports.
 
@@ -293,14 +291,14 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, element: ReferenceE
     if element.n_nodes == n:
         return cells
     sample = cells[np.linspace(0, len(cells) - 1, min(len(cells), 2000)).astype(int)]
-    between = reference_element({4: "tetra", 8: "hexahedron"}[n]).shape(element.nodes[n:])
+    between = element.linear.shape(element.nodes[n:])
     corners = nodes[sample[:, :n]]
     expected = between @ corners
     size = np.ptp(corners, axis=1).max(axis=1)
     gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
     size = np.where(size > _SMALLEST, size, 1.0)
     misfit = np.einsum("eabi,e->ab", gaps**2, size**-2.0)
-    _, order = linear_sum_assignment(misfit)
+    _, order = scipy.optimize.linear_sum_assignment(misfit)
     if np.array_equal(order, np.arange(len(order))):
         return cells
     warn(
@@ -373,10 +371,12 @@ def _warn_of_pieces(mesh: Mesh) -> None:
     first = np.repeat(mesh.cells[:, 0], n_local - 1)
     others = mesh.cells[:, 1:].reshape(-1)
     links = sp.coo_array((np.ones(len(first), bool), (first, others)), shape=(mesh.n_nodes,) * 2)
-    n_pieces, _ = connected_components(links, directed=False)
+    n_pieces, _ = sp.csgraph.connected_components(links, directed=False)
     if n_pieces == 1:
         return
-    pairs = KDTree(mesh.nodes).query_pairs(_COINCIDENT * mesh.size, output_type="ndarray")
+    pairs = scipy.spatial.KDTree(mesh.nodes).query_pairs(
+        _COINCIDENT * mesh.size, output_type="ndarray"
+    )
     hint = (
         f"{len(pairs)} pairs of nodes lie at the same place: merge coincident nodes in the mesher"
         if len(pairs)

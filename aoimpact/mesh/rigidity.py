@@ -6,8 +6,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import scipy.linalg as la
-from scipy.sparse.csgraph import connected_components
+import scipy
+import scipy.sparse as sp
 
 from ..base import FloatArray
 
@@ -46,7 +46,7 @@ def motions_at(places: FloatArray) -> FloatArray:
 def unresisted_motions(K: Any, M: Any, motions: FloatArray) -> FloatArray:
     """Return an M-orthonormal basis of the rigid motions with K r = 0, shape (n, r).
 
-    Every combination of the motions is looked at (a body hinged about any line turns about it),
+    Every combination of the motions is tested (a body hinged about any line turns about it),
     for each part of the body that K does not connect with the rest.
 
     Parameters
@@ -59,7 +59,7 @@ def unresisted_motions(K: Any, M: Any, motions: FloatArray) -> FloatArray:
     stiffness = K.diagonal()[:, None]
     np.divide(forces, stiffness, out=forces, where=stiffness > 0.0)
     # K is symmetric, so that strong connection is connection; it needs no transpose.
-    n_parts, part = connected_components(K, connection="strong")
+    n_parts, part = sp.csgraph.connected_components(K, connection="strong")
     order = np.argsort(part, kind="stable")
     bounds = np.searchsorted(part[order], np.arange(n_parts + 1))
     found = []
@@ -92,6 +92,6 @@ def _null_combinations(motions: FloatArray, forces: FloatArray) -> FloatArray:
 def _orthonormalised(basis: FloatArray, M: Any) -> FloatArray:
     # Twice: the first Gram matrix carries the rounding of however skew the basis was.
     for _ in range(2):
-        factor = la.cholesky(basis.T @ (M @ basis), lower=True)
-        basis = la.solve_triangular(factor, basis.T, lower=True).T
+        factor = scipy.linalg.cholesky(basis.T @ (M @ basis), lower=True)
+        basis = scipy.linalg.solve_triangular(factor, basis.T, lower=True).T
     return np.ascontiguousarray(basis)

@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from ..base import FloatArray, IntArray
 from .elements import reference_element
@@ -51,7 +50,7 @@ class Place:
     x : ndarray, shape (n, 3)
         m.
     distance : ndarray, shape (n,)
-        How far from what was asked for, m.
+        Distance from the given point, m.
     """
 
     face: IntArray
@@ -83,10 +82,10 @@ class Surface:
 
     @cached_property
     def part(self) -> IntArray:
-        """For each element, which of the parts that hang together by whole sides it is in."""
+        """For each element, the number of its part; elements of one part share whole sides."""
         n = self.mesh.n_cells
         links = sp.coo_array((np.ones(len(self.joined), bool), tuple(self.joined.T)), shape=(n, n))
-        part: IntArray = connected_components(links, directed=False)[1].astype(np.int64)
+        part: IntArray = sp.csgraph.connected_components(links, directed=False)[1].astype(np.int64)
         return part
 
     @cached_property
@@ -164,7 +163,8 @@ class Surface:
         ----------
         points : ndarray, shape (n, 3)
         axis : ndarray, shape (3,)
-            Unit vector; only faces that look that way (or the other, if not `outward`) count.
+            Unit vector; only faces whose normal points that way count (the other way, if not
+            `outward`).
         reach : float
             How far from the points, m, along the axis and against it.
         """

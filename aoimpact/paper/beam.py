@@ -47,8 +47,8 @@ def bending_frequency(order: int) -> float:
 def beam_model(kind: str = "hexahedron", level: float = 0.0) -> FEModel:
     """Return the beam on its supports: one bottom edge pinned, the other on rollers.
 
-    Three nodes each, held in x, y and z and in y and z: fifteen constraints, as the paper's 1362
-    dofs imply. z is up, the beam lies along x; the supports are `level` m above its bottom.
+    Three nodes each, constrained in x, y and z and in y and z: fifteen constraints, as the paper's
+    1362 dofs imply. z is up, the beam lies along x; the supports are `level` m above its bottom.
     """
     mesh = box_mesh((LENGTH, WIDTH, WIDTH), (50, 2, 2), kind=kind)
     line = np.flatnonzero(np.isclose(mesh.nodes[:, 2], level))

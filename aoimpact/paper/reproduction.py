@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tqdm import tqdm
-
 from ..base import writable_folder
 from . import beam as paper_beam
 from . import sphere as paper_sphere
@@ -131,6 +129,8 @@ def _jobs(
 
 
 def _run(jobs: list[tuple[str, Callable[[], object]]], progress: bool) -> None:
+    from tqdm import tqdm
+
     with tqdm(jobs, disable=None if progress else True, unit="run", leave=False) as bar:
         for name, compute in bar:
             bar.set_description(f"{name:<34}")

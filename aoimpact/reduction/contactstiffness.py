@@ -1,7 +1,7 @@
-"""The stiffness that a body's elements give a contact: how long a blow on it lasts, roughly.
+"""The stiffness of a body's elements at a contact, which tells roughly how long a contact lasts.
 
-Nearly incompressible material yields to a blow by its shear, sideways, though to press single nodes
-in with all others at rest it is as stiff as its bulk.
+Under impact nearly incompressible material deforms in shear, sideways; single nodes displaced with
+all others at rest meet its bulk modulus.
 """
 
 from __future__ import annotations

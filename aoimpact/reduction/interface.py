@@ -1,4 +1,4 @@
-"""Bodies touched in several places: the motions that blows there excite, as modes with ports.
+"""Bodies touched in several places: the motions that impacts there excite, as modes with ports.
 
 One functional makes a star. Several make no star, since each has anti-oscillators of its own, but
 the same subspace: the Ritz modes of a block Krylov subspace, each with its share in every port.
@@ -43,7 +43,7 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False, repr=False)
 class InterfaceModel(Frozen):
-    """A body seen from p places of contact: q̈_j + ω_j² q_j = Σ_p r_pj f_p, u_p = Σ_j r_pj q_j.
+    """A body with p places of contact: q̈_j + ω_j² q_j = Σ_p r_pj f_p, u_p = Σ_j r_pj q_j.
 
     Made by `interface`.
 
@@ -62,7 +62,7 @@ class InterfaceModel(Frozen):
     solver : str
         The linear solver that the modes were made with.
     contact_time : float or None
-        The duration of the blow that they were fitted to, s; None where they fit any.
+        The duration of the contact that they were fitted to, s; None where they fit any.
     """
 
     tips: tuple[ContactPoint, ...]
@@ -97,6 +97,24 @@ class InterfaceModel(Frozen):
         return self.tips[0].body
 
     @property
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """The ports."""
+        return self.tips
+
+    def _deflection(self, s: float, port: int = 0) -> FloatArray:
+        """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
+
+        Parameters
+        ----------
+        s : float
+            rad/s, positive.
+        port : int, optional
+            Where the force acts.
+        """
+        shape: FloatArray = self.modes @ (self.participation[port] / (self.omega**2 + s**2))
+        return shape
+
+    @property
     def n(self) -> int:
         """Number of modes, rigid ones included."""
         return len(self.omega)
@@ -108,7 +126,7 @@ class InterfaceModel(Frozen):
 
     @property
     def mass(self) -> float | None:
-        """Of the whole body, kg; None where its matrices do not tell."""
+        """Of the whole body, kg; None where its matrices do not determine it."""
         return self.body.mass
 
     @property
@@ -135,7 +153,7 @@ class InterfaceModel(Frozen):
         Raises
         ------
         InputError
-            If the body has no nodes, or its M lacks the dofs that are held.
+            If the body has no nodes, or its M lacks the constrained dofs.
         """
         if self.tips[0].direction is None:
             raise InputError("the centre of mass is not known: make the body with nodes")
@@ -204,7 +222,7 @@ def interface(
 ) -> InterfaceModel:
     """Return the model of a body touched in several places.
 
-    Its modes are those of the body projected on the rigid motions and on what blows at the ports
+    Its modes are those of the body projected on the rigid motions and on what impacts at the ports
     excite, port by port in turn: (K + s²M)⁻¹ B, (K + s²M)⁻¹ M (K + s²M)⁻¹ B, …
 
     Parameters

@@ -135,7 +135,7 @@ def modal_body(model: AOModel | InterfaceModel) -> ModalBody:
     return cast(ModalBody, known)
 
 
-# Models do not change, and many impacts are asked of one: where a model keeps its modes.
+# Where a model keeps its modes: models do not change, and serve many impacts.
 _KEPT = "_modal_body"
 
 
@@ -154,8 +154,8 @@ def _of_star(star: AOModel) -> ModalBody:
     # Its own weight acts on a star's coordinates by their share in the centre of mass; on a free
     # one's as a whole: exactly, or what falls side by side would press by rounding. What holds a
     # star given by numbers is not known, so neither is what its weight does to it.
-    weight = np.zeros(n) if star.held else moving
-    if star.held and not star.weightless:
+    weight = np.zeros(n) if star.constrained else moving
+    if star.constrained and not star.weightless:
         weight = star.mass * push * centre
     massless = modes.residual > 0.0
     return ModalBody(

@@ -29,7 +29,8 @@ class Origin:
     centre : ndarray, shape (n_dofs,)
         h with hᵀX the displacement of the centre of mass along the direction of travel.
     mass : float
-        Of the whole body, kg; more than the static mass where part of it never feels the contact.
+        Of the whole body, kg; more than the static mass where part of it does not respond to
+        the contact.
     centre_known : bool
         Whether these two are so; else the mean over the static mode and its mass stand for them.
     translates : bool
@@ -37,7 +38,7 @@ class Origin:
     solver : str
         The linear solver that the model was made with; empty where dense matrices served.
     contact_time : float or None
-        The duration of the blow that the model was fitted to, s; None where it fits any.
+        The duration of the contact that the model was fitted to, s; None where it fits any.
     vectors : callable, optional
         Returns vectors, shape (n_dofs, r), of which the shapes are combinations that have not been
         multiplied out.
@@ -76,7 +77,7 @@ class Origin:
         """The same without the vectors."""
         return replace(self, static=self.static_mode, oscillators=self.shapes, vectors=None)
 
-    def seen_by(self, functional: FloatArray) -> tuple[float, FloatArray]:
+    def observed_by(self, functional: FloatArray) -> tuple[float, FloatArray]:
         """functionalᵀφ_st and functionalᵀΨ_i, for a functional of shape (n_dofs,)."""
         on = functional if self.vectors is None else functional @ self.vectors()
         return float(on @ self.static), on @ self.oscillators

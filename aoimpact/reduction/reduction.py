@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse.linalg as spla
+import scipy
 
 from .. import _core
 from ..base import (
@@ -121,7 +121,7 @@ def _lowest_oscillators(
         return x
 
     omega2, phi = lowest_sparse(
-        M, inverse, base.s2, count, away_from=static.silent, start=static.phi
+        M, inverse, base.s2, count, away_from=static.unobservable, start=static.phi
     )
     return _oscillators(tip, static, omega2, phi)
 
@@ -138,8 +138,10 @@ def _mass_of_all(tip: ContactPoint, static: StaticMode) -> float:
     """
     M, b = tip.body.M, tip.b
     diagonal = M.diagonal()
-    jacobi = spla.LinearOperator(M.shape, matvec=lambda x: x / diagonal, dtype=np.float64)
-    x, failed = spla.cg(M, b, rtol=1e-10, maxiter=2000, M=jacobi)
+    jacobi = scipy.sparse.linalg.LinearOperator(
+        M.shape, matvec=lambda x: x / diagonal, dtype=np.float64
+    )
+    x, failed = scipy.sparse.linalg.cg(M, b, rtol=1e-10, maxiter=2000, M=jacobi)
     return static.mass if failed else static.mass - 1.0 / float(b @ x)
 
 
@@ -202,17 +204,17 @@ def antioscillators(
         mass stays in m0, eq. (10).
     method : {"eigen", "krylov"}
         "eigen": the constraint modes of the paper, right at every time scale in the end. "krylov":
-        those of the body projected on its static mode and the motions that a blow excites, of which
-        few give its force; vibration long after it needs `duration`, and an oscillator or two for
-        each natural mode in it.
+        those of the body projected on its static mode and the motions that an impact excites, of
+        which few give the force; vibration long after it needs `duration`, and an oscillator or two
+        for each natural mode in it.
     order : {"mass", "frequency"}, optional
         Which come first: those of the largest mass ("eigen"'s default) or of the lowest frequency
         ("krylov"'s only one).
     contact_time : float, optional
-        How long the blow lasts, s, roughly ("krylov" only); else estimated, see `KrylovSpace`.
+        How long the contact lasts, s, roughly ("krylov" only); else estimated, see `KrylovSpace`.
     duration : float, optional
-        How long the motion is to be right, s, if much longer than the blow ("krylov" only).
-    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        How long the motion is to be right, s, if much longer than the contact ("krylov" only).
+    solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
         The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
 
     Returns
@@ -226,7 +228,7 @@ def antioscillators(
         If `n` is not in 0 … n_dofs - 1, or None on a body too large for all of them.
     SingularError
         If the contact moves part of the body as a mechanism. One that it does not move does no harm
-        to a free body; a held one is refused where K has to be factorised.
+        to a free body; a constrained one is refused where K has to be factorised.
 
     Warns
     -----

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -22,7 +23,7 @@ from ..base import (
     nonnegative,
     positive,
 )
-from ..fem import Damping, Patch, damping_or_none
+from ..fem import ContactPoint, Damping, Patch, damping_or_none
 from .origin import Origin
 
 __all__ = ["AOModel", "rigid"]
@@ -37,7 +38,7 @@ _HEAVIEST, _LIGHTEST = 1e200, 1e-200
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AOModel(Frozen):
-    """Contact mass m0 on a ground spring k0, and oscillators (m, k) hung on the contact mass.
+    """Contact mass m0 on a ground spring k0, and oscillators (m, k) attached to the contact mass.
 
     Parameters
     ----------
@@ -116,15 +117,21 @@ class AOModel(Frozen):
         return len(self.m)
 
     @property
-    def held(self) -> bool:
+    def constrained(self) -> bool:
         """Whether the body is held in place: by its ground spring, or as a wall."""
         return self.k0 > 0.0 or math.isinf(self.m0)
 
     @property
+    def held(self) -> bool:
+        """The former name of `constrained`."""
+        warnings.warn("held is now called constrained", DeprecationWarning, stacklevel=2)
+        return self.constrained
+
+    @property
     def weightless(self) -> bool:
-        """Whether its weight is not known: held, and given by numbers or without nodes."""
+        """Whether its weight is not known: constrained, and given by numbers or without nodes."""
         known = self.origin is not None and self.origin.centre_known
-        return self.held and not known and not math.isinf(self.m0)
+        return self.constrained and not known and not math.isinf(self.m0)
 
     @property
     def static_stiffness(self) -> float:
@@ -229,8 +236,32 @@ class AOModel(Frozen):
             raise InputError("weights: this model was given by numbers and has no body")
         dofs = self.origin.tip.body.n_dofs
         along = finite_array("functional", functional, shape=(dofs,))
-        of_static, of_oscillators = self.origin.seen_by(along)
+        of_static, of_oscillators = self.origin.observed_by(along)
         return np.concatenate([[of_static - of_oscillators.sum()], of_oscillators])
+
+    @property
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """The contact point on the body that the model was made from; none if given by numbers."""
+        return () if self.origin is None else (self.origin.tip,)
+
+    @property
+    def contact_time(self) -> float | None:
+        """The contact's duration that the model was fitted to, s; None where it fits any."""
+        return None if self.origin is None else self.origin.contact_time
+
+    def _deflection(self, s: float, port: int = 0) -> FloatArray:
+        """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
+
+        Parameters
+        ----------
+        s : float
+            rad/s, positive.
+        port : int, optional
+            0: there is one contact point.
+        """
+        follow = self.k / (self.k + s**2 * self.m)
+        force = self.k0 + s**2 * self.m0 + float(self.k @ (1.0 - follow))
+        return self.expand(np.concatenate([[1.0], follow]) / force)
 
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return displacement over force at the contact coordinate.

@@ -50,7 +50,7 @@ class StarModes:
     def centre(self) -> tuple[FloatArray, float]:
         """Motion of the centre of mass per unit of the contact: by mode, by residual compliance."""
         weights = self.star.centre_weights
-        if not self.star.held:  # elastic modes of a free body do not move its centre of mass
+        if not self.star.constrained:  # elastic modes of a free body do not move its centre of mass
             return np.where(self.omega == 0.0, weights.sum(), 0.0), 0.0
         return weights[0] + weights[1:] @ self.gain, float(weights[0])
 

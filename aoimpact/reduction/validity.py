@@ -6,10 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from ..base import FloatArray
-from ..fem import ContactPoint
 from .interface import InterfaceModel
 from .krylov import SHIFT_TIMES_DURATION
 from .star import AOModel
@@ -17,11 +13,11 @@ from .star import AOModel
 __all__ = ["fitted_time", "fitted_times", "knows", "unbalanced"]
 
 
-# Factor by which a contact may be shorter than what was fitted before it is looked at: measured on
+# Factor by which a contact may be shorter than what was fitted before it is checked: measured on
 # twelve impacts with three and eight oscillators, down to there the force is hardly worse.
 _SHORTER = 3.0
 
-# And by which the times grow at which longer ones are looked at: of three oscillators a contact 1.5
+# And by which the times grow at which longer ones are checked: of three oscillators a contact 1.5
 # times as long may have a fifth of the force wrong, where eight know one of three times.
 _LONGER = 1.15
 
@@ -32,7 +28,7 @@ _BALANCED = 5e-3
 
 
 def fitted_times(models: Sequence[Any]) -> tuple[float, float]:
-    """Return between which durations of a contact the models need not be looked at, s."""
+    """Return between which durations of a contact the models need no check, s."""
     fitted = [time for time in map(fitted_time, models) if time is not None]
     return max(fitted, default=0.0) / _SHORTER, min(fitted, default=math.inf)
 
@@ -66,31 +62,16 @@ def unbalanced(model: AOModel | InterfaceModel, s: float, port: int = 0) -> floa
 
     √(rᵀD⁻¹r / bᵀX) of the residual r = b - (K + s²M) X, D the diagonal of K + s²M.
     """
-    tip, x = _answer(model, s, port)
-    body = tip.body
+    point, x = model.contact_points[port], model._deflection(s, port)
+    body = point.body
     K, M, rigid = body.K, body.M, body.rigid_modes
-    left = tip.b - K @ x - s**2 * (M @ x)
+    left = point.b - K @ x - s**2 * (M @ x)
     left -= M @ (rigid @ (rigid.T @ left))
     stiffness = K.diagonal() + s**2 * M.diagonal()
-    return math.sqrt(float(left @ (left / stiffness)) / float(tip.b @ x))
-
-
-def _answer(
-    model: AOModel | InterfaceModel, s: float, port: int
-) -> tuple[ContactPoint, FloatArray]:
-    """The place and the model's displacement of the body under a unit force there, at i s."""
-    if isinstance(model, InterfaceModel):
-        return model.tips[port], model.modes @ (model.participation[port] / (model.omega**2 + s**2))
-    assert model.origin is not None
-    follow = model.k / (model.k + s**2 * model.m)
-    force = model.k0 + s**2 * model.m0 + float(model.k @ (1.0 - follow))
-    return model.origin.tip, model.expand(np.concatenate([[1.0], follow]) / force)
+    return math.sqrt(float(left @ (left / stiffness)) / float(point.b @ x))
 
 
 def fitted_time(model: Any) -> float | None:
     """Return the contact time that a model was fitted to, s; None of one that fits any."""
-    if isinstance(model, InterfaceModel):
-        return model.contact_time
-    if isinstance(model, AOModel) and model.origin is not None:
-        return model.origin.contact_time
-    return None
+    time: float | None = getattr(model, "contact_time", None)
+    return time

@@ -1,4 +1,4 @@
-"""What a run gave: histories, events, energies, tables, plots."""
+"""The results of a run: histories, events, energies, tables, plots."""
 
 from .misfit import warn_of_misfit
 from .motion import BodyResult

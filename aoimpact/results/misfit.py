@@ -1,7 +1,8 @@
-"""Whether a model that was fitted to a blow has met one of that kind.
+"""Whether a model that was fitted to a contact of some duration has met one like it.
 
-A model fitted to a contact of duration T knows how its body answers at the frequency i s, s ~ 10/T.
-What it leaves unbalanced at that of the contact it has met tells how much it knows of that one.
+A model fitted to a contact of duration T has the receptance of its body at the frequency i s,
+s ~ 10/T. The forces that it leaves unbalanced at the frequency of the contact that it has met show
+how exact it is for that one.
 """
 
 from __future__ import annotations
@@ -20,20 +21,22 @@ if TYPE_CHECKING:
 __all__ = ["warn_of_later_motion", "warn_of_misfit"]
 
 
-# And at which later contacts do: on five bodies that ring between two to four contacts the impulse
-# was wrong by .02 to .45 above 6e-5, and by less than .001 below 2e-5.
+# Unbalanced force, relative, up to which later contacts are right: on five bodies that ring between
+# two to four contacts the impulse was wrong by .02 to .45 above 6e-5, and by less than .001 below
+# 2e-5.
 _BALANCED_AGAIN = 3e-5
 
-# And its displacement after a contact: on the twelve it was wrong by .15 to 1.3 above this, but for
-# a light body that moves as a whole, and by less than .1 below a tenth of this.
+# Unbalanced force, relative, up to which the displacement after a contact is right: on twelve
+# bodies it was wrong by .15 to 1.3 above this, but for a light body that moves as a whole, and by
+# less than .1 below a tenth of this.
 _BALANCED_AFTER = 1e-3
 
 
 def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
-    """Say so where a model was fitted to quite another time than it was touched for.
+    """Warn where a model was fitted to quite another duration than that of its contact.
 
     What counts is how long the contact of the peak force lasts, and how long the body is touched in
-    all: of what it does between one contact and the next the force of the next is made.
+    all: its motion between two contacts makes the force of the second.
 
     Parameters
     ----------
@@ -43,12 +46,12 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
     names : sequence of str
         What to call the bodies.
     """
-    models: list[Any] = [getattr(body, "model", None) for body in plan.players]
+    models: list[Any] = [getattr(body, "model", None) for body in plan.bodies]
     if not any(map(fitted_time, models)):
         return
     said = set()
     for joint, events in zip(plan.joints, run.events, strict=True):
-        for body, port in (joint.ends_at[:2], joint.ends_at[2:]):
+        for body, port in joint.ports:
             fitted = fitted_time(models[body])
             if fitted is None or body in said or not events.contacts:
                 continue
@@ -73,7 +76,7 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
 
 
 def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
-    """Say so where a fitted model is asked for motion long after what it was fitted to.
+    """Warn where a fitted model is asked for motion long after the contact it was fitted to.
 
     Parameters
     ----------
@@ -83,7 +86,7 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
     body : int
         Its number.
     """
-    model = getattr(plan.players[body], "model", None)
+    model = getattr(plan.bodies[body], "model", None)
     fitted, touches = fitted_time(model), _touches(plan, run, body)
     if fitted is None or not touches or not len(run.t):
         return
@@ -94,9 +97,9 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
         warn(
             f"displacement and velocity of a body that was fitted to a contact of "
             f"{quantity(fitted, 's')} may be wrong by tens of percent until t = "
-            f"{quantity(float(run.t[-1]), 's')}: the model gives the force, but not how the body "
-            f"swings on; make it with duration={since:.2g} and more oscillators, or give the "
-            "finite-element body itself and its displacement as quantity"
+            f"{quantity(float(run.t[-1]), 's')}: the model gives the force, but not the free "
+            f"vibration after it; make it with duration={since:.2g} and more oscillators, or give "
+            "the finite-element body itself and its displacement as quantity"
         )
 
 

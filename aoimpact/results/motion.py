@@ -1,9 +1,10 @@
-"""What a run holds of each body, each contact and the energies: read-only histories over time."""
+"""The histories of a run over time, read-only: of each body, each contact and the energies."""
 
 from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,7 +20,6 @@ from ..integrate import Eventful, Events
 
 __all__ = [
     "BodyEnergy",
-    "BodyInfo",
     "BodyResult",
     "ContactResult",
     "Energy",
@@ -85,8 +85,8 @@ class Energy(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class BodyInfo:
-    """What a run has to know of a body beside its histories.
+class BodyResult(Frozen):
+    """One body's motion over time.
 
     Attributes
     ----------
@@ -94,45 +94,8 @@ class BodyInfo:
         "rigid", "AO(1)", "modal(40)", "full(3159)".
     mass : float or None
         Total mass [kg]; None where it is not known.
-    held : bool
-        Whether supports or a ground spring hold it.
-    centre_known : bool
-        Whether its centre of mass is known; of a body of K and M alone often not.
-    state : callable
-        Gives its coordinates and their rates at the end of the record.
-    ports : int
-        Number of places where it may be touched.
-    response : callable
-        Makes what all of the body does be known; None from it if the body has no finite elements.
-    """
-
-    label: str
-    mass: float | None
-    held: bool
-    centre_known: bool
-    state: Callable[[], tuple[FloatArray, FloatArray]]
-    ports: int = 1
-    response: Callable[[], Response | None] | None = None
-
-    @property
-    def wall(self) -> bool:
-        """Whether it is of infinite mass."""
-        return self.mass is not None and math.isinf(self.mass)
-
-    @property
-    def fixed(self) -> bool:
-        """Whether it cannot fly off: held by supports, or a wall."""
-        return self.held or self.wall
-
-
-@dataclass(frozen=True, eq=False)
-class BodyResult(Frozen):
-    """One body's motion over time.
-
-    Attributes
-    ----------
-    label, mass, held
-        As in :class:`BodyInfo`.
+    constrained : bool
+        Whether supports or a ground spring constrain it.
     centre_displacement, centre_velocity : (n,) arrays
         Of the centre of mass [m, m/s]; NaN where that is not known: of a body given by K and M
         without nodes, unless it is free and struck through its centre.
@@ -146,7 +109,7 @@ class BodyResult(Frozen):
 
     label: str
     mass: float | None
-    held: bool
+    constrained: bool
     centre_displacement: FloatArray
     centre_velocity: FloatArray
     energy: BodyEnergy | None
@@ -159,11 +122,16 @@ class BodyResult(Frozen):
     _doubt: Callable[[], None] | None = field(default=None, repr=False)
 
     @property
+    def held(self) -> bool:
+        """The former name of `constrained`."""
+        warnings.warn("held is now called constrained", DeprecationWarning, stacklevel=2)
+        return self.constrained
+
+    @property
     def displacement(self) -> FloatArray:
         """Of the contact coordinate (the first one) [m], shape (n,).
 
-        A model that was fitted to a contact warns where the record goes on for longer than it
-        knows.
+        A model that was fitted to a contact warns where the record is longer than it is exact for.
         """
         if self._doubt is not None:
             self._doubt()
@@ -317,7 +285,7 @@ class ErrorEstimate:
         return self.rtol is not None and self.numbers.get(name, math.nan) <= self.rtol
 
     def told(self, name: str) -> str:
-        """Return what a summary says of a number's error; nothing where models were given."""
+        """Return a number's error in words, for summaries; empty where models were given."""
         error = self.numbers.get(name, math.nan)
         if self.rtol is None or math.isnan(error):
             return ""

@@ -20,24 +20,25 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .motion import BodyEnergy, Energy
-    from .seen import Seen, SeenRun
+    from .result import Result
+    from .run import Run
 
 Curve = tuple[FloatArray, dict[str, Any]]
 
 
-def plot_force(result: Seen, ax: Axes | None = None, **kwargs: Any) -> Axes:
+def plot_force(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw the contact force over time (paper, Figs. 3 and 9)."""
     return _draw(ax, (result.t, "time", "s"), "contact force", "N", [(result.force, {})], kwargs)
 
 
-def plot_indentation(result: Seen, ax: Axes | None = None, **kwargs: Any) -> Axes:
+def plot_indentation(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw the indentation over time."""
     curves: list[Curve] = [(result.indentation, {})]
     return _draw(ax, (result.t, "time", "s"), "indentation", "m", curves, kwargs)
 
 
 def plot_energy(
-    result: Seen | SeenRun,
+    result: Result | Run,
     ax: Axes | None = None,
     *,
     body: Literal["projectile", "target"] | None = None,
@@ -67,7 +68,7 @@ def plot_energy(
     return _draw(ax, (result.t, "time", "s"), "energy", "J", curves, kwargs)
 
 
-def plot_displacement(result: Seen, ax: Axes | None = None, **kwargs: Any) -> Axes:
+def plot_displacement(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw displacements over time: contact points, and centres of mass dashed (Fig. 10)."""
     curves: list[Curve] = []
     for colour, name, body in (
@@ -80,7 +81,7 @@ def plot_displacement(result: Seen, ax: Axes | None = None, **kwargs: Any) -> Ax
     return _draw(ax, (result.t, "time", "s"), "displacement", "m", curves, kwargs)
 
 
-def plot_interaction(result: Seen, ax: Axes | None = None, **kwargs: Any) -> Axes:
+def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw the force over the approach of the centres of mass, and the law itself (Fig. 7).
 
     The first is the modified interaction law of the paper: what rigid masses would need.
@@ -99,7 +100,7 @@ def plot_interaction(result: Seen, ax: Axes | None = None, **kwargs: Any) -> Axe
     return ax
 
 
-def plot_forces(run: SeenRun, ax: Axes | None = None, **kwargs: Any) -> Axes:
+def plot_forces(run: Run, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw the force of each contact of a scene over time."""
     several = len(run.contacts) > 1
     curves: list[Curve] = [
@@ -110,7 +111,7 @@ def plot_forces(run: SeenRun, ax: Axes | None = None, **kwargs: Any) -> Axes:
 
 
 def plot_places(
-    run: SeenRun, ax: Axes | None = None, *, names: Sequence[str] | None = None, **kwargs: Any
+    run: Run, ax: Axes | None = None, *, names: Sequence[str] | None = None, **kwargs: Any
 ) -> Axes:
     """Draw the displacements of the contact coordinates of a scene's bodies over time."""
     curves: list[Curve] = [

@@ -1,4 +1,4 @@
-"""What an impact of two bodies gave: a run's histories, and the numbers that sum them up.
+"""The result of an impact of two bodies: a run's histories, and the numbers that sum them up.
 
 Histories are read-only arrays over `Result.t`. Displacements, velocities and centres of mass are
 measured along the direction of travel, from where the bodies were at t = 0.
@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, checked, positive, real
+from ..base import FloatArray, InputError, checked, real
 from ..integrate import Eventful, Events
 from ..laws import ContactLaw
 from . import plot
-from .motion import BodyEnergy, BodyInfo, BodyResult, Energy, ErrorEstimate
+from .motion import BodyResult, Energy, ErrorEstimate
 from .run import Run
 from .summary import summary_html, summary_text
 from .table import columns, write_csv
@@ -27,7 +27,7 @@ from .table import columns, write_csv
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["BodyEnergy", "BodyInfo", "BodyResult", "Energy", "ErrorEstimate", "Result"]
+__all__ = ["Result"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,7 +50,9 @@ class Result(Eventful):
     law: Any
 
     def __post_init__(self) -> None:
-        checked(self, run=(Run,), velocity=positive, gap=real, law=(ContactLaw,))
+        checked(self, run=(Run,), velocity=real, gap=real, law=(ContactLaw,))
+        if self.velocity == 0.0:
+            raise InputError("velocity is 0 m/s: no restitution is relative to it")
 
     # ------------------------------------------------------------------- histories
 
@@ -172,7 +174,7 @@ class Result(Eventful):
         (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is held or
         of infinite mass. NaN without a rebound, and where a centre of mass is not known.
         """
-        target = self.run.infos[1]
+        target = self.run.plan.bodies[1]
         known = target.fixed or target.centre_known
         return self.parting_speed / self.velocity if known and self._rebounds else math.nan
 
@@ -180,13 +182,13 @@ class Result(Eventful):
     def _rebounds(self) -> bool:
         """Whether the projectile has a rebound that is known."""
         parted = bool(self.events.contacts) and not self.in_contact_at_end
-        return parted and self.run.infos[0].centre_known
+        return parted and self.run.plan.bodies[0].centre_known
 
     @property
     def parting_speed(self) -> float:
         """How fast the bodies part by `parting` [m/s]; a target that is held stays where it is."""
         ours, theirs = self.parting
-        return (0.0 if self.run.infos[1].fixed else theirs) - ours
+        return (0.0 if self.run.plan.bodies[1].fixed else theirs) - ours
 
     @cached_property
     def parting(self) -> tuple[float, float]:

@@ -1,8 +1,7 @@
-"""What a scene gave: the motions of its bodies, its contacts and its energies over time."""
+"""The result of a scene: the motions of its bodies, its contacts and its energies over time."""
 
 from __future__ import annotations
 
-import itertools
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -22,12 +21,12 @@ from ..base import (
     quantity,
     text,
 )
-from ..fields import response_of
-from ..integrate import Events, Recorder, find_events
-from ..scene import BODY_ROWS, CONTACT_ROWS, Drift, Plan
+from ..fields import Response, response_of
+from ..integrate import Events, Recorder
+from ..scene import Plan, RecordLayout
 from . import plot
 from .misfit import warn_of_later_motion
-from .motion import BodyEnergy, BodyInfo, BodyResult, ContactResult, Energy, ErrorEstimate
+from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate
 from .table import run_columns, write_csv
 
 if TYPE_CHECKING:
@@ -155,36 +154,8 @@ class Run:
         """Whether energies are recorded."""
         return self.plan.energies
 
-    @property
-    def ends(self) -> tuple[tuple[int, int, int, int], ...]:
-        """Body, port, body and port of the contacts."""
-        return self.plan.ends
-
-    @property
-    def joints(self) -> int:
-        """Number of contacts."""
-        return len(self.plan.joints)
-
-    @cached_property
-    def infos(self) -> tuple[BodyInfo, ...]:
-        """What is known of the bodies beside their histories."""
-        return tuple(
-            BodyInfo(
-                player.label,
-                player.mass,
-                player.held,
-                player.centre_known,
-                partial(self.recorder.state, i),
-                player.ports,
-                partial(response_of, self.plan, self.recorder, i),
-            )
-            for i, player in enumerate(self.plan.players)
-        )
-
-    @cached_property
-    def drifts(self) -> tuple[Drift | None, ...]:
-        """What each reduced body leaves out."""
-        return self.plan.drifts
+    def _response(self, body: int) -> Response | None:
+        return response_of(self.plan, self.recorder, self.events, body)
 
     # ------------------------------------------------------------------- histories
 
@@ -197,36 +168,31 @@ class Run:
 
     @cached_property
     def _rows(self) -> FloatArray:
-        return self._complete(self.t)
-
-    def _complete(self, t: FloatArray) -> FloatArray:
-        """The record at times, with what the reduced bodies leave out."""
-        rows = self.recorder.rows(t, self.energies)
-        for body, drift in enumerate(self.drifts):
-            if drift is not None:
-                drift.add(rows[self._first[body] :], t)
+        """The record at the times, with what the reduced bodies leave out."""
+        rows = self.recorder.rows(self.t, self.energies)
+        for body, omitted in enumerate(self.plan.omitted):
+            if omitted is not None:
+                omitted.add_to(self._layout.body(rows, body), self.t)
         rows.flags.writeable = False
         return rows
+
+    @property
+    def _layout(self) -> RecordLayout:
+        return self.plan.layout
 
     @cached_property
     def forces(self) -> FloatArray:
         """Of all contacts, N, shape (contacts, n); made without the motions, which cost more."""
         if "_rows" in self.__dict__:
-            return self._rows[: CONTACT_ROWS * self.joints : CONTACT_ROWS]
+            return self._layout.forces(self._rows)
         forces = self.recorder.forces(self.t)
         forces.flags.writeable = False
         return forces
 
     @cached_property
-    def _first(self) -> tuple[int, ...]:
-        """First rows of the bodies."""
-        sizes = (BODY_ROWS + 2 * info.ports for info in self.infos)
-        return tuple(itertools.accumulate(sizes, initial=CONTACT_ROWS * self.joints))
-
-    @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
         """The motions of the bodies, in the order of `add`."""
-        return tuple(self._body(i) for i in range(len(self.infos)))
+        return tuple(self._body(i) for i in range(len(self.plan.bodies)))
 
     def __getitem__(self, body: Handle | int) -> BodyResult:
         if isinstance(body, bool) or not isinstance(body, (Handle, int, np.integer)):
@@ -237,34 +203,27 @@ class Run:
                 "own scene's add returned"
             )
         index = body.body if isinstance(body, Handle) else int(body)
-        if not 0 <= index < len(self.infos):
-            raise InputError(f"there is no body {index}: the scene has {len(self.infos)}")
+        if not 0 <= index < len(self.bodies):
+            raise InputError(f"there is no body {index}: the scene has {len(self.bodies)}")
         return self.bodies[index]
 
-    def _velocity(self, body: int, port: int) -> FloatArray:
-        velocity: FloatArray = self._rows[self._first[body] + BODY_ROWS + 2 * port + 1]
-        return velocity
-
     def _body(self, index: int) -> BodyResult:
-        info, first = self.infos[index], self._first[index]
-        ports = self._rows[first + BODY_ROWS : first + BODY_ROWS + 2 * info.ports]
-        coordinates, rates = info.state()
-        centre = self._rows[first : first + 2]
-        if not info.centre_known:
-            centre = np.full(centre.shape, np.nan)
+        body, rows = self.plan.bodies[index], self._layout.body(self._rows, index)
+        coordinates, rates = self.recorder.state(index)
+        unknown = np.full(len(self.t), np.nan)
         return BodyResult(
-            label=info.label,
-            mass=info.mass,
-            held=info.held,
-            centre_displacement=centre[0],
-            centre_velocity=centre[1],
+            label=body.label,
+            mass=body.mass,
+            constrained=body.constrained,
+            centre_displacement=rows.displacement if body.centre_known else unknown,
+            centre_velocity=rows.velocity if body.centre_known else unknown.copy(),
             energy=self.energy.bodies[index] if self.energies else None,
             coordinates=coordinates,
             rates=rates,
-            port_displacements=ports[0::2],
-            port_velocities=ports[1::2],
+            port_displacements=rows.port_displacements,
+            port_velocities=rows.port_velocities,
             _times=self.t,
-            _respond=info.response,
+            _respond=partial(self._response, index),
             _doubt=None if self._asked_for_motion else partial(self._doubt, index),
         )
 
@@ -281,24 +240,16 @@ class Run:
 
         Where a centre is not known, the mean over the static mode: good to compare runs by.
         """
-        return self._rows[[first + 1 for first in self._first[:-1]]]
+        return self._layout.centre_velocities(self._rows)
 
     @cached_property
     def contacts(self) -> tuple[ContactResult, ...]:
         """The contacts, in the order of `connect`."""
         found = []
-        for joint in range(self.joints):
-            at = CONTACT_ROWS * joint
-            force, indentation, elastic, dissipated = self._rows[at : at + CONTACT_ROWS]
-            found.append(
-                ContactResult(
-                    force,
-                    indentation,
-                    elastic if self.energies else None,
-                    dissipated if self.energies else None,
-                    self.events[joint],
-                )
-            )
+        for number, events in enumerate(self.events):
+            rows = self._layout.contact(self._rows, number)
+            stored, lost = (rows.elastic, rows.dissipated) if self.energies else (None, None)
+            found.append(ContactResult(rows.force, rows.indentation, stored, lost, events))
         return tuple(found)
 
     @cached_property
@@ -315,7 +266,7 @@ class Run:
                 "this run has no energies: it was made with energies=False; "
                 "call simulate(..., energies=True)"
             )
-        return _energy(self._rows, self.joints, self._first[:-1])
+        return _energy(self._rows, self._layout)
 
     def at(self, times: npt.ArrayLike) -> Run:
         """Return the same run at other times: dense output, as exact as the run itself.
@@ -355,18 +306,7 @@ class Run:
     @property
     def events(self) -> tuple[Events, ...]:
         """Of each contact: the solver's own where it locates them, else found between the steps."""
-        located = self.recorder.events
-        return self._found if located is None else located
-
-    @cached_property
-    def _found(self) -> tuple[Events, ...]:
-        found = []
-        for joint in range(self.joints):
-            force, indentation = self._rows[CONTACT_ROWS * joint : CONTACT_ROWS * joint + 2]
-            first, port, second, other = self.plan.joints[joint].ends_at
-            rate = self._velocity(first, port) - self._velocity(second, other)
-            found.append(find_events(self.t, force, indentation, rate))
-        return tuple(found)
+        return self.recorder.events
 
     @property
     def in_contact_at_end(self) -> bool:
@@ -378,7 +318,8 @@ class Run:
     def _driven(self) -> bool:
         """Whether a wall moves: it brings energy that is not counted."""
         return any(
-            info.wall and self.bodies[i].port_velocities.any() for i, info in enumerate(self.infos)
+            body.wall and of.port_velocities.any()
+            for body, of in zip(self.plan.bodies, self.bodies, strict=True)
         )
 
     @cached_property
@@ -423,8 +364,8 @@ class Run:
 
     def _lines(self) -> list[tuple[str, str]]:
         lines = [
-            (f"body {i}", f"{info.label}{', held' if info.held else ''}")
-            for i, info in enumerate(self.infos[:_SHOWN])
+            (f"body {i}", f"{body.label}{', constrained' if body.constrained else ''}")
+            for i, body in enumerate(self.plan.bodies[:_SHOWN])
         ]
         told = self.error.told
         for i, events in enumerate(self.events[:_SHOWN]):
@@ -433,8 +374,9 @@ class Run:
             count = len(events.contacts)
             times = f"{count} times{told(f'contacts.{i}.intervals')}"
             lines.append((f"contact {i}", f"{peak}, {times}" if count else "none"))
-        if max(len(self.infos), self.joints) > _SHOWN:
-            lines.append(("…", f"{len(self.infos)} bodies and {self.joints} contacts in all"))
+        bodies, contacts = len(self.plan.bodies), len(self.events)
+        if max(bodies, contacts) > _SHOWN:
+            lines.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
         lines.append(("solver", self.solver))
         return lines
 
@@ -447,16 +389,16 @@ class Run:
 _SHOWN = 12
 
 
-def _energy(rows: FloatArray, joints: int, first: Sequence[int]) -> Energy:
-    bodies = tuple(
-        BodyEnergy(rows[at + 2], rows[at + 3], rows[at + 4], rows[at + 5]) for at in first
-    )
+def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:
+    recorded = [layout.body(rows, number) for number in range(len(layout.ports))]
+    bodies = tuple(BodyEnergy(of.kinetic, of.elastic, of.dissipated, of.work) for of in recorded)
+    contacts = [layout.contact(rows, number) for number in range(layout.contacts)]
     nothing = np.zeros(rows.shape[1])
     kinetic = sum((body.kinetic for body in bodies), nothing)
     elastic = sum((body.elastic for body in bodies), nothing)
     work = sum((body.work for body in bodies), nothing)
-    contact = sum((rows[CONTACT_ROWS * joint + 2] for joint in range(joints)), nothing)
-    dissipated = sum((rows[CONTACT_ROWS * joint + 3] for joint in range(joints)), nothing)
+    contact = sum((of.elastic for of in contacts), nothing)
+    dissipated = sum((of.dissipated for of in contacts), nothing)
     dissipated = dissipated + sum((body.dissipated for body in bodies), nothing)
     total = kinetic + elastic + contact + dissipated - work
     return Energy(kinetic, elastic, contact, dissipated, work, total, bodies)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from ..base import quantity
 
 if TYPE_CHECKING:
-    from .seen import Seen
+    from .result import Result
 
 
-def summary_rows(result: Seen) -> list[tuple[str, str]]:
+def summary_rows(result: Result) -> list[tuple[str, str]]:
     """Return (name, value with unit) for everything that a user asks first."""
     rows = [
         ("projectile", _body(result, "projectile")),
@@ -40,13 +40,13 @@ def summary_rows(result: Seen) -> list[tuple[str, str]]:
     return rows
 
 
-def summary_text(result: Seen) -> str:
+def summary_text(result: Result) -> str:
     """Return the summary as lines of text."""
     lines = [f"  {name:<18} {value}" for name, value in summary_rows(result)]
     return "\n".join(["Impact", *lines])
 
 
-def summary_html(result: Seen) -> str:
+def summary_html(result: Result) -> str:
     """Return the summary as an HTML table."""
     cells = "".join(
         f'<tr><th style="text-align:left">{html.escape(name)}</th>'
@@ -56,30 +56,30 @@ def summary_html(result: Seen) -> str:
     return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"
 
 
-def _body(result: Seen, which: str) -> str:
+def _body(result: Result, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
     mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
-    return f"{body.label}, {mass}{', held' if body.held else ''}"
+    return f"{body.label}, {mass}{', constrained' if body.constrained else ''}"
 
 
-def _rebound(result: Seen, name: str, unit: str = "") -> str:
+def _rebound(result: Result, name: str, unit: str = "") -> str:
     value = getattr(result, name)
     if not math.isnan(value):
         return f"{value:.5g}{unit}{result.error.told(name)}"
     return "none" if result.in_contact_at_end or not result.contacts else "not known"
 
 
-def _gap(result: Seen) -> str:
+def _gap(result: Result) -> str:
     return f", gap {quantity(result.gap, 'm')}" if result.gap else ""
 
 
-def _force(result: Seen) -> str:
+def _force(result: Result) -> str:
     told = result.error.told
     force = f"{quantity(result.peak_force, 'N', 5)}{told('peak_force')}"
     return f"{force} at {quantity(result.peak_time, 's')}{told('peak_time')}"
 
 
-def _contact(result: Seen) -> str:
+def _contact(result: Result) -> str:
     start = result.contacts[0][0]
     told = result.error.told
     text = f"{quantity(result.contact_duration, 's')}{told('contact_duration')}"
@@ -91,7 +91,7 @@ def _contact(result: Seen) -> str:
     return text
 
 
-def _error(result: Seen) -> str:
+def _error(result: Result) -> str:
     parts = [
         f"{name} {'not known' if value is None else f'{100.0 * value:.2g} %'}"
         for name, value in (("reduction", result.error.reduction), ("time", result.error.time))

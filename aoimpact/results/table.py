@@ -12,10 +12,11 @@ from ..base import FloatArray, InputError, file_path, texts
 
 if TYPE_CHECKING:
     from .motion import BodyResult
-    from .seen import Seen, SeenRun
+    from .result import Result
+    from .run import Run
 
 
-def columns(result: Seen) -> dict[str, FloatArray]:
+def columns(result: Result) -> dict[str, FloatArray]:
     """Return every history by its heading, "name [unit]", in the order of the CSV file."""
     table = {
         "t [s]": result.t,
@@ -34,7 +35,7 @@ def columns(result: Seen) -> dict[str, FloatArray]:
     return table
 
 
-def run_columns(run: SeenRun, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
+def run_columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
     """Return every history of a scene: contacts by number, bodies by number or by name."""
     table = {"t [s]": run.t}
     for i, contact in enumerate(run.contacts):

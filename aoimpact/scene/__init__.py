@@ -1,23 +1,25 @@
 """A scene as the integrators take it: bodies, contacts, loads, and rest under load."""
 
-from .bodies import FullPlayer, Player, StarPlayer, player
-from .plan import Drift, Joint, Load, Plan, normal_gap
-from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
+from .bodies import StarBody, scene_body
+from .body import SceneBody
+from .contact import FreeMotion, Joint, Load, normal_gap
+from .full_body import FullBody
+from .plan import Plan
+from .rows import BodyRows, RecordLayout
 from .stepped import Equations, SteppedBody
 
 __all__ = [
-    "BODY_ROWS",
-    "CONTACT_ROWS",
-    "PORT_ROWS",
-    "Drift",
+    "BodyRows",
     "Equations",
-    "FullPlayer",
+    "FreeMotion",
+    "FullBody",
     "Joint",
     "Load",
     "Plan",
-    "Player",
-    "StarPlayer",
+    "RecordLayout",
+    "SceneBody",
+    "StarBody",
     "SteppedBody",
     "normal_gap",
-    "player",
+    "scene_body",
 ]

@@ -4,117 +4,20 @@ from __future__ import annotations
 
 import itertools
 import math
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..base import FloatArray
-from ..laws import ContactLaw, PatchLaw, Tabulated
 from ..reduction import ModalBody
-from .bodies import Player, State
-from .preload import Pressed, equilibrium
-from .rows import BODY_ROWS, CONTACT_ROWS, PORT_ROWS
+from .body import SceneBody, State
+from .contact import FreeMotion, Joint, Load, OmittedMass
+from .preload import Equilibrium, equilibrium
+from .rows import RecordLayout
 
-__all__ = ["Drift", "Joint", "Load", "Plan", "normal_gap"]
-
-
-def normal_gap(gap: float) -> float:
-    """Return a gap, m; 0 for a subnormal one, which no time of flight can tell from 0."""
-    return gap if abs(gap) >= sys.float_info.min else 0.0
-
-
-class Joint(NamedTuple):
-    """A contact of two bodies.
-
-    Attributes
-    ----------
-    first, first_port, second, second_port : int
-        Numbers of the bodies in the plan, and of the places where they are touched; the indentation
-        is the first's coordinate minus the second's minus the gap.
-    law : ContactLaw
-        What acts between the models: without what their patches give way themselves.
-    gap : float
-        How far they are apart at the start, m.
-    ends : tuple of (model, model)
-        The models or points that may have patches.
-    """
-
-    first: int
-    first_port: int
-    second: int
-    second_port: int
-    law: ContactLaw
-    gap: float
-    ends: tuple[Any, Any] = (None, None)
-
-    @property
-    def ends_at(self) -> tuple[int, int, int, int]:
-        """Body and port, body and port."""
-        return self.first, self.first_port, self.second, self.second_port
-
-    @property
-    def patched(self) -> bool:
-        """Whether something has been taken out of the law, or it ends."""
-        return isinstance(self.law, (PatchLaw, Tabulated))
-
-    def port_of(self, body: int) -> int:
-        """Where one of the two is touched."""
-        return self.first_port if body == self.first else self.second_port
-
-    def touches(self, body: int) -> bool:
-        """Whether a body is one of the two."""
-        return body in (self.first, self.second)
-
-
-@dataclass(frozen=True, eq=False)
-class Load:
-    """A force on a port, straight between times and constant outside them.
-
-    Attributes
-    ----------
-    body, port : int
-        As in :class:`Joint`.
-    times, forces : ndarrays, shape (m,)
-        s, ascending; N, along the direction of travel.
-    """
-
-    body: int
-    port: int
-    times: FloatArray
-    forces: FloatArray
-
-
-@dataclass(frozen=True)
-class Drift:
-    """What a reduced body leaves out: mass that moves on, untouched, with the whole of the body.
-
-    Attributes
-    ----------
-    share : float
-        Of the centre of mass's motion.
-    mass : float
-        kg.
-    velocity, acceleration : float
-        m/s, m/s².
-    """
-
-    share: float
-    mass: float
-    velocity: float
-    acceleration: float
-
-    def add(self, rows: FloatArray, t: FloatArray) -> None:
-        """Add it to the rows of a body."""
-        way = t * (self.velocity + 0.5 * self.acceleration * t)
-        speed = self.velocity + self.acceleration * t
-        rows[0] += self.share * way
-        rows[1] += self.share * speed
-        rows[2] += 0.5 * self.mass * speed**2
-        rows[5] += self.mass * self.acceleration * way
+__all__ = ["Plan"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +26,7 @@ class Plan:
 
     Attributes
     ----------
-    players : sequence of Player
+    bodies : sequence of SceneBody
     velocities : sequence of float
         m/s.
     joints : sequence of Joint
@@ -140,7 +43,7 @@ class Plan:
         The mark of the scene's handles.
     """
 
-    players: Sequence[Player]
+    bodies: Sequence[SceneBody]
     velocities: Sequence[float]
     joints: Sequence[Joint]
     loads: Sequence[Load]
@@ -153,7 +56,7 @@ class Plan:
     @cached_property
     def modal(self) -> tuple[ModalBody, ...]:
         """The bodies in their natural modes."""
-        return tuple(player.modal for player in self.players)
+        return tuple(body.modal for body in self.bodies)
 
     @cached_property
     def first_modes(self) -> tuple[int, ...]:
@@ -161,25 +64,22 @@ class Plan:
         return tuple(itertools.accumulate((body.n for body in self.modal), initial=0))
 
     @cached_property
-    def first_rows(self) -> tuple[int, ...]:
-        """Where each body's rows begin in a record, after the contacts'; and their number."""
-        sizes = (BODY_ROWS + PORT_ROWS * player.ports for player in self.players)
-        return tuple(itertools.accumulate(sizes, initial=CONTACT_ROWS * len(self.joints)))
+    def layout(self) -> RecordLayout:
+        """Where the rows of a record stand."""
+        return RecordLayout(len(self.joints), tuple(body.ports for body in self.bodies))
 
-    @property
-    def ends(self) -> tuple[tuple[int, int, int, int], ...]:
-        """Bodies and ports of the contacts."""
-        return tuple(joint.ends_at for joint in self.joints)
+    @cached_property
+    def omitted(self) -> tuple[OmittedMass | None, ...]:
+        """What each of the bodies, where it is reduced, does not contain of its moving mass."""
+        return tuple(
+            self._omitted(*body.omitted, velocity)
+            for body, velocity in zip(self.bodies, self.velocities, strict=True)
+        )
 
-    @property
-    def drifts(self) -> tuple[Drift | None, ...]:
-        """What the reduced bodies leave out."""
-        found: list[Drift | None] = []
-        for player, velocity in zip(self.players, self.velocities, strict=True):
-            share, mass = player.unseen
-            moves = mass != 0.0 and (velocity != 0.0 or self.gravity != 0.0)
-            found.append(Drift(share, mass, velocity, self.gravity) if moves else None)
-        return tuple(found)
+    def _omitted(self, share: float, mass: float, velocity: float) -> OmittedMass | None:
+        if mass == 0.0 or (velocity == 0.0 and self.gravity == 0.0):
+            return None
+        return OmittedMass(share, mass, FreeMotion(velocity, self.gravity))
 
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:
@@ -197,12 +97,12 @@ class Plan:
         times = ours[0].times  # which rise: sorting two million takes a tenth of a second
         if len(ours) > 1:
             times = np.unique(np.concatenate([load.times for load in ours]))
-        forces = np.zeros((len(times), self.players[body].ports))
+        forces = np.zeros((len(times), self.bodies[body].ports))
         for load in ours:
             forces[:, load.port] += np.interp(times, load.times, load.forces)
         return times, forces
 
-    def port_forces(self, body: int, times: FloatArray, record: FloatArray) -> FloatArray:
+    def port_forces(self, body: int, times: FloatArray, forces: FloatArray) -> FloatArray:
         """Return all forces on a body's ports, N, along their directions, shape (p, times).
 
         Under gravity one more row of ones after them: the weight acts at any time.
@@ -211,71 +111,58 @@ class Plan:
         ----------
         times : ndarray, shape (times,)
             s.
-        record : ndarray, shape (rows, times)
-            What the run recorded then.
+        forces : ndarray, shape (contacts, times)
+            The contact forces then, N.
         """
-        forces = np.zeros((self.players[body].ports, len(times)))
-        for i, joint in enumerate(self.joints):
+        found = np.zeros((self.bodies[body].ports, len(times)))
+        for joint, force in zip(self.joints, forces, strict=True):
             if joint.first == body:
-                forces[joint.first_port] -= record[CONTACT_ROWS * i]
+                found[joint.first_port] -= force
             if joint.second == body:
-                forces[joint.second_port] += record[CONTACT_ROWS * i]
+                found[joint.second_port] += force
         for load in self._loads_of.get(body, []):
-            forces[load.port] += np.interp(times, load.times, load.forces)
-        return np.vstack([forces, np.ones((1, len(times)))]) if self.gravity else forces
+            found[load.port] += np.interp(times, load.times, load.forces)
+        return np.vstack([found, np.ones((1, len(times)))]) if self.gravity else found
 
     def weight_of(self, body: int) -> FloatArray | None:
         """Return the forces of gravity on the coordinates that are stepped; None without."""
-        return self.players[body].weight(self.gravity) if self.gravity else None
-
-    def start_of(self, body: int) -> State | None:
-        """Return the state that is stepped from, if that is not moving undeformed."""
-        if not self.preload:
-            return None
-        return self.players[body].pressed(self.at_rest[body], self._rest[1][body])
-
-    def ports_at_rest(self, body: int) -> FloatArray | None:
-        """Return the ports of a preloaded body at the start, m, and their rates, m/s, (2, p)."""
-        if not self.preload:
-            return None
-        modal = self.modal[body]
-        places = modal.shape @ self.at_rest[body] + self._rest[1][body]
-        return np.array([places, modal.shape @ (self.velocities[body] * modal.moving)])
+        return self.bodies[body].weight(self.gravity) if self.gravity else None
 
     # ------------------------------------------------------------------- the start
 
     @cached_property
-    def at_rest(self) -> tuple[FloatArray, ...]:
-        """Modes of the bodies at rest under gravity and the loads at t = 0, if so asked; or zeros.
+    def rest(self) -> Equilibrium | None:
+        """The bodies at rest under gravity and the loads at t = 0; None unless they start so.
 
         Raises
         ------
         ConvergenceError
-            If they come to no rest.
+            If there is no static equilibrium.
         """
         if not self.preload:
-            return tuple(np.zeros(body.n) for body in self.modal)
-        rest = itertools.pairwise(self.first_modes)
-        return tuple(self._rest[0][first:end] for first, end in rest)
+            return None
+        forces = [self._loaded(body) for body in range(len(self.bodies))]
+        return equilibrium(self.modal, self.joints, gravity=self.gravity, forces=forces)
 
-    @cached_property
-    def _rest(self) -> tuple[FloatArray, list[FloatArray]]:
-        """All modes at rest, and what these leave out of the displacements of massless ports."""
-        return equilibrium(
-            self.modal,
-            [
-                Pressed(((j.first, j.first_port), (j.second, j.second_port)), j.gap, j.law)
-                for j in self.joints
-            ],
-            gravity=self.gravity,
-            forces=[self._loaded(body) for body in range(len(self.modal))],
-        )
+    def start_of(self, body: int) -> State | None:
+        """Return the state that is stepped from, if that is not moving undeformed."""
+        if self.rest is None:
+            return None
+        return self.bodies[body].preloaded(self.rest.modes[body], self.rest.beside[body])
+
+    def ports_at_rest(self, body: int) -> FloatArray | None:
+        """Return the ports of a preloaded body at the start, m, and their rates, m/s, (2, p)."""
+        if self.rest is None:
+            return None
+        modal = self.modal[body]
+        places = modal.shape @ self.rest.modes[body] + self.rest.beside[body]
+        return np.array([places, modal.shape @ (self.velocities[body] * modal.moving)])
 
     def _loaded(self, body: int) -> FloatArray:
         """The loads on a body's ports at t = 0, N."""
         load = self.load_on(body)
         if load is None:
-            return np.zeros(self.players[body].ports)
+            return np.zeros(self.bodies[body].ports)
         return np.array([np.interp(0.0, load[0], column) for column in load[1].T])
 
     @property

@@ -1,4 +1,4 @@
-"""The contacts of a pile at rest, as springs that only push: all of one law at once."""
+"""The contacts of a network as nonlinear springs that only push, all of one law at once."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from ..laws import ContactLaw, UserLaw
 __all__ = ["Springs"]
 
 
-# Depths, m, from which on and up to where a law's stiffness under a load is looked for; by which
-# strides, and by which in a user's law, which is not asked much deeper than it will be.
+# The indentations, m, between which the one under a load is looked for, by these factors in turn. A
+# user's law is not asked much deeper than it will be.
 _SHALLOWEST, _DEEPEST = 2.0**-90, 2.0**30
 _STRIDES, _OWN_STRIDES = (2.0**16, 2.0**4, 2.0), (2.0,)
 
 
 @dataclass(frozen=True, eq=False)
 class _Kind:
-    """The contacts of one law, by their numbers; beyond its limit, m, it goes on straight."""
+    """The contacts of one law, by their numbers; beyond its limit, m, it is continued linearly."""
 
     law: tuple[Any, ...]
     limit: float
@@ -37,19 +37,19 @@ class _Kind:
         force, stiffness, damping = (np.empty(len(depth)) for _ in range(3))
         _core.law_force(self.law, within, np.zeros(len(depth)), force, stiffness, damping)
         closed = depth > 0.0
-        stiffness = np.maximum(stiffness, 0.0)  # that of a level stretch may be rounded below
+        stiffness = np.maximum(stiffness, 0.0)  # rounding may make it negative
         beyond = force + stiffness * (depth - within)
         return np.where(closed, beyond, 0.0), np.where(closed, stiffness, 0.0)
 
     def energy(self, depth: FloatArray) -> FloatArray:
-        """Return what is stored, J, shape (m,)."""
+        """Return the stored energy, J, shape (m,)."""
         within, stored = np.clip(depth, 0.0, self.limit), np.empty(len(depth))
         _core.law_potential(self.law, within, stored)
         mean = 0.5 * (self.force(within)[0] + self.force(depth)[0])
         return stored + np.maximum(depth - within, 0.0) * mean
 
     def stiffness_under(self, load: float) -> float:
-        """Return the stiffness under a load, N; on level stretches the mean so far."""
+        """Return the stiffness, N/m, under a load, N; the secant's where the tangent is level."""
         depth = np.array([_SHALLOWEST])
         for stride in self.strides:
             while stride * depth[0] <= _DEEPEST and self.force(stride * depth)[0][0] <= load:
@@ -84,7 +84,7 @@ class Springs:
         return force, slope
 
     def energy(self, depth: FloatArray) -> float:
-        """Return what is stored in all of them, J."""
+        """Return the energy stored in all of them, J."""
         return float(sum(kind.energy(depth[kind.which]).sum() for kind in self._kinds))
 
     def stiffness_under(self, load: float) -> FloatArray:
@@ -96,7 +96,7 @@ class Springs:
 
     @property
     def limits(self) -> FloatArray:
-        """How deep each law stands, m, shape (contacts,)."""
+        """The indentation to which each law is valid, m, shape (contacts,)."""
         found = np.zeros(self._count)
         for kind in self._kinds:
             found[kind.which] = kind.limit

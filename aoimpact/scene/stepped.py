@@ -1,4 +1,4 @@
-"""Bodies as Newmark's rule steps them: each in the coordinates in which a step costs least."""
+"""Bodies as Newmark's rule steps them, each in the coordinates in which a step costs least."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class SteppedBody(ABC):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SteppedStar(SteppedBody):
-    """A star with Rayleigh damping; the contact mass is the first coordinate.
+    """An AO model with Rayleigh damping; the contact mass is the first coordinate.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class SteppedModes(SteppedBody):
         Displacement of the ports in each mode.
     residual : ndarray, shape (p, p)
         Compliance of the ports beside the modes, m/N.
-    bent : ndarray, shape (2, p), or None
+    residual_forces : ndarray, shape (2, p), or None
         Forces on the residual compliance at the start, N, and their rates, N/s.
     """
 
@@ -130,14 +130,14 @@ class SteppedModes(SteppedBody):
     decay: FloatArray
     shape: FloatArray
     residual: FloatArray
-    bent: FloatArray | None
+    residual_forces: FloatArray | None
 
     @property
     def ports(self) -> int:
         return self.shape.size // len(self.v)
 
     def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
-        given = self.bent, self.gravity, self.centre, self.u, self.v
+        given = self.residual_forces, self.gravity, self.centre, self.u, self.v
         return ("modal", self.omega, self.decay, self.shape, self.residual, *given)
 
     @property

@@ -1,4 +1,4 @@
-"""What a scene file describes, built: bodies, laws, and the impact or the scene of many of them."""
+"""Builds what a scene file describes: bodies, laws, and the impact or the scene."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import SCENE_QUANTITIES
+from ..accuracy import SCENE_CHOICES
 from ..base import InputError, nearest
 from ..fem import ContactPoint, Damping, FEModel, Material, ModalDamping, Rayleigh, contact_point
 from ..impact import Scene, SceneCase
@@ -19,7 +19,7 @@ from ..laws import ContactLaw, Hertz, Thornton
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
 from ..reduction import AOModel, antioscillators, interface, modal, rigid
 from ..results import Handle
-from .names import BY_RESTITUTION, LAWS, SOLVERS
+from .names import LAWS, SOLVERS
 
 __all__ = ["Builder", "Kept", "member_name"]
 
@@ -29,7 +29,7 @@ _HERTZ_POWER = 1.5
 # A node lies on a plane of a support if it is closer than this fraction of the body's size.
 _ON_PLANE = 1e-6
 
-# Bodies kept by a sweep over a file: those it comes back to, not all meshes of a long one.
+# Bodies that a sweep over a file keeps: those that it needs again, not every mesh of a long sweep.
 _MOST_KEPT = 8
 
 _PAPER_SPHERE = "paper-sphere"
@@ -56,12 +56,12 @@ _SCENE_KEYWORDS = {
 
 @dataclass
 class Kept:
-    """Bodies that have been made, by what was written about them; the oldest go first."""
+    """Bodies that have been made, by their text in the file; the oldest is dropped first."""
 
     made: dict[str, Any] = field(default_factory=dict)
 
     def once(self, what: Any, make: Callable[[], Any]) -> Any:
-        """Make a thing, or return the one that was made of the same words."""
+        """Return what was made of the same text before, or make it."""
         key = json.dumps(what, sort_keys=True)
         if key not in self.made:
             if len(self.made) >= _MOST_KEPT:
@@ -71,13 +71,13 @@ class Kept:
 
 
 def member_name(member: Mapping[str, Any]) -> str:
-    """Return what a body of a scene is called in it."""
+    """Return the name of a body in its scene."""
     return str(member.get("name", member["body"]))
 
 
 @dataclass(frozen=True)
 class Builder:
-    """Builds what a file says.
+    """Builds bodies, laws and cases of the tables of a file.
 
     Attributes
     ----------
@@ -86,14 +86,14 @@ class Builder:
     folder : Path
         That its paths start from.
     kept : Kept
-    blaming : callable
-        Of a place: a context that says of bad input in which line it stands.
+    located : callable
+        Of a place: a context that adds line and column to errors of bad input.
     """
 
     data: Mapping[str, Any]
     folder: Path
     kept: Kept
-    blaming: Callable[..., AbstractContextManager[None]]
+    located: Callable[..., AbstractContextManager[None]]
 
     def impact(self) -> dict[str, Any]:
         """Return the keywords of `simulate`."""
@@ -107,7 +107,7 @@ class Builder:
         }
         wanted = table.get("quantity")
         if isinstance(wanted, Mapping):
-            with self.blaming("impact", "quantity"):
+            with self.located("impact", "quantity"):
                 roles = {table[role]: body for role, body in bodies.items()}
                 keywords["quantity"] = _point(roles, wanted)
         return keywords
@@ -115,13 +115,13 @@ class Builder:
     def scene(self) -> tuple[SceneCase, float]:
         """Return a scene with what its run is given, and its duration."""
         table = self.data["scene"]
-        with self.blaming("scene"):
+        with self.located("scene"):
             scene = Scene(gravity=table.get("gravity", 0.0))
         handles: dict[str, Handle] = {}
         bodies: dict[str, Any] = {}
         for i, member in enumerate(table["bodies"]):
             body, name = self._body(member["body"]), member_name(member)
-            with self.blaming("scene", "bodies", i):
+            with self.located("scene", "bodies", i):
                 if name in handles:
                     raise InputError(
                         f"name: two bodies of the scene are called {name!r}; give one another name"
@@ -130,18 +130,18 @@ class Builder:
                 handles[name], bodies[name] = scene.add(body, **motion, name=name), body
         for i, joint in enumerate(table.get("contacts", ())):
             law = self._law("scene", "contacts", i)
-            with self.blaming("scene", "contacts", i):
+            with self.located("scene", "contacts", i):
                 first, second = (_handle(handles, end) for end in joint["between"])
                 scene.connect(first, second, law, gap=joint.get("gap", 0.0))
         for i, load in enumerate(table.get("loads", ())):
-            with self.blaming("scene", "loads", i):
+            with self.located("scene", "loads", i):
                 force = (load["times"], load["forces"]) if "times" in load else load["force"]
                 scene.apply(_handle(handles, load["body"]), force=force)
         keywords = self._solver("scene") | {
             keyword: table[name] for name, keyword in _SCENE_KEYWORDS.items() if name in table
         }
         if "quantity" in table:
-            with self.blaming("scene", "quantity"):
+            with self.located("scene", "quantity"):
                 keywords["quantity"] = _scene_quantity(handles, bodies, table["quantity"])
         return SceneCase(scene, keywords), table["duration"]
 
@@ -149,7 +149,7 @@ class Builder:
         table = self.data[kind]
         if "solver" not in table:
             return {}
-        with self.blaming(kind, "solver"):
+        with self.located(kind, "solver"):
             return {"solver": _made(SOLVERS, table["solver"])}
 
     # --------------------------------------------------------------------------- bodies
@@ -157,10 +157,10 @@ class Builder:
     def _body(self, name: str) -> Any:
         table, place = self.data["bodies"][name], ("bodies", name)
         if "mass" in table:
-            with self.blaming(*place):
+            with self.located(*place):
                 return rigid(**table)
         if "m0" in table:
-            with self.blaming(*place):
+            with self.located(*place):
                 return AOModel(**table | self._damping(name))
         material = self.data["materials"][table["material"]]
         return self.kept.once(["model", table, material], lambda: self._model(name))
@@ -177,7 +177,7 @@ class Builder:
         model = dict(table.get("model", {"type": "full"}))
         kind = model.pop("type")
         touched, several = table["contact"], isinstance(table["contact"], list)
-        with self.blaming(*place, "model"):
+        with self.located(*place, "model"):
             if kind != "full" and several != (kind == "interface"):
                 raise InputError(
                     "type: a list of contacts needs the model 'interface' or 'full', and "
@@ -185,9 +185,9 @@ class Builder:
                 )
         tips = []
         for i, contact in enumerate(touched if several else [touched]):
-            with self.blaming(*place, "contact", *([i] if several else [])):
+            with self.located(*place, "contact", *([i] if several else [])):
                 tips.append(body.contact(**contact))
-        with self.blaming(*place, "model"):
+        with self.located(*place, "model"):
             if kind == "full":
                 return tuple(tips) if several else tips[0]
             return interface(tips, **model) if several else _REDUCTIONS[kind](tips[0], **model)
@@ -197,7 +197,7 @@ class Builder:
         table = self.data["bodies"][name].get("damping")
         if table is None:
             return {}
-        with self.blaming("bodies", name, "damping"):
+        with self.located("bodies", name, "damping"):
             if ("ratio" in table) == ("alpha" in table or "beta" in table):
                 raise InputError("give either ratio, of all modes, or alpha and beta of Rayleigh's")
             return {"damping": (ModalDamping if "ratio" in table else Rayleigh)(**table)}
@@ -205,13 +205,13 @@ class Builder:
     def _solid(self, name: str) -> FEModel:
         table, place = self.data["bodies"][name], ("bodies", name)
         material = self._material(table["material"])
-        with self.blaming(*place, "mesh"):
+        with self.located(*place, "mesh"):
             mesh = self._mesh(table["mesh"])
         supports = []
         for i, entry in enumerate(table.get("fixed", ())):
-            with self.blaming(*place, "fixed", i):
+            with self.located(*place, "fixed", i):
                 supports.append((_support_nodes(entry, mesh), entry["hold"]))
-        with self.blaming(*place, *(["fixed"] if supports else [])):
+        with self.located(*place, *(["fixed"] if supports else [])):
             return FEModel.from_mesh(mesh, material, fixed=supports or None, **self._damping(name))
 
     def _mesh(self, mesh: str | Mapping[str, Any]) -> Mesh:
@@ -228,7 +228,7 @@ class Builder:
     # ---------------------------------------------------------------- materials and laws
 
     def _material(self, name: str) -> Material:
-        with self.blaming("materials", name):
+        with self.located("materials", name):
             return Material(**self.data["materials"][name])
 
     def _law(self, *place: str | int) -> ContactLaw:
@@ -236,38 +236,35 @@ class Builder:
         for part in (*place, "law"):
             table = table[part]
         table = dict(table)
-        with self.blaming(*place, "law"):
+        with self.located(*place, "law"):
             if isinstance(table.get("k"), Mapping):
+                surfaces = [
+                    part
+                    for surface in table["k"]["between"]
+                    for part in (self._material(surface["material"]), surface["radius"])
+                ]
                 if "yield_pressure" in table:
-                    return self._yielding(table)
-                if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
-                    raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
-                if "relative_radius" in table:
-                    raise InputError("relative_radius: it follows from the two surfaces of k")
-                one, two = table["k"]["between"]
-                surfaces = Hertz.between(
-                    self._material(one["material"]),
-                    one["radius"],
-                    self._material(two["material"]),
-                    two["radius"],
-                    angle=table["k"].get("angle", 0.0),
-                )
-                table |= {"k": surfaces.k, "relative_radius": surfaces.relative_radius}
+                    return _yielding(table, surfaces)
+                table |= _of_surfaces(table, surfaces)
             law: ContactLaw = _made(LAWS, table)
             return law
 
-    def _yielding(self, table: Mapping[str, Any]) -> Thornton:
-        """Thornton's law of two surfaces that yield under a pressure."""
-        if "angle" in table["k"]:
-            raise InputError("angle: with yield_pressure the surfaces are spheres, flats or cups")
-        one, two = table["k"]["between"]
-        return Thornton.between(
-            self._material(one["material"]),
-            one["radius"],
-            self._material(two["material"]),
-            two["radius"],
-            yield_pressure=table["yield_pressure"],
-        )
+
+def _yielding(table: Mapping[str, Any], surfaces: list[Any]) -> Thornton:
+    """Thornton's law of two surfaces that yield under a pressure."""
+    if "angle" in table["k"]:
+        raise InputError("angle: with yield_pressure the surfaces are spheres, flats or cups")
+    return Thornton.between(*surfaces, yield_pressure=table["yield_pressure"])
+
+
+def _of_surfaces(table: Mapping[str, Any], surfaces: list[Any]) -> dict[str, float | None]:
+    """The parameters of a law that follow from two surfaces by Hertz's theory."""
+    if table.get("n", _HERTZ_POWER) != _HERTZ_POWER:
+        raise InputError("k of two surfaces belongs to n = 1.5; give a number for k")
+    if "relative_radius" in table:
+        raise InputError("relative_radius: it follows from the two surfaces of k")
+    hertz = Hertz.between(*surfaces, angle=table["k"].get("angle", 0.0))
+    return {"k": hertz.k, "relative_radius": hertz.relative_radius}
 
 
 _REDUCTIONS: dict[str, Callable[..., Any]] = {"antioscillators": antioscillators, "modal": modal}
@@ -277,9 +274,8 @@ def _made(classes: Mapping[str, Any], table: Mapping[str, Any]) -> Any:
     """An object of the class that the table names, of the table's other values."""
     cls = classes[table["type"]]
     given = {key: value for key, value in table.items() if key != "type"}
-    return (cls.from_restitution if cls in BY_RESTITUTION and "restitution" in given else cls)(
-        **given
-    )
+    by_restitution = "restitution" in given and hasattr(cls, "from_restitution")
+    return (cls.from_restitution if by_restitution else cls)(**given)
 
 
 def _support_nodes(entry: Mapping[str, Any], mesh: Mesh) -> Any:
@@ -301,27 +297,29 @@ def _support_nodes(entry: Mapping[str, Any], mesh: Mesh) -> Any:
 
 
 def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint:
-    """The place whose displacement is asked for."""
+    """The point whose displacement is the quantity of interest."""
     name = wanted["body"]
     if name not in bodies:
         raise InputError(f"body: {name!r} takes no part{nearest(name, bodies)}")
     body = bodies[name]
     tip = body[0] if isinstance(body, tuple) else body
     if not isinstance(tip, ContactPoint):
-        raise InputError(f"body: {name!r} has a model already; leave it out to have it chosen")
+        raise InputError(
+            f"body: {name!r} has a model already; leave the model out to have one chosen"
+        )
     return contact_point(tip.body, point=wanted["point"], direction=wanted["direction"])
 
 
 def _scene_quantity(
     handles: Mapping[str, Handle], bodies: Mapping[str, Any], wanted: str | Mapping[str, Any]
 ) -> str | Handle | ContactPoint:
-    """What a scene is asked for: a word, or the displacement of a body, at a port or a point."""
+    """The quantity of interest of a scene: a name, or the displacement of a port or a point."""
     if isinstance(wanted, Mapping):
         return _point(bodies, wanted) if "point" in wanted else _handle(handles, wanted)
-    if wanted in handles and wanted not in SCENE_QUANTITIES:
+    if wanted in handles and wanted not in SCENE_CHOICES:
         return handles[wanted]
-    if wanted not in SCENE_QUANTITIES:
-        known = (*SCENE_QUANTITIES, *handles)
+    if wanted not in SCENE_CHOICES:
+        known = (*SCENE_CHOICES, *handles)
         raise InputError(
             f"must be one of {', '.join(known)}, got {wanted!r}{nearest(wanted, known)}"
         )

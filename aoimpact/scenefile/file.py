@@ -1,4 +1,4 @@
-"""Scene files: impacts and scenes written down in TOML, checked to the line and column."""
+"""Scene files: impacts and scenes in TOML, with errors by line and column."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import QUANTITIES, keeper
+from ..accuracy import COLUMNS, keeper
 from ..base import (
     AOImpactError,
     InputError,
@@ -107,12 +107,12 @@ class SceneFile:
 
     @property
     def reported(self) -> tuple[str, ...]:
-        """Names of the numbers that the file asks for; of each contact if it asks for none."""
-        asked = self.data[self.kind].get("report")
-        if asked is not None:
-            return tuple(asked)
+        """Names of the numbers that the file reports; by default those of each contact."""
+        reported = self.data[self.kind].get("report")
+        if reported is not None:
+            return tuple(reported)
         if self.kind == "impact":
-            return tuple(QUANTITIES)
+            return COLUMNS
         count = len(self.data["scene"].get("contacts", ()))
         return tuple(
             f"contacts.{i}.{name}" for i in range(count) for name in ("peak_force", "impulse")
@@ -120,7 +120,7 @@ class SceneFile:
 
     @property
     def grid(self) -> dict[str, list[Any]]:
-        """What [sweep] goes over, for `sweep`: values by place; empty without such a table."""
+        """The grid of [sweep] as `sweep` takes it: values by place; empty without such a table."""
         return grid_of(self.data["sweep"]["over"]) if "sweep" in self.data else {}
 
     @property
@@ -130,7 +130,7 @@ class SceneFile:
 
     @property
     def members(self) -> tuple[tuple[str, str], ...]:
-        """What each body is called in the result, and its name in [bodies]."""
+        """The name of each body in the result, and its name in [bodies]."""
         table = self.data[self.kind]
         if self.kind == "impact":
             return tuple((role, table[role]) for role in ("projectile", "target"))
@@ -153,10 +153,10 @@ class SceneFile:
             found = list(sweep_problems(self.data, self.kind))
         if found:
             raise SceneFileError("\n".join(self._at(*problem) for problem in found))
-        with self._blaming(self.kind, "report"):
+        with self._located(self.kind, "report"):
             if self.reported:
                 keeper(self.reported)
-        with self._blaming("sweep", "keep"):
+        with self._located("sweep", "keep"):
             if self.swept:
                 keeper(self.swept)
 
@@ -196,13 +196,13 @@ class SceneFile:
         SceneFileError
             If a value makes no sense, with its line.
         """
-        builder = Builder(self.data, self.path.parent, self._kept, self._blaming)
+        builder = Builder(self.data, self.path.parent, self._kept, self._located)
         return builder.impact() if self.kind == "impact" else builder.scene()
 
     def simulate(self) -> Result | Run:
         """Build the scene and run it; a Result of an impact, a Run of a scene."""
         case = self.case()
-        with self._blaming(self.kind):
+        with self._located(self.kind):
             if self.kind == "impact":
                 return simulate(**case)
             scene, duration = case
@@ -217,8 +217,8 @@ class SceneFile:
         return f"{where}: {_dotted(place)}{message}"
 
     @contextmanager
-    def _blaming(self, *place: str | int) -> Iterator[None]:
-        """Say of bad input where it stands; other errors keep their class."""
+    def _located(self, *place: str | int) -> Iterator[None]:
+        """Add line and column to errors of bad input; other errors keep their class."""
         try:
             yield
         except SceneFileError:

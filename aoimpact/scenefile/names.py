@@ -1,4 +1,4 @@
-"""What a scene file may hold: the one place where its names are written down."""
+"""What a scene file may contain: the one place that lists its names."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from ..mesh import KINDS
 from .schema import (
     Anything,
     Choice,
-    Chosen,
     Either,
+    Entries,
     Field,
     Flag,
     Integer,
     Kind,
     Listed,
-    Named,
     Number,
     Reference,
     Table,
+    Tagged,
     Text,
     Tree,
     Variants,
@@ -31,33 +31,10 @@ from .schema import (
     optional,
 )
 
-__all__ = ["BY_RESTITUTION", "LAWS", "SCENE_FILE", "SOLVERS"]
+__all__ = ["LAWS", "SCENE_FILE", "SOLVERS"]
 
-# Laws of the power 3/2, whose k may be that of Hertz's theory.
-_HERTZIAN = (
-    laws.Hertz,
-    laws.HuntCrossley,
-    laws.LankaraniNikravesh,
-    laws.Flores,
-    laws.Gonthier,
-    laws.HerbertMcWhannell,
-    laws.LeeWang,
-    laws.Tsuji,
-    laws.KuwabaraKono,
-    laws.Thornton,
-)
-_OTHERS = (laws.PowerLaw, laws.Linear, laws.KelvinVoigt, laws.Tabulated)
-
-# By the name that a file gives, the class that it stands for.
-LAWS = {law.__name__: law for law in (*_HERTZIAN, *_OTHERS)}
-
-# Laws that may be given by the restitution that they are to deliver, and what else says it.
-BY_RESTITUTION = {
-    laws.HuntCrossley: "damping",
-    laws.Tsuji: "alpha",
-    laws.KuwabaraKono: "A",
-    laws.KelvinVoigt: "c",
-}
+# By the name that a file gives, the class that it stands for; a file has no functions.
+LAWS = {name: law for name, law in laws.LAWS.items() if law is not laws.UserLaw}
 
 SOLVERS = {solver.__name__: solver for solver in (Adaptive, Newmark)}
 
@@ -115,7 +92,7 @@ _LINEAR_SOLVER = optional(Choice(LINEAR_SOLVERS))
 # What a model is fitted to.
 _FITTED = {"contact_time": optional(Number("s")), "duration": optional(Number("s"))}
 
-_MODEL = Chosen(
+_MODEL = Tagged(
     "type",
     {
         "antioscillators": Table(
@@ -175,26 +152,25 @@ def _parameters(cls: Any) -> Table:
     """The parameters of a frozen object of numbers, words and flags, by its own fields."""
     kinds: dict[str, Kind] = {"bool": Flag(), "str": Text()}
     names = {entry.name: kinds.get(str(entry.type), Number()) for entry in fields(cls)}
-    if cls in _HERTZIAN:
+    if issubclass(cls, laws.HertzianLaw):  # its k may be that of Hertz's theory
         names["k"] = Either((Number(), _SURFACES))
     left_out = {entry.name for entry in fields(cls) if entry.default is not MISSING}
     return Table({name: Field(kind, name not in left_out) for name, kind in names.items()})
 
 
 def _law(cls: Any) -> Kind:
-    """A law by its own parameters, or by what it is to deliver."""
+    """A law by its own parameters, or by its restitution or yield pressure."""
     if cls is laws.Tabulated:
         return _CURVE
     own = _parameters(cls)
-    if cls in BY_RESTITUTION:
-        names = inspect.signature(cls.from_restitution).parameters.values()
+    if hasattr(cls, "from_restitution"):
+        names = inspect.signature(cls.from_restitution).parameters
         given = {
-            entry.name: own.fields.get(
-                entry.name, Field(Number(), entry.default is inspect.Parameter.empty)
-            )
-            for entry in names
+            name: own.fields.get(name, Field(Number(), entry.default is inspect.Parameter.empty))
+            for name, entry in names.items()
         }
-        return Variants({BY_RESTITUTION[cls]: own, "restitution": Table(given)})
+        follows = next(name for name in own.fields if name not in names)
+        return Variants({follows: own, "restitution": Table(given)})
     if cls is laws.Thornton:
         yielding = {"k": needed(_SURFACES), "yield_pressure": needed(Number("Pa"))}
         return Variants({"yield_force": own, "yield_pressure": Table(yielding)})
@@ -203,11 +179,11 @@ def _law(cls: Any) -> Kind:
 
 _CURVE = Table({"indentation": needed(Listed(Number("m"))), "force": needed(Listed(Number("N")))})
 
-_LAW = Chosen("type", {name: _law(cls) for name, cls in LAWS.items()})
+_LAW = Tagged("type", {name: _law(cls) for name, cls in LAWS.items()})
 
-_SOLVER = Chosen("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
+_SOLVER = Tagged("type", {name: _parameters(solver) for name, solver in SOLVERS.items()})
 
-# How a run is made, and what is wanted of it.
+# How a run is made, and what it reports.
 _RUN = {
     "duration": needed(Number("s")),
     "solver": optional(_SOLVER),
@@ -216,7 +192,7 @@ _RUN = {
 
 
 def _displacement(body: Kind, **more: Table) -> Kind:
-    """A place whose displacement is asked for."""
+    """A place whose displacement is the quantity of interest."""
     point = {"body": needed(body), "point": needed(_VECTOR), "direction": needed(_VECTOR)}
     return Variants({"point": Table(point), **more})
 
@@ -304,8 +280,8 @@ _SWEEP = Table(
 
 _SHARED = {
     "title": optional(Text()),
-    "materials": optional(Named(_MATERIAL)),
-    "bodies": needed(Named(_BODY)),
+    "materials": optional(Entries(_MATERIAL)),
+    "bodies": needed(Entries(_BODY)),
     "sweep": optional(_SWEEP),
 }
 

@@ -1,4 +1,4 @@
-"""The sweep of a scene file: ranges of values, by the places in the file that they go to."""
+"""The [sweep] of a scene file: ranges of values, by the places in the file that they replace."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def grid_of(over: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 
 def sweep_problems(data: Mapping[str, Any], kind: str) -> Iterator[Problem]:
-    """Yield what is wrong with the sweep of a file that is right without it."""
+    """Yield what is wrong with the sweep of a file that is otherwise right."""
     over, workers = data["sweep"]["over"], data["sweep"].get("workers", 1)
     if workers < 1:
         yield ("sweep", "workers"), f"must be at least 1, got {workers}"
@@ -78,12 +78,12 @@ def at_place(data: Any, kind: str, name: Sequence[str]) -> tuple[Any, Any]:
 
 
 def check_apart(data: Any, kind: str, names: Sequence[Sequence[str]]) -> None:
-    """Refuse a last place that is one of those before, or within one, or around it.
+    """Refuse a last place that overlaps one before it.
 
     Raises
     ------
     InputError
-        As one would write over the other's values.
+        Since one would overwrite the other's values.
     """
     *before, last = ([*_resolved(data, kind, name)] for name in names)
     for other, name in zip(before, names, strict=False):
@@ -99,7 +99,7 @@ def _from_the_top(kind: str, name: Sequence[str]) -> list[str]:
 
 
 def _resolved(data: Any, kind: str, name: Sequence[str]) -> Iterator[Any]:
-    """Keys and numbers that lead to a place, however it is written."""
+    """The keys and numbers of a place, whichever way it is written."""
     for part in _from_the_top(kind, name):
         known = isinstance(data, (dict, list)) and _known(data, part)
         yield _key(data, part) if known else part
@@ -151,7 +151,7 @@ def _known(data: Any, part: str) -> bool:
 
 
 def _names(data: Any) -> list[str]:
-    """Keys of a table; of a list the numbers, and of its tables what they are called."""
+    """The keys of a table; of a list its numbers, and the names of its tables."""
     if isinstance(data, dict):
         return list(data)
     called = [_called(entry) for entry in data]

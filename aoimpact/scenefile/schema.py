@@ -1,4 +1,4 @@
-"""What a table of names and values may hold, as data: kinds of values, and what is wrong with one.
+"""What a table of names and values may contain, as data: kinds of values, and their problems.
 
 Problems are pairs of a place, a tuple of names and numbers from the top, and a message.
 """
@@ -15,17 +15,17 @@ from .toml_lines import Place
 __all__ = [
     "Anything",
     "Choice",
-    "Chosen",
     "Either",
+    "Entries",
     "Field",
     "Flag",
     "Integer",
     "Listed",
-    "Named",
     "Number",
     "Problem",
     "Reference",
     "Table",
+    "Tagged",
     "Text",
     "Tree",
     "Variants",
@@ -189,7 +189,7 @@ class Reference(Kind):
 
 @dataclass(frozen=True)
 class Listed(Kind):
-    """Values of one kind in order, as many as there are, or `length`."""
+    """A list of values of one kind, of any length or of `length`."""
 
     of: Kind
     length: int | None = None
@@ -228,7 +228,7 @@ class Either(Kind):
 
 
 class _OfTable(Kind):
-    """Whatever is written as a table."""
+    """Anything written as a table."""
 
     @property
     def wanted(self) -> str:
@@ -240,7 +240,7 @@ class _OfTable(Kind):
 
 @dataclass(frozen=True)
 class Table(_OfTable):
-    """Keys that are known beforehand."""
+    """A table of known keys."""
 
     fields: Mapping[str, Field]
     called: str = "a table"
@@ -260,7 +260,7 @@ class Table(_OfTable):
 
 @dataclass(frozen=True)
 class Variants(_OfTable):
-    """A table of one of several sorts, told apart by a key that only one of them has."""
+    """A table of one of several sorts, told apart by a key of which each has its own."""
 
     tables: Mapping[str, Table]
 
@@ -277,7 +277,7 @@ class Variants(_OfTable):
 
 
 @dataclass(frozen=True)
-class Chosen(_OfTable):
+class Tagged(_OfTable):
     """A table of one of several sorts, told apart by the word under one key."""
 
     key: str
@@ -295,8 +295,8 @@ class Chosen(_OfTable):
 
 
 @dataclass(frozen=True)
-class Named(_OfTable):
-    """Entries under names of the writer's choice."""
+class Entries(_OfTable):
+    """Entries under names of the user's choice."""
 
     of: Kind
 

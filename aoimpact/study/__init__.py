@@ -1,4 +1,7 @@
-"""Studies of one impact: speed against error, and models beside each other."""
+"""Studies of one impact: speed against error of the solvers, and error of the models.
+
+Nothing but `cli` uses it.
+"""
 
 from .compare import compare
 from .comparison import Comparison

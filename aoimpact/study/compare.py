@@ -1,4 +1,4 @@
-"""Which model is needed? One impact by rigid bodies, by more and more oscillators, and in full."""
+"""Comparison of models: one impact by rigid bodies, by more and more oscillators, and in full."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
-from ..accuracy import Answer, Ladder, first_guess, ladder
+from ..accuracy import QUANTITIES, Hierarchy, first_guess, model_hierarchy
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
 from ..fem import ContactPoint
 from ..impact import plan_impact, simulate
@@ -21,8 +21,8 @@ from .comparison import Compared, Comparison
 
 __all__ = ["compare"]
 
-_ANSWERS = tuple(
-    Answer(name) for name in ("force", "contact_duration", "impulse", "target_displacement")
+_COMPARED = tuple(
+    QUANTITIES[name] for name in ("force", "contact_duration", "impulse", "target_displacement")
 )
 
 # Far below the differences between models.
@@ -44,7 +44,7 @@ def compare(
     full: bool = True,
     linear_solver: Solver = "auto",
 ) -> Comparison:
-    """Run an impact with models from rigid to full, and say what each costs and how wrong it is.
+    """Run an impact with models from rigid to full; return the cost and the error of each.
 
     Both bodies are modelled alike; those given by numbers have no more oscillators than they have.
 
@@ -61,7 +61,7 @@ def compare(
     full : bool, optional
         Whether to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
         to that; without it, to the model of the most oscillators.
-    linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+    linear_solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
         What solves for the reduced models, as `solver` of `antioscillators`.
 
     Raises
@@ -74,9 +74,11 @@ def compare(
     velocity, duration = plan.velocities[0], plan.duration
     run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
     boolean("full", full)
-    stars = sorted({integer("oscillators", n, low=0) for n in sequence("oscillators", oscillators)})
+    orders = sorted(
+        {integer("oscillators", n, low=0) for n in sequence("oscillators", oscillators)}
+    )
     truncations = sorted({integer("modes", n, low=1) for n in sequence("modes", modes)})
-    if not stars and not full:
+    if not orders and not full:
         raise InputError("full=False without oscillators leaves no model to compare with")
     bodies = _body(projectile), _body(target)
 
@@ -84,19 +86,21 @@ def compare(
         with held_warnings():
             return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
 
-    contact_time, span = first_guess(bodies, quick, Answer("target_displacement"))
+    contact_time, span = first_guess(bodies, quick, QUANTITIES["target_displacement"])
     linear = checked_solver(linear_solver, name="linear_solver")
-    ladders = tuple(ladder(body, contact_time, max(span, duration), linear) for body in bodies)
-    tries = [_try("rigid", lambda: tuple(each.model(0) for each in ladders), quick)]
+    hierarchies = tuple(
+        model_hierarchy(body, contact_time, max(span, duration), linear) for body in bodies
+    )
+    tries = [_try("rigid", lambda: tuple(each.model(0) for each in hierarchies), quick)]
     spent = 0.0
-    for n in stars:
-        tries.append(_try(f"AO({n})", partial(_with_oscillators, ladders, n), quick))
+    for n in orders:
+        tries.append(_try(f"AO({n})", partial(_with_oscillators, hierarchies, n), quick))
         if not tries[-1].failure:
             spent += tries[-1].build  # the bases are nested: each model adds to the one before
             tries[-1].build = spent
     for n in truncations:
         tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n, linear), quick))
-    exact = tries[len(stars)]
+    exact = tries[len(orders)]
     if full:
         exact = _try("full", lambda: bodies, partial(_in_full, run))
         tries.append(exact)
@@ -112,7 +116,7 @@ def compare(
 
 
 def _body(model: Any) -> Any:
-    """The finite-element body that a model was made of; a star given by numbers is its own."""
+    """The finite-element body that a model was made of; of an AO model by numbers itself."""
     if isinstance(model, ModalModel):
         return model.tip
     if isinstance(model, AOModel) and model.origin is not None:
@@ -121,7 +125,7 @@ def _body(model: Any) -> Any:
 
 
 class _Try:
-    """One pair of models: what it took to build and to run it, or why it could not be."""
+    """One pair of models: the time to build and to run it, or why that failed."""
 
     def __init__(self, label: str) -> None:
         self.label, self.dofs = label, 0
@@ -132,8 +136,8 @@ class _Try:
 
     def compared(self, exact: Result) -> Compared:
         force, contact_duration, impulse, displacement = (
-            math.nan if self.result is None else answer.difference(self.result, exact)
-            for answer in _ANSWERS
+            math.nan if self.result is None else quantity.difference(self.result, exact)
+            for quantity in _COMPARED
         )
         return Compared(
             self.label,
@@ -165,8 +169,8 @@ def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -
     return done
 
 
-def _with_oscillators(ladders: tuple[Ladder, ...], n: int) -> Models:
-    first, second = (each.model(n + each.first) for each in ladders)
+def _with_oscillators(hierarchies: tuple[Hierarchy, ...], n: int) -> Models:
+    first, second = (each.model(n + each.first) for each in hierarchies)
     return first, second
 
 

@@ -1,7 +1,7 @@
-"""The same impact by SciPy's solvers: a second opinion, and what a user's own script would take.
+"""The same impact by SciPy's solvers: an independent check, and the cost of a user's own script.
 
-Written in the coordinates of the stars, from the equations of motion (section 3.1 of the paper),
-and without the core: it shares neither modes nor formulas with the solvers that it is compared to.
+It integrates the equations of motion (section 3.1 of the paper) in the coordinates of the AO
+models, without the core: it shares neither modes nor formulas with the solvers compared with it.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class _Half:
-    """One star: M u'' + K u = -contact F; its contact displacement is contact·u - compliance F."""
+    """An AO model: M u'' + K u = -contact F; its contact moves by contact·u - compliance F."""
 
     mass: FloatArray
     stiffness: FloatArray
@@ -81,7 +81,7 @@ class OdeScene:
     matrix, push, depth, centre, start : ndarrays
         `centre` y is the velocity of the projectile's centre of mass, `start` is y at t = 0.
     compliance, gap : float
-        c, of massless contacts less what patches give way, m/N; m.
+        c, of massless contacts less that of the patches, m/N; m.
     force : callable
         F and dF/dδ at δ > 0.
     scale : ndarray
@@ -235,7 +235,7 @@ def ode_scene(
     gap: float,
     length: float,
 ) -> OdeScene:
-    """Return the equations of motion of two stars.
+    """Return the equations of motion of two AO models.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ def ode_scene(
     contact = np.concatenate([halves[0].contact, -halves[1].contact])
     compliance, force = halves[0].compliance + halves[1].compliance, _force(own_law(law))
     if isinstance(law, PatchLaw):
-        # F = law(δ + c F): what the patches give way is a compliance in series, of negative sign.
+        # F = law(δ + c F): the patches are a compliance in series, of negative sign.
         compliance -= law.compliance
         if math.isfinite(law.limit):
             force = _straight_beyond(force, law.limit + law.compliance * law.force(law.limit))

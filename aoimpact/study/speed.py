@@ -1,4 +1,4 @@
-"""Speed against error: what each method needs for what it gets right, on any scene of stars."""
+"""Speed against error: the time that each method needs for its error, on impacts of AO models."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import time
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..base import (
     AOImpactError,
@@ -23,7 +23,7 @@ from ..impact import checked_numbers, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
 from ..laws import ContactLaw, effective_law
 from ..results import Result
-from ..scene import Player, StarPlayer, player
+from ..scene import SceneBody, StarBody, scene_body
 from .scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
 from .table import Measurement, Reference, WorkPrecision
 
@@ -37,11 +37,11 @@ _MOST_REPEATS = 10_000
 
 _NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
 
-# Seconds: short runs are repeated at least, long ones at most, until so much time has passed; one
-# run of SciPy is given up after the last.
+# Seconds: short runs are repeated for the first, long ones for the second at most; one run of SciPy
+# is stopped after the third.
 _AT_LEAST, _ENOUGH, _LONGEST = 0.02, 3.0, 60.0
 
-# The tightest that the independent run is asked for: sums of rounding are some 1e-12.
+# The independent run, at its tightest: rounding adds up to some 1e-12.
 _INDEPENDENT = "DOP853", 3e-14
 
 
@@ -94,7 +94,7 @@ def work_precision(
     count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
     velocity, duration, gap = checked_numbers(law, velocity, duration, gap, False)
     names = _methods(scipy)
-    bodies = _star_player("projectile", projectile, velocity), _star_player("target", target, 0.0)
+    bodies = _star_body("projectile", projectile, velocity), _star_body("target", target, 0.0)
     scene = {
         "projectile": projectile,
         "target": target,
@@ -123,18 +123,23 @@ def work_precision(
         *_adaptive_runs(scene, adaptive),
         *(_scipy_run(ode, bodies[0], velocity, name, rtol) for name in names for rtol in _SCIPY),
     ]
-    rows = tuple(_measure(*run, exact.outcome, velocity, count) for run in runs)
+    rows = tuple(_measure(run, exact.outcome, velocity, count) for run in runs)
     labels = f"{bodies[0].label} on {bodies[1].label}"
     title = f"{labels}, {law}, {velocity:g} m/s, {quantity(duration, 's')}"
     return WorkPrecision(title, exact, rows)
 
 
-_Run = tuple[str, str, Callable[[], Outcome]]
+class _Run(NamedTuple):
+    """A method with a setting, as the table names them, and a run of it."""
+
+    method: str
+    setting: str
+    run: Callable[[], Outcome]
 
 
-def _star_player(name: str, body: Any, velocity: float) -> StarPlayer:
-    made = player(name, body, velocity)
-    if not isinstance(made, StarPlayer):
+def _star_body(name: str, body: Any, velocity: float) -> StarBody:
+    made = scene_body(name, body, velocity)
+    if not isinstance(made, StarBody):
         raise InputTypeError(
             f"{name} must be an AOModel or a modal model, got {body!r}: reduce it by "
             "antioscillators(...) first"
@@ -157,7 +162,7 @@ def _settings(
     return tuple(positive(name, value) for value in sequence(name, values))
 
 
-def _contact_time(bodies: tuple[Player, Player], law: ContactLaw, velocity: float) -> float:
+def _contact_time(bodies: tuple[SceneBody, SceneBody], law: ContactLaw, velocity: float) -> float:
     inverse = sum(1.0 / body.static_mass for body in bodies)
     return rigid_contact_time(law, 1.0 / inverse, abs(velocity))
 
@@ -168,29 +173,29 @@ def _newmark_runs(
     shortest = scene["duration"] / _MOST_STEPS
     default = [share * contact_time for share in _NEWMARK if share * contact_time >= shortest]
     return [
-        ("Newmark", f"dt={dt:.3g} s", _simulation(scene, Newmark(dt=dt, estimate=False)))
+        _Run("Newmark", f"dt={dt:.3g} s", _simulation(scene, Newmark(dt=dt, estimate=False)))
         for dt in _settings("newmark", steps, default)
     ]
 
 
 def _adaptive_runs(scene: dict[str, Any], tolerances: Iterable[float] | None) -> list[_Run]:
     return [
-        ("Adaptive", f"rtol={rtol:.3g}", _simulation(scene, Adaptive(rtol=rtol)))
+        _Run("Adaptive", f"rtol={rtol:.3g}", _simulation(scene, Adaptive(rtol=rtol)))
         for rtol in _settings("adaptive", tolerances, _ADAPTIVE)
     ]
 
 
 def _scipy_run(
-    ode: OdeScene | None, projectile: Player, velocity: float, method: str, rtol: float
+    ode: OdeScene | None, projectile: SceneBody, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
-    unseen = projectile.unseen[0] * velocity
+    omitted = projectile.omitted[0] * velocity
 
     def run() -> Outcome:
         done = ode.run(method, rtol, _LONGEST)
-        return Outcome(done.peak_force, done.contact_duration, done.rebound_velocity + unseen)
+        return Outcome(done.peak_force, done.contact_duration, done.rebound_velocity + omitted)
 
-    return f"SciPy {method}", f"rtol={rtol:.3g}", run
+    return _Run(f"SciPy {method}", f"rtol={rtol:.3g}", run)
 
 
 def _outcome(result: Result) -> Outcome:
@@ -219,11 +224,11 @@ def _given(reference: Result | Reference) -> Reference:
 
 
 def _with_independent(
-    reference: Reference, ode: OdeScene, projectile: Player, velocity: float
+    reference: Reference, ode: OdeScene, projectile: SceneBody, velocity: float
 ) -> Reference:
-    """Where SciPy cannot do it in reasonable time, the reference stands alone."""
+    """The reference with its distance from SciPy, unless that takes too long."""
     try:
-        second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT)[2]()
+        second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT).run()
     except AOImpactError:
         return reference
     distance = max(_errors(second, reference.outcome, velocity))
@@ -245,14 +250,8 @@ def _relative(value: float, exact: float) -> float:
     return abs(value - exact) / abs(exact) if exact else math.inf
 
 
-def _measure(
-    method: str,
-    setting: str,
-    run: Callable[[], Outcome],
-    exact: Outcome,
-    velocity: float,
-    repeats: int,
-) -> Measurement:
+def _measure(timed: _Run, exact: Outcome, velocity: float, repeats: int) -> Measurement:
+    method, setting, run = timed
     best, spent, done = math.inf, 0.0, 0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", AOImpactWarning)  # a bad setting shows by its error

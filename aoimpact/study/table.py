@@ -61,19 +61,19 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Reference:
-    """What is taken for true, and how well it is known.
+    """What errors are relative to, and how well it is known.
 
     Attributes
     ----------
     outcome : Outcome
         Peak force, N, duration of the first contact, s, and rebound velocity, m/s.
     source : str
-        Where it is from.
+        The method that gave it.
     uncertainty : float or None
         Relative, the worst of the three: its change from ten times its tolerance, or its distance
         from an independent method if that is larger.
     independent : float or None
-        That distance alone, where a second method was asked.
+        That distance alone, where a second method was run.
     """
 
     outcome: Outcome

@@ -3,14 +3,13 @@
  *
  * Displacements are continuous. What happens at once is one very short implicit step, which is the contact
  * equations of coupled.c: a law of the rate keeps its place meanwhile, one without follows the others. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/work.h"
 #include "law/law.h"
 #include "model/coupled.h"
 #include "model/system.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 
@@ -20,10 +19,10 @@
  * by their tolerance, then for rates, which are right to about as many digits. */
 static const double AT_ONCE = 1e-14, SOON = 1e-6;
 
-/* What the force of one joint takes from the indentation of another by the residual compliance, m/N. */
-static double compliance_between(const aoi_system *system, size_t joint, size_t by)
+/* What the force of one contact takes from the indentation of another by the residual compliance, m/N. */
+static double compliance_between(const aoi_system *system, size_t c, size_t by)
 {
-    const aoi_joint *of = &system->joint[joint], *from = &system->joint[by];
+    const aoi_contact *of = &system->contact[c], *from = &system->contact[by];
     double sum = 0.0;
     for (int i = 0; i < 4; i++) {
         const aoi_modes *body = &system->body[of->body[i / 2]];
@@ -57,11 +56,11 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
 {
     const size_t width = 2 * e->band + 1;
     for (size_t i = 0; i < e->count; i++) {
-        const aoi_contact *contact = &run->balanced[i];
+        const aoi_contact_state *contact = &run->balanced[i];
         double here, rate, acceleration;
-        aoi_flight pair;
+        aoi_free_pair pair;
         aoi_pair_now(run, contact->at[0], &pair);
-        aoi_flight_indentation(&pair, &here, &rate, &acceleration);
+        aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
         e->free[i] = here + time * rate;
         e->rate_free[i] = time > 0.0 ? (e->free[i] - contact->indentation) / time : 0.0;
         for (size_t k = 0; k < width; k++) {
@@ -76,18 +75,18 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
 }
 
 /* Lists a contact where a place of its is without mass. */
-static size_t list(aoi_adaptive *run, size_t joint, size_t count)
+static size_t list(aoi_adaptive *run, size_t c, size_t count)
 {
-    const aoi_contact_state *contact = &run->contact[joint];
-    if (!(aoi_system_residual(run->system, joint) > 0.0)) {
+    const aoi_adaptive_contact *contact = &run->contact[c];
+    if (!(aoi_system_residual(run->system, c) > 0.0)) {
         return count;
     }
-    run->balanced[count] = (aoi_contact){.law = run->system->joint[joint].law,
+    run->balanced[count] = (aoi_contact_state){.law = run->system->contact[c].law,
                                          .force = contact->force,
                                          .indentation = contact->start,
                                          .last_indentation = contact->start,
                                          .rate = contact->start_rate};
-    run->balanced[count].at[0] = joint;
+    run->balanced[count].at[0] = c;
     for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
         run->balanced[count].memory[i] = contact->memory[i];
     }
@@ -95,13 +94,13 @@ static size_t list(aoi_adaptive *run, size_t joint, size_t count)
 }
 
 /* An indentation as the bodies were put, before the loads bend what is without mass. */
-static double placed(const aoi_adaptive *run, size_t joint)
+static double placed(const aoi_adaptive *run, size_t c)
 {
-    const aoi_joint *of = &run->system->joint[joint];
+    const aoi_contact *of = &run->system->contact[c];
     double indentation, rate, acceleration;
-    aoi_flight pair;
-    aoi_pair_now(run, joint, &pair);
-    aoi_flight_indentation(&pair, &indentation, &rate, &acceleration);
+    aoi_free_pair pair;
+    aoi_pair_now(run, c, &pair);
+    aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = pair.body[side];
         for (size_t q = 0; body->residual && q < body->ports; q++) {
@@ -117,7 +116,7 @@ int aoi_balance_at_start(aoi_adaptive *run)
 {
     const double time = run->rested ? 0.0 : AT_ONCE * (run->end - run->time);
     size_t count = 0;
-    for (size_t c = 0; c < run->system->joint_count; c++) {
+    for (size_t c = 0; c < run->system->contact_count; c++) {
         run->contact[c].start = placed(run, c);
         count = list(run, c, count);
     }
@@ -152,7 +151,7 @@ static double comes(const aoi_adaptive *run, size_t count)
 }
 
 /* Whether a law that may not pull lets go at once, or its force comes back. */
-static int lets_go(const aoi_contact_state *contact, const aoi_law *law, double least)
+static int lets_go(const aoi_adaptive_contact *contact, const aoi_law *law, double least)
 {
     aoi_law_value value;
     if (contact->piece == AOI_SLACK || contact->begins || !law->depends_on_rate || law->pulls) {
@@ -163,15 +162,15 @@ static int lets_go(const aoi_contact_state *contact, const aoi_law *law, double 
 }
 
 /* Whether a contact that has just touched parts again, since others move what has no mass there. */
-static int is_drawn_away(const aoi_adaptive *run, const aoi_contact *from, double least)
+static int is_drawn_away(const aoi_adaptive *run, const aoi_contact_state *from, double least)
 {
-    const aoi_contact_state *contact = &run->contact[from->at[0]];
+    const aoi_adaptive_contact *contact = &run->contact[from->at[0]];
     return contact->begins && contact->start <= aoi_law_rest(from->law, contact->memory) &&
            from->force <= least && from->rate < -DRAWN * contact->rate_scale;
 }
 
 /* A law that remembers has turned, or turns now. */
-static void turn(const aoi_law *law, double before, aoi_contact_state *contact)
+static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contact)
 {
     if (contact->event == AOI_EVENT_TURN) {
         contact->start_rate = fmin(contact->start_rate, 0.0);
@@ -183,9 +182,9 @@ static void turn(const aoi_law *law, double before, aoi_contact_state *contact)
 }
 
 /* What a contact does from now on. */
-static void take(aoi_adaptive *run, const aoi_contact *from, double least)
+static void take(aoi_adaptive *run, const aoi_contact_state *from, double least)
 {
-    aoi_contact_state *contact = &run->contact[from->at[0]];
+    aoi_adaptive_contact *contact = &run->contact[from->at[0]];
     const aoi_law *law = from->law;
     const double before = contact->start_rate;
     aoi_law_value value;
@@ -229,7 +228,7 @@ static int step(const aoi_adaptive *run, double time, aoi_coupled *e)
 
 void aoi_balance_at_once(aoi_adaptive *run, double within)
 {
-    aoi_contact *of = run->balanced;
+    aoi_contact_state *of = run->balanced;
     size_t count = 0;
     for (size_t i = 0; i < run->closed.count; i++) {
         count = list(run, run->closed.at[i], count);
@@ -269,13 +268,13 @@ double aoi_balance_book(aoi_adaptive *run, double sign)
 {
     double stored = 0.0;
     for (size_t i = 0; i < run->closed.count; i++) {
-        const size_t joint = run->closed.at[i];
-        aoi_contact_state *contact = &run->contact[joint];
-        if (aoi_joint_bends(run, joint)) {
+        const size_t c = run->closed.at[i];
+        aoi_adaptive_contact *contact = &run->contact[c];
+        if (aoi_contact_has_residual(run, c)) {
             const double elastic =
-                aoi_law_potential(run->system->joint[joint].law, contact->memory, contact->start);
+                aoi_law_potential(run->system->contact[c].law, contact->memory, contact->start);
             contact->work += sign * elastic;
-            stored += elastic + 0.5 * contact->bending * aoi_contact_bent(run, joint, 0);
+            stored += elastic + 0.5 * contact->bending * aoi_contact_bent(run, c, 0);
         }
     }
     return stored;

@@ -1,9 +1,8 @@
 /* A contact that closes: the state that it begins with, and how large it will be, before it is known. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "model/system.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 
@@ -78,7 +77,7 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
 
 /* The compliance of both ports to a sudden force, 1/kg, and how far held bodies can swing by
  * themselves; infinite where they move freely. */
-static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
+static void mobility_of(const aoi_free_pair *pair, double *mobility, double *swing)
 {
     *mobility = *swing = 0.0;
     for (int side = 0; side < 2; side++) {
@@ -96,10 +95,10 @@ static void mobility_of(const aoi_flight *pair, double *mobility, double *swing)
 
 /* What a load that rises from nothing comes to while the contact takes it, as an acceleration: it and the
  * time that the contact takes hang on each other, loosely. */
-static double rising(const aoi_adaptive *run, const aoi_contact_state *contact, const aoi_law *law,
-                     const aoi_flight *pair)
+static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contact, const aoi_law *law,
+                     const aoi_free_pair *pair)
 {
-    const double jerk = aoi_flight_jerk(pair);
+    const double jerk = aoi_free_pair_jerk(pair);
     const double left = run->end - pair->time;
     double time = left;
     for (int side = 0; side < 2; side++) {
@@ -116,11 +115,11 @@ static double rising(const aoi_adaptive *run, const aoi_contact_state *contact, 
 
 /* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
  * that the first steps are rather too careful. */
-static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *pair, double rate,
+static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate,
                             double acceleration)
 {
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_law *law = run->system->joint[joint].law;
+    aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_law *law = run->system->contact[c].law;
     double mobility, swing;
     aoi_law_value value;
     mobility_of(pair, &mobility, &swing);
@@ -153,7 +152,7 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
         run->level = AOI_HIGHEST_LEVEL;
     }
     /* The motion starts like t + t^(7/2): the first step resolves that to rtol. */
-    const double first = time * (aoi_system_residual(run->system, joint) > 0.0
+    const double first = time * (aoi_system_residual(run->system, c) > 0.0
                                      ? BENT_START * pow(run->rtol, 1.0 / 3.5)
                                      : fmin(EDGE_START * pow(run->rtol, 1.0 / 3.5), MOST_START));
     const double levels = AOI_LEVELS * log2(run->base / first);
@@ -163,32 +162,32 @@ static void estimate_scales(aoi_adaptive *run, size_t joint, const aoi_flight *p
 }
 
 /* Lists it among the closed ones, which stay in order. */
-static void list_closed(aoi_adaptive *run, size_t joint)
+static void list_closed(aoi_adaptive *run, size_t c)
 {
     size_t at = run->closed.count++;
-    for (; at > 0 && run->closed.at[at - 1] > joint; at--) {
+    for (; at > 0 && run->closed.at[at - 1] > c; at--) {
         run->closed.at[at] = run->closed.at[at - 1];
     }
-    run->closed.at[at] = joint;
-    run->contact[joint].closed = 1;
+    run->closed.at[at] = c;
+    run->contact[c].closed = 1;
 }
 
-void aoi_contact_close(aoi_adaptive *run, size_t joint)
+void aoi_contact_close(aoi_adaptive *run, size_t c)
 {
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_joint *of = &run->system->joint[joint];
+    aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_contact *of = &run->system->contact[c];
     const double rest = aoi_law_rest(of->law, contact->memory);
     double here, rate, acceleration;
-    aoi_flight pair;
+    aoi_free_pair pair;
     aoi_law_value value;
-    aoi_watch_remove(run, joint);
-    list_closed(run, joint);
+    aoi_watch_remove(run, c);
+    list_closed(run, c);
     aoi_body_engage(run, of->body[0], 1);
     aoi_body_engage(run, of->body[1], 1);
-    aoi_pair_now(run, joint, &pair);
-    aoi_flight_indentation(&pair, &here, &rate, &acceleration);
-    here -= aoi_contact_bent(run, joint, 0);
-    rate -= aoi_contact_bent(run, joint, 1);
+    aoi_pair_now(run, c, &pair);
+    aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
+    here -= aoi_contact_bent(run, c, 0);
+    rate -= aoi_contact_bent(run, c, 1);
     run->unbalanced = 1;
     contact->begins = 1;
     contact->slack = 0.0;
@@ -200,15 +199,15 @@ void aoi_contact_close(aoi_adaptive *run, size_t joint)
                                    &contact->low, &contact->high);
     aoi_law_force(of->law, contact->memory, contact->piece, contact->start, rate, &value);
     contact->force = value.force;
-    if (value.damping > 0.0 && aoi_system_residual(run->system, joint) > 0.0) {
+    if (value.damping > 0.0 && aoi_system_residual(run->system, c) > 0.0) {
         contact->start_rate = contact->force = 0.0; /* a damper stops what has no mass */
     }
     if (contact->force < 0.0 && !of->law->pulls) { /* within rounding of a touch to come, but still parting */
         contact->piece = AOI_SLACK;
         contact->force = 0.0;
     }
-    aoi_contact_note_peak(run, joint);
-    estimate_scales(run, joint, &pair, rate, acceleration);
+    aoi_contact_note_peak(run, c);
+    estimate_scales(run, c, &pair, rate, acceleration);
     run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
     run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
 }

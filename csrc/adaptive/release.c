@@ -1,8 +1,7 @@
 /* When a contact will let go, before it does: what is left of it is taken in steps that fit. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "law/law.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "collocation/collocation.h"
 
 #include <float.h>
@@ -29,23 +28,23 @@ static double slowness(double e, double power)
 }
 
 /* With several contacts at once none ends as it would alone. */
-static const aoi_contact_state *only_contact(const aoi_adaptive *run)
+static const aoi_adaptive_contact *only_contact(const aoi_adaptive *run)
 {
-    return run->closed_count == 1 ? &run->contact[run->stage[0].joint] : NULL;
+    return run->closed_count == 1 ? &run->contact[run->entry[0].contact] : NULL;
 }
 
 double aoi_release_after(const aoi_adaptive *run, double within)
 {
-    const aoi_contact_state *contact = only_contact(run);
+    const aoi_adaptive_contact *contact = only_contact(run);
     if (!contact || contact->piece == AOI_SLACK || !(contact->start_rate < 0.0)) {
         return HUGE_VAL;
     }
-    const size_t joint = run->stage[0].joint;
-    const aoi_law *law = run->system->joint[joint].law;
+    const size_t c = run->entry[0].contact;
+    const aoi_law *law = run->system->contact[c].law;
     const double depth = contact->start - aoi_law_rest(law, contact->memory);
     double here, rate, acceleration;
     aoi_law_value value;
-    aoi_flight pair;
+    aoi_free_pair pair;
     aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
     if (!(depth > 0.0) || !(value.force > 0.0)) {
         return HUGE_VAL;
@@ -58,15 +57,15 @@ double aoi_release_after(const aoi_adaptive *run, double within)
     if (gain > squared || depth > within * sqrt(squared + gain)) {
         return HUGE_VAL;
     }
-    aoi_pair_now(run, joint, &pair);
-    aoi_flight_indentation(&pair, &here, &rate, &acceleration);
+    aoi_pair_now(run, c, &pair);
+    aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
     const double speed = rate * rate + gain;
     return depth / sqrt(speed) * slowness(gain / speed, power);
 }
 
 double aoi_release_step(const aoi_adaptive *run, double h)
 {
-    const aoi_contact_state *contact = only_contact(run);
+    const aoi_adaptive_contact *contact = only_contact(run);
     if (!contact || contact->edge == 0.0) {
         return h;
     }

@@ -5,18 +5,18 @@
 #include "law/law.h"
 
 /* A row of a track, the dense record of an adaptive run: a step of contact, or a moment from which bodies
- * fly freely. First these five; then for each of its bodies its number the work done on it and lost in it
+ * move freely. First these five; then for each of its bodies its number the work done on it and lost in it
  * before (J), and x, v at the start (3 + 2 n);
- * then for each of its contacts an aoi_track_contact. A body flies from where its last row leaves it. */
-enum aoi_track { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRACK_CONTACTS,
+ * then for each of its contacts an aoi_row_contact. A body moves freely from where its last row leaves it. */
+enum aoi_row { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRACK_CONTACTS,
                  AOI_TRACK_SIZE, AOI_TRACK_FIXED, AOI_TRACK_STATE = 3 };
 
 /* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0);
  * the edge it was solved with; piece, memory, work done on it before (J), indentation and rate at the start;
  * the force at the nodes; the Legendre coefficients of the indentation. One that is in no row any more
  * without having ended, or goes on as AOI_SLACK, has ended where its last row with force does. */
-enum aoi_track_contact {
-    AOI_TRACK_JOINT = 0,
+enum aoi_row_contact {
+    AOI_TRACK_CONTACT = 0,
     AOI_TRACK_BEGINS,
     AOI_TRACK_ENDS,
     AOI_TRACK_EDGE,
@@ -25,8 +25,8 @@ enum aoi_track_contact {
     AOI_TRACK_WORK = AOI_TRACK_MEMORY + AOI_LAW_MEMORY,
     AOI_TRACK_LOST,
     AOI_TRACK_FORCE,
-    AOI_TRACK_INDENTATION = AOI_TRACK_FORCE + AOI_STAGES,
-    AOI_TRACK_CONTACT_SIZE = AOI_TRACK_INDENTATION + AOI_STAGES + 1
+    AOI_TRACK_INDENTATION = AOI_TRACK_FORCE + AOI_NODES,
+    AOI_TRACK_CONTACT_SIZE = AOI_TRACK_INDENTATION + AOI_NODES + 1
 };
 
 #endif

@@ -1,12 +1,12 @@
-/* The adaptive run: contact by collocation in steps of base 2^(-level/8), flight in closed form, and what
+/* The adaptive run: contact by collocation in steps of base 2^(-level/8), free motion in closed form, and what
  * makes the one follow the other. */
-#include "adaptive/adaptive.h"
 #include "adaptive/row.h"
 #include "adaptive/run.h"
+#include "linear/work.h"
 #include "law/law.h"
 #include "model/system.h"
 #include "motion/energy.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 #include "motion/response.h"
 #include "collocation/collocation.h"
@@ -23,7 +23,7 @@ enum {
 /* An event closer to the start than this share of the step happens at the start. */
 static const double AT_START = 1e-9;
 
-/* Beside a contact, bodies that fly and ring are looked at so many steps ahead. */
+/* Beside a contact, bodies that move freely and ring are looked at so many steps ahead. */
 static const double STEPS_AHEAD = 64.0;
 
 /* A rest of a step shorter than this share of it is taken along: over it rates are noise. */
@@ -55,28 +55,13 @@ static double step_of_level(const aoi_adaptive *run)
 
 /* ------------------------------------------------------------------------------ work space */
 
-/* The largest distance between contacts (in their order) that feel each other through a body. */
-static size_t span_of(const aoi_system *system)
-{
-    size_t span = 0;
-    for (size_t b = 0; b < system->body_count; b++) {
-        const size_t first = system->first_joint[b], end = system->first_joint[b + 1];
-        const aoi_modes *body = &system->body[b];
-        if (first < end && (body->residual || aoi_body_yields(body))) {
-            const size_t apart = system->joint_of[end - 1] - system->joint_of[first];
-            span = apart > span ? apart : span;
-        }
-    }
-    return span;
-}
-
 static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
 
 /* Whether a force depends on the rate, or a contact has no mass. */
 static int is_quick(const aoi_system *system)
 {
-    for (size_t c = 0; c < system->joint_count; c++) {
-        if (system->joint[c].law->depends_on_rate ||
+    for (size_t c = 0; c < system->contact_count; c++) {
+        if (system->contact[c].law->depends_on_rate ||
             aoi_system_residual(system, c) > 0.0) {
             return 1;
         }
@@ -84,36 +69,66 @@ static int is_quick(const aoi_system *system)
     return 0;
 }
 
-void aoi_adaptive_size(const aoi_system *system, size_t *work, size_t *lists, size_t *row)
+size_t aoi_adaptive_room(const aoi_system *system)
 {
-    size_t ports = 0;
-    *lists = 3 * system->joint_count + 2 * system->body_count;
-    *work = 10 * aoi_system_most_modes(system);
-    *row = AOI_TRACK_FIXED + system->joint_count * AOI_TRACK_CONTACT_SIZE;
-    for (size_t b = 0; b < system->body_count; b++) {
-        const aoi_modes *body = &system->body[b];
-        *work += tables_of(body) * aoi_response_size(body);
-        *row += AOI_TRACK_STATE + 2 * body->n;
-        ports += body->ports;
+    return AOI_TRACK_FIXED + system->contact_count * AOI_TRACK_CONTACT_SIZE +
+           AOI_TRACK_STATE * system->body_count + 2 * system->first[system->body_count];
+}
+
+/* Deals out memory behind the run itself, which is only counted where block is NULL. */
+static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
+{
+    const size_t bodies = system->body_count, contacts = system->contact_count;
+    aoi_memory memory = {block, 0};
+    (void)aoi_memory_take(&memory, 1, sizeof *run);
+    run->body = aoi_memory_take(&memory, bodies, sizeof *run->body);
+    run->contact = aoi_memory_take(&memory, contacts, sizeof *run->contact);
+    run->entry = aoi_memory_take(&memory, contacts, sizeof *run->entry);
+    run->response = aoi_memory_take(&memory, bodies, sizeof *run->response);
+    run->balanced = aoi_memory_take(&memory, contacts, sizeof *run->balanced);
+    run->engaged.at = aoi_memory_numbers(&memory, bodies);
+    run->changed.at = aoi_memory_numbers(&memory, bodies);
+    run->closed.at = aoi_memory_numbers(&memory, contacts);
+    run->watched[0].at = aoi_memory_numbers(&memory, contacts);
+    run->watched[1].at = aoi_memory_numbers(&memory, contacts);
+    run->x = aoi_memory_doubles(&memory, system->first[bodies]);
+    run->v = aoi_memory_doubles(&memory, system->first[bodies]);
+    run->flight[0] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
+    run->flight[1] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
+    run->scratch = aoi_memory_doubles(&memory, 2 * aoi_system_most_modes(system));
+    run->port_force = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
+    run->collocation = aoi_memory_doubles(&memory, aoi_collocation_size(contacts, run->span));
+    for (size_t b = 0; b < bodies; b++) {
+        const size_t tables = tables_of(&system->body[b]);
+        double *tabled = aoi_memory_doubles(&memory, tables * aoi_response_size(&system->body[b]));
+        if (block) {
+            run->body[b] = (aoi_adaptive_body){.block = tabled, .table_count = tables};
+        }
     }
-    *work += ports * AOI_STAGES + aoi_collocation_size(system->joint_count, span_of(system));
+    return memory.used;
+}
+
+size_t aoi_adaptive_size(const aoi_system *system)
+{
+    aoi_adaptive counted = {.span = aoi_system_span(system)};
+    return lay_out(&counted, system, NULL);
 }
 
 /* -------------------------------------------------------------------------------- the start */
 
 /* Bodies that press on each other from the start. */
-static void start_closed(aoi_adaptive *run, size_t joint)
+static void start_closed(aoi_adaptive *run, size_t c)
 {
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_joint *of = &run->system->joint[joint];
+    aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_contact *of = &run->system->contact[c];
     const double delta = contact->start;
     aoi_law_value value;
     aoi_law_remember(of->law, delta, 0.0, contact->memory);
-    aoi_contact_close(run, joint);
+    aoi_contact_close(run, c);
     contact->start = delta;
     aoi_law_force(of->law, contact->memory, contact->piece, delta, contact->start_rate, &value);
     contact->force = value.force;
-    aoi_contact_note_peak(run, joint);
+    aoi_contact_note_peak(run, c);
     const double time = 1.0 / sqrt(value.stiffness * contact->mobility);
     contact->indentation_scale = fmax(contact->indentation_scale, delta);
     contact->impulse_scale = fmax(contact->impulse_scale, value.force * time);
@@ -135,10 +150,10 @@ static void start_ledger(aoi_adaptive *run)
             aoi_modes_load(&system->body[b], p, run->time, &force[system->first_port[b] + p], &rise);
         }
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         for (int side = 0; side < 2; side++) {
-            const aoi_joint *joint = &system->joint[c];
-            force[system->first_port[joint->body[side]] + joint->port[side]] +=
+            const aoi_contact *contact = &system->contact[c];
+            force[system->first_port[contact->body[side]] + contact->port[side]] +=
                 (side == 0 ? -1.0 : 1.0) * run->contact[c].force;
         }
     }
@@ -148,59 +163,23 @@ static void start_ledger(aoi_adaptive *run)
     }
 }
 
-static void lay_out_lists(aoi_adaptive *run)
-{
-    const size_t bodies = run->system->body_count, joints = run->system->joint_count;
-    run->engaged = (aoi_list){0, run->lists};
-    run->changed = (aoi_list){0, run->lists + bodies};
-    run->closed = (aoi_list){0, run->lists + 2 * bodies};
-    run->watched[0] = (aoi_list){0, run->closed.at + joints};
-    run->watched[1] = (aoi_list){0, run->closed.at + 2 * joints};
-}
-
-static void lay_out_work(aoi_adaptive *run)
-{
-    const aoi_system *system = run->system;
-    double *work = run->work;
-    for (size_t side = 0; side < 2; side++) {
-        run->flight[side] = work;
-        work += 4 * aoi_system_most_modes(system);
-    }
-    for (size_t b = 0; b < system->body_count; b++) {
-        aoi_follower *body = &run->body[b];
-        body->block = work;
-        body->table_count = tables_of(&system->body[b]);
-        work += body->table_count * aoi_response_size(&system->body[b]);
-    }
-    run->scratch = work;
-    work += 2 * aoi_system_most_modes(system);
-    run->port_force = work;
-    run->collocation = work + system->first_port[system->body_count] * AOI_STAGES;
-}
-
 static void begin_bodies(aoi_adaptive *run)
 {
     for (size_t b = 0; b < run->system->body_count; b++) {
-        aoi_follower *body = &run->body[b];
-        body->time = run->time;
-        body->engaged = body->changed = 0;
-        body->work = body->dissipated = 0.0;
-        for (size_t i = 0; i < AOI_TABLES; i++) {
-            body->table_use[i] = 0;
-        }
+        run->body[b].time = run->time;
         aoi_body_note_change(run, b);
     }
 }
 
 static int begin_contacts(aoi_adaptive *run)
 {
-    for (size_t c = 0; c < run->system->joint_count; c++) {
-        run->contact[c] = (aoi_contact_state){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
+    for (size_t c = 0; c < run->system->contact_count; c++) {
+        run->contact[c] = (aoi_adaptive_contact){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
         run->contact[c].peak_time = run->time;
     }
     const int status = aoi_balance_at_start(run);
     aoi_watch_begin(run);
-    for (size_t c = 0; c < run->system->joint_count && status == AOI_OK; c++) {
+    for (size_t c = 0; c < run->system->contact_count && status == AOI_OK; c++) {
         if (run->contact[c].start > 0.0) {
             start_closed(run, c);
         } else {
@@ -210,63 +189,66 @@ static int begin_contacts(aoi_adaptive *run)
     return status;
 }
 
-/* Whether the run can be made at all. */
-static int check_start(const aoi_adaptive *run)
+/* Copies the modes at the start; 0 where they are no numbers. */
+static int take_state(const double *from, size_t count, double *to)
 {
-    if (!(run->rtol > 0.0) || !(run->end > run->time) || !isfinite(run->end) ||
-        aoi_system_check(run->system) != AOI_OK) {
-        return AOI_ERROR_ARGUMENT;
-    }
-    for (size_t j = 0; j < run->system->first[run->system->body_count]; j++) {
-        if (!isfinite(run->x[j]) || !isfinite(run->v[j])) {
-            return AOI_ERROR_NOT_FINITE;
+    for (size_t j = 0; j < count; j++) {
+        to[j] = from ? from[j] : 0.0;
+        if (!isfinite(to[j])) {
+            return 0;
         }
     }
-    return AOI_OK;
+    return 1;
 }
 
-int aoi_adaptive_start(aoi_adaptive *run)
+int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start, double rtol,
+                       double end)
 {
-    int status = check_start(run);
-    if (status != AOI_OK) {
-        return status;
+    if (!system->first || !(rtol > 0.0) || !(end > 0.0) || !isfinite(end)) {
+        return AOI_ERROR_ARGUMENT;
     }
-    const size_t modes = aoi_system_most_modes(run->system);
-    size_t work, lists;
-    aoi_adaptive_size(run->system, &work, &lists, &run->row_size);
-    run->span = span_of(run->system);
-    run->level = 0;
-    run->grain = modes > 1 && is_quick(run->system) ? AOI_LEVELS : 1;
+    const size_t modes = aoi_system_most_modes(system), all = system->first[system->body_count];
+    *run = (aoi_adaptive){.system = system, .rtol = rtol, .end = end, .rested = start->rested};
+    run->span = aoi_system_span(system);
+    run->row_size = aoi_adaptive_room(system);
+    run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
     run->table_cost = modes > 1 ? TABLE_COST * (double)modes : 0.0;
-    run->base = run->indentation_scale = run->impulse_scale = run->force_scale = run->saved = 0.0;
-    run->origin = run->time;
-    run->elapsed = run->left_off = 0.0;
-    run->steps = run->rejected = run->uses = run->culprit = 0;
-    run->closed_count = run->stage_count = 0;
-    run->unbalanced = 0;
-    lay_out_work(run);
-    lay_out_lists(run);
+    (void)lay_out(run, system, run);
+    if (!take_state(start->x, all, run->x) || !take_state(start->v, all, run->v)) {
+        return AOI_ERROR_NOT_FINITE;
+    }
     begin_bodies(run);
-    status = begin_contacts(run);
+    const int status = begin_contacts(run);
     start_ledger(run);
     return status;
 }
 
-/* ---------------------------------------------------------------------------------- flight */
+aoi_progress aoi_adaptive_progress(const aoi_adaptive *run)
+{
+    return (aoi_progress){run->time, run->steps, run->rejected, run->failed, run->x, run->v};
+}
 
-/* A body without oscillations: one look sees its flight to the end. */
+aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
+{
+    const aoi_adaptive_contact *of = &run->contact[contact];
+    return (aoi_peak){of->peak_force, of->peak_time, of->impulse};
+}
+
+/* ---------------------------------------------------------------------------------- free motion */
+
+/* A body without oscillations: one look sees its free motion to the end. */
 static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
 
 /* Looks when the bodies of a watched contact touch, up to limit, on copies of their states. */
-static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *copy)
+static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
 {
     const aoi_system *system = run->system;
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_joint *of = &system->joint[joint];
+    aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_contact *of = &system->contact[c];
     const double now = aoi_run_now(run);
-    aoi_flight pair;
-    aoi_watch_remove(run, joint);
-    aoi_pair_now(run, joint, &pair);
+    aoi_free_pair pair;
+    aoi_watch_remove(run, c);
+    aoi_pair_now(run, c, &pair);
     pair.gap += aoi_law_rest(of->law, contact->memory) + contact->slack;
     for (int side = 0; side < 2; side++) {
         const size_t b = of->body[side], n = system->body[b].n, first = system->first[b];
@@ -274,29 +256,29 @@ static int look_ahead(aoi_adaptive *run, size_t joint, double limit, double *cop
             copy[j] = run->x[first + j];
             copy[n + j] = run->v[first + j];
         }
-        aoi_modes_fly(&system->body[b], run->body[b].time, now, copy, copy + n);
+        aoi_modes_advance(&system->body[b], run->body[b].time, now, copy, copy + n);
         pair.x[side] = copy;
         pair.v[side] = copy + n;
         copy += 2 * n;
     }
     limit = is_simple(pair.body[0]) && is_simple(pair.body[1]) ? run->end : limit;
     const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
-    const int status = aoi_flight_next_touch(&pair, limit, most, &contact->touches);
+    const int status = aoi_free_pair_next_touch(&pair, limit, most, &contact->touches);
     contact->free_until = pair.time;
-    aoi_watch_add(run, joint);
+    aoi_watch_add(run, c);
     if (status == AOI_ERROR_NO_CONVERGENCE && pair.time > now) {
         return AOI_OK; /* so far at least */
     }
-    run->culprit = status != AOI_OK ? joint : run->culprit;
+    run->failed = status != AOI_OK ? c : run->failed;
     return status;
 }
 
-/* The bodies of a joint as look_ahead has left them, at the time now. */
-static void land(aoi_adaptive *run, size_t joint, const double *copy)
+/* The bodies of a contact as look_ahead has left them, at the time now. */
+static void land(aoi_adaptive *run, size_t c, const double *copy)
 {
     const aoi_system *system = run->system;
     for (int side = 0; side < 2; side++) {
-        const size_t b = system->joint[joint].body[side];
+        const size_t b = system->contact[c].body[side];
         const size_t n = system->body[b].n, first = system->first[b];
         aoi_body_account(run, b, aoi_run_now(run), copy, copy + n);
         for (size_t j = 0; j < n; j++) {
@@ -310,65 +292,65 @@ static void land(aoi_adaptive *run, size_t joint, const double *copy)
 
 /* Nothing touches: on to the first touch of all, or to the end; or, where that takes long to find, as far as it is
  * certain that nothing does. */
-static int flight(aoi_adaptive *run)
+static int move_freely(aoi_adaptive *run)
 {
-    size_t joint, landed = run->system->joint_count;
+    size_t c, landed = run->system->contact_count;
     aoi_step_release(run);
-    double best = aoi_watch_first(run, 1, run->end, &joint);
-    for (aoi_watch_first(run, 0, best, &joint); joint < run->system->joint_count;
-         aoi_watch_first(run, 0, best, &joint)) {
-        const int status = look_ahead(run, joint, best, run->flight[0]);
+    double best = aoi_watch_first(run, 1, run->end, &c);
+    for (aoi_watch_first(run, 0, best, &c); c < run->system->contact_count;
+         aoi_watch_first(run, 0, best, &c)) {
+        const int status = look_ahead(run, c, best, run->flight[0]);
         if (status != AOI_OK) {
             return status;
         }
-        if (run->contact[joint].touches && run->contact[joint].free_until < best) {
+        if (run->contact[c].touches && run->contact[c].free_until < best) {
             double *kept = run->flight[0];
             run->flight[0] = run->flight[1];
             run->flight[1] = kept;
-            landed = joint;
-            best = run->contact[joint].free_until;
-        } else if (!run->contact[joint].touches) {
-            best = fmin(best, run->contact[joint].free_until);
+            landed = c;
+            best = run->contact[c].free_until;
+        } else if (!run->contact[c].touches) {
+            best = fmin(best, run->contact[c].free_until);
         }
     }
     run->origin = run->time = best;
     run->elapsed = run->left_off = 0.0;
-    (void)aoi_watch_first(run, 1, run->end, &joint);
-    if (joint < run->system->joint_count && run->contact[joint].free_until <= best) {
-        if (joint == landed) {
-            land(run, joint, run->flight[1]);
+    (void)aoi_watch_first(run, 1, run->end, &c);
+    if (c < run->system->contact_count && run->contact[c].free_until <= best) {
+        if (c == landed) {
+            land(run, c, run->flight[1]);
         }
         if (run->base > 0.0) {
             run->level = AOI_HIGHEST_LEVEL; /* the contact itself says how fine */
         }
         run->indentation_scale = run->impulse_scale = 0.0;
-        aoi_contact_close(run, joint);
+        aoi_contact_close(run, c);
     }
     return AOI_OK;
 }
 
 /* ------------------------------------------------------------------------- a step of contact */
 
-/* Closes contacts of bodies in flight whose time has come, and finds out how long the others are
+/* Closes contacts of bodies in free motion whose time has come, and finds out how long the others are
  * certain not to touch. */
-static int watch_flights(aoi_adaptive *run)
+static int watch_free_pairs(aoi_adaptive *run)
 {
-    const size_t none = run->system->joint_count;
+    const size_t none = run->system->contact_count;
     const double now = aoi_run_now(run), step = step_of_level(run);
     const double rounding = 4.0 * DBL_EPSILON * now;
     const double due = fmin(nextafter(now + rounding, HUGE_VAL), run->end);
     const double ahead = fmax(now + STEPS_AHEAD * step, now + 2.0 * rounding);
-    size_t joint;
-    for (aoi_watch_first(run, 0, due, &joint); joint < none; aoi_watch_first(run, 0, due, &joint)) {
-        const int status = look_ahead(run, joint, fmin(run->end, ahead), run->flight[0]);
+    size_t c;
+    for (aoi_watch_first(run, 0, due, &c); c < none; aoi_watch_first(run, 0, due, &c)) {
+        const int status = look_ahead(run, c, fmin(run->end, ahead), run->flight[0]);
         if (status != AOI_OK) {
             return status;
         }
     }
-    for (aoi_watch_first(run, 1, due, &joint); joint < none; aoi_watch_first(run, 1, due, &joint)) {
-        aoi_contact_close(run, joint);
+    for (aoi_watch_first(run, 1, due, &c); c < none; aoi_watch_first(run, 1, due, &c)) {
+        aoi_contact_close(run, c);
     }
-    run->horizon = aoi_watch_first(run, 1, aoi_watch_first(run, 0, run->end, &joint), &joint);
+    run->horizon = aoi_watch_first(run, 1, aoi_watch_first(run, 0, run->end, &c), &c);
     return AOI_OK;
 }
 
@@ -377,7 +359,7 @@ static int prepare(aoi_adaptive *run, double *limit)
 {
     do {
         aoi_step_prepare(run);
-        const int status = watch_flights(run);
+        const int status = watch_free_pairs(run);
         if (status != AOI_OK) {
             return status;
         }
@@ -455,10 +437,10 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
 /* Whether a law gives no number where a closed contact is now. */
 static int law_fails(aoi_adaptive *run)
 {
-    for (size_t c = 0; c < run->system->joint_count; c++) {
-        const aoi_law *law = run->system->joint[c].law;
+    for (size_t c = 0; c < run->system->contact_count; c++) {
+        const aoi_law *law = run->system->contact[c].law;
         if (law->note && !isnan(law->note[0])) {
-            run->culprit = c;
+            run->failed = c;
             return 1;
         }
     }
@@ -518,48 +500,64 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;
 }
 
-/* Bodies that have not been asked for since fly on to the end. */
+/* Bodies that have not been asked for since move on freely to the end. */
 static void bring_all_home(aoi_adaptive *run)
 {
     for (size_t b = 0; b < run->system->body_count; b++) {
         const size_t at = run->system->first[b];
-        aoi_modes_fly(&run->system->body[b], run->body[b].time, run->end, run->x + at, run->v + at);
+        aoi_modes_advance(&run->system->body[b], run->body[b].time, run->end, run->x + at, run->v + at);
         run->body[b].time = run->end;
     }
 }
 
-int aoi_adaptive_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,
-                     size_t *used, size_t *rows)
+/* Goes on by one row at most. idle: how often in turn no time has passed. */
+static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
+{
+    double *row = track->values + track->used;
+    size_t size = 0;
+    int status = AOI_OK;
+    if (idle >= MOST_IDLE) {
+        return AOI_ERROR_TOLERANCE;
+    }
+    if (run->closed.count > 0) {
+        status = contact_step(run, row, &size);
+    } else if (run->changed.count > 0) {
+        size = aoi_step_write(run, 0.0, 0, row);
+    } else {
+        status = move_freely(run);
+        *paused = run->time < run->end && run->closed.count == 0;
+    }
+    if (status == AOI_OK && size > 0) {
+        track->row[track->rows++] = track->used;
+        track->used += size;
+    }
+    return status;
+}
+
+int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track)
 {
     double before = run->time;
-    int paused = 0;
-    *used = *rows = 0;
-    for (int idle = 0; run->time < run->end && capacity - *used >= run->row_size && *rows < most; idle++) {
-        size_t size = 0;
-        int status = idle < MOST_IDLE ? AOI_OK : AOI_ERROR_TOLERANCE;
+    int status = AOI_OK, paused = 0;
+    for (int idle = 0; status == AOI_OK && !paused && run->time < run->end &&
+                       track->capacity - track->used >= run->row_size &&
+                       track->rows < track->row_capacity;
+         idle++) {
         idle = run->time > before ? 0 : idle;
         before = run->time;
-        if (status != AOI_OK) {
-            return status;
-        }
-        if (run->closed.count > 0) {
-            status = contact_step(run, track + *used, &size);
-        } else if (run->changed.count > 0) {
-            size = aoi_step_write(run, 0.0, 0, track + *used);
-        } else {
-            status = flight(run);
-            paused = run->time < run->end && run->closed.count == 0;
-        }
-        if (status != AOI_OK || paused) {
-            return status;
-        }
-        if (size > 0) {
-            index[(*rows)++] = *used;
-            *used += size;
-        }
+        status = go_on(run, track, idle, &paused);
     }
-    if (!(run->time < run->end)) {
+    if (status == AOI_OK && !(run->time < run->end)) {
         bring_all_home(run);
     }
-    return AOI_OK;
+    return status;
+}
+
+int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track)
+{
+    int status = AOI_OK;
+    for (double before = -HUGE_VAL; status == AOI_OK && run->time > before && run->time < run->end;) {
+        before = run->time;
+        status = aoi_adaptive_run(run, track);
+    }
+    return status == AOI_OK && run->time < run->end ? AOI_ERROR_TOO_LONG : status;
 }

@@ -3,10 +3,86 @@
 #ifndef AOI_ADAPTIVE_H
 #define AOI_ADAPTIVE_H
 
-#include "adaptive/adaptive.h"
-#include "motion/flight.h"
+#include "law/law.h"
+#include "model/coupled.h"
+#include "motion/free.h"
+#include "motion/response.h"
+#include "collocation/collocation.h"
 
 #include <math.h>
+
+enum { AOI_TABLES = 12 };
+
+/* What a run knows of a body: since when x, v hold, and the tables of the steps it made last. */
+typedef struct aoi_adaptive_body {
+    double time;
+    int engaged; /* in this step: 2 under force, 1 beside such a body, 0 in free motion */
+    int changed; /* since its last row */
+    double work, dissipated;
+    double *block;
+    size_t table_count;
+    aoi_response table[AOI_TABLES];
+    int table_level[AOI_TABLES];
+    size_t table_use[AOI_TABLES];
+} aoi_adaptive_body;
+
+/* What a run knows of a contact, and what it has found out about it. */
+typedef struct aoi_adaptive_contact {
+    int closed, begins, piece;
+    double low, high; /* ends of the piece */
+    double mobility;  /* of both ports under a sudden force, 1/kg */
+    double edge;      /* length of a step that its beginning, so its end, allows; 0: not known */
+    double memory[AOI_LAW_MEMORY];
+    double start, start_rate, force; /* now, while closed */
+    double bending;    /* the force that the residual compliance knows of */
+    double force_rate; /* at the end of the last step, where bodies have a residual compliance */
+    double indentation_scale, impulse_scale, rate_scale;
+    double free_until; /* while open, and both bodies in free motion: no touch before */
+    int touches;       /* but then */
+    size_t place;      /* among the watched ones */
+    double slack;      /* while open: so much deeper than rest is no touch yet */
+    int event;         /* what happens to it in the step being tried, and where */
+    double event_place;
+    double last_length, last[AOI_NODES + 1]; /* the last step's indentation, to guess the next */
+    double peak_force, peak_time, impulse, since_touch, work;
+} aoi_adaptive_contact;
+
+/* Numbers of bodies or contacts. */
+typedef struct aoi_list {
+    size_t count, *at;
+} aoi_list;
+
+/* A run. What a step costs depends on the bodies that take part in it only. */
+struct aoi_adaptive {
+    const aoi_system *system;
+    double rtol, time, end;
+    int rested; /* the bodies have come to rest under loads and contacts; 0: those set in at time */
+    double *x, *v; /* of all bodies */
+    aoi_adaptive_body *body;
+    aoi_adaptive_contact *contact;
+    aoi_contact_step *entry;
+    aoi_response *response;
+    aoi_contact_state *balanced; /* contacts at places without mass, while their forces are found */
+
+    aoi_list closed;     /* contacts, ascending                                           */
+    aoi_list watched[2]; /* open ones in free motion: until when they are free, when they touch */
+    aoi_list engaged, changed; /* bodies: in this step; since their last row              */
+    size_t span, row_size;
+    size_t closed_count, entry_count; /* the entries: closed contacts first, then those beside them */
+    int level;                        /* steps are base 2^(-level/8) long */
+    int grain;                        /* of which only these multiples are taken  */
+    double table_cost, saved;         /* what tables cost, in steps, and what longer ones had saved */
+    double base;
+    double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
+    double force_scale; /* in the step tried, where more than one is closed; else 0 */
+    double origin, elapsed; /* time is their sum: short steps of a late contact */
+    double left_off;        /* of elapsed by rounding */
+    double horizon;         /* no contact between bodies in free motion before */
+    int unbalanced;         /* something has happened to a contact since the last step */
+    double *flight[2], *scratch, *port_force, *collocation;
+    size_t steps, rejected, uses;
+    size_t failed; /* contact in which an error came up */
+};
 
 /* Steps are base 2^(-level/8) long. */
 enum {
@@ -55,7 +131,7 @@ static inline int aoi_level_from(const aoi_adaptive *run, double level)
 /* Lists the contacts of the step that begins now and brings their bodies here. */
 void aoi_step_prepare(aoi_adaptive *run);
 
-/* The step's bodies and contacts are none any more: open ones fly again. */
+/* The step's bodies and contacts are none any more: open ones move freely again. */
 void aoi_step_release(aoi_adaptive *run);
 
 /* Whether an event so long after the start of a step of length h happens at its start. */
@@ -67,15 +143,15 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
 /* Writes its row and takes bodies and contacts to its end, where its events happen. */
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size);
 
-/* Writes the row of bodies that fly from now on; stage_count contacts of the step, 0 for none. */
+/* Writes the row of bodies that move freely from now on; entry_count contacts of the step, 0 for none. */
 size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row);
 
 /* What contact forces take from a contact's indentation now by the residual compliances, m; with rates, from
  * its rate, as they went on so far, m/s. */
-double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates);
+double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates);
 
 /* Takes note of a contact's force now, which may be its largest. */
-void aoi_contact_note_peak(aoi_adaptive *run, size_t joint);
+void aoi_contact_note_peak(aoi_adaptive *run, size_t c);
 
 /* Finds indentations at the start, and with them forces of contacts at places without mass: where the bodies rest
  * under loads and contacts, or where laws of the rate let them be at once when the loads set in. Errors as
@@ -103,38 +179,35 @@ double aoi_release_after(const aoi_adaptive *run, double within);
 double aoi_release_step(const aoi_adaptive *run, double h);
 
 /* Closes a contact where its bodies are now. */
-void aoi_contact_close(aoi_adaptive *run, size_t joint);
+void aoi_contact_close(aoi_adaptive *run, size_t c);
 
 /* Strikes it off the closed ones. */
-void aoi_contact_open(aoi_adaptive *run, size_t joint);
+void aoi_contact_open(aoi_adaptive *run, size_t c);
 
-/* Whether forces move any mode of a body. */
-int aoi_body_yields(const aoi_modes *body);
-
-/* Books work and losses of a body that has flown to a time and a state. */
+/* Books work and losses of a body that has moved freely to a time and a state. */
 void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x, const double *v);
 
 /* Lists a body among those that go into the next row. */
 void aoi_body_note_change(aoi_adaptive *run, size_t b);
 
-/* Brings a body here; how: as aoi_follower.engaged. */
+/* Brings a body here; how: as aoi_adaptive_body.engaged. */
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how);
 
-/* The two bodies of a joint, at the time now, in place. */
-void aoi_pair_now(const aoi_adaptive *run, size_t joint, aoi_flight *pair);
+/* The two bodies of a contact, at the time now, in place. */
+void aoi_pair_now(const aoi_adaptive *run, size_t c, aoi_free_pair *pair);
 
 /* Nothing is watched yet. */
 void aoi_watch_begin(aoi_adaptive *run);
 
 /* Watches an open contact, if it is not watched yet, by its free_until and touches, which are not to change
  * until it is removed. */
-void aoi_watch_add(aoi_adaptive *run, size_t joint);
+void aoi_watch_add(aoi_adaptive *run, size_t c);
 
 /* Returns whether it was watched. */
-int aoi_watch_remove(aoi_adaptive *run, size_t joint);
+int aoi_watch_remove(aoi_adaptive *run, size_t c);
 
-/* The first time before limit of those watched that touch, or that do not; whose. limit and joint_count
+/* The first time before limit of those watched that touch, or that do not; whose. limit and contact_count
  * where there is none. */
-double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *joint);
+double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *c);
 
 #endif

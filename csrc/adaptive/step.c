@@ -1,14 +1,13 @@
 /* One step of an adaptive run, tried: the motion without contact forces, a first guess, the forces by
  * collocation, and what the other files say of them. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <math.h>
@@ -35,7 +34,7 @@ static int are_alike(const aoi_modes *one, const aoi_modes *other)
 /* The tables of a body for this step: the one not used for longest makes room. */
 static void make_response(aoi_adaptive *run, size_t b, double h, int level, int with_rates)
 {
-    aoi_follower *body = &run->body[b];
+    aoi_adaptive_body *body = &run->body[b];
     const aoi_modes *modes = &run->system->body[b];
     size_t oldest = 0;
     for (size_t i = 0; i < body->table_count; i++) {
@@ -55,19 +54,19 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
 }
 
 /* The indentation at the start has it in it already; the motion without contact forces has not. */
-double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates)
+double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
 {
-    const aoi_joint *of = &run->system->joint[joint];
+    const aoi_contact *of = &run->system->contact[c];
     double sum = 0.0;
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = &run->system->body[of->body[side]];
-        const size_t end = body->residual ? run->system->first_joint[of->body[side] + 1] : 0;
-        for (size_t i = run->system->first_joint[of->body[side]]; i < end; i++) {
-            const size_t joint_by = run->system->joint_of[i];
-            const aoi_joint *by = &run->system->joint[joint_by];
+        const size_t end = body->residual ? run->system->first_contact[of->body[side] + 1] : 0;
+        for (size_t i = run->system->first_contact[of->body[side]]; i < end; i++) {
+            const size_t joint_by = run->system->contact_of[i];
+            const aoi_contact *by = &run->system->contact[joint_by];
             const int other = by->body[1] == of->body[side];
             const double compliance = body->residual[of->port[side] * body->ports + by->port[other]];
-            const aoi_contact_state *contact = &run->contact[joint_by];
+            const aoi_adaptive_contact *contact = &run->contact[joint_by];
             sum += (side == other ? 1.0 : -1.0) * compliance *
                    (rates ? contact->force_rate : contact->bending);
         }
@@ -77,47 +76,47 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t joint, int rates)
 
 /* What contact forces take from an indentation at the start by residual compliances, m: by the bodies' places,
  * since a force that has just begun is known only roughly. */
-static double bent_at_start(const aoi_adaptive *run, const aoi_stage *stage)
+static double bent_at_start(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     double without_forces, rate, acceleration;
-    aoi_flight pair;
-    if (!aoi_joint_bends(run, stage->joint)) {
+    aoi_free_pair pair;
+    if (!aoi_contact_has_residual(run, entry->contact)) {
         return 0.0;
     }
-    aoi_pair_now(run, stage->joint, &pair);
-    aoi_flight_indentation(&pair, &without_forces, &rate, &acceleration);
-    return without_forces - stage->start;
+    aoi_pair_now(run, entry->contact, &pair);
+    aoi_free_pair_indentation(&pair, &without_forces, &rate, &acceleration);
+    return without_forces - entry->start;
 }
 
-static void homogeneous(aoi_adaptive *run, aoi_stage *stage, double h, int with_rates)
+static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, double h, int with_rates)
 {
-    const aoi_joint *joint = &run->system->joint[stage->joint];
-    const double bent = bent_at_start(run, stage);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        stage->homogeneous[i] = stage->start + bent;
-        stage->homogeneous_rate[i] =
+    const aoi_contact *contact = &run->system->contact[entry->contact];
+    const double bent = bent_at_start(run, entry);
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        entry->homogeneous[i] = entry->start + bent;
+        entry->homogeneous_rate[i] =
             with_rates ? -bent / h * aoi_radau_slope_at_node[0][i] : 0.0;
     }
     for (int side = 0; side < 2; side++) {
-        const size_t b = joint->body[side], at = run->system->first[b];
-        aoi_response_homogeneous(&run->response[b], &run->system->body[b], joint->port[side],
+        const size_t b = contact->body[side], at = run->system->first[b];
+        aoi_response_homogeneous(&run->response[b], &run->system->body[b], contact->port[side],
                                  side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
-                                 stage->homogeneous, with_rates ? stage->homogeneous_rate : NULL);
+                                 entry->homogeneous, with_rates ? entry->homogeneous_rate : NULL);
     }
 }
 
 /* The last step's polynomial at the nodes of a step of length h behind it, and its slope there. */
-static void draw_on(const aoi_contact_state *contact, double h, double *indentation, double *rate)
+static void draw_on(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
     const double stretch = h / contact->last_length;
     if (stretch == 1.0 && !rate) {
         const double *beyond = &aoi_radau_legendre_beyond[0][0];
-        aoi_stages_multiply_from(contact->last[0], beyond, contact->last + 1, indentation);
+        aoi_nodes_multiply_from(contact->last[0], beyond, contact->last + 1, indentation);
         return;
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         double slope;
-        indentation[i] = aoi_legendre_evaluate(AOI_STAGES + 1, contact->last,
+        indentation[i] = aoi_legendre_evaluate(AOI_NODES + 1, contact->last,
                                                1.0 + aoi_radau_node[i] * stretch, &slope);
         if (rate) {
             rate[i] = slope / contact->last_length;
@@ -126,9 +125,9 @@ static void draw_on(const aoi_contact_state *contact, double h, double *indentat
 }
 
 /* The same of the motion at its start. */
-static void draw_line(const aoi_contact_state *contact, double h, double *indentation, double *rate)
+static void draw_line(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         indentation[i] = contact->start + h * aoi_radau_node[i] * contact->start_rate;
         rate[i] = contact->start_rate;
     }
@@ -137,31 +136,31 @@ static void draw_line(const aoi_contact_state *contact, double h, double *indent
 /* A guess: the last step's polynomial drawn on, where it reaches, or the motion without force; never
  * deeper than that. Where other contacts press on the same massless place this bounds nothing: it would
  * leap away, at rates without limit. */
-static void guess(const aoi_contact_state *contact, double h, double usual, int with_rates, int shared,
-                  aoi_stage *stage)
+static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int shared,
+                  aoi_contact_step *entry)
 {
     const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
-    double drawn_on[AOI_STAGES], rate[AOI_STAGES], largest = 0.0;
+    double drawn_on[AOI_NODES], rate[AOI_NODES], largest = 0.0;
     if (known) {
         draw_on(contact, h, drawn_on, with_rates ? rate : NULL);
     } else if (shared) {
         draw_line(contact, h, drawn_on, rate);
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        const int shallower = shared || (known && drawn_on[i] < stage->homogeneous[i]);
-        stage->indentation[i] = shallower ? drawn_on[i] : stage->homogeneous[i];
-        stage->rate[i] = shallower && with_rates ? rate[i] : stage->homogeneous_rate[i];
-        largest = fabs(stage->indentation[i]) > largest ? fabs(stage->indentation[i]) : largest;
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        const int shallower = shared || (known && drawn_on[i] < entry->homogeneous[i]);
+        entry->indentation[i] = shallower ? drawn_on[i] : entry->homogeneous[i];
+        entry->rate[i] = shallower && with_rates ? rate[i] : entry->homogeneous_rate[i];
+        largest = fabs(entry->indentation[i]) > largest ? fabs(entry->indentation[i]) : largest;
     }
-    stage->scale = fmax(largest, (shared ? SHARED_NEWTON_SHARE : NEWTON_SHARE) * usual);
+    entry->scale = fmax(largest, (shared ? SHARED_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
 /* Which edge of a contact a step of length h has. */
-static enum aoi_edge edge_of(const aoi_adaptive *run, size_t joint, double h)
+static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
-    const aoi_contact_state *contact = &run->contact[joint];
-    const aoi_law *law = run->system->joint[joint].law;
-    if (!contact->closed || contact->piece == AOI_SLACK || aoi_joint_bends(run, joint)) {
+    const aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_law *law = run->system->contact[c].law;
+    if (!contact->closed || contact->piece == AOI_SLACK || aoi_contact_has_residual(run, c)) {
         return AOI_EDGE_NONE;
     }
     if (contact->begins) { /* from touch, not pressed together, and not with a force that jumps */
@@ -173,20 +172,20 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t joint, double h)
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;
 }
 
-/* Fills the stage of a closed contact for a step of length h. */
-static void begin_stage(aoi_adaptive *run, size_t s, double h, int with_rates)
+/* Fills the entry of a closed contact for a step of length h. */
+static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
 {
-    aoi_stage *stage = &run->stage[s];
-    const aoi_contact_state *contact = &run->contact[stage->joint];
-    stage->memory = contact->memory;
-    stage->piece = contact->piece;
-    stage->edge = edge_of(run, stage->joint, h);
-    stage->start_force = contact->force;
-    stage->start = contact->start;
-    stage->start_rate = contact->start_rate;
-    homogeneous(run, stage, h, with_rates);
-    const int shared = run->closed_count > 1 && aoi_joint_bends(run, stage->joint);
-    guess(contact, h, run->indentation_scale, with_rates, shared, stage);
+    aoi_contact_step *entry = &run->entry[s];
+    const aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    entry->memory = contact->memory;
+    entry->piece = contact->piece;
+    entry->edge = edge_of(run, entry->contact, h);
+    entry->start_force = contact->force;
+    entry->start = contact->start;
+    entry->start_rate = contact->start_rate;
+    homogeneous(run, entry, h, with_rates);
+    const int shared = run->closed_count > 1 && aoi_contact_has_residual(run, entry->contact);
+    guess(contact, h, run->indentation_scale, with_rates, shared, entry);
 }
 
 /* The step's forces on the ports of all bodies under force. */
@@ -195,17 +194,17 @@ static void gather_forces(aoi_adaptive *run)
     const aoi_system *system = run->system;
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i];
-        double *force = run->port_force + system->first_port[b] * AOI_STAGES;
-        for (size_t k = 0; k < system->body[b].ports * AOI_STAGES; k++) {
+        double *force = run->port_force + system->first_port[b] * AOI_NODES;
+        for (size_t k = 0; k < system->body[b].ports * AOI_NODES; k++) {
             force[k] = 0.0;
         }
     }
     for (size_t s = 0; s < run->closed_count; s++) {
-        const aoi_joint *joint = &system->joint[run->stage[s].joint];
+        const aoi_contact *contact = &system->contact[run->entry[s].contact];
         for (int side = 0; side < 2; side++) {
-            const size_t port = run->system->first_port[joint->body[side]] + joint->port[side];
-            aoi_stages_add(side == 0 ? -1.0 : 1.0, run->stage[s].force,
-                           run->port_force + port * AOI_STAGES);
+            const size_t port = run->system->first_port[contact->body[side]] + contact->port[side];
+            aoi_nodes_add(side == 0 ? -1.0 : 1.0, run->entry[s].force,
+                           run->port_force + port * AOI_NODES);
         }
     }
 }
@@ -215,15 +214,15 @@ static double force_scale_of(const aoi_adaptive *run)
 {
     double largest = 0.0;
     for (size_t s = 0; s < run->closed_count && run->closed_count > 1; s++) {
-        const aoi_contact_state *contact = &run->contact[run->stage[s].joint];
+        const aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
         const double stop = contact->impulse_scale * contact->rate_scale;
-        largest = fmax(largest, fmax(contact->peak_force, aoi_step_force(&run->stage[s])));
+        largest = fmax(largest, fmax(contact->peak_force, aoi_step_force(&run->entry[s])));
         largest = stop > 0.0 ? fmax(largest, stop / contact->indentation_scale) : largest;
     }
     return largest;
 }
 
-/* Contacts that share a body are at most so many stages apart. */
+/* Contacts that share a body are at most so many entries apart. */
 static size_t span_of(const aoi_adaptive *run)
 {
     return run->closed_count < 2 ? 0
@@ -234,7 +233,7 @@ static size_t span_of(const aoi_adaptive *run)
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
 {
     const int with_rates =
-        aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
+        aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
     *attempt = (aoi_attempt){h, 0.0, 2.0, 0};
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i], before = i > 0 ? run->engaged.at[i - 1] : b;
@@ -244,28 +243,28 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
             make_response(run, b, h, level, with_rates);
         }
     }
-    for (size_t s = 0; s < run->stage_count; s++) {
-        run->contact[run->stage[s].joint].event = AOI_EVENT_NONE;
-        run->contact[run->stage[s].joint].event_place = HUGE_VAL;
+    for (size_t s = 0; s < run->entry_count; s++) {
+        run->contact[run->entry[s].contact].event = AOI_EVENT_NONE;
+        run->contact[run->entry[s].contact].event_place = HUGE_VAL;
         if (s < run->closed_count) {
-            run->contact[run->stage[s].joint].slack = 0.0;
-            begin_stage(run, s, h, with_rates);
+            run->contact[run->entry[s].contact].slack = 0.0;
+            begin_entry(run, s, h, with_rates);
         }
     }
     if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
-                              run->stage, run->collocation) != AOI_OK) {
+                              run->entry, run->collocation) != AOI_OK) {
         return;
     }
     gather_forces(run);
     run->force_scale = force_scale_of(run);
     attempt->growth = HUGE_VAL;
     for (size_t s = 0; s < run->closed_count; s++) {
-        const double growth = aoi_step_growth(run, &run->stage[s], h);
+        const double growth = aoi_step_growth(run, &run->entry[s], h);
         attempt->growth = growth < attempt->growth ? growth : attempt->growth;
-        aoi_step_closed_events(run, &run->stage[s], attempt);
-        aoi_step_doze(run, &run->stage[s], attempt);
+        aoi_step_closed_events(run, &run->entry[s], attempt);
+        aoi_step_skip(run, &run->entry[s], attempt);
     }
-    for (size_t s = run->closed_count; s < run->stage_count; s++) {
-        aoi_step_open_events(run, &run->stage[s], attempt);
+    for (size_t s = run->closed_count; s < run->entry_count; s++) {
+        aoi_step_open_events(run, &run->entry[s], attempt);
     }
 }

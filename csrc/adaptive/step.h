@@ -3,10 +3,9 @@
 #ifndef AOI_STEP_H
 #define AOI_STEP_H
 
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "law/law.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <math.h>
@@ -17,82 +16,82 @@ static const double LESSER_SHARE = 0.01;
 /* A peak between nodes may be so much above the largest force at one. */
 static const double NEAR_PEAK = 0.9;
 
-static inline const aoi_law *aoi_step_law(const aoi_adaptive *run, const aoi_stage *stage)
+static inline const aoi_law *aoi_step_law(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
-    return run->system->joint[stage->joint].law;
+    return run->system->contact[entry->contact].law;
 }
 
 /* The largest indentation, at the start and the nodes. */
-static inline double aoi_step_indentation(const aoi_stage *stage)
+static inline double aoi_step_indentation(const aoi_contact_step *entry)
 {
-    return aoi_stages_largest(stage->start, stage->indentation);
+    return aoi_nodes_largest(entry->start, entry->indentation);
 }
 
 /* What counts as large for a contact: what it has seen, or a small share of what the others have. */
-static inline double aoi_step_scale(const aoi_adaptive *run, const aoi_stage *stage, double largest)
+static inline double aoi_step_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
-    return fmax(fmax(run->contact[stage->joint].indentation_scale, largest),
+    return fmax(fmax(run->contact[entry->contact].indentation_scale, largest),
                 LESSER_SHARE * run->indentation_scale);
 }
 
 /* The largest force at the nodes. */
-static inline double aoi_step_force(const aoi_stage *stage)
+static inline double aoi_step_force(const aoi_contact_step *entry)
 {
-    return aoi_stages_largest(0.0, stage->force);
+    return aoi_nodes_largest(0.0, entry->force);
 }
 
 /* Whether that may be the largest of the contact so far, at a node or beside it. */
-static inline int aoi_step_may_peak(const aoi_contact_state *contact, const aoi_stage *stage)
+static inline int aoi_step_may_peak(const aoi_adaptive_contact *contact, const aoi_contact_step *entry)
 {
-    return aoi_step_force(stage) >= NEAR_PEAK * contact->peak_force;
+    return aoi_step_force(entry) >= NEAR_PEAK * contact->peak_force;
 }
 
 /* What counts as large for its force: what it has seen, or a small share of what the others press with. A
  * contact that a wave has only just reached starts like a power of time: beside its own force alone it would
  * look the same in the shortest step. */
-static inline double aoi_step_force_scale(const aoi_adaptive *run, const aoi_stage *stage, double largest)
+static inline double aoi_step_force_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
-    return fmax(fmax(run->contact[stage->joint].peak_force, largest), LESSER_SHARE * run->force_scale);
+    return fmax(fmax(run->contact[entry->contact].peak_force, largest), LESSER_SHARE * run->force_scale);
 }
 
-static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_stage *stage,
+static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_contact_step *entry,
                                        aoi_law_value *value)
 {
-    const int end = AOI_STAGES - 1;
-    aoi_law_force(law, stage->memory, stage->piece, stage->indentation[end], stage->rate[end], value);
+    const int end = AOI_NODES - 1;
+    aoi_law_force(law, entry->memory, entry->piece, entry->indentation[end], entry->rate[end], value);
 }
 
 /* Whether a residual compliance lies between the bodies of a contact: its velocity changes at once where
  * the force begins or ends. */
-static inline int aoi_joint_bends(const aoi_adaptive *run, size_t joint)
+static inline int aoi_contact_has_residual(const aoi_adaptive *run, size_t c)
 {
-    const size_t *body = run->system->joint[joint].body;
+    const size_t *body = run->system->contact[c].body;
     return run->system->body[body[0]].residual != NULL || run->system->body[body[1]].residual != NULL;
 }
 
 /* Whether work is done on a body, or lost in it, besides that of contacts. */
 static inline int aoi_body_has_ledger(const aoi_modes *body)
 {
-    return body->gravity || body->decay || body->load_count > 0;
+    return body->gravity || body->decay || body->load.count > 0;
 }
 
 /* By how much the step could be longer, as far as this contact goes. Sets its Legendre series, and notes
  * the length that an edge allows. */
-double aoi_step_growth(aoi_adaptive *run, aoi_stage *stage, double h);
+double aoi_step_growth(aoi_adaptive *run, aoi_contact_step *entry, double h);
 
 /* Notes what happens first to a closed contact. */
-void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt);
+void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt);
 
 /* Ends a closed contact whose force is rounding. */
-void aoi_step_doze(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt);
+void aoi_step_skip(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt);
 
 /* Takes note of what happens to a contact at a place, if that is its first event. */
-void aoi_step_note_event(double place, int kind, aoi_contact_state *contact, aoi_attempt *attempt);
+void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, aoi_attempt *attempt);
 
 /* A contact at rounding from a touch: within so much of it nothing happens. */
-double aoi_touch_tolerance(aoi_adaptive *run, const aoi_stage *stage);
+double aoi_touch_tolerance(aoi_adaptive *run, const aoi_contact_step *entry);
 
 /* Whether an open contact beside closed ones touches; closes it where that is at the start. */
-void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt);
+void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attempt *attempt);
 
 #endif

@@ -1,5 +1,4 @@
 /* What a step leaves behind: bodies and contacts at its end, peaks, and the events that end it. */
-#include "adaptive/adaptive.h"
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
@@ -8,26 +7,26 @@
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <math.h>
 
 /* Where in the step the force has its largest maximum: that of the indentation, or, under a law that
  * depends on the rate, before it. 1 where there is none inside. */
-static double top_of(const aoi_law *law, const aoi_stage *stage)
+static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
-    double place, value, by_force[AOI_STAGES];
+    double place, value, by_force[AOI_NODES];
     if (!law->depends_on_rate) {
-        return aoi_legendre_top(AOI_STAGES + 1, stage->legendre, &place, &value) ? place : 1.0;
+        return aoi_legendre_top(AOI_NODES + 1, entry->legendre, &place, &value) ? place : 1.0;
     }
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        by_force[k] = aoi_stages_dot(aoi_radau_to_legendre[k], stage->force);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        by_force[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], entry->force);
     }
-    return aoi_legendre_top(AOI_STAGES, by_force, &place, &value) ? place : 1.0;
+    return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
-static void take_peak(const aoi_adaptive *run, double force, double after, aoi_contact_state *contact)
+static void take_peak(const aoi_adaptive *run, double force, double after, aoi_adaptive_contact *contact)
 {
     if (force > contact->peak_force) {
         contact->peak_force = force;
@@ -35,34 +34,34 @@ static void take_peak(const aoi_adaptive *run, double force, double after, aoi_c
     }
 }
 
-void aoi_contact_note_peak(aoi_adaptive *run, size_t joint)
+void aoi_contact_note_peak(aoi_adaptive *run, size_t c)
 {
-    take_peak(run, run->contact[joint].force, 0.0, &run->contact[joint]);
+    take_peak(run, run->contact[c].force, 0.0, &run->contact[c]);
 }
 
-static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h, aoi_contact_state *contact)
+static void note_peak(const aoi_adaptive *run, const aoi_contact_step *entry, double h, aoi_adaptive_contact *contact)
 {
-    const aoi_law *law = aoi_step_law(run, stage);
-    double rates[AOI_STAGES + 1] = {stage->start_rate}, by_rate[AOI_STAGES + 1], slope, rate = 0.0;
+    const aoi_law *law = aoi_step_law(run, entry);
+    double rates[AOI_NODES + 1] = {entry->start_rate}, by_rate[AOI_NODES + 1], slope, rate = 0.0;
     aoi_law_value value;
-    if (!aoi_step_may_peak(contact, stage)) {
+    if (!aoi_step_may_peak(contact, entry)) {
         return;
     }
-    const double place = top_of(law, stage);
+    const double place = top_of(law, entry);
     if (law->depends_on_rate) {
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            rates[i + 1] = stage->rate[i];
+        for (size_t i = 0; i < AOI_NODES; i++) {
+            rates[i + 1] = entry->rate[i];
         }
         aoi_legendre_fit(rates, by_rate); /* a slope over a very short step would be noise */
-        rate = aoi_legendre_evaluate(AOI_STAGES + 1, by_rate, place, &slope);
+        rate = aoi_legendre_evaluate(AOI_NODES + 1, by_rate, place, &slope);
     }
     if (place < 1.0) {
         const double indentation =
-            aoi_legendre_evaluate(AOI_STAGES + 1, stage->legendre, place, &slope);
-        aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
+            aoi_legendre_evaluate(AOI_NODES + 1, entry->legendre, place, &slope);
+        aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
         take_peak(run, value.force, place * h, contact);
     }
-    aoi_step_law_at_end(law, stage, &value);
+    aoi_step_law_at_end(law, entry, &value);
     take_peak(run, value.force, h, contact);
 }
 
@@ -70,7 +69,7 @@ static void note_peak(const aoi_adaptive *run, const aoi_stage *stage, double h,
 static void move_body(aoi_adaptive *run, size_t b, double h)
 {
     const aoi_modes *body = &run->system->body[b];
-    const double *force = run->port_force + run->system->first_port[b] * AOI_STAGES;
+    const double *force = run->port_force + run->system->first_port[b] * AOI_NODES;
     double *x = run->x + run->system->first[b], *v = run->v + run->system->first[b];
     const double now = aoi_run_now(run);
     double *before = run->flight[0], work, dissipated;
@@ -100,34 +99,34 @@ static void move_bodies(aoi_adaptive *run, double h, double later)
 }
 
 /* The largest indentation of the step; between the nodes, too, where the law has a limit. */
-static double deepest(const aoi_law *law, const aoi_stage *stage)
+static double deepest(const aoi_law *law, const aoi_contact_step *entry)
 {
-    const double at_nodes = aoi_step_indentation(stage);
+    const double at_nodes = aoi_step_indentation(entry);
     double place, value;
     const int between = law->limit < HUGE_VAL &&
-                        aoi_legendre_top(AOI_STAGES + 1, stage->legendre, &place, &value);
+                        aoi_legendre_top(AOI_NODES + 1, entry->legendre, &place, &value);
     return between ? fmax(at_nodes, value) : at_nodes;
 }
 
 /* Whether the forces at the nodes are the law's, or a line drawn on beyond it. */
-static int stands(const aoi_law *law, const aoi_stage *stage)
+static int stands(const aoi_law *law, const aoi_contact_step *entry)
 {
     int all = 1;
-    for (size_t i = 0; i < AOI_STAGES && law->compliance > 0.0 && law->depends_on_rate && all; i++) {
-        all = stage->force[i] <= 0.0 ||
-              aoi_law_stands(law, stage->memory, stage->indentation[i], stage->rate[i]);
+    for (size_t i = 0; i < AOI_NODES && law->compliance > 0.0 && law->depends_on_rate && all; i++) {
+        all = entry->force[i] <= 0.0 ||
+              aoi_law_stands(law, entry->memory, entry->indentation[i], entry->rate[i]);
     }
     return all;
 }
 
 /* At an edge the nodes' polynomial is right on the whole, but not at its end. */
-static double force_at_end(const aoi_law *law, const aoi_stage *stage)
+static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
 {
     aoi_law_value value;
-    if (stage->edge == AOI_EDGE_NONE) {
-        return stage->force[AOI_STAGES - 1];
+    if (entry->edge == AOI_EDGE_NONE) {
+        return entry->force[AOI_NODES - 1];
     }
-    aoi_step_law_at_end(law, stage, &value);
+    aoi_step_law_at_end(law, entry, &value);
     return value.force;
 }
 
@@ -135,63 +134,63 @@ static double force_at_end(const aoi_law *law, const aoi_stage *stage)
 static double end_slope(const double *legendre)
 {
     double sum = 0.0;
-    for (size_t k = 1; k <= AOI_STAGES; k++) {
+    for (size_t k = 1; k <= AOI_NODES; k++) {
         sum += (double)(k * (k + 1)) * legendre[k];
     }
     return sum;
 }
 
-static double force_slope(const aoi_stage *stage)
+static double force_slope(const aoi_contact_step *entry)
 {
-    double legendre[AOI_STAGES + 1] = {0.0};
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        legendre[k] = aoi_stages_dot(aoi_radau_to_legendre[k], stage->force);
+    double legendre[AOI_NODES + 1] = {0.0};
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], entry->force);
     }
     return end_slope(legendre);
 }
 
 /* What a contact has gone through in the step, and its state at the end. */
-static int move_contact(aoi_adaptive *run, const aoi_stage *stage, double h, int with_rates)
+static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double h, int with_rates)
 {
-    aoi_contact_state *contact = &run->contact[stage->joint];
-    const aoi_law *law = aoi_step_law(run, stage);
-    const double largest = deepest(law, stage);
-    const int end = AOI_STAGES - 1;
-    if (largest > law->limit || !stands(law, stage)) {
-        run->culprit = stage->joint;
+    aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    const aoi_law *law = aoi_step_law(run, entry);
+    const double largest = deepest(law, entry);
+    const int end = AOI_NODES - 1;
+    if (largest > law->limit || !stands(law, entry)) {
+        run->failed = entry->contact;
         return AOI_ERROR_PATCH;
     }
-    if (stage->piece != AOI_SLACK) {
-        note_peak(run, stage, h, contact);
-        const double impulse = aoi_collocation_impulse(stage, h);
+    if (entry->piece != AOI_SLACK) {
+        note_peak(run, entry, h, contact);
+        const double impulse = aoi_collocation_impulse(entry, h);
         contact->impulse += impulse;
         contact->since_touch += impulse;
-        contact->work += aoi_collocation_work(stage);
+        contact->work += aoi_collocation_work(entry);
     }
     contact->impulse_scale = fmax(contact->impulse_scale, contact->since_touch);
     contact->indentation_scale = fmax(contact->indentation_scale, largest);
-    for (size_t i = 0; i <= AOI_STAGES; i++) {
-        contact->last[i] = stage->legendre[i];
+    for (size_t i = 0; i <= AOI_NODES; i++) {
+        contact->last[i] = entry->legendre[i];
     }
     contact->last_length = h;
     contact->begins = 0;
-    contact->start = stage->indentation[end];
-    contact->start_rate = stage->rate[end];
+    contact->start = entry->indentation[end];
+    contact->start_rate = entry->rate[end];
     if (!with_rates) {
-        contact->start_rate = end_slope(stage->legendre) / h;
+        contact->start_rate = end_slope(entry->legendre) / h;
     }
-    contact->force = force_at_end(law, stage);
-    contact->bending = stage->force[end];
-    contact->force_rate = aoi_joint_bends(run, stage->joint) ? force_slope(stage) / h : 0.0;
+    contact->force = force_at_end(law, entry);
+    contact->bending = entry->force[end];
+    contact->force_rate = aoi_contact_has_residual(run, entry->contact) ? force_slope(entry) / h : 0.0;
     contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));
-    if (stage->piece != AOI_SLACK) {
+    if (entry->piece != AOI_SLACK) {
         aoi_law_remember(law, contact->start, contact->start_rate, contact->memory);
     }
     return AOI_OK;
 }
 
 /* On which piece of its law a closed contact goes on. */
-static void take_piece(const aoi_law *law, aoi_contact_state *contact, double indentation, int rising)
+static void take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising)
 {
     aoi_law_value value;
     contact->piece =
@@ -200,27 +199,27 @@ static void take_piece(const aoi_law *law, aoi_contact_state *contact, double in
     contact->force = value.force;
 }
 
-void aoi_contact_open(aoi_adaptive *run, size_t joint)
+void aoi_contact_open(aoi_adaptive *run, size_t c)
 {
     size_t at = 0;
-    while (run->closed.at[at] != joint) {
+    while (run->closed.at[at] != c) {
         at++;
     }
     run->closed.count--;
     for (; at < run->closed.count; at++) {
         run->closed.at[at] = run->closed.at[at + 1];
     }
-    run->contact[joint].closed = 0;
+    run->contact[c].closed = 0;
 }
 
-static void happen(aoi_adaptive *run, size_t joint, double now)
+static void apply_event(aoi_adaptive *run, size_t c, double now)
 {
-    aoi_contact_state *contact = &run->contact[joint];
-    const aoi_law *law = run->system->joint[joint].law;
+    aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_law *law = run->system->contact[c].law;
     run->unbalanced |= contact->event != AOI_EVENT_NONE;
     switch (contact->event) {
     case AOI_EVENT_OPEN:
-        aoi_contact_open(run, joint);
+        aoi_contact_open(run, c);
         contact->force = contact->bending = contact->force_rate = 0.0;
         contact->touches = 0;
         contact->free_until = now;
@@ -252,7 +251,7 @@ static void happen(aoi_adaptive *run, size_t joint, double now)
 
 /* Whether an event at the very start is one only to a polynomial that is not good enough: a contact that
  * opens in the first look at it, or leaves its piece by the end that it moves away from. */
-static int goes_back(const aoi_contact_state *contact)
+static int goes_back(const aoi_adaptive_contact *contact)
 {
     return (contact->event == AOI_EVENT_OPEN && contact->begins) ||
            (contact->event == AOI_EVENT_ABOVE && contact->start_rate < 0.0) ||
@@ -263,14 +262,14 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
 {
     int some = 0;
     for (size_t s = 0; s < run->closed_count; s++) {
-        aoi_contact_state *contact = &run->contact[run->stage[s].joint];
+        aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
         if (contact->event_place > place) {
             continue;
         }
         if (goes_back(contact)) {
             return 0;
         }
-        happen(run, run->stage[s].joint, aoi_run_now(run));
+        apply_event(run, run->entry[s].contact, aoi_run_now(run));
         some = 1;
     }
     return some;
@@ -285,14 +284,14 @@ static void pass_time(aoi_adaptive *run, double h)
 }
 
 /* The contact that ends with a pull at a place without mass, which snaps back: what it does to the others there
- * hangs on their laws. None: the number of stages. */
+ * hangs on their laws. None: the number of entries. */
 static size_t snapping(const aoi_adaptive *run)
 {
     size_t s = 0;
     for (; s < run->closed_count; s++) {
-        const size_t joint = run->stage[s].joint;
-        if (run->system->joint[joint].law->pulls && run->contact[joint].event == AOI_EVENT_OPEN &&
-            run->contact[joint].force < 0.0 && aoi_joint_bends(run, joint)) {
+        const size_t c = run->entry[s].contact;
+        if (run->system->contact[c].law->pulls && run->contact[c].event == AOI_EVENT_OPEN &&
+            run->contact[c].force < 0.0 && aoi_contact_has_residual(run, c)) {
             break;
         }
     }
@@ -303,16 +302,16 @@ static size_t snapping(const aoi_adaptive *run)
 static void events(aoi_adaptive *run, double later)
 {
     run->indentation_scale = run->impulse_scale = 0.0;
-    for (size_t s = 0; s < run->stage_count; s++) {
-        const size_t joint = run->stage[s].joint;
-        if (run->contact[joint].event == AOI_EVENT_TOUCH) {
-            aoi_contact_close(run, joint);
+    for (size_t s = 0; s < run->entry_count; s++) {
+        const size_t c = run->entry[s].contact;
+        if (run->contact[c].event == AOI_EVENT_TOUCH) {
+            aoi_contact_close(run, c);
         } else if (s < run->closed_count) {
-            happen(run, joint, later);
+            apply_event(run, c, later);
         }
         run->indentation_scale =
-            fmax(run->indentation_scale, run->contact[joint].indentation_scale);
-        run->impulse_scale = fmax(run->impulse_scale, run->contact[joint].impulse_scale);
+            fmax(run->indentation_scale, run->contact[c].indentation_scale);
+        run->impulse_scale = fmax(run->impulse_scale, run->contact[c].impulse_scale);
     }
 }
 
@@ -320,11 +319,11 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
 {
     const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
     const int with_rates =
-        aoi_collocation_wants_rates(run->system, run->closed_count, run->stage);
+        aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
     *size = aoi_step_write(run, h, run->closed_count, row);
     move_bodies(run, h, later);
     for (size_t s = 0; s < run->closed_count; s++) {
-        const int status = move_contact(run, &run->stage[s], h, with_rates);
+        const int status = move_contact(run, &run->entry[s], h, with_rates);
         if (status != AOI_OK) {
             return status;
         }
@@ -340,7 +339,7 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     events(run, later);
     aoi_balance_at_once(run, h);
     const double lost = before - aoi_balance_book(run, 1.0);
-    run->contact[run->stage[s].joint].work += lost;
+    run->contact[run->entry[s].contact].work += lost;
     row[*size - (run->closed_count - s) * AOI_TRACK_CONTACT_SIZE + AOI_TRACK_LOST] = lost;
     return AOI_OK;
 }

@@ -5,12 +5,12 @@
  * force between the nodes says what the step hands on, so impulse, velocities and later times. Radau
  * nodes make the second far smaller than the first, except at the beginning and end of a contact,
  * where the force starts like d^(3/2). */
-#include "adaptive/adaptive.h"
+#include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"
 #include "law/law.h"
 #include "motion/radau.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <float.h>
@@ -38,12 +38,12 @@ static const double EDGE_GROWTH = 2.0, EDGE_REACH = 1.4;
 static const double NEAR_TOP = 0.99;
 
 /* By how much more of the force an error of the indentation makes under this law than under Hertz's. */
-static double steepness_of(const aoi_adaptive *run, const aoi_stage *stage, double largest)
+static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
     aoi_law_value value;
-    aoi_law_push(aoi_step_law(run, stage), stage->memory, largest, stage->start_rate, &value);
+    aoi_law_push(aoi_step_law(run, entry), entry->memory, largest, entry->start_rate, &value);
     /* Of the largest force: a small one at the end of a contact is not to be right to itself. */
-    const double force = fmax(value.force, run->contact[stage->joint].peak_force);
+    const double force = fmax(value.force, run->contact[entry->contact].peak_force);
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
 
@@ -51,81 +51,81 @@ static double steepness_of(const aoi_adaptive *run, const aoi_stage *stage, doub
  * and stiff oscillators ring in the force long before they show in the indentation; a massless contact
  * follows its forces at once: they may run away from a smooth indentation, within the time that law and
  * compliance make together. */
-static double force_tail(const aoi_stage *stage)
+static double force_tail(const aoi_contact_step *entry)
 {
     double c[4];
     for (size_t k = 0; k < 4; k++) {
-        c[k] = fabs(aoi_stages_dot(aoi_radau_to_legendre[AOI_STAGES - 1 - k], stage->force));
+        c[k] = fabs(aoi_nodes_dot(aoi_radau_to_legendre[AOI_NODES - 1 - k], entry->force));
     }
     const double last = c[0] + 0.2 * c[1], before = c[2] + 0.2 * c[3];
     return last < before ? last * sqrt(last / before) : last;
 }
 
 /* What counts as large for its force, or what its impulse takes at the pace at which the bodies met. */
-static double force_scale(const aoi_adaptive *run, const aoi_stage *stage, double impulse,
+static double force_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double impulse,
                           double indentation)
 {
-    return fmax(aoi_step_force_scale(run, stage, aoi_step_force(stage)),
-                impulse * run->contact[stage->joint].rate_scale / indentation);
+    return fmax(aoi_step_force_scale(run, entry, aoi_step_force(entry)),
+                impulse * run->contact[entry->contact].rate_scale / indentation);
 }
 
 /* What the last coefficients of the rate's series hold. From the nodes alone: where a force comes or goes, the
  * rate of what has no mass jumps. */
-static double rate_tail(const aoi_stage *stage)
+static double rate_tail(const aoi_contact_step *entry)
 {
-    return fabs(aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[AOI_STAGES - 1], stage->rate)) +
-           fabs(aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[AOI_STAGES - 2], stage->rate));
+    return fabs(aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[AOI_NODES - 1], entry->rate)) +
+           fabs(aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[AOI_NODES - 2], entry->rate));
 }
 
 /* The error of a force that depends on the rate where it is largest inside a step with an edge, of which its
  * own series says nothing. The rate's coefficients fall slowly there, like a power: those to come hold more
  * than the last ones do. */
-static double edge_force_error(const aoi_law *law, const aoi_stage *stage, double tail)
+static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry, double tail)
 {
     double largest = 0.0;
     aoi_law_value value;
-    aoi_step_law_at_end(law, stage, &value);
-    for (size_t i = 0; i + 1 < AOI_STAGES; i++) {
-        largest = fmax(largest, stage->force[i]);
+    aoi_step_law_at_end(law, entry, &value);
+    for (size_t i = 0; i + 1 < AOI_NODES; i++) {
+        largest = fmax(largest, entry->force[i]);
     }
-    if (largest <= fmax(stage->start_force, NEAR_TOP * value.force)) {
+    if (largest <= fmax(entry->start_force, NEAR_TOP * value.force)) {
         return 0.0;
     }
     return fabs(value.stiffness) * tail +
-           fabs(value.damping) * rate_tail(stage) * AOI_STAGES / 3.0;
+           fabs(value.damping) * rate_tail(entry) * AOI_NODES / 3.0;
 }
 
 /* Whether the largest force of all may lie inside the step. Else what counts is what a wrong force does within
  * the step: where one begins like t^(1/4) at a place without mass, it is wrong in the shortest one. */
-static int may_top(const aoi_contact_state *contact, const aoi_stage *stage, double wrong)
+static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *entry, double wrong)
 {
-    const double largest = aoi_step_force(stage);
-    return largest > stage->force[AOI_STAGES - 1] && largest + wrong > contact->peak_force;
+    const double largest = aoi_step_force(entry);
+    return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->peak_force;
 }
 
 /* The errors of a step as shares of what they may be. No step can do better than rounding. */
-static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *within,
+static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, double *within,
                   double *handed_on)
 {
-    const aoi_contact_state *contact = &run->contact[stage->joint];
-    const double largest = aoi_step_indentation(stage), scale = aoi_step_scale(run, stage, largest);
+    const aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    const double largest = aoi_step_indentation(entry), scale = aoi_step_scale(run, entry, largest);
     const double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
-    const int at_an_end = contact->last_length == 0.0 || stage->indentation[AOI_STAGES - 1] <= 0.0;
+    const int at_an_end = contact->last_length == 0.0 || entry->indentation[AOI_NODES - 1] <= 0.0;
     const double end_share = at_an_end ? END_SHARE : 1.0;
-    const int bent = aoi_joint_bends(run, stage->joint);
+    const int bent = aoi_contact_has_residual(run, entry->contact);
     const double tail_share =
         fmax(TAIL_SHARE * (bent ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
     const double step_share = STEP_SHARE * end_share * run->rtol;
     aoi_collocation_error error;
-    aoi_collocation_estimate(run->system, run->response, h, stage, &error);
-    *within = steepness_of(run, stage, largest) * error.tail / (tail_share * scale);
-    const aoi_law *law = aoi_step_law(run, stage);
-    if (law->depends_on_rate && (bent || aoi_step_may_peak(contact, stage))) {
-        const double wrong = stage->edge == AOI_EDGE_NONE
-                                 ? force_tail(stage)
-                                 : edge_force_error(law, stage, error.tail);
-        const double size = fmax(force_scale(run, stage, impulse_scale, scale),
-                                 bent && !may_top(contact, stage, wrong) ? impulse_scale / h : 0.0);
+    aoi_collocation_estimate(run->system, run->response, h, entry, &error);
+    *within = steepness_of(run, entry, largest) * error.tail / (tail_share * scale);
+    const aoi_law *law = aoi_step_law(run, entry);
+    if (law->depends_on_rate && (bent || aoi_step_may_peak(contact, entry))) {
+        const double wrong = entry->edge == AOI_EDGE_NONE
+                                 ? force_tail(entry)
+                                 : edge_force_error(law, entry, error.tail);
+        const double size = fmax(force_scale(run, entry, impulse_scale, scale),
+                                 bent && !may_top(contact, entry, wrong) ? impulse_scale / h : 0.0);
         *within = fmax(*within, wrong / (tail_share * size));
     }
     *handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
@@ -133,40 +133,40 @@ static void judge(const aoi_adaptive *run, aoi_stage *stage, double h, double *w
 }
 
 /* What counts as fast for a contact: what it has seen, or a small share of what the others have. */
-static double rate_scale(const aoi_adaptive *run, const aoi_stage *stage)
+static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
-    double scale = run->contact[stage->joint].rate_scale;
+    double scale = run->contact[entry->contact].rate_scale;
     for (size_t s = 0; s < run->closed_count; s++) {
-        scale = fmax(scale, LESSER_SHARE * run->contact[run->stage[s].joint].rate_scale);
+        scale = fmax(scale, LESSER_SHARE * run->contact[run->entry[s].contact].rate_scale);
     }
     return scale;
 }
 
 /* The same where a law has let go: the motion is exact, but is to be seen well enough to tell whether the
  * force comes back, which the rate decides. */
-static double slack_growth(const aoi_adaptive *run, const aoi_stage *stage, double h, double within)
+static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double within)
 {
-    const double scale = aoi_step_scale(run, stage, aoi_step_indentation(stage));
-    const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, stage), scale / h);
-    const double unseen = fmax(within, rate_tail(stage) / fmax(slow, DBL_MIN));
-    const double growth = CAUTION * pow(unseen, -1.0 / AOI_STAGES);
+    const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
+    const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, entry), scale / h);
+    const double unseen = fmax(within, rate_tail(entry) / fmax(slow, DBL_MIN));
+    const double growth = CAUTION * pow(unseen, -1.0 / AOI_NODES);
     return unseen > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), SLACK_GROWTH);
 }
 
 /* At an edge errors grow like the powers of time that a polynomial misses: d^(3/2) makes t^(7/2) of the
  * motion, t^(5/2) of the impulse. */
-double aoi_step_growth(aoi_adaptive *run, aoi_stage *stage, double h)
+double aoi_step_growth(aoi_adaptive *run, aoi_contact_step *entry, double h)
 {
-    const int at_edge = stage->edge != AOI_EDGE_NONE;
+    const int at_edge = entry->edge != AOI_EDGE_NONE;
     double within, handed_on;
-    judge(run, stage, h, &within, &handed_on);
-    if (stage->piece == AOI_SLACK) {
-        return slack_growth(run, stage, h, within);
+    find_errors(run, entry, h, &within, &handed_on);
+    if (entry->piece == AOI_SLACK) {
+        return slack_growth(run, entry, h, within);
     }
     if (isnan(within + handed_on)) {
         return 0.0;
     }
-    const double by_tail = at_edge ? 3.5 : AOI_STAGES + 1, by_impulse = at_edge ? 2.5 : 2 * AOI_STAGES;
+    const double by_tail = at_edge ? 3.5 : AOI_NODES + 1, by_impulse = at_edge ? 2.5 : 2 * AOI_NODES;
     double growth = CAUTION * pow(within, -1.0 / by_tail);
     if (within > 1.0 || handed_on > within * within) { /* else the first is the least */
         growth = fmin(growth, CAUTION * pow(handed_on, -1.0 / by_impulse));
@@ -175,7 +175,7 @@ double aoi_step_growth(aoi_adaptive *run, aoi_stage *stage, double h)
         return fmin(growth, CAUTION);
     }
     if (at_edge) {
-        run->contact[stage->joint].edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
+        run->contact[entry->contact].edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
         return EDGE_GROWTH;
     }
     return fmax(growth, 1.0);

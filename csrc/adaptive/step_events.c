@@ -1,12 +1,11 @@
 /* What happens to contacts within a step: they touch, let go, turn, or leave a piece of their law. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <float.h>
@@ -16,7 +15,7 @@
  * places. */
 static const double EVENT_SHARE = 0.01, PLACE_ROUNDING = 8.0;
 
-/* A contact dozes off within this share of what it wakes up at. */
+/* A contact is skipped within this share of what it counts again at. */
 static const double DOZING = 0.1;
 
 double aoi_event_tolerance(const aoi_adaptive *run, double scale)
@@ -28,23 +27,23 @@ double aoi_event_tolerance(const aoi_adaptive *run, double scale)
  * lower before, it falls at the end; else the step is to end where it will be there. */
 static int falls_below(const double *values, double tolerance, double *place)
 {
-    double coefficient[AOI_STAGES + 1];
+    double coefficient[AOI_NODES + 1];
     int early = 0;
-    for (size_t i = 1; i < AOI_STAGES; i++) {
+    for (size_t i = 1; i < AOI_NODES; i++) {
         early = early || values[i] < -tolerance;
     }
-    if (!early && !(values[AOI_STAGES] < 0.0)) {
+    if (!early && !(values[AOI_NODES] < 0.0)) {
         return 0;
     }
     *place = 1.0;
-    if (early || values[AOI_STAGES] < -tolerance) {
+    if (early || values[AOI_NODES] < -tolerance) {
         aoi_legendre_fit(values, coefficient);
         (void)aoi_legendre_falls(values, coefficient, -0.5 * tolerance, place);
     }
     return 1;
 }
 
-void aoi_step_note_event(double place, int kind, aoi_contact_state *contact, aoi_attempt *attempt)
+void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, aoi_attempt *attempt)
 {
     if (place < contact->event_place) {
         contact->event_place = place;
@@ -54,7 +53,7 @@ void aoi_step_note_event(double place, int kind, aoi_contact_state *contact, aoi
 }
 
 /* The same where a quantity falls. */
-static void falls(const double *values, double tolerance, int kind, aoi_contact_state *contact,
+static void falls(const double *values, double tolerance, int kind, aoi_adaptive_contact *contact,
                   aoi_attempt *attempt)
 {
     double place;
@@ -66,8 +65,8 @@ static void falls(const double *values, double tolerance, int kind, aoi_contact_
 /* Whether a node is the lowest about, so that a dip beside it may be as deep as what it rises to a neighbour. */
 static int may_dip(const double *values, double depth)
 {
-    for (size_t i = 1; i <= AOI_STAGES; i++) {
-        const double next = i < AOI_STAGES ? values[i + 1] : values[i];
+    for (size_t i = 1; i <= AOI_NODES; i++) {
+        const double next = i < AOI_NODES ? values[i + 1] : values[i];
         const double higher = fmax(values[i - 1], next) - values[i];
         if (values[i] <= values[i - 1] && values[i] <= next && values[i] < higher - depth) {
             return 1;
@@ -78,10 +77,10 @@ static int may_dip(const double *values, double depth)
 
 /* The same for a distance from an end, or a force, that may have been passed and come back to between
  * two nodes. Only a step that is good enough says so. */
-static void leaves(const double *values, double tolerance, int kind, aoi_contact_state *contact,
+static void leaves(const double *values, double tolerance, int kind, aoi_adaptive_contact *contact,
                    aoi_attempt *attempt)
 {
-    double coefficient[AOI_STAGES + 1], place;
+    double coefficient[AOI_NODES + 1], place;
     falls(values, tolerance, kind, contact, attempt);
     if (contact->event == kind || !(attempt->growth >= 1.0) || !may_dip(values, tolerance)) {
         return;
@@ -92,57 +91,57 @@ static void leaves(const double *values, double tolerance, int kind, aoi_contact
     }
 }
 
-/* start and AOI_STAGES nodes of factor * value + shift. */
+/* start and AOI_NODES nodes of factor * value + shift. */
 static void line_up(double start, const double *nodes, double factor, double shift, double *values)
 {
     values[0] = factor * start + shift;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         values[i + 1] = factor * nodes[i] + shift;
     }
 }
 
 /* The piece of the law that a contact is on, or would be if it were not slack. */
-static int piece_of(const aoi_law *law, const aoi_stage *stage)
+static int piece_of(const aoi_law *law, const aoi_contact_step *entry)
 {
     double low, high;
-    return stage->piece != AOI_SLACK
-               ? stage->piece
-               : aoi_law_piece(law, stage->memory, stage->start, stage->start_rate > 0.0, &low, &high);
+    return entry->piece != AOI_SLACK
+               ? entry->piece
+               : aoi_law_piece(law, entry->memory, entry->start, entry->start_rate > 0.0, &low, &high);
 }
 
 /* The polynomial through the nodes at the start. */
 static double at_start_by_nodes(const double *nodes)
 {
     double sum = 0.0;
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        sum += (k % 2 == 0 ? 1.0 : -1.0) * aoi_stages_dot(aoi_radau_to_legendre[k], nodes);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        sum += (k % 2 == 0 ? 1.0 : -1.0) * aoi_nodes_dot(aoi_radau_to_legendre[k], nodes);
     }
     return sum;
 }
 
 /* Where the law's own force, which is cut at zero, changes its sign. */
-static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
+static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
-    aoi_contact_state *contact = &run->contact[stage->joint];
-    const aoi_law *law = aoi_step_law(run, stage);
-    const int piece = piece_of(law, stage);
-    double force[AOI_STAGES], values[AOI_STAGES + 1], largest = 0.0;
+    aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    const aoi_law *law = aoi_step_law(run, entry);
+    const int piece = piece_of(law, entry);
+    double force[AOI_NODES], values[AOI_NODES + 1], largest = 0.0;
     aoi_law_value value;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        aoi_law_force(law, stage->memory, piece, stage->indentation[i], stage->rate[i], &value);
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        aoi_law_force(law, entry->memory, piece, entry->indentation[i], entry->rate[i], &value);
         force[i] = value.force;
         largest = fmax(largest, fabs(value.force));
     }
-    const double tolerance = aoi_event_tolerance(run, aoi_step_force_scale(run, stage, largest));
+    const double tolerance = aoi_event_tolerance(run, aoi_step_force_scale(run, entry, largest));
     int kind = AOI_EVENT_SLACKEN;
-    if (stage->piece == AOI_SLACK) {
-        aoi_law_force(law, stage->memory, piece, stage->start, stage->start_rate, &value);
+    if (entry->piece == AOI_SLACK) {
+        aoi_law_force(law, entry->memory, piece, entry->start, entry->start_rate, &value);
         line_up(fmin(value.force, 0.0), force, -1.0, 0.0, values);
         kind = AOI_EVENT_TIGHTEN;
     } else {
-        line_up(fmax(stage->start_force, 0.0), force, 1.0, 0.0, values);
+        line_up(fmax(entry->start_force, 0.0), force, 1.0, 0.0, values);
     }
-    if (aoi_joint_bends(run, stage->joint)) {
+    if (aoi_contact_has_residual(run, entry->contact)) {
         /* A rate may jump there, and the force with it: it has fallen already, to the error of the step before, or
          * the nodes say where it comes from. */
         if (values[1] < -tolerance && values[0] <= run->rtol * fmax(run->force_scale, largest)) {
@@ -156,61 +155,61 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
 
 /* What is left to rise before a turn is below the tolerance: it turns where it is, since steps as short as
  * that would see rates that are rounding. */
-static void turn_now(const aoi_stage *stage, double tolerance, aoi_contact_state *contact,
+static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adaptive_contact *contact,
                      aoi_attempt *attempt)
 {
     if (contact->event == AOI_EVENT_TURN && contact->event_place < 1.0 &&
-        stage->start_rate * contact->event_place * attempt->h <= tolerance) {
+        entry->start_rate * contact->event_place * attempt->h <= tolerance) {
         contact->event_place = attempt->place = 0.0;
     }
 }
 
 /* Whether a contact at a place without mass has let go but for rounding: steps as short as what is left of it would
  * see rates that are rounding. */
-static int is_over(const aoi_adaptive *run, const aoi_stage *stage, double rest, double tolerance)
+static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, double rest, double tolerance)
 {
-    const aoi_contact_state *contact = &run->contact[stage->joint];
-    const double least = aoi_event_tolerance(run, aoi_step_force_scale(run, stage, 0.0));
-    return aoi_joint_bends(run, stage->joint) && !contact->begins && stage->start - rest <= tolerance &&
-           stage->start_rate < 0.0 && stage->indentation[0] - rest < stage->start - rest &&
-           fabs(stage->start_force) <= least;
+    const aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    const double least = aoi_event_tolerance(run, aoi_step_force_scale(run, entry, 0.0));
+    return aoi_contact_has_residual(run, entry->contact) && !contact->begins && entry->start - rest <= tolerance &&
+           entry->start_rate < 0.0 && entry->indentation[0] - rest < entry->start - rest &&
+           fabs(entry->start_force) <= least;
 }
 
-void aoi_step_closed_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
+void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
-    const aoi_law *law = aoi_step_law(run, stage);
-    aoi_contact_state *contact = &run->contact[stage->joint];
-    const double rest = aoi_law_rest(law, stage->memory);
-    const double scale = aoi_step_scale(run, stage, aoi_step_indentation(stage));
+    const aoi_law *law = aoi_step_law(run, entry);
+    aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    const double rest = aoi_law_rest(law, entry->memory);
+    const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double tolerance = aoi_event_tolerance(run, scale);
-    double values[AOI_STAGES + 1];
-    line_up(stage->start, stage->indentation, 1.0, -rest, values);
-    if (is_over(run, stage, rest, tolerance)) {
+    double values[AOI_NODES + 1];
+    line_up(entry->start, entry->indentation, 1.0, -rest, values);
+    if (is_over(run, entry, rest, tolerance)) {
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
     }
     leaves(values, tolerance, AOI_EVENT_OPEN, contact, attempt);
     if (law->depends_on_rate && !law->pulls) {
-        force_events(run, stage, attempt);
+        force_events(run, entry, attempt);
     }
-    if (stage->piece != AOI_SLACK && contact->high < HUGE_VAL) {
-        line_up(stage->start, stage->indentation, -1.0, contact->high, values);
+    if (entry->piece != AOI_SLACK && contact->high < HUGE_VAL) {
+        line_up(entry->start, entry->indentation, -1.0, contact->high, values);
         leaves(values, tolerance, AOI_EVENT_ABOVE, contact, attempt);
     }
-    if (stage->piece != AOI_SLACK && contact->low > rest) {
-        line_up(stage->start, stage->indentation, 1.0, -contact->low, values);
+    if (entry->piece != AOI_SLACK && contact->low > rest) {
+        line_up(entry->start, entry->indentation, 1.0, -contact->low, values);
         leaves(values, tolerance, AOI_EVENT_BELOW, contact, attempt);
     }
-    if (law->turns && stage->piece != AOI_SLACK && stage->start_rate > 0.0) {
+    if (law->turns && entry->piece != AOI_SLACK && entry->start_rate > 0.0) {
         const double slow = EVENT_SHARE * run->rtol * contact->rate_scale;
-        line_up(stage->start_rate, stage->rate, 1.0, 0.0, values);
+        line_up(entry->start_rate, entry->rate, 1.0, 0.0, values);
         leaves(values, slow, AOI_EVENT_TURN, contact, attempt);
-        turn_now(stage, tolerance, contact, attempt);
+        turn_now(entry, tolerance, contact, attempt);
     }
 }
 
 /* The rounding of an indentation that is a difference of places. */
-static double rounding_of(const aoi_flight *pair)
+static double rounding_of(const aoi_free_pair *pair)
 {
     double size = fabs(pair->gap);
     for (int side = 0; side < 2; side++) {
@@ -222,31 +221,31 @@ static double rounding_of(const aoi_flight *pair)
     return PLACE_ROUNDING * DBL_EPSILON * size;
 }
 
-double aoi_touch_tolerance(aoi_adaptive *run, const aoi_stage *stage)
+double aoi_touch_tolerance(aoi_adaptive *run, const aoi_contact_step *entry)
 {
-    aoi_flight pair;
-    aoi_pair_now(run, stage->joint, &pair);
-    return fmax(EVENT_SHARE * run->rtol * aoi_step_scale(run, stage, 0.0), rounding_of(&pair));
+    aoi_free_pair pair;
+    aoi_pair_now(run, entry->contact, &pair);
+    return fmax(EVENT_SHARE * run->rtol * aoi_step_scale(run, entry, 0.0), rounding_of(&pair));
 }
 
 /* Behind a wave bodies go on side by side, with overlaps and velocities that are rounding. A force that
  * would not change the last digit of the contact's impulse if it lasted to the end of the run has ended:
  * else all that has ever been passed would be solved for in every step. */
-void aoi_step_doze(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt *attempt)
+void aoi_step_skip(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
-    aoi_contact_state *contact = &run->contact[stage->joint];
+    aoi_adaptive_contact *contact = &run->contact[entry->contact];
     const double left = run->end - aoi_run_now(run);
-    double force = fabs(stage->start_force);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        force = fabs(stage->force[i]) > force ? fabs(stage->force[i]) : force;
+    double force = fabs(entry->start_force);
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        force = fabs(entry->force[i]) > force ? fabs(entry->force[i]) : force;
     }
-    if (contact->event != AOI_EVENT_NONE || contact->begins || stage->piece == AOI_SLACK ||
+    if (contact->event != AOI_EVENT_NONE || contact->begins || entry->piece == AOI_SLACK ||
         !(force * left <= DBL_EPSILON * contact->impulse)) {
         return;
     }
-    const double tolerance = aoi_touch_tolerance(run, stage);
-    const double rest = aoi_law_rest(aoi_step_law(run, stage), stage->memory);
-    if (!(aoi_step_indentation(stage) - rest <= DOZING * tolerance)) {
+    const double tolerance = aoi_touch_tolerance(run, entry);
+    const double rest = aoi_law_rest(aoi_step_law(run, entry), entry->memory);
+    if (!(aoi_step_indentation(entry) - rest <= DOZING * tolerance)) {
         return;
     }
     contact->event = AOI_EVENT_OPEN;

@@ -1,16 +1,15 @@
 /* Open contacts beside closed ones: whether they touch within a step. What the contact forces make of their
- * indentation is split into a polynomial and free oscillations, so that the search of flight.c, which steps over
+ * indentation is split into a polynomial and free oscillations, so that the search of free motion.c, which steps over
  * no touch, sees all of it. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/path.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <math.h>
@@ -19,15 +18,15 @@
 static int forces_on(const aoi_adaptive *run, size_t b, size_t j, double *legendre)
 {
     const aoi_modes *body = &run->system->body[b];
-    double sum[AOI_STAGES] = {0.0};
+    double sum[AOI_NODES] = {0.0};
     int some = 0;
     for (size_t p = 0; p < body->ports; p++) {
         const double push = body->push[p * body->n + j];
-        aoi_stages_add(push, run->port_force + (run->system->first_port[b] + p) * AOI_STAGES, sum);
+        aoi_nodes_add(push, run->port_force + (run->system->first_port[b] + p) * AOI_NODES, sum);
         some |= push != 0.0;
     }
-    for (size_t k = 0; k < AOI_STAGES && some; k++) {
-        legendre[k] = aoi_stages_dot(aoi_radau_to_legendre[k], sum);
+    for (size_t k = 0; k < AOI_NODES && some; k++) {
+        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], sum);
     }
     return some;
 }
@@ -39,22 +38,22 @@ static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sig
 {
     const aoi_modes *body = &run->system->body[b];
     const aoi_response *response = &run->response[b];
-    double force[AOI_STAGES], along[AOI_STAGES];
+    double force[AOI_NODES], along[AOI_NODES];
     for (size_t j = body->n; j-- > 0 && body->omega[j] * h > AOI_PATH_FAST;) {
         const double share = sign * body->shape[port * body->n + j];
         const double squared = body->omega[j] * body->omega[j];
         const double decay = body->decay ? body->decay[j] : 0.0;
-        const size_t at = j * AOI_STAGES;
+        const size_t at = j * AOI_NODES;
         if (share == 0.0 || decay > body->omega[j] || !forces_on(run, b, j, force)) {
             continue;
         }
         double slope;
         aoi_path_follow(body->omega[j], decay, h, force, along);
-        const double here = aoi_legendre_evaluate(AOI_STAGES, along, 0.0, &slope), rate = slope / h;
+        const double here = aoi_legendre_evaluate(AOI_NODES, along, 0.0, &slope), rate = slope / h;
         x[j] -= here;
         v[j] -= rate;
         values[0] += share * here;
-        for (size_t i = 0; i < AOI_STAGES; i++) {
+        for (size_t i = 0; i < AOI_NODES; i++) {
             values[i + 1] += share * (here * (1.0 - squared * response->step[at + i]) +
                                       rate * response->impulse[at + i]);
         }
@@ -66,24 +65,24 @@ static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double si
 {
     const aoi_modes *body = &run->system->body[b];
     for (size_t q = 0; q < body->ports; q++) {
-        const double *force = run->port_force + (run->system->first_port[b] + q) * AOI_STAGES;
+        const double *force = run->port_force + (run->system->first_port[b] + q) * AOI_NODES;
         const size_t pair = port * body->ports + q;
-        double answer[AOI_STAGES];
-        aoi_stages_multiply(run->response[b].influence + pair * AOI_STAGES * AOI_STAGES, force, answer);
-        aoi_stages_add(sign, answer, indentation);
+        double answer[AOI_NODES];
+        aoi_nodes_multiply(run->response[b].influence + pair * AOI_NODES * AOI_NODES, force, answer);
+        aoi_nodes_add(sign, answer, indentation);
         if (body->residual) {
-            aoi_stages_add(sign * body->residual[pair], force, indentation);
+            aoi_nodes_add(sign * body->residual[pair], force, indentation);
         }
     }
 }
 
 /* The bodies' motion over a step, on copies; forced: room for what contact forces add. */
-static void take_pair(aoi_adaptive *run, size_t joint, double h, aoi_flight *pair, aoi_forced *forced)
+static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair, aoi_forced *forced)
 {
-    const aoi_joint *of = &run->system->joint[joint];
-    double values[AOI_STAGES + 1] = {-aoi_contact_bent(run, joint, 0)};
+    const aoi_contact *of = &run->system->contact[c];
+    double values[AOI_NODES + 1] = {-aoi_contact_bent(run, c, 0)};
     double *copy = run->flight[0];
-    aoi_pair_now(run, joint, pair);
+    aoi_pair_now(run, c, pair);
     for (int side = 0; side < 2; side++) {
         const size_t b = of->body[side], n = run->system->body[b].n;
         const double sign = side == 0 ? 1.0 : -1.0;
@@ -104,21 +103,21 @@ static void take_pair(aoi_adaptive *run, size_t joint, double h, aoi_flight *pai
 }
 
 /* An open contact takes no force as long as it stays within the tolerance. */
-void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *attempt)
+void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attempt *attempt)
 {
-    aoi_contact_state *contact = &run->contact[stage->joint];
-    const double tolerance = aoi_touch_tolerance(run, stage), now = aoi_run_now(run);
-    const double rest = aoi_law_rest(aoi_step_law(run, stage), contact->memory);
+    aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    const double tolerance = aoi_touch_tolerance(run, entry), now = aoi_run_now(run);
+    const double rest = aoi_law_rest(aoi_step_law(run, entry), contact->memory);
     const double slack = fmax(0.5 * tolerance, contact->slack);
     double start, start_rate, rate, ignored;
     int touches;
-    aoi_flight pair;
+    aoi_free_pair pair;
     aoi_forced forced;
-    take_pair(run, stage->joint, attempt->h, &pair, &forced);
+    take_pair(run, entry->contact, attempt->h, &pair, &forced);
     pair.gap += rest + slack;
-    aoi_flight_indentation(&pair, &start, &start_rate, &ignored);
+    aoi_free_pair_indentation(&pair, &start, &start_rate, &ignored);
     const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
-    if (aoi_flight_next_touch(&pair, now + attempt->h, most, &touches) != AOI_OK) {
+    if (aoi_free_pair_next_touch(&pair, now + attempt->h, most, &touches) != AOI_OK) {
         attempt->growth = fmin(attempt->growth, 0.5); /* it is as close as that for all of so long a step */
         return;
     }
@@ -127,12 +126,12 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_stage *stage, aoi_attempt *atte
     }
     const double after = pair.time - now, left = attempt->h - after;
     if (aoi_is_at_start(run, after, attempt->h) ||
-        (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_joint_bends(run, stage->joint))) {
+        (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_contact_has_residual(run, entry->contact))) {
         attempt->closed = 1;
-        aoi_contact_close(run, stage->joint);
+        aoi_contact_close(run, entry->contact);
         return;
     }
-    aoi_flight_indentation(&pair, &ignored, &rate, &start);
+    aoi_free_pair_indentation(&pair, &ignored, &rate, &start);
     aoi_step_note_event(rate * left <= tolerance ? 1.0 : after / attempt->h, AOI_EVENT_TOUCH, contact,
                         attempt);
 }

@@ -1,24 +1,14 @@
 /* Which contacts and bodies take part in a step, and what a body needs for that: to be where the run is. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
+#include "model/modes.h"
 #include "motion/energy.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 
 #include <math.h>
 
 double aoi_run_now(const aoi_adaptive *run) { return run->origin + run->elapsed; }
-
-int aoi_body_yields(const aoi_modes *body)
-{
-    for (size_t k = 0; k < body->ports * body->n; k++) {
-        if (body->push[k] != 0.0) {
-            return 1;
-        }
-    }
-    return 0;
-}
 
 void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x, const double *v)
 {
@@ -26,7 +16,7 @@ void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x,
     const size_t at = run->system->first[b];
     double work, dissipated;
     if (aoi_body_has_ledger(body)) {
-        aoi_modes_flight_work(body, run->body[b].time, time, run->x + at, run->v + at, x, v,
+        aoi_modes_free_work(body, run->body[b].time, time, run->x + at, run->v + at, x, v,
                               run->flight[0], &work, &dissipated);
         run->body[b].work += work;
         run->body[b].dissipated += dissipated;
@@ -35,10 +25,10 @@ void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x,
 
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
 {
-    aoi_follower *body = &run->body[b];
+    aoi_adaptive_body *body = &run->body[b];
     const size_t at = run->system->first[b];
     const double now = aoi_run_now(run);
-    if (how > 1 && !aoi_body_yields(&run->system->body[b])) {
+    if (how > 1 && !aoi_modes_can_move(&run->system->body[b])) {
         how = 1;
     }
     if (body->engaged == 0) {
@@ -51,7 +41,7 @@ void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
             run->scratch[j] = run->x[at + j];
             run->scratch[n + j] = run->v[at + j];
         }
-        aoi_modes_fly(&run->system->body[b], body->time, now, run->scratch, run->scratch + n);
+        aoi_modes_advance(&run->system->body[b], body->time, now, run->scratch, run->scratch + n);
         aoi_body_account(run, b, now, run->scratch, run->scratch + n);
         for (size_t j = 0; j < n; j++) {
             run->x[at + j] = run->scratch[j];
@@ -69,9 +59,9 @@ void aoi_body_note_change(aoi_adaptive *run, size_t b)
     }
 }
 
-void aoi_pair_now(const aoi_adaptive *run, size_t joint, aoi_flight *pair)
+void aoi_pair_now(const aoi_adaptive *run, size_t c, aoi_free_pair *pair)
 {
-    const aoi_joint *of = &run->system->joint[joint];
+    const aoi_contact *of = &run->system->contact[c];
     for (int side = 0; side < 2; side++) {
         const size_t at = run->system->first[of->body[side]];
         pair->body[side] = &run->system->body[of->body[side]];
@@ -89,26 +79,26 @@ void aoi_step_release(aoi_adaptive *run)
     for (size_t i = 0; i < run->engaged.count; i++) {
         run->body[run->engaged.at[i]].engaged = 0;
     }
-    for (size_t s = 0; s < run->stage_count; s++) {
-        if (!run->contact[run->stage[s].joint].closed) {
-            aoi_watch_add(run, run->stage[s].joint);
+    for (size_t s = 0; s < run->entry_count; s++) {
+        if (!run->contact[run->entry[s].contact].closed) {
+            aoi_watch_add(run, run->entry[s].contact);
         }
     }
-    run->engaged.count = run->closed_count = run->stage_count = 0;
+    run->engaged.count = run->closed_count = run->entry_count = 0;
 }
 
 /* Open contacts of a body under force take part in the step: whatever was known of them no longer holds. */
 static void bring_along(aoi_adaptive *run, size_t b)
 {
     const aoi_system *system = run->system;
-    for (size_t i = system->first_joint[b]; i < system->first_joint[b + 1]; i++) {
-        const size_t joint = system->joint_of[i];
-        if (aoi_watch_remove(run, joint)) {
-            run->stage[run->stage_count++].joint = joint;
-            run->contact[joint].free_until = -HUGE_VAL;
-            run->contact[joint].touches = 0;
-            aoi_body_engage(run, system->joint[joint].body[0], 1);
-            aoi_body_engage(run, system->joint[joint].body[1], 1);
+    for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
+        const size_t c = system->contact_of[i];
+        if (aoi_watch_remove(run, c)) {
+            run->entry[run->entry_count++].contact = c;
+            run->contact[c].free_until = -HUGE_VAL;
+            run->contact[c].touches = 0;
+            aoi_body_engage(run, system->contact[c].body[0], 1);
+            aoi_body_engage(run, system->contact[c].body[1], 1);
         }
     }
 }
@@ -117,12 +107,12 @@ void aoi_step_prepare(aoi_adaptive *run)
 {
     aoi_step_release(run);
     for (size_t i = 0; i < run->closed.count; i++) {
-        const size_t joint = run->closed.at[i];
-        run->stage[i].joint = joint;
-        aoi_body_engage(run, run->system->joint[joint].body[0], 2);
-        aoi_body_engage(run, run->system->joint[joint].body[1], 2);
+        const size_t c = run->closed.at[i];
+        run->entry[i].contact = c;
+        aoi_body_engage(run, run->system->contact[c].body[0], 2);
+        aoi_body_engage(run, run->system->contact[c].body[1], 2);
     }
-    run->closed_count = run->stage_count = run->closed.count;
+    run->closed_count = run->entry_count = run->closed.count;
     const size_t count = run->engaged.count; /* those brought along bring nobody */
     for (size_t i = 0; i < count; i++) {
         if (run->body[run->engaged.at[i]].engaged == 2) {

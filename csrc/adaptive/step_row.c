@@ -1,5 +1,4 @@
 /* A step's row of the track. */
-#include "adaptive/adaptive.h"
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "law/law.h"
@@ -18,24 +17,24 @@ static size_t write_body(const aoi_adaptive *run, size_t b, double *row)
     return AOI_TRACK_STATE + 2 * n;
 }
 
-static void write_contact(const aoi_contact_state *contact, const aoi_stage *stage, double *of)
+static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact_step *entry, double *of)
 {
     const int ends = contact->event == AOI_EVENT_OPEN || contact->event == AOI_EVENT_SLACKEN;
-    of[AOI_TRACK_JOINT] = (double)stage->joint;
-    of[AOI_TRACK_BEGINS] = contact->begins && stage->piece != AOI_SLACK;
-    of[AOI_TRACK_ENDS] = ends && stage->piece != AOI_SLACK;
-    of[AOI_TRACK_EDGE] = stage->edge;
-    of[AOI_TRACK_PIECE] = stage->piece;
+    of[AOI_TRACK_CONTACT] = (double)entry->contact;
+    of[AOI_TRACK_BEGINS] = contact->begins && entry->piece != AOI_SLACK;
+    of[AOI_TRACK_ENDS] = ends && entry->piece != AOI_SLACK;
+    of[AOI_TRACK_EDGE] = entry->edge;
+    of[AOI_TRACK_PIECE] = entry->piece;
     of[AOI_TRACK_WORK] = contact->work;
     of[AOI_TRACK_LOST] = 0.0;
     for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
         of[AOI_TRACK_MEMORY + i] = contact->memory[i];
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        of[AOI_TRACK_FORCE + i] = stage->force[i];
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        of[AOI_TRACK_FORCE + i] = entry->force[i];
     }
-    for (size_t i = 0; i <= AOI_STAGES; i++) {
-        of[AOI_TRACK_INDENTATION + i] = stage->legendre[i];
+    for (size_t i = 0; i <= AOI_NODES; i++) {
+        of[AOI_TRACK_INDENTATION + i] = entry->legendre[i];
     }
 }
 
@@ -54,7 +53,7 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
     }
     run->changed.count = 0;
     for (size_t s = 0; s < contacts; s++, at += AOI_TRACK_CONTACT_SIZE) {
-        write_contact(&run->contact[run->stage[s].joint], &run->stage[s], row + at);
+        write_contact(&run->contact[run->entry[s].contact], &run->entry[s], row + at);
     }
     row[AOI_TRACK_START] = aoi_run_now(run);
     row[AOI_TRACK_LENGTH] = h;

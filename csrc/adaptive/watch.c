@@ -1,6 +1,5 @@
-/* Open contacts between bodies in flight, in two heaps: those that are certain not to touch before a time,
+/* Open contacts between bodies in free motion, in two heaps: those that are certain not to touch before a time,
  * and those that touch at it. However many there are, only the first of each is ever looked at. */
-#include "adaptive/adaptive.h"
 #include "adaptive/run.h"
 
 static const size_t NOWHERE = (size_t)-1;
@@ -12,68 +11,68 @@ static int comes_first(const aoi_adaptive *run, size_t one, size_t other)
     return time < its || (time == its && one < other);
 }
 
-static void put(aoi_adaptive *run, size_t *heap, size_t place, size_t joint)
+static void put(aoi_adaptive *run, size_t *heap, size_t place, size_t c)
 {
-    heap[place] = joint;
-    run->contact[joint].place = place;
+    heap[place] = c;
+    run->contact[c].place = place;
 }
 
 /* Moves a contact from a place towards the top as far as it belongs. */
 static void rise(aoi_adaptive *run, size_t *heap, size_t place)
 {
-    const size_t joint = heap[place];
-    while (place > 0 && comes_first(run, joint, heap[(place - 1) / 2])) {
+    const size_t c = heap[place];
+    while (place > 0 && comes_first(run, c, heap[(place - 1) / 2])) {
         put(run, heap, place, heap[(place - 1) / 2]);
         place = (place - 1) / 2;
     }
-    put(run, heap, place, joint);
+    put(run, heap, place, c);
 }
 
 /* And away from it. */
 static void sink(aoi_adaptive *run, size_t *heap, size_t count, size_t place)
 {
-    const size_t joint = heap[place];
+    const size_t c = heap[place];
     for (size_t below = 2 * place + 1; below < count; below = 2 * place + 1) {
         if (below + 1 < count && comes_first(run, heap[below + 1], heap[below])) {
             below++;
         }
-        if (!comes_first(run, heap[below], joint)) {
+        if (!comes_first(run, heap[below], c)) {
             break;
         }
         put(run, heap, place, heap[below]);
         place = below;
     }
-    put(run, heap, place, joint);
+    put(run, heap, place, c);
 }
 
 void aoi_watch_begin(aoi_adaptive *run)
 {
     run->watched[0].count = run->watched[1].count = 0;
-    for (size_t c = 0; c < run->system->joint_count; c++) {
+    for (size_t c = 0; c < run->system->contact_count; c++) {
         run->contact[c].place = NOWHERE;
     }
 }
 
-void aoi_watch_add(aoi_adaptive *run, size_t joint)
+void aoi_watch_add(aoi_adaptive *run, size_t c)
 {
-    aoi_list *heap = &run->watched[run->contact[joint].touches != 0];
-    if (run->contact[joint].place != NOWHERE) {
+    aoi_list *heap = &run->watched[run->contact[c].touches != 0];
+    if (run->contact[c].place != NOWHERE) {
         return;
     }
-    heap->at[heap->count] = joint;
+    heap->at[heap->count] = c;
     rise(run, heap->at, heap->count++);
 }
 
-int aoi_watch_remove(aoi_adaptive *run, size_t joint)
+int aoi_watch_remove(aoi_adaptive *run, size_t c)
 {
-    aoi_list *heap = &run->watched[run->contact[joint].touches != 0];
-    const size_t place = run->contact[joint].place;
+    aoi_list *heap = &run->watched[run->contact[c].touches != 0];
+    const size_t place = run->contact[c].place;
     if (place == NOWHERE) {
         return 0;
     }
-    run->contact[joint].place = NOWHERE;
+    run->contact[c].place = NOWHERE;
     const size_t last = heap->at[--heap->count];
-    if (last != joint) {
+    if (last != c) {
         put(run, heap->at, place, last);
         rise(run, heap->at, place);
         sink(run, heap->at, heap->count, run->contact[last].place);
@@ -81,13 +80,13 @@ int aoi_watch_remove(aoi_adaptive *run, size_t joint)
     return 1;
 }
 
-double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *joint)
+double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *c)
 {
     const aoi_list *heap = &run->watched[touches];
     if (heap->count == 0 || !(run->contact[heap->at[0]].free_until < limit)) {
-        *joint = run->system->joint_count;
+        *c = run->system->contact_count;
         return limit;
     }
-    *joint = heap->at[0];
-    return run->contact[*joint].free_until;
+    *c = heap->at[0];
+    return run->contact[*c].free_until;
 }

@@ -16,41 +16,41 @@ enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
  * edge of the contact the step has; indentation, rate and force at the start of the step; what counts as
  * large for the indentation; the motion without contact forces, and a guess of the indentation and its
  * rate. */
-typedef struct aoi_stage {
-    size_t joint;
+typedef struct aoi_contact_step {
+    size_t contact;
     const double *memory;
     int piece;
     enum aoi_edge edge;
     double start, start_rate, start_force, scale;
-    double homogeneous[AOI_STAGES], homogeneous_rate[AOI_STAGES];
-    double indentation[AOI_STAGES], rate[AOI_STAGES];
+    double homogeneous[AOI_NODES], homogeneous_rate[AOI_NODES];
+    double indentation[AOI_NODES], rate[AOI_NODES];
 
-    double force[AOI_STAGES];
-    double legendre[AOI_STAGES + 1]; /* of the indentation */
-} aoi_stage;
+    double force[AOI_NODES];
+    double legendre[AOI_NODES + 1]; /* of the indentation */
+} aoi_contact_step;
 
 /* Doubles of work space of aoi_collocation_solve for count contacts of which those that share a body
  * are at most span places apart. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
 /* Whether a law of these contacts depends on rates, or has to see them turn. */
-int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_stage *stage);
+int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
 /* Solves F = law(indentation, rate) of all contacts together by Newton's method, to rounding of each one's
  * scale: F at all nodes, or, at an edge (of bodies without residual compliance), the polynomial nearest to
  * the law's force. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
  * body. AOI_ERROR_NO_CONVERGENCE where the guess was too far: take a shorter step. */
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
-                          size_t count, size_t span, aoi_stage *stage, double *work);
+                          size_t count, size_t span, aoi_contact_step *entry, double *work);
 
 /* What the solution leaves undone: the law's force minus the polynomial's between the nodes gives the
  * leading error of the impulse and of the indentation at the end of the step; tail says how much the
- * last Legendre coefficients still hold. Fills stage->legendre. */
+ * last Legendre coefficients still hold. Fills entry->legendre. */
 typedef struct aoi_collocation_error {
     double impulse, indentation, tail;
 } aoi_collocation_error;
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
-                              aoi_stage *stage, aoi_collocation_error *error);
+                              aoi_contact_step *entry, aoi_collocation_error *error);
 
 /* At the nodes of the part of a step up to place (0 .. 1): the polynomial nearest there to the law's force
  * along an indentation given by its Legendre coefficients. What the bodies do within a step with an edge
@@ -59,7 +59,7 @@ void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const doubl
                              double h, const double *legendre, double place, double *force);
 
 /* int F dt over the step, and int F d(indentation). */
-double aoi_collocation_impulse(const aoi_stage *stage, double h);
-double aoi_collocation_work(const aoi_stage *stage);
+double aoi_collocation_impulse(const aoi_contact_step *entry, double h);
+double aoi_collocation_work(const aoi_contact_step *entry);
 
 #endif

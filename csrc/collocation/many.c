@@ -6,12 +6,12 @@
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 
 #include <float.h>
 #include <math.h>
 
-enum { MOST_ITERATIONS = 25, SQUARE = AOI_STAGES * AOI_STAGES };
+enum { MOST_ITERATIONS = 25, SQUARE = AOI_NODES * AOI_NODES };
 
 /* Newton has converged at this change of the indentation relative to its scale, or at the second where
  * changes no longer shrink: rounding. */
@@ -23,10 +23,10 @@ static const double KEPT = 1e-3;
 /* With the matrix of the change before, the error falls by twice the ratio of the last changes. */
 static const double FALL = 2.0, NEXT_CHANGE = 1e-16;
 
-int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_stage *stage)
+int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry)
 {
     for (size_t s = 0; s < count; s++) {
-        const aoi_law *law = system->joint[stage[s].joint].law;
+        const aoi_law *law = system->contact[entry[s].contact].law;
         if (law->depends_on_rate || law->turns) {
             return 1;
         }
@@ -37,11 +37,11 @@ int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const ao
 /* Blocks of a row of contacts: those up to span away on either side. */
 static size_t blocks_of(size_t span) { return 2 * span + 1; }
 
-static size_t half_width(size_t span) { return AOI_STAGES * (span + 1) - 1; }
+static size_t half_width(size_t span) { return AOI_NODES * (span + 1) - 1; }
 
 size_t aoi_collocation_size(size_t count, size_t span)
 {
-    const size_t rows = count * AOI_STAGES, width = 2 * half_width(span) + 1;
+    const size_t rows = count * AOI_NODES, width = 2 * half_width(span) + 1;
     return 2 * count * blocks_of(span) * SQUARE + rows * width + rows;
 }
 
@@ -49,7 +49,7 @@ size_t aoi_collocation_size(size_t count, size_t span)
 static void add_coupling(const aoi_system *system, const aoi_response *response, double h, size_t s,
                          size_t t, double *displacement, double *rate)
 {
-    const aoi_joint *of = &system->joint[s], *by = &system->joint[t];
+    const aoi_contact *of = &system->contact[s], *by = &system->contact[t];
     for (int i = 0; i < 4; i++) {
         const int a = i / 2, c = i % 2;
         if (of->body[a] != by->body[c]) {
@@ -66,10 +66,10 @@ static void add_coupling(const aoi_system *system, const aoi_response *response,
                 rate[k] += sign * answer->influence_rate[pair * SQUARE + k];
             }
         }
-        for (size_t k = 0; k < AOI_STAGES && residual != 0.0; k++) {
-            displacement[k * AOI_STAGES + k] += residual;
+        for (size_t k = 0; k < AOI_NODES && residual != 0.0; k++) {
+            displacement[k * AOI_NODES + k] += residual;
             if (rate) {
-                aoi_stages_add(residual / h, aoi_radau_slope_at_node[k + 1], rate + k * AOI_STAGES);
+                aoi_nodes_add(residual / h, aoi_radau_slope_at_node[k + 1], rate + k * AOI_NODES);
             }
         }
     }
@@ -94,7 +94,7 @@ static size_t last_of(const couplings *of, size_t s)
 }
 
 static void couple(const aoi_system *system, const aoi_response *response, double h,
-                   const aoi_stage *stage, couplings *of)
+                   const aoi_contact_step *entry, couplings *of)
 {
     const size_t size = of->count * of->blocks * SQUARE;
     for (size_t k = 0; k < size; k++) {
@@ -106,7 +106,7 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
     for (size_t s = 0; s < of->count; s++) {
         for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
             const size_t at = (size_t)(block_of(of, of->displacement, s, t) - of->displacement);
-            add_coupling(system, response, h, stage[s].joint, stage[t].joint, of->displacement + at,
+            add_coupling(system, response, h, entry[s].contact, entry[t].contact, of->displacement + at,
                          of->rate ? of->rate + at : NULL);
         }
     }
@@ -154,56 +154,56 @@ static void substitute(size_t n, size_t half, size_t stride, const double *matri
 
 void aoi_edge_reach(enum aoi_edge edge, double start, const double *nodes, double *points)
 {
-    aoi_stages_multiply_from(start, &aoi_radau_indentation_at_edge[edge][0][0], nodes, points);
+    aoi_nodes_multiply_from(start, &aoi_radau_indentation_at_edge[edge][0][0], nodes, points);
 }
 
 void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
 {
-    aoi_stages_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
+    aoi_nodes_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
 }
 
 void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
                              double h, const double *legendre, double place, double *force)
 {
-    for (size_t k = 0; k < AOI_STAGES; k++) {
+    for (size_t k = 0; k < AOI_NODES; k++) {
         aoi_law_value value;
         double slope;
         const double indentation = aoi_legendre_evaluate(
-            AOI_STAGES + 1, legendre, place * aoi_radau_edge_point[edge][k], &slope);
+            AOI_NODES + 1, legendre, place * aoi_radau_edge_point[edge][k], &slope);
         aoi_law_force(law, memory, piece, indentation, slope / h, &value);
         force[k] = value.force;
     }
     aoi_edge_project(edge, force, force);
 }
 
-void aoi_collocation_ask(const aoi_law *law, const aoi_stage *stage, int with_rates,
+void aoi_collocation_ask(const aoi_law *law, const aoi_contact_step *entry, int with_rates,
                          aoi_law_values *of)
 {
-    double at_points[AOI_STAGES], rates_there[AOI_STAGES];
-    const double *indentation = stage->indentation, *rate = stage->rate;
-    if (stage->piece == AOI_SLACK) {
+    double at_points[AOI_NODES], rates_there[AOI_NODES];
+    const double *indentation = entry->indentation, *rate = entry->rate;
+    if (entry->piece == AOI_SLACK) {
         *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
         return;
     }
-    if (stage->edge != AOI_EDGE_NONE) {
-        aoi_edge_reach(stage->edge, stage->start, stage->indentation, at_points);
+    if (entry->edge != AOI_EDGE_NONE) {
+        aoi_edge_reach(entry->edge, entry->start, entry->indentation, at_points);
         indentation = at_points;
     }
-    if (stage->edge != AOI_EDGE_NONE && with_rates) {
-        aoi_edge_reach(stage->edge, stage->start_rate, stage->rate, rates_there);
+    if (entry->edge != AOI_EDGE_NONE && with_rates) {
+        aoi_edge_reach(entry->edge, entry->start_rate, entry->rate, rates_there);
         rate = rates_there;
     }
-    aoi_law_forces(law, stage->memory, stage->piece, indentation, rate, of);
+    aoi_law_forces(law, entry->memory, entry->piece, indentation, rate, of);
 }
 
 void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *column, double *to)
 {
-    double there[AOI_STAGES];
+    double there[AOI_NODES];
     if (edge != AOI_EDGE_NONE) {
         aoi_edge_reach(edge, 0.0, column, there);
         column = there;
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         to[i] = by[i] * column[i];
     }
     if (edge != AOI_EDGE_NONE) {
@@ -215,10 +215,10 @@ void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *c
 static void add_block(enum aoi_edge edge, const double *by, const double *block, size_t stride,
                       double *matrix)
 {
-    for (size_t q = 0; q < AOI_STAGES; q++) {
-        double column[AOI_STAGES];
-        aoi_collocation_weigh(edge, by, block + q * AOI_STAGES, column);
-        for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t q = 0; q < AOI_NODES; q++) {
+        double column[AOI_NODES];
+        aoi_collocation_weigh(edge, by, block + q * AOI_NODES, column);
+        for (size_t i = 0; i < AOI_NODES; i++) {
             matrix[i * stride + q] += column[i];
         }
     }
@@ -235,62 +235,62 @@ typedef struct equations {
 /* In work space behind the couplings. */
 static equations lay_out(size_t count, size_t span, double *work)
 {
-    const size_t n = count * AOI_STAGES, half = half_width(span);
+    const size_t n = count * AOI_NODES, half = half_width(span);
     const size_t size = n * (2 * half + 1);
     return (equations){n, half, 2 * half, size, work, work + half, work + size};
 }
 
 /* Rows of a contact. */
-static void set_rows(const couplings *of, const aoi_stage *stage, size_t s, const aoi_law_values *law,
+static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const aoi_law_values *law,
                      const equations *to)
 {
-    double *rows = to->matrix + s * AOI_STAGES * to->stride;
+    double *rows = to->matrix + s * AOI_NODES * to->stride;
     for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
-        double *block = rows + t * AOI_STAGES;
-        add_block(stage[s].edge, law->stiffness, block_of(of, of->displacement, s, t), to->stride, block);
+        double *block = rows + t * AOI_NODES;
+        add_block(entry[s].edge, law->stiffness, block_of(of, of->displacement, s, t), to->stride, block);
         if (of->rate) {
-            add_block(stage[s].edge, law->damping, block_of(of, of->rate, s, t), to->stride, block);
+            add_block(entry[s].edge, law->damping, block_of(of, of->rate, s, t), to->stride, block);
         }
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        rows[i * to->stride + s * AOI_STAGES + i] += 1.0;
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        rows[i * to->stride + s * AOI_NODES + i] += 1.0;
     }
 }
 
 /* Adds factor times what the values lack of their aim, where the law is asked. */
-static void add_lack(const aoi_stage *stage, const double *aim, const double *values,
+static void add_lack(const aoi_contact_step *entry, const double *aim, const double *values,
                      const double *factor, double *to)
 {
-    double lack[AOI_STAGES], at_points[AOI_STAGES];
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    double lack[AOI_NODES], at_points[AOI_NODES];
+    for (size_t i = 0; i < AOI_NODES; i++) {
         lack[i] = at_points[i] = aim[i] - values[i];
     }
-    if (stage->edge != AOI_EDGE_NONE) {
-        aoi_edge_reach(stage->edge, 0.0, lack, at_points);
+    if (entry->edge != AOI_EDGE_NONE) {
+        aoi_edge_reach(entry->edge, 0.0, lack, at_points);
     }
-    for (size_t k = 0; k < AOI_STAGES; k++) {
+    for (size_t k = 0; k < AOI_NODES; k++) {
         to[k] += factor[k] * at_points[k];
     }
 }
 
-void aoi_collocation_aim(const aoi_stage *stage, int first, int with_rates, aoi_law_values *law)
+void aoi_collocation_aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law)
 {
     if (first) {
-        add_lack(stage, stage->homogeneous, stage->indentation, law->stiffness, law->force);
+        add_lack(entry, entry->homogeneous, entry->indentation, law->stiffness, law->force);
     }
     if (first && with_rates) {
-        add_lack(stage, stage->homogeneous_rate, stage->rate, law->damping, law->force);
+        add_lack(entry, entry->homogeneous_rate, entry->rate, law->damping, law->force);
     }
-    if (stage->edge != AOI_EDGE_NONE) {
-        aoi_edge_project(stage->edge, law->force, law->force);
+    if (entry->edge != AOI_EDGE_NONE) {
+        aoi_edge_project(entry->edge, law->force, law->force);
     }
-    for (size_t i = 0; i < AOI_STAGES && !first; i++) {
-        law->force[i] -= stage->force[i];
+    for (size_t i = 0; i < AOI_NODES && !first; i++) {
+        law->force[i] -= entry->force[i];
     }
 }
 
 /* The right-hand sides, and the matrix if it is to be renewed. */
-static void set_equations(const aoi_system *system, const couplings *of, const aoi_stage *stage,
+static void set_equations(const aoi_system *system, const couplings *of, const aoi_contact_step *entry,
                           const aoi_newton *newton, const equations *to)
 {
     const int with_rates = of->rate != NULL;
@@ -299,13 +299,13 @@ static void set_equations(const aoi_system *system, const couplings *of, const a
     }
     for (size_t s = 0; s < of->count; s++) {
         aoi_law_values law;
-        aoi_collocation_ask(system->joint[stage[s].joint].law, &stage[s], with_rates, &law);
+        aoi_collocation_ask(system->contact[entry[s].contact].law, &entry[s], with_rates, &law);
         if (newton->renew) {
-            set_rows(of, stage, s, &law, to);
+            set_rows(of, entry, s, &law, to);
         }
-        aoi_collocation_aim(&stage[s], newton->iteration == 0, with_rates, &law);
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            to->right[s * AOI_STAGES + i] = law.force[i];
+        aoi_collocation_aim(&entry[s], newton->iteration == 0, with_rates, &law);
+        for (size_t i = 0; i < AOI_NODES; i++) {
+            to->right[s * AOI_NODES + i] = law.force[i];
         }
     }
 }
@@ -314,35 +314,35 @@ static void set_equations(const aoi_system *system, const couplings *of, const a
 static void answer_of(const couplings *of, const double *values, size_t s, const double *force,
                       double *answer)
 {
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         answer[i] = 0.0;
     }
     for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
-        double share[AOI_STAGES];
-        aoi_stages_multiply(block_of(of, values, s, t), force + t * AOI_STAGES, share);
-        aoi_stages_add(1.0, share, answer);
+        double share[AOI_NODES];
+        aoi_nodes_multiply(block_of(of, values, s, t), force + t * AOI_NODES, share);
+        aoi_nodes_add(1.0, share, answer);
     }
 }
 
 /* From changes of the forces (the first: from nothing) to those of indentations and rates. Returns the
  * largest relative to scale. */
-static double update(const couplings *of, const double *by, int first, aoi_stage *stage)
+static double update(const couplings *of, const double *by, int first, aoi_contact_step *entry)
 {
-    double largest = 0.0, answer[AOI_STAGES];
+    double largest = 0.0, answer[AOI_NODES];
     for (size_t s = 0; s < of->count; s++) {
-        aoi_stage *here = &stage[s];
+        aoi_contact_step *here = &entry[s];
         const double inverse = 1.0 / here->scale;
         answer_of(of, of->displacement, s, by, answer);
-        for (size_t i = 0; i < AOI_STAGES; i++) {
+        for (size_t i = 0; i < AOI_NODES; i++) {
             const double next = (first ? here->homogeneous[i] : here->indentation[i]) - answer[i];
             const double change = fabs(next - here->indentation[i]) * inverse;
             largest = change <= largest ? largest : change; /* NaN, too, is large */
             here->indentation[i] = next;
-            here->force[i] = (first ? 0.0 : here->force[i]) + by[s * AOI_STAGES + i];
+            here->force[i] = (first ? 0.0 : here->force[i]) + by[s * AOI_NODES + i];
         }
         if (of->rate) {
             answer_of(of, of->rate, s, by, answer);
-            for (size_t i = 0; i < AOI_STAGES; i++) {
+            for (size_t i = 0; i < AOI_NODES; i++) {
                 here->rate[i] = (first ? here->homogeneous_rate[i] : here->rate[i]) - answer[i];
             }
         }
@@ -366,25 +366,25 @@ int aoi_newton_done(aoi_newton *newton, double change)
 }
 
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
-                          size_t count, size_t span, aoi_stage *stage, double *work)
+                          size_t count, size_t span, aoi_contact_step *entry, double *work)
 {
     if (count == 1) {
-        return aoi_collocation_solve_one(system, response, h, stage);
+        return aoi_collocation_solve_one(system, response, h, entry);
     }
     const size_t blocks = blocks_of(span), size = count * blocks * SQUARE;
-    const int with_rates = aoi_collocation_wants_rates(system, count, stage);
+    const int with_rates = aoi_collocation_wants_rates(system, count, entry);
     couplings of = {count, span, blocks, work, with_rates ? work + size : NULL};
     const equations to = lay_out(count, span, work + 2 * size);
     aoi_newton newton = {0, 1, HUGE_VAL};
     double change;
-    couple(system, response, h, stage, &of);
+    couple(system, response, h, entry, &of);
     do {
-        set_equations(system, &of, stage, &newton, &to);
+        set_equations(system, &of, entry, &newton, &to);
         if (newton.renew) {
             factorise_band(to.n, to.half, to.stride, to.matrix);
         }
         substitute(to.n, to.half, to.stride, to.matrix, to.right);
-        change = update(&of, to.right, newton.iteration == 0, stage);
+        change = update(&of, to.right, newton.iteration == 0, entry);
         if (aoi_newton_done(&newton, change)) {
             return AOI_OK;
         }
@@ -393,29 +393,29 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
 }
 
 /* What a contact of both bodies answers to at the nodes after a unit impulse. */
-static void answers(const aoi_response *response, const aoi_joint *joint, double *answer)
+static void answers(const aoi_response *response, const aoi_contact *contact, double *answer)
 {
-    const double *first = response[joint->body[0]].answer + joint->port[0] * AOI_STAGES;
-    const double *second = response[joint->body[1]].answer + joint->port[1] * AOI_STAGES;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    const double *first = response[contact->body[0]].answer + contact->port[0] * AOI_NODES;
+    const double *second = response[contact->body[1]].answer + contact->port[1] * AOI_NODES;
+    for (size_t i = 0; i < AOI_NODES; i++) {
         answer[i] = first[i] + second[i];
     }
 }
 
 /* Between the nodes: the law's force minus the polynomial's. */
-static void defects(const aoi_law *law, const aoi_stage *stage, double h, const double *answer,
+static void defects(const aoi_law *law, const aoi_contact_step *entry, double h, const double *answer,
                     aoi_collocation_error *error)
 {
     const double *at = &aoi_radau_indentation_at_extra[0][0];
-    double indentation[AOI_STAGES], rate[AOI_STAGES] = {0.0}, force[AOI_STAGES];
+    double indentation[AOI_NODES], rate[AOI_NODES] = {0.0}, force[AOI_NODES];
     aoi_law_values there;
-    aoi_stages_multiply_from(stage->start, at, stage->indentation, indentation);
+    aoi_nodes_multiply_from(entry->start, at, entry->indentation, indentation);
     if (law->depends_on_rate) {
-        aoi_stages_multiply_from(stage->start_rate, at, stage->rate, rate);
+        aoi_nodes_multiply_from(entry->start_rate, at, entry->rate, rate);
     }
-    aoi_stages_multiply(&aoi_radau_force_at_extra[0][0], stage->force, force);
-    aoi_law_forces(law, stage->memory, stage->piece, indentation, rate, &there);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    aoi_nodes_multiply(&aoi_radau_force_at_extra[0][0], entry->force, force);
+    aoi_law_forces(law, entry->memory, entry->piece, indentation, rate, &there);
+    for (size_t i = 0; i < AOI_NODES; i++) {
         const double weighted =
             h * aoi_radau_extra_weight[i] * (there.force[i] - force[i]);
         error->impulse += weighted;
@@ -425,63 +425,63 @@ static void defects(const aoi_law *law, const aoi_stage *stage, double h, const 
 
 /* The same somewhere in the step; at: the cardinal polynomials of 0 and the nodes there, of: those of the
  * nodes. */
-static double defect_at(const aoi_law *law, const aoi_stage *stage, const double *at, const double *of)
+static double defect_at(const aoi_law *law, const aoi_contact_step *entry, const double *at, const double *of)
 {
     aoi_law_value value;
-    const double indentation = at[0] * stage->start + aoi_stages_dot(at + 1, stage->indentation);
+    const double indentation = at[0] * entry->start + aoi_nodes_dot(at + 1, entry->indentation);
     const double rate = law->depends_on_rate
-                            ? at[0] * stage->start_rate + aoi_stages_dot(at + 1, stage->rate)
+                            ? at[0] * entry->start_rate + aoi_nodes_dot(at + 1, entry->rate)
                             : 0.0;
-    aoi_law_force(law, stage->memory, stage->piece, indentation, rate, &value);
-    return value.force - aoi_stages_dot(of, stage->force);
+    aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
+    return value.force - aoi_nodes_dot(of, entry->force);
 }
 
 /* At an edge, by a finer rule. */
-static void edge_defects(const aoi_law *law, const aoi_stage *stage, double h, const double *answer,
+static void edge_defects(const aoi_law *law, const aoi_contact_step *entry, double h, const double *answer,
                          aoi_collocation_error *error)
 {
     for (size_t k = 0; k < AOI_EDGE_CHECKS; k++) {
         const double weighted = h * aoi_radau_check_weight[k] *
-                                defect_at(law, stage, aoi_radau_indentation_at_check[stage->edge][k],
-                                          aoi_radau_force_at_check[stage->edge][k]);
+                                defect_at(law, entry, aoi_radau_indentation_at_check[entry->edge][k],
+                                          aoi_radau_force_at_check[entry->edge][k]);
         error->impulse += weighted;
         error->indentation +=
-            weighted * aoi_stages_dot(aoi_radau_answer_at_check[stage->edge][k], answer);
+            weighted * aoi_nodes_dot(aoi_radau_answer_at_check[entry->edge][k], answer);
     }
 }
 
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
-                              aoi_stage *stage, aoi_collocation_error *error)
+                              aoi_contact_step *entry, aoi_collocation_error *error)
 {
-    const aoi_joint *joint = &system->joint[stage->joint];
-    double values[AOI_STAGES + 1] = {stage->start}, answer[AOI_STAGES];
+    const aoi_contact *contact = &system->contact[entry->contact];
+    double values[AOI_NODES + 1] = {entry->start}, answer[AOI_NODES];
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
-    answers(response, joint, answer);
-    if (stage->piece != AOI_SLACK) {
-        (stage->edge == AOI_EDGE_NONE ? defects : edge_defects)(joint->law, stage, h, answer, error);
+    answers(response, contact, answer);
+    if (entry->piece != AOI_SLACK) {
+        (entry->edge == AOI_EDGE_NONE ? defects : edge_defects)(contact->law, entry, h, answer, error);
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        values[i + 1] = stage->indentation[i];
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        values[i + 1] = entry->indentation[i];
     }
-    aoi_legendre_fit(values, stage->legendre);
-    const double *c = stage->legendre;
-    const double last = fabs(c[AOI_STAGES]) + 0.2 * fabs(c[AOI_STAGES - 1]);
-    const double before = fabs(c[AOI_STAGES - 2]) + 0.2 * fabs(c[AOI_STAGES - 3]);
+    aoi_legendre_fit(values, entry->legendre);
+    const double *c = entry->legendre;
+    const double last = fabs(c[AOI_NODES]) + 0.2 * fabs(c[AOI_NODES - 1]);
+    const double before = fabs(c[AOI_NODES - 2]) + 0.2 * fabs(c[AOI_NODES - 3]);
     /* The terms left out go on falling as the last ones did. */
     error->tail = last < before ? last * sqrt(last / before) : last;
 }
 
-double aoi_collocation_impulse(const aoi_stage *stage, double h)
+double aoi_collocation_impulse(const aoi_contact_step *entry, double h)
 {
-    return h * aoi_stages_dot(aoi_radau_to_legendre[0], stage->force);
+    return h * aoi_nodes_dot(aoi_radau_to_legendre[0], entry->force);
 }
 
-double aoi_collocation_work(const aoi_stage *stage)
+double aoi_collocation_work(const aoi_contact_step *entry)
 {
-    double slope[AOI_STAGES], sum = 0.0;
-    aoi_stages_multiply_from(stage->start, &aoi_radau_slope_at_node[0][0], stage->indentation, slope);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        sum += aoi_radau_to_legendre[0][i] * stage->force[i] * slope[i];
+    double slope[AOI_NODES], sum = 0.0;
+    aoi_nodes_multiply_from(entry->start, &aoi_radau_slope_at_node[0][0], entry->indentation, slope);
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        sum += aoi_radau_to_legendre[0][i] * entry->force[i] * slope[i];
     }
     return sum;
 }

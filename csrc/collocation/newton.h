@@ -21,7 +21,7 @@ int aoi_newton_done(aoi_newton *newton, double change);
 int aoi_newton_goes_on(const aoi_newton *newton, double change);
 
 /* The law where it is asked: at the nodes, or at the points of an edge. */
-void aoi_collocation_ask(const aoi_law *law, const aoi_stage *stage, int with_rates,
+void aoi_collocation_ask(const aoi_law *law, const aoi_contact_step *entry, int with_rates,
                          aoi_law_values *of);
 
 /* From values at the start and the nodes to the points of an edge; from forces there to the polynomial
@@ -33,10 +33,10 @@ void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes);
 void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *column, double *to);
 
 /* The right-hand side of the first iteration in place of the law's force, or of later ones. */
-void aoi_collocation_aim(const aoi_stage *stage, int first, int with_rates, aoi_law_values *law);
+void aoi_collocation_aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law);
 
 /* aoi_collocation_solve where there is one contact. */
 int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
-                              aoi_stage *stage);
+                              aoi_contact_step *entry);
 
 #endif

@@ -5,13 +5,13 @@
 #include "law/law.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 
 #include <math.h>
 
-enum { SQUARE = AOI_STAGES * AOI_STAGES };
+enum { SQUARE = AOI_NODES * AOI_NODES };
 
-/* What a force at node q does to indentation and rate at node i, at q * AOI_STAGES + i; and the inverse of
+/* What a force at node q does to indentation and rate at node i, at q * AOI_NODES + i; and the inverse of
  * Newton's matrix, likewise. */
 typedef struct single {
     int with_rates;
@@ -21,26 +21,26 @@ typedef struct single {
 /* What lies between a contact and a body that has no mass of its own there. */
 static void add_residual(double residual, double h, single *of)
 {
-    for (size_t q = 0; q < AOI_STAGES && residual != 0.0; q++) {
-        of->displacement[q * AOI_STAGES + q] += residual;
+    for (size_t q = 0; q < AOI_NODES && residual != 0.0; q++) {
+        of->displacement[q * AOI_NODES + q] += residual;
         if (of->with_rates) {
-            aoi_stages_add(residual / h, aoi_radau_slope_at_node[q + 1], of->rate + q * AOI_STAGES);
+            aoi_nodes_add(residual / h, aoi_radau_slope_at_node[q + 1], of->rate + q * AOI_NODES);
         }
     }
 }
 
 static void couple(const aoi_system *system, const aoi_response *response, double h,
-                   const aoi_stage *stage, single *of)
+                   const aoi_contact_step *entry, single *of)
 {
-    const aoi_joint *joint = &system->joint[stage->joint];
+    const aoi_contact *contact = &system->contact[entry->contact];
     const aoi_response *answer[2];
     size_t pair[2];
     double residual = 0.0;
-    of->with_rates = aoi_collocation_wants_rates(system, 1, stage);
+    of->with_rates = aoi_collocation_wants_rates(system, 1, entry);
     for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = &system->body[joint->body[side]];
-        answer[side] = &response[joint->body[side]];
-        pair[side] = joint->port[side] * (body->ports + 1);
+        const aoi_modes *body = &system->body[contact->body[side]];
+        answer[side] = &response[contact->body[side]];
+        pair[side] = contact->port[side] * (body->ports + 1);
         residual += body->residual ? body->residual[pair[side]] : 0.0;
     }
     const double *one = answer[0]->influence + pair[0] * SQUARE;
@@ -57,63 +57,63 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
 }
 
 /* The inverse of 1 + stiffness A + damping B. */
-static void renew(const aoi_stage *stage, const aoi_law_values *law, single *of)
+static void renew(const aoi_contact_step *entry, const aoi_law_values *law, single *of)
 {
-    for (size_t q = 0; q < AOI_STAGES; q++) {
-        const size_t at = q * AOI_STAGES;
-        double by_rate[AOI_STAGES];
-        aoi_collocation_weigh(stage->edge, law->stiffness, of->displacement + at, of->inverse + at);
+    for (size_t q = 0; q < AOI_NODES; q++) {
+        const size_t at = q * AOI_NODES;
+        double by_rate[AOI_NODES];
+        aoi_collocation_weigh(entry->edge, law->stiffness, of->displacement + at, of->inverse + at);
         if (of->with_rates) {
-            aoi_collocation_weigh(stage->edge, law->damping, of->rate + at, by_rate);
-            aoi_stages_add(1.0, by_rate, of->inverse + at);
+            aoi_collocation_weigh(entry->edge, law->damping, of->rate + at, by_rate);
+            aoi_nodes_add(1.0, by_rate, of->inverse + at);
         }
         of->inverse[at + q] += 1.0;
     }
-    aoi_stages_invert(of->inverse); /* pivots as in many.c; the inverse has columns likewise */
+    aoi_nodes_invert(of->inverse); /* pivots as in many.c; the inverse has columns likewise */
 }
 
 /* From a change of the forces (the first: from nothing) to that of indentation and rate. Returns the
  * largest relative to scale. */
-static double move(const single *of, const double *by, int first, aoi_stage *stage)
+static double move(const single *of, const double *by, int first, aoi_contact_step *entry)
 {
-    const double inverse = 1.0 / stage->scale;
-    double answer[AOI_STAGES], largest = 0.0;
-    aoi_stages_multiply(of->displacement, by, answer);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        const double next = (first ? stage->homogeneous[i] : stage->indentation[i]) - answer[i];
-        const double change = fabs(next - stage->indentation[i]) * inverse;
+    const double inverse = 1.0 / entry->scale;
+    double answer[AOI_NODES], largest = 0.0;
+    aoi_nodes_multiply(of->displacement, by, answer);
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        const double next = (first ? entry->homogeneous[i] : entry->indentation[i]) - answer[i];
+        const double change = fabs(next - entry->indentation[i]) * inverse;
         largest = change <= largest ? largest : change; /* NaN, too, is large */
-        stage->indentation[i] = next;
-        stage->force[i] = first ? by[i] : stage->force[i] + by[i];
+        entry->indentation[i] = next;
+        entry->force[i] = first ? by[i] : entry->force[i] + by[i];
     }
     if (of->with_rates) {
-        aoi_stages_multiply(of->rate, by, answer);
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            stage->rate[i] = (first ? stage->homogeneous_rate[i] : stage->rate[i]) - answer[i];
+        aoi_nodes_multiply(of->rate, by, answer);
+        for (size_t i = 0; i < AOI_NODES; i++) {
+            entry->rate[i] = (first ? entry->homogeneous_rate[i] : entry->rate[i]) - answer[i];
         }
     }
     return largest;
 }
 
 int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
-                              aoi_stage *stage)
+                              aoi_contact_step *entry)
 {
-    const aoi_law *law = system->joint[stage->joint].law;
+    const aoi_law *law = system->contact[entry->contact].law;
     aoi_newton newton = {0, 1, HUGE_VAL};
     double change;
     single of;
-    couple(system, response, h, stage, &of);
+    couple(system, response, h, entry, &of);
     do {
         const int first = newton.iteration == 0;
-        double by[AOI_STAGES];
+        double by[AOI_NODES];
         aoi_law_values values;
-        aoi_collocation_ask(law, stage, of.with_rates, &values);
+        aoi_collocation_ask(law, entry, of.with_rates, &values);
         if (newton.renew) {
-            renew(stage, &values, &of);
+            renew(entry, &values, &of);
         }
-        aoi_collocation_aim(stage, first, of.with_rates, &values);
-        aoi_stages_multiply(of.inverse, values.force, by);
-        change = move(&of, by, first, stage);
+        aoi_collocation_aim(entry, first, of.with_rates, &values);
+        aoi_nodes_multiply(of.inverse, values.force, by);
+        change = move(&of, by, first, entry);
         if (aoi_newton_done(&newton, change)) {
             return AOI_OK;
         }

@@ -27,7 +27,7 @@ static void hertz_together(const aoi_law *law, const double *indentation, const 
 {
     const double k = law->parameter[0];
     (void)rate;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         hertz_at(k, indentation[i], &values->force[i], &values->stiffness[i]);
         values->damping[i] = 0.0;
     }

@@ -235,7 +235,7 @@ void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const d
         law->together(law, indentation, rate, values);
         return;
     }
-    for (size_t k = 0; k < AOI_STAGES; k++) {
+    for (size_t k = 0; k < AOI_NODES; k++) {
         aoi_law_value value;
         aoi_law_force(law, memory, piece, indentation[k], rate[k], &value);
         values->force[k] = value.force;

@@ -5,11 +5,11 @@
 #include "aoimpact.h"
 
 /* At how many places in time a step of an adaptive run asks a law. */
-enum { AOI_STAGES = 8 };
+enum { AOI_NODES = 8 };
 
 /* Those at the nodes of a step. */
 typedef struct aoi_law_values {
-    double force[AOI_STAGES], stiffness[AOI_STAGES], damping[AOI_STAGES];
+    double force[AOI_NODES], stiffness[AOI_NODES], damping[AOI_NODES];
 } aoi_law_values;
 
 /* The force of aoi_law_push, which is cheaper where the derivatives are taken by differences. */
@@ -33,7 +33,7 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
 void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
                    double rate, aoi_law_value *value);
 
-/* The same at AOI_STAGES places. */
+/* The same at AOI_NODES places. */
 void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const double *indentation,
                     const double *rate, aoi_law_values *values);
 

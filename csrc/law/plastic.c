@@ -44,7 +44,7 @@ static void thornton_force(const aoi_law *law, const double *memory, int piece, 
         value->force = law->parameter[STIFFNESS] * root * d;
         value->stiffness = 1.5 * law->parameter[STIFFNESS] * root;
     } else {
-        /* From the deepest point, which is exact: after a blow far past yield almost all remains. */
+        /* From the deepest point, which is exact: after an impact far past yield almost all remains. */
         const double reach = recovered(law, memory[DEEPEST]), past = reach - (memory[DEEPEST] - d);
         const double share = past > 0.0 ? past / reach : 0.0, root = sqrt(share);
         const double top = plastic_force(law, memory[DEEPEST]);

@@ -1,4 +1,4 @@
-/* A basis of a body that fits how it is struck. */
+/* A basis of a body that fits how it is struck. Dense matrices by columns. */
 #ifndef AOI_LINEAR_KRYLOV_H
 #define AOI_LINEAR_KRYLOV_H
 

@@ -1,6 +1,6 @@
-/* The caller's work space, dealt out array by array, and the caller's pause. */
-#ifndef AOIMPACT_WORK_H
-#define AOIMPACT_WORK_H
+/* The caller's memory dealt out array by array, and the caller's pause. */
+#ifndef AOI_LINEAR_WORK_H
+#define AOI_LINEAR_WORK_H
 
 #include "aoimpact.h"
 
@@ -15,6 +15,31 @@ static inline double *aoi_work_take(double **work, size_t count)
     double *taken = *work;
     *work += count;
     return taken;
+}
+
+/* A block of memory, aligned as malloc's; NULL while only its size is asked for: then so are all arrays. */
+typedef struct aoi_memory {
+    char *block;
+    size_t used;
+} aoi_memory;
+
+enum { AOI_ALIGNMENT = 16 };
+
+static inline void *aoi_memory_take(aoi_memory *memory, size_t count, size_t size)
+{
+    char *taken = memory->block ? memory->block + memory->used : NULL;
+    memory->used += (count * size + AOI_ALIGNMENT - 1) / AOI_ALIGNMENT * AOI_ALIGNMENT;
+    return taken;
+}
+
+static inline double *aoi_memory_doubles(aoi_memory *memory, size_t count)
+{
+    return aoi_memory_take(memory, count, sizeof(double));
+}
+
+static inline size_t *aoi_memory_numbers(aoi_memory *memory, size_t count)
+{
+    return aoi_memory_take(memory, count, sizeof(size_t));
 }
 
 #endif

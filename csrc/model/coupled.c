@@ -41,7 +41,7 @@ typedef struct iterate {
 
 typedef struct newton {
     const aoi_coupled *e;
-    const aoi_contact *contact;
+    const aoi_contact_state *contact;
     size_t width;
     double deepest; /* without forces */
     double rounding; /* relative error at which an equation counts as solved */
@@ -68,7 +68,7 @@ static void iterate_lay_out(iterate *at, double **work, size_t n)
     at->rate_off = aoi_work_take(work, n);
 }
 
-static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact *contact, double *work)
+static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact_state *contact, double *work)
 {
     const size_t n = e->count;
     *s = (newton){.e = e, .contact = contact, .width = 2 * e->band + 1};
@@ -100,7 +100,7 @@ static const double *row_of(const aoi_coupled *e, const double *matrix, size_t i
 }
 
 /* Row i times x, but for the diagonal; size: the same with all terms positive. */
-static double others(const aoi_coupled *e, const double *matrix, size_t i, const double *x,
+static double neighbours(const aoi_coupled *e, const double *matrix, size_t i, const double *x,
                      double *size)
 {
     const double *row = row_of(e, matrix, i);
@@ -124,7 +124,7 @@ static double own(const aoi_coupled *e, const double *matrix, size_t i)
 static void find_slopes(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
-    const aoi_contact *contact = &s->contact[i];
+    const aoi_contact_state *contact = &s->contact[i];
     const double compliance = own(e, e->compliance, i), rate = own(e, e->rate_compliance, i);
     const double rest = aoi_law_rest(contact->law, contact->memory);
     const double speed = at->seen_rate[i] - rate * at->force[i];
@@ -159,7 +159,7 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
 static int solve_one(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
-    const aoi_contact *contact = &s->contact[i];
+    const aoi_contact_state *contact = &s->contact[i];
     const aoi_contact_equation equation = {
         at->seen[i], own(e, e->compliance, i), at->seen_rate[i], own(e, e->rate_compliance, i),
         contact->law->pulls ? contact->indentation : at->indentation[i]};
@@ -185,9 +185,9 @@ static void find_off(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
     double size, rate_size;
-    at->off[i] = at->seen[i] - e->free[i] + others(e, e->compliance, i, at->force, &size);
+    at->off[i] = at->seen[i] - e->free[i] + neighbours(e, e->compliance, i, at->force, &size);
     at->rate_off[i] =
-        at->seen_rate[i] - e->rate_free[i] + others(e, e->rate_compliance, i, at->force, &rate_size);
+        at->seen_rate[i] - e->rate_free[i] + neighbours(e, e->rate_compliance, i, at->force, &rate_size);
     s->size[i] = fabs(e->free[i]) + size;
     s->rate_size[i] = fabs(e->rate_free[i]) + rate_size;
 }
@@ -279,8 +279,8 @@ static void find_moves(const newton *s)
     const aoi_coupled *e = s->e;
     double size;
     for (size_t i = 0; i < e->count; i++) {
-        s->move[i] = -s->now.off[i] - others(e, e->compliance, i, s->change, &size);
-        s->rate_move[i] = -s->now.rate_off[i] - others(e, e->rate_compliance, i, s->change, &size);
+        s->move[i] = -s->now.off[i] - neighbours(e, e->compliance, i, s->change, &size);
+        s->rate_move[i] = -s->now.rate_off[i] - neighbours(e, e->rate_compliance, i, s->change, &size);
     }
 }
 
@@ -344,9 +344,9 @@ static int sweep(newton *s, double *merit)
     for (size_t k = 0; k < 2 * e->count && status == AOI_OK; k++) {
         const size_t i = k < e->count ? k : 2 * e->count - 1 - k;
         double size;
-        s->now.seen[i] = e->free[i] - others(e, e->compliance, i, s->now.force, &size);
+        s->now.seen[i] = e->free[i] - neighbours(e, e->compliance, i, s->now.force, &size);
         s->now.seen_rate[i] =
-            e->rate_free[i] - others(e, e->rate_compliance, i, s->now.force, &size);
+            e->rate_free[i] - neighbours(e, e->rate_compliance, i, s->now.force, &size);
         status = solve_one(s, &s->now, i);
     }
     *merit = find_merit(s, &s->now);
@@ -359,8 +359,8 @@ static int solve_from_here(newton *s, int most_steps)
     const aoi_coupled *e = s->e;
     double size;
     for (size_t i = 0; i < e->count; i++) {
-        s->now.seen[i] = e->free[i] - others(e, e->compliance, i, e->force, &size);
-        s->now.seen_rate[i] = e->rate_free[i] - others(e, e->rate_compliance, i, e->force, &size);
+        s->now.seen[i] = e->free[i] - neighbours(e, e->compliance, i, e->force, &size);
+        s->now.seen_rate[i] = e->rate_free[i] - neighbours(e, e->rate_compliance, i, e->force, &size);
     }
     int status = solve_each(s, &s->now);
     double merit = find_merit(s, &s->now);
@@ -398,7 +398,7 @@ static int solve_all(newton *s)
 }
 
 /* One contact: nothing is coupled. Most steps of most runs are without force; they leave at once. */
-static int solve_single(aoi_coupled *e, const aoi_contact *contact)
+static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
 {
     const aoi_law *law = contact->law;
     const double last = contact->indentation, free_end = e->free[0];
@@ -424,7 +424,7 @@ static int solve_single(aoi_coupled *e, const aoi_contact *contact)
 enum { REACH = 4 };
 
 /* How deep contacts could be without forces, or are if they touch: the deepest. */
-static double find_deepest(const aoi_coupled *e, const aoi_contact *contact)
+static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contact)
 {
     double deepest = 0.0;
     for (size_t i = 0; i < e->count; i++) {
@@ -440,20 +440,20 @@ static double as_good_as_apart(double deepest) { return ROUNDING * SHARE * deepe
 
 /* Says which contacts would touch, and guesses where all end: without forces, or for those by the
  * last two steps. */
-static void guess(const aoi_coupled *e, const aoi_contact *contact, double deepest, double *awake)
+static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *active)
 {
     const double least = as_good_as_apart(deepest);
     for (size_t i = 0; i < e->count; i++) {
-        const aoi_contact *c = &contact[i];
+        const aoi_contact_state *c = &contact[i];
         const double rest = aoi_law_rest(c->law, c->memory), free_end = e->free[i];
         const double ahead = 2.0 * c->indentation - c->last_indentation;
         const int stays = c->law->pulls && c->indentation > rest;
-        awake[i] = free_end - rest > least || stays ||
+        active[i] = free_end - rest > least || stays ||
                    fabs(c->force) * own(e, e->compliance, i) > least;
         e->indentation[i] = stays ? c->indentation : free_end;
         e->rate[i] = e->rate_free[i];
         e->force[i] = 0.0;
-        if (awake[i] != 0.0 && ahead > rest && c->force != 0.0) {
+        if (active[i] != 0.0 && ahead > rest && c->force != 0.0) {
             /* No more than twice the last force, or what the bodies can bring up. */
             const double most = fmax(2.0 * fabs(c->force), free_end / own(e, e->compliance, i));
             aoi_law_value value;
@@ -466,12 +466,12 @@ static void guess(const aoi_coupled *e, const aoi_contact *contact, double deepe
 
 /* The next segment from `from` on: contacts that would touch, and some on both sides. No two segments
  * are coupled. Returns 0 where there is none. */
-static int next_segment(const aoi_coupled *e, const double *awake, size_t from, size_t *low,
+static int next_segment(const aoi_coupled *e, const double *active, size_t from, size_t *low,
                         size_t *high)
 {
     const size_t beyond = REACH * e->band;
     size_t i = from;
-    while (i < e->count && awake[i] == 0.0) {
+    while (i < e->count && active[i] == 0.0) {
         i++;
     }
     if (i == e->count) {
@@ -480,13 +480,13 @@ static int next_segment(const aoi_coupled *e, const double *awake, size_t from, 
     *low = i > from + beyond ? i - beyond : from;
     size_t last = i;
     for (; i < e->count && i - last <= 2 * beyond + e->band; i++) {
-        last = awake[i] != 0.0 ? i : last;
+        last = active[i] != 0.0 ? i : last;
     }
     *high = e->count - last > beyond + 1 ? last + beyond + 1 : e->count;
     return 1;
 }
 
-static int solve_segment(const aoi_coupled *e, const aoi_contact *contact, size_t low, size_t high,
+static int solve_segment(const aoi_coupled *e, const aoi_contact_state *contact, size_t low, size_t high,
                          double deepest, double *work)
 {
     const size_t width = 2 * e->band + 1;
@@ -507,39 +507,39 @@ static int solve_segment(const aoi_coupled *e, const aoi_contact *contact, size_
     return solve_all(&s);
 }
 
-/* Solves for all that are awake; marks with 2 whatever was solved for. */
-static int solve_awake(const aoi_coupled *e, const aoi_contact *contact, double deepest,
-                       double *awake)
+/* Solves for all that are active; marks with 2 whatever was solved for. */
+static int solve_active(const aoi_coupled *e, const aoi_contact_state *contact, double deepest,
+                       double *active)
 {
     size_t low, high = 0;
     int status = AOI_OK;
-    while (status == AOI_OK && next_segment(e, awake, high, &low, &high)) {
-        status = solve_segment(e, contact, low, high, deepest, awake + e->count);
+    while (status == AOI_OK && next_segment(e, active, high, &low, &high)) {
+        status = solve_segment(e, contact, low, high, deepest, active + e->count);
         for (size_t i = low; i < high; i++) {
-            awake[i] = 2.0;
+            active[i] = 2.0;
         }
     }
     return status;
 }
 
 /* Moves the contacts that were not solved for; returns whether any of them touches after all. */
-static int wake(const aoi_coupled *e, const aoi_contact *contact, double deepest, double *awake)
+static int activate(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *active)
 {
-    int woken = 0;
+    int changed = 0;
     for (size_t i = 0; i < e->count; i++) {
-        if (awake[i] != 2.0) {
+        if (active[i] != 2.0) {
             const double rest = aoi_law_rest(contact[i].law, contact[i].memory);
             double size; /* its own force is zero */
-            e->indentation[i] = e->free[i] - others(e, e->compliance, i, e->force, &size);
-            e->rate[i] = e->rate_free[i] - others(e, e->rate_compliance, i, e->force, &size);
-            awake[i] = e->indentation[i] - rest > as_good_as_apart(deepest);
-            woken = woken || awake[i] != 0.0;
+            e->indentation[i] = e->free[i] - neighbours(e, e->compliance, i, e->force, &size);
+            e->rate[i] = e->rate_free[i] - neighbours(e, e->rate_compliance, i, e->force, &size);
+            active[i] = e->indentation[i] - rest > as_good_as_apart(deepest);
+            changed = changed || active[i] != 0.0;
         }
     }
-    return woken;
+    return changed;
 }
 
-int aoi_coupled_solve(aoi_coupled *e, const aoi_contact *contact)
+int aoi_coupled_solve(aoi_coupled *e, const aoi_contact_state *contact)
 {
     if (e->count == 1) {
         return solve_single(e, contact);
@@ -549,13 +549,13 @@ int aoi_coupled_solve(aoi_coupled *e, const aoi_contact *contact)
             return AOI_ERROR_NOT_FINITE;
         }
     }
-    double *awake = e->work;
+    double *active = e->work;
     const double deepest = find_deepest(e, contact);
-    int status, woken = 1;
-    guess(e, contact, deepest, awake);
+    int status, changed = 1;
+    guess(e, contact, deepest, active);
     do {
-        status = solve_awake(e, contact, deepest, awake);
-        woken = status == AOI_OK && wake(e, contact, deepest, awake);
-    } while (woken);
+        status = solve_active(e, contact, deepest, active);
+        changed = status == AOI_OK && activate(e, contact, deepest, active);
+    } while (changed);
     return status;
 }

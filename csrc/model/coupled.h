@@ -4,19 +4,15 @@
 
 #include "aoimpact.h"
 
-/* One contact of a scene. The caller sets the first block; delta = u_a - u_b - gap of the ports a, b
- * of two bodies, and its force F presses a back and b forward. The rest is its state. */
-typedef struct aoi_contact {
-    size_t body[2], port[2];
+/* What the equations and who makes them know of a contact: its law, and how its last step ended. */
+typedef struct aoi_contact_state {
     const aoi_law *law;
-    double gap;
-
-    size_t at[2];                    /* its ports among those of the scene                     */
+    size_t at[2];                    /* its ports among those of all, or what else its owner tells it by */
     double force, indentation, rate; /* at the end of the last step                            */
     double last_indentation;         /* a step before                                          */
     double work, start_energy;       /* of F on delta so far; stored in the law at the start   */
     double memory[AOI_LAW_MEMORY];
-} aoi_contact;
+} aoi_contact_state;
 
 /* The contact equations of a step: delta = free - compliance F and rate = rate_free -
  * rate_compliance F, with each F its own law's force. The matrices are count x (2 band + 1) by rows,
@@ -35,6 +31,6 @@ size_t aoi_coupled_size(size_t count, size_t band);
 /* Solves them. contact: their laws, memories and last indentations. Newton's method on all of them at
  * once, with a banded elimination (cost linear in count); where that leaves the way, contact by
  * contact with aoi_contact_solve. One contact is that alone. Errors as there. */
-int aoi_coupled_solve(aoi_coupled *equations, const aoi_contact *contact);
+int aoi_coupled_solve(aoi_coupled *equations, const aoi_contact_state *contact);
 
 #endif

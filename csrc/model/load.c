@@ -1,15 +1,49 @@
-/* A force that runs straight between given times. */
+/* Forces that run straight between given times. */
 #include "model/load.h"
+#include "linear/vector.h"
 
-double aoi_load_at(aoi_load *load, double time)
+#include <math.h>
+
+/* How many of the times are not after a time: the next bend's number. By halving: loads have many points,
+ * and every step asks. */
+static size_t bends_until(const aoi_load *load, double time)
 {
-    const size_t last = load->count - 1;
-    while (load->next <= last && load->time[load->next] <= time) {
-        load->next++;
+    size_t low = 0, high = load->count; /* times before low are not after time, from high on they are */
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (load->time[middle] <= time) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
     }
-    if (load->next == 0 || load->next > last) {
-        return load->force[load->next == 0 ? 0 : last];
+    return low;
+}
+
+aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time)
+{
+    const size_t low = bends_until(load, time);
+    const double *row = load->force + (low > 0 ? low - 1 : 0) * ports;
+    if (low == 0 || low == load->count) {
+        return (aoi_load_span){row, row, 0.0, 1.0};
     }
-    const double *t = load->time + load->next, *force = load->force + load->next;
-    return force[-1] + (force[0] - force[-1]) * ((time - t[-1]) / (t[0] - t[-1]));
+    const double start = load->time[low - 1];
+    return (aoi_load_span){row, row + ports, time - start, load->time[low] - start};
+}
+
+double aoi_load_next_bend(const aoi_load *load, double time)
+{
+    const size_t next = bends_until(load, time);
+    return next < load->count ? load->time[next] : HUGE_VAL;
+}
+
+int aoi_load_is_sound(const aoi_load *load, size_t ports)
+{
+    for (size_t i = 1; i < load->count; i++) {
+        if (!(load->time[i] >= load->time[i - 1])) {
+            return 0;
+        }
+    }
+    return load->count == 0 || (aoi_vector_is_finite(load->count, load->time) &&
+                                aoi_vector_is_finite(load->count * ports, load->force));
 }

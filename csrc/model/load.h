@@ -1,18 +1,22 @@
-/* A load: a force on a port that runs straight between given times. */
+/* The loads on a body, at a time. */
 #ifndef AOI_MODEL_LOAD_H
 #define AOI_MODEL_LOAD_H
 
 #include "aoimpact.h"
 
-/* A force on a port that runs straight between times (ascending; of two equal ones the later counts)
- * and is constant before the first and after the last. force: count >= 1 values. next: state. */
-typedef struct aoi_load {
-    size_t body, port, count;
-    const double *time, *force;
-    size_t next;
-} aoi_load;
+/* Where a time lies between two of a load's: the forces of both, the same where the load is constant. */
+typedef struct aoi_load_span {
+    const double *here, *next;
+    double into, length;
+} aoi_load_span;
 
-/* The force at a time not before the one of the last call. */
-double aoi_load_at(aoi_load *load, double time);
+/* Of a load on so many ports, with count > 0; just after the time where the load jumps. */
+aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
+
+/* The first time after a time at which it bends; infinite where there is none. */
+double aoi_load_next_bend(const aoi_load *load, double time);
+
+/* Whether times ascend (equal neighbours may be) and all numbers are finite. */
+int aoi_load_is_sound(const aoi_load *load, size_t ports);
 
 #endif

@@ -1,6 +1,9 @@
 /* Bodies in modes and the contacts between them: whether they can be run, and who touches whom. */
+#include "model/load.h"
+#include "model/modes.h"
 #include "model/system.h"
 #include "linear/vector.h"
+#include "linear/work.h"
 
 #include <math.h>
 
@@ -10,9 +13,10 @@ static int all_finite(const double *values, size_t count)
     return !values || aoi_vector_is_finite(count, values);
 }
 
-/* Whether values ascend from a least one; equal neighbours may be. */
-static int ascending(const double *values, size_t count, double least)
+/* Whether frequencies ascend from 0; equal neighbours may be. */
+static int ascending(const double *values, size_t count)
 {
+    double least = 0.0;
     for (size_t i = 0; i < count; i++) {
         if (!(values[i] >= least && values[i] < HUGE_VAL)) {
             return 0;
@@ -22,113 +26,108 @@ static int ascending(const double *values, size_t count, double least)
     return 1;
 }
 
-static int check_body(const aoi_modes *body)
+static int body_is_sound(const aoi_modes *body)
 {
     const size_t n = body->n, ports = body->ports;
-    if (n == 0 || ports == 0 || !ascending(body->omega, n, 0.0) ||
-        !ascending(body->load_time, body->load_count, -HUGE_VAL)) {
-        return AOI_ERROR_ARGUMENT;
+    if (n == 0 || ports == 0 || !body->omega || !body->shape || !body->push || !body->centre ||
+        !ascending(body->omega, n) || !aoi_load_is_sound(&body->load, ports)) {
+        return 0;
     }
     for (size_t j = 0; body->decay && j < n; j++) {
         if (!(body->decay[j] >= 0.0)) {
-            return AOI_ERROR_ARGUMENT;
+            return 0;
         }
     }
-    const int finite = all_finite(body->decay, n) && all_finite(body->shape, ports * n) &&
-                       all_finite(body->push, ports * n) && all_finite(body->gravity, n) &&
-                       all_finite(body->residual, ports * ports) && all_finite(body->inertia, n) &&
-                       all_finite(body->centre, n) && all_finite(body->centre_residual, ports) &&
-                       all_finite(body->load_force, body->load_count * ports);
-    return finite ? AOI_OK : AOI_ERROR_ARGUMENT;
+    return all_finite(body->decay, n) && all_finite(body->shape, ports * n) &&
+           all_finite(body->push, ports * n) && all_finite(body->gravity, n) &&
+           all_finite(body->residual, ports * ports) && all_finite(body->inertia, n) &&
+           all_finite(body->centre, n) && all_finite(body->centre_residual, ports);
 }
 
-static int check_joint(const aoi_system *system, const aoi_joint *joint)
+static int contact_is_sound(const aoi_system *system, const aoi_contact *contact)
 {
     for (int side = 0; side < 2; side++) {
-        if (joint->body[side] >= system->body_count ||
-            joint->port[side] >= system->body[joint->body[side]].ports) {
-            return AOI_ERROR_ARGUMENT;
+        if (contact->body[side] >= system->body_count ||
+            contact->port[side] >= system->body[contact->body[side]].ports) {
+            return 0;
         }
     }
-    return joint->body[0] != joint->body[1] && isfinite(joint->gap) ? aoi_law_check(joint->law)
-                                                                    : AOI_ERROR_ARGUMENT;
+    return contact->body[0] != contact->body[1] && isfinite(contact->gap) &&
+           aoi_law_check(contact->law) == AOI_OK;
 }
 
-/* Whether modes and ports of the bodies stand one after the other in the arrays of all. */
-static int places_are_sound(const aoi_system *system)
+static int is_sound(const aoi_system *system)
 {
-    if (system->first[0] != 0 || system->first_port[0] != 0) {
-        return 0;
-    }
     for (size_t b = 0; b < system->body_count; b++) {
-        if (system->first[b + 1] - system->first[b] != system->body[b].n ||
-            system->first_port[b + 1] - system->first_port[b] != system->body[b].ports) {
+        if (!body_is_sound(&system->body[b])) {
+            return 0;
+        }
+    }
+    for (size_t c = 0; c < system->contact_count; c++) {
+        if (!contact_is_sound(system, &system->contact[c])) {
             return 0;
         }
     }
     return 1;
 }
 
-/* Whether the joints of each body are those that name it, ascending. */
-static int links_are_sound(const aoi_system *system)
+/* The caller's memory, as the arrays of a linked system: of bodies, then of contacts. */
+typedef struct links {
+    size_t *first, *first_port, *first_contact, *contact_of;
+} links;
+
+static links lay_out(const aoi_system *system, aoi_memory *memory)
 {
-    const size_t *first = system->first_joint;
-    if (first[0] != 0 || first[system->body_count] != 2 * system->joint_count) {
-        return 0;
-    }
-    for (size_t b = 0; b < system->body_count; b++) {
-        if (first[b + 1] < first[b] || first[b + 1] > 2 * system->joint_count) {
-            return 0;
-        }
-        for (size_t i = first[b]; i < first[b + 1]; i++) {
-            const size_t c = system->joint_of[i];
-            if (c >= system->joint_count || (i > first[b] && c <= system->joint_of[i - 1]) ||
-                (system->joint[c].body[0] != b && system->joint[c].body[1] != b)) {
-                return 0;
-            }
-        }
-    }
-    return 1;
+    links made;
+    made.first = aoi_memory_numbers(memory, system->body_count + 1);
+    made.first_port = aoi_memory_numbers(memory, system->body_count + 1);
+    made.first_contact = aoi_memory_numbers(memory, system->body_count + 1);
+    made.contact_of = aoi_memory_numbers(memory, 2 * system->contact_count);
+    return made;
 }
 
-int aoi_system_check(const aoi_system *system)
+size_t aoi_system_size(const aoi_system *system)
 {
-    for (size_t b = 0; b < system->body_count; b++) {
-        if (check_body(&system->body[b]) != AOI_OK) {
-            return AOI_ERROR_ARGUMENT;
-        }
-    }
-    for (size_t c = 0; c < system->joint_count; c++) {
-        if (check_joint(system, &system->joint[c]) != AOI_OK) {
-            return AOI_ERROR_ARGUMENT;
-        }
-    }
-    return places_are_sound(system) && (!system->first_joint || links_are_sound(system))
-               ? AOI_OK
-               : AOI_ERROR_ARGUMENT;
+    aoi_memory memory = {NULL, 0};
+    (void)lay_out(system, &memory);
+    return memory.used;
 }
 
-int aoi_system_link(aoi_system *system, size_t *first_joint, size_t *joint_of)
+/* Which contacts each body has. */
+static void link_contacts(const aoi_system *system, size_t *first_contact, size_t *contact_of)
 {
-    const size_t ends = 2 * system->joint_count;
+    const size_t ends = 2 * system->contact_count;
     for (size_t b = 0; b <= system->body_count; b++) {
-        first_joint[b] = 0;
+        first_contact[b] = 0;
     }
     for (size_t i = 0; i < ends; i++) {
-        const size_t b = system->joint[i / 2].body[i % 2];
-        if (b >= system->body_count) {
-            return AOI_ERROR_ARGUMENT;
-        }
-        first_joint[b]++;
+        first_contact[system->contact[i / 2].body[i % 2]]++;
     }
     for (size_t b = 0; b < system->body_count; b++) { /* where the next body's begin */
-        first_joint[b + 1] += first_joint[b];
+        first_contact[b + 1] += first_contact[b];
     }
     for (size_t i = ends; i-- > 0;) {
-        joint_of[--first_joint[system->joint[i / 2].body[i % 2]]] = i / 2;
+        contact_of[--first_contact[system->contact[i / 2].body[i % 2]]] = i / 2;
     }
-    system->first_joint = first_joint;
-    system->joint_of = joint_of;
+}
+
+int aoi_system_link(aoi_system *system, void *memory)
+{
+    aoi_memory block = {memory, 0};
+    const links made = lay_out(system, &block);
+    if (!is_sound(system)) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    made.first[0] = made.first_port[0] = 0;
+    for (size_t b = 0; b < system->body_count; b++) {
+        made.first[b + 1] = made.first[b] + system->body[b].n;
+        made.first_port[b + 1] = made.first_port[b] + system->body[b].ports;
+    }
+    link_contacts(system, made.first_contact, made.contact_of);
+    system->first = made.first;
+    system->first_port = made.first_port;
+    system->first_contact = made.first_contact;
+    system->contact_of = made.contact_of;
     return AOI_OK;
 }
 
@@ -141,13 +140,41 @@ size_t aoi_system_most_modes(const aoi_system *system)
     return most;
 }
 
-double aoi_system_residual(const aoi_system *system, size_t joint)
+double aoi_system_residual(const aoi_system *system, size_t c)
 {
-    const aoi_joint *of = &system->joint[joint];
+    const aoi_contact *of = &system->contact[c];
     double sum = 0.0;
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = &system->body[of->body[side]];
         sum += body->residual ? body->residual[of->port[side] * (body->ports + 1)] : 0.0;
     }
     return sum;
+}
+
+size_t aoi_system_span(const aoi_system *system)
+{
+    size_t span = 0;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const size_t first = system->first_contact[b], end = system->first_contact[b + 1];
+        const aoi_modes *body = &system->body[b];
+        if (first < end && (body->residual || aoi_modes_can_move(body))) {
+            const size_t apart = system->contact_of[end - 1] - system->contact_of[first];
+            span = apart > span ? apart : span;
+        }
+    }
+    return span;
+}
+
+size_t aoi_record_rows(const aoi_system *system) { return aoi_record_body(system, system->body_count); }
+
+size_t aoi_record_contact(const aoi_system *system, size_t contact)
+{
+    (void)system;
+    return AOI_CONTACT_ROWS * contact;
+}
+
+size_t aoi_record_body(const aoi_system *system, size_t body)
+{
+    return AOI_CONTACT_ROWS * system->contact_count + AOI_BODY_ROWS * body +
+           AOI_PORT_ROWS * system->first_port[body];
 }

@@ -7,7 +7,10 @@
 /* Modes of the body that has most; 1 without bodies. */
 size_t aoi_system_most_modes(const aoi_system *system);
 
-/* The residual compliance between the bodies of a joint, m/N. */
-double aoi_system_residual(const aoi_system *system, size_t joint);
+/* The residual compliance between the bodies of a contact, m/N. */
+double aoi_system_residual(const aoi_system *system, size_t c);
+
+/* The largest distance between contacts (in their order) that feel each other through a body. */
+size_t aoi_system_span(const aoi_system *system);
 
 #endif

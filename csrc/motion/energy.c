@@ -4,9 +4,10 @@
 #include "motion/path.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "linear/vector.h"
 #include "law/law.h"
+#include "model/modes.h"
 
 #include <math.h>
 
@@ -16,8 +17,8 @@ void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, c
     *kinetic = *elastic = 0.0;
     for (size_t j = 0; j < body->n; j++) {
         const double omega_x = body->omega[j] * x[j];
-        *kinetic += 0.5 * body->inertia[j] * v[j] * v[j];
-        *elastic += 0.5 * body->inertia[j] * omega_x * omega_x;
+        *kinetic += 0.5 * aoi_modes_inertia(body, j) * v[j] * v[j];
+        *elastic += 0.5 * aoi_modes_inertia(body, j) * omega_x * omega_x;
     }
     for (size_t k = 0; force && body->residual && k < body->ports * body->ports; k++) {
         *elastic +=
@@ -36,7 +37,7 @@ static double gravity_work(const aoi_modes *body, const double *x0, const double
 {
     double work = 0.0;
     for (size_t j = 0; body->gravity && j < body->n; j++) {
-        work += body->inertia[j] * body->gravity[j] * (x1[j] - x0[j]);
+        work += aoi_modes_inertia(body, j) * body->gravity[j] * (x1[j] - x0[j]);
     }
     return work;
 }
@@ -45,7 +46,7 @@ static double gravity_work(const aoi_modes *body, const double *x0, const double
 static double loaded(const aoi_modes *body, double time, const double *x)
 {
     double work = 0.0;
-    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+    for (size_t p = 0; body->load.count > 0 && p < body->ports; p++) {
         double force, slope;
         aoi_modes_load(body, p, time, &force, &slope);
         work += force * aoi_vector_dot(body->n, body->shape + p * body->n, x);
@@ -55,7 +56,7 @@ static double loaded(const aoi_modes *body, double time, const double *x)
 
 static int loads_rise(const aoi_modes *body, double time)
 {
-    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+    for (size_t p = 0; body->load.count > 0 && p < body->ports; p++) {
         double force, slope;
         aoi_modes_load(body, p, time, &force, &slope);
         if (slope != 0.0) {
@@ -70,7 +71,7 @@ static double residual_work(const aoi_modes *body, double from, double to)
 {
     const double length = to - from;
     double work = 0.0;
-    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+    for (size_t k = 0; body->residual && body->load.count > 0 && k < body->ports * body->ports; k++) {
         double force, rise, other, other_rise;
         aoi_modes_load(body, k / body->ports, from, &force, &rise);
         aoi_modes_load(body, k % body->ports, from, &other, &other_rise);
@@ -82,7 +83,7 @@ static double residual_work(const aoi_modes *body, double from, double to)
 double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force)
 {
     double work = 0.0;
-    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
+    for (size_t k = 0; body->residual && body->load.count > 0 && k < body->ports * body->ports; k++) {
         double load, other, rise;
         aoi_modes_load(body, k / body->ports, time, &load, &rise);
         aoi_modes_load(body, k % body->ports, time, &other, &rise);
@@ -91,13 +92,13 @@ double aoi_modes_bent_work(const aoi_modes *body, double time, const double *for
     return work;
 }
 
-/* ---------------------------------------------------------------------------------- in flight */
+/* ---------------------------------------------------------------------------------- in free motion */
 
 /* What the loads' rise does in all to mode j: sum of slope and shape over the ports. */
 static double rise_on(const aoi_modes *body, size_t j, double time)
 {
     double sum = 0.0;
-    for (size_t p = 0; body->load_count > 0 && p < body->ports; p++) {
+    for (size_t p = 0; body->load.count > 0 && p < body->ports; p++) {
         double load, slope;
         aoi_modes_load(body, p, time, &load, &slope);
         sum += slope * body->shape[p * body->n + j];
@@ -111,7 +112,7 @@ static aoi_path path_of(const aoi_modes *body, size_t j, double from, double len
 {
     double load, slope;
     aoi_modes_drive(body, j, from, &load, &slope);
-    for (size_t k = 2; k < AOI_STAGES; k++) {
+    for (size_t k = 2; k < AOI_NODES; k++) {
         force[k] = 0.0;
     }
     force[1] = 0.5 * slope * length;
@@ -125,7 +126,7 @@ static double rising_work(const aoi_modes *body, double from, double to, double 
     double work = 0.0;
     for (size_t j = 0; j < body->n; j++) {
         const double rise = rise_on(body, j, from);
-        double force[AOI_STAGES], squared, moment;
+        double force[AOI_NODES], squared, moment;
         if (rise != 0.0) {
             const aoi_path path = path_of(body, j, from, to - from, x[j], v[j], force);
             aoi_path_integrals(&path, &squared, &moment);
@@ -133,7 +134,7 @@ static double rising_work(const aoi_modes *body, double from, double to, double 
         }
     }
     work -= loaded(body, from, x);
-    aoi_modes_fly(body, from, to, x, v);
+    aoi_modes_advance(body, from, to, x, v);
     return work + loaded(body, from, x);
 }
 
@@ -154,7 +155,7 @@ static double changing_work(const aoi_modes *body, double from, double to, const
     return work;
 }
 
-void aoi_modes_flight_work(const aoi_modes *body, double from, double to, const double *x0,
+void aoi_modes_free_work(const aoi_modes *body, double from, double to, const double *x0,
                            const double *v0, const double *x1, const double *v1, double *scratch,
                            double *work, double *dissipated)
 {
@@ -187,7 +188,7 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
                      const double *force, double x, double v, step_integrals *sum)
 {
     const double rise = rise_on(body, j, from), decay = body->decay ? body->decay[j] : 0.0;
-    double push[AOI_STAGES] = {0.0}, whole[AOI_STAGES], squared, moment;
+    double push[AOI_NODES] = {0.0}, whole[AOI_NODES], squared, moment;
     if (rise == 0.0 && decay == 0.0) {
         return;
     }
@@ -195,13 +196,13 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
     path.place = place;
     path.straight = 0;
     for (size_t p = 0; p < body->ports; p++) {
-        aoi_stages_add(body->push[p * body->n + j], force + p * AOI_STAGES, push);
+        aoi_nodes_add(body->push[p * body->n + j], force + p * AOI_NODES, push);
     }
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        whole[k] += aoi_stages_dot(aoi_radau_to_legendre[k], push);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        whole[k] += aoi_nodes_dot(aoi_radau_to_legendre[k], push);
     }
     aoi_path_integrals(&path, &squared, &moment);
-    sum->lost += 2.0 * decay * body->inertia[j] * squared;
+    sum->lost += 2.0 * decay * aoi_modes_inertia(body, j) * squared;
     sum->rising += rise * moment;
 }
 
@@ -209,16 +210,16 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
 static double bent_by(const aoi_modes *body, double from, double h, double place, const double *force)
 {
     double sum = 0.0;
-    for (size_t k = 0; body->residual && body->load_count > 0 && k < body->ports * body->ports; k++) {
-        const double *by = force + k % body->ports * AOI_STAGES;
-        double load, slope, legendre[AOI_STAGES], ignored;
+    for (size_t k = 0; body->residual && body->load.count > 0 && k < body->ports * body->ports; k++) {
+        const double *by = force + k % body->ports * AOI_NODES;
+        double load, slope, legendre[AOI_NODES], ignored;
         aoi_modes_load(body, k / body->ports, from, &load, &slope);
-        for (size_t l = 0; l < AOI_STAGES; l++) {
-            legendre[l] = aoi_stages_dot(aoi_radau_to_legendre[l], by);
+        for (size_t l = 0; l < AOI_NODES; l++) {
+            legendre[l] = aoi_nodes_dot(aoi_radau_to_legendre[l], by);
         }
-        for (size_t i = 0; i < AOI_STAGES && slope != 0.0; i++) {
+        for (size_t i = 0; i < AOI_NODES && slope != 0.0; i++) {
             sum += aoi_radau_to_legendre[0][i] * place * h * slope * body->residual[k] *
-                   aoi_legendre_evaluate(AOI_STAGES, legendre, place * aoi_radau_node[i], &ignored);
+                   aoi_legendre_evaluate(AOI_NODES, legendre, place * aoi_radau_node[i], &ignored);
         }
     }
     return sum;

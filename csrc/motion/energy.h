@@ -10,11 +10,11 @@ void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, c
 
 /* Work of gravity and loads on a body that has gone from x0, v0 to x1, v1 without contact, and what its
  * damping has taken meanwhile, J. scratch: 2n doubles. */
-void aoi_modes_flight_work(const aoi_modes *body, double from, double to, const double *x0,
+void aoi_modes_free_work(const aoi_modes *body, double from, double to, const double *x0,
                            const double *v0, const double *x1, const double *v1, double *scratch,
                            double *work, double *dissipated);
 
-/* The same for a part of a step under force[port][stage], from its start to place (0 .. 1) of h; x0, v0:
+/* The same for a part of a step under force[port][node], from its start to place (0 .. 1) of h; x0, v0:
  * at its start, x1: at place. The work leaves out the change of aoi_modes_bent_work, which knows the forces of
  * both moments. What damping takes is the integral of its power along the motion: the balance of energies, of
  * which it is no part, shows whether that is right. */

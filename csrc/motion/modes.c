@@ -2,49 +2,16 @@
 #include "motion/modes.h"
 #include "motion/oscillator.h"
 #include "linear/vector.h"
+#include "model/load.h"
 
 #include <math.h>
 
-/* Where a time lies among the times of the loads. */
-typedef struct span {
-    const double *here, *next; /* forces at both ends; the same where the load is constant */
-    double into, length;
-} span;
-
-/* How many of the times are not after a time: the next bend's number. By halving: loads have many points,
- * and every step asks. */
-static size_t bends_until(const aoi_modes *body, double time)
-{
-    size_t low = 0, high = body->load_count; /* times before low are not after time, from high on they are */
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (body->load_time[middle] <= time) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-static span span_at(const aoi_modes *body, double time)
-{
-    const size_t count = body->load_count, low = bends_until(body, time);
-    const double *row = body->load_force + (low > 0 ? low - 1 : 0) * body->ports;
-    if (low == 0 || low == count) {
-        return (span){row, row, 0.0, 1.0};
-    }
-    const double start = body->load_time[low - 1];
-    return (span){row, row + body->ports, time - start, body->load_time[low] - start};
-}
-
 double aoi_modes_next_bend(const aoi_modes *body, double time)
 {
-    const size_t next = bends_until(body, time);
-    return next < body->load_count ? body->load_time[next] : HUGE_VAL;
+    return aoi_load_next_bend(&body->load, time);
 }
 
-static void load_of(const span *at, size_t port, double *force, double *slope)
+static void load_of(const aoi_load_span *at, size_t port, double *force, double *slope)
 {
     *slope = (at->next[port] - at->here[port]) / at->length;
     *force = at->here[port] + *slope * at->into;
@@ -53,13 +20,13 @@ static void load_of(const span *at, size_t port, double *force, double *slope)
 void aoi_modes_load(const aoi_modes *body, size_t port, double time, double *force, double *slope)
 {
     *force = *slope = 0.0;
-    if (body->load_count > 0) {
-        const span at = span_at(body, time);
+    if (body->load.count > 0) {
+        const aoi_load_span at = aoi_load_at(&body->load, body->ports, time);
         load_of(&at, port, force, slope);
     }
 }
 
-static void drive_of(const aoi_modes *body, const span *at, size_t j, double *load, double *slope)
+static void drive_of(const aoi_modes *body, const aoi_load_span *at, size_t j, double *load, double *slope)
 {
     *load = body->gravity ? body->gravity[j] : 0.0;
     *slope = 0.0;
@@ -73,8 +40,8 @@ static void drive_of(const aoi_modes *body, const span *at, size_t j, double *lo
 
 void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load, double *slope)
 {
-    if (body->load_count > 0) {
-        const span at = span_at(body, time);
+    if (body->load.count > 0) {
+        const aoi_load_span at = aoi_load_at(&body->load, body->ports, time);
         drive_of(body, &at, j, load, slope);
     } else {
         drive_of(body, NULL, j, load, slope);
@@ -82,18 +49,18 @@ void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load,
 }
 
 /* Over a time in which no load bends. */
-static void fly_straight(const aoi_modes *body, double from, double time, double *x, double *v)
+static void advance_straight(const aoi_modes *body, double from, double time, double *x, double *v)
 {
-    span at = {NULL, NULL, 0.0, 1.0};
-    if (body->load_count > 0) {
-        at = span_at(body, from);
+    aoi_load_span at = {NULL, NULL, 0.0, 1.0};
+    if (body->load.count > 0) {
+        at = aoi_load_at(&body->load, body->ports, from);
     }
     for (size_t j = 0; j < body->n; j++) {
         const double omega = body->omega[j];
         double load, slope;
         aoi_motion motion;
         aoi_oscillator_motion(omega, body->decay ? body->decay[j] : 0.0, time, &motion);
-        drive_of(body, body->load_count > 0 ? &at : NULL, j, &load, &slope);
+        drive_of(body, body->load.count > 0 ? &at : NULL, j, &load, &slope);
         load -= omega * omega * x[j];
         const double v0 = v[j];
         x[j] += v0 * motion.impulse + load * motion.step + slope * motion.ramp;
@@ -101,11 +68,11 @@ static void fly_straight(const aoi_modes *body, double from, double time, double
     }
 }
 
-void aoi_modes_fly(const aoi_modes *body, double from, double to, double *x, double *v)
+void aoi_modes_advance(const aoi_modes *body, double from, double to, double *x, double *v)
 {
     while (from < to) {
         const double bend = aoi_modes_next_bend(body, from), next = bend < to ? bend : to;
-        fly_straight(body, from, next - from, x, v);
+        advance_straight(body, from, next - from, x, v);
         from = next;
     }
 }

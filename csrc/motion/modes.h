@@ -14,7 +14,7 @@ void aoi_modes_load(const aoi_modes *body, size_t port, double time, double *for
 void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load, double *slope);
 
 /* Takes x, v (n each) from one time to another without contact forces, in place. */
-void aoi_modes_fly(const aoi_modes *body, double from, double to, double *x, double *v);
+void aoi_modes_advance(const aoi_modes *body, double from, double to, double *x, double *v);
 
 /* Displacement and velocity of a port, but for the residual compliance's share. */
 void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const double *v,

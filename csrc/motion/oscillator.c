@@ -130,7 +130,7 @@ void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *
 static void damped_integrals(double square, double slow, double decay, double h, size_t count,
                              double *impulse, double *rate)
 {
-    double real[AOI_STAGES], imaginary[AOI_STAGES], other[AOI_STAGES];
+    double real[AOI_NODES], imaginary[AOI_NODES], other[AOI_NODES];
     const double root = sqrt(fabs(square));
     if (square > 0.0) {
         aoi_bessel_exponential(decay * h, -root * h, count, real, imaginary);
@@ -161,7 +161,7 @@ void aoi_oscillator_integrals(double omega, double decay, double h, size_t count
             return;
         }
         /* Nearly critical: even in the root of square, so a straight line through two places. */
-        double further[AOI_STAGES], further_rate[AOI_STAGES];
+        double further[AOI_NODES], further_rate[AOI_NODES];
         const double share = (square - near) / (3.0 * near);
         damped_integrals(near, 0.0, decay, h, count, impulse, rate);
         damped_integrals(4.0 * near, 0.0, decay, h, count, further, further_rate);

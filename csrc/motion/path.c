@@ -4,7 +4,7 @@
 #include "motion/path.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "law/law.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 void aoi_path_follow(double omega, double decay, double h, const double *f, double *x)
 {
     double above[2] = {0.0, 0.0}, slope_above[2] = {0.0, 0.0}; /* as in aoi_legendre_derive */
-    for (size_t k = AOI_STAGES; k-- > 0;) {
+    for (size_t k = AOI_NODES; k-- > 0;) {
         const double weight = 2.0 * (2.0 * (double)k + 1.0);
         const double slope = weight * above[(k + 1) % 2] / h;
         const double bend = weight * slope_above[(k + 1) % 2] / h;
@@ -25,7 +25,7 @@ void aoi_path_follow(double omega, double decay, double h, const double *f, doub
 /* Coefficients of v where v' + 2 decay v = f, which runs straight. */
 static void follow_free(double decay, double h, const double *f, double *v)
 {
-    for (size_t k = 2; k < AOI_STAGES; k++) {
+    for (size_t k = 2; k < AOI_NODES; k++) {
         v[k] = 0.0;
     }
     v[1] = f[1] / (2.0 * decay);
@@ -39,24 +39,24 @@ static const double STRONG = 0.1;
  * left of x, v oscillates. */
 static int along(const aoi_path *path, double *velocity, double *x, double *v)
 {
-    double place[AOI_STAGES], rate[AOI_STAGES], slope;
+    double place[AOI_NODES], rate[AOI_NODES], slope;
     *x = path->x;
     *v = path->v;
     if (path->omega * path->h > AOI_PATH_FAST && (path->decay <= path->omega || path->straight)) {
         aoi_path_follow(path->omega, path->decay, path->h, path->force, place);
-        aoi_legendre_derive(AOI_STAGES, place, rate);
-        for (size_t k = 0; k < AOI_STAGES; k++) {
+        aoi_legendre_derive(AOI_NODES, place, rate);
+        for (size_t k = 0; k < AOI_NODES; k++) {
             rate[k] /= path->h;
         }
-        *x -= aoi_legendre_evaluate(AOI_STAGES, place, 0.0, &slope);
+        *x -= aoi_legendre_evaluate(AOI_NODES, place, 0.0, &slope);
     } else if (path->omega == 0.0 && path->straight && 2.0 * path->decay * path->h > AOI_PATH_FAST) {
         follow_free(path->decay, path->h, path->force, rate);
     } else {
         return 0; /* too slow, or it does not oscillate */
     }
-    *v -= aoi_legendre_evaluate(AOI_STAGES, rate, 0.0, &slope);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        velocity[i] = aoi_legendre_evaluate(AOI_STAGES, rate, path->place * aoi_radau_node[i], &slope);
+    *v -= aoi_legendre_evaluate(AOI_NODES, rate, 0.0, &slope);
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        velocity[i] = aoi_legendre_evaluate(AOI_NODES, rate, path->place * aoi_radau_node[i], &slope);
     }
     return 1;
 }
@@ -64,19 +64,19 @@ static int along(const aoi_path *path, double *velocity, double *x, double *v)
 /* Displacement and velocity at a share of the part. */
 static void state_at(const aoi_path *path, double share, double *x, double *v)
 {
-    double values[AOI_STAGES], impulse[AOI_STAGES], rate[AOI_STAGES], slope;
+    double values[AOI_NODES], impulse[AOI_NODES], rate[AOI_NODES], slope;
     const double part = path->place * share, time = part * path->h;
     const double pull = path->omega * path->omega * path->x;
     aoi_motion motion;
-    for (size_t k = 0; k < AOI_STAGES; k++) { /* the force on the way there */
-        values[k] = aoi_legendre_evaluate(AOI_STAGES, path->force, part * aoi_radau_node[k], &slope);
+    for (size_t k = 0; k < AOI_NODES; k++) { /* the force on the way there */
+        values[k] = aoi_legendre_evaluate(AOI_NODES, path->force, part * aoi_radau_node[k], &slope);
     }
     aoi_oscillator_motion(path->omega, path->decay, time, &motion);
-    aoi_oscillator_integrals(path->omega, path->decay, time, AOI_STAGES, impulse, rate);
+    aoi_oscillator_integrals(path->omega, path->decay, time, AOI_NODES, impulse, rate);
     *x = path->x + path->v * motion.impulse - pull * motion.step;
     *v = path->v * motion.rate - pull * motion.impulse;
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        const double of = time * aoi_stages_dot(aoi_radau_to_legendre[k], values);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        const double of = time * aoi_nodes_dot(aoi_radau_to_legendre[k], values);
         *x += of * impulse[k];
         *v += of * rate[k];
     }
@@ -89,13 +89,13 @@ static void by_quadrature(const aoi_path *path, double *squared, double *moment)
     const double time = path->place * path->h;
     double x = path->x, v = path->v, work = 0.0, slope;
     *squared = *moment = 0.0;
-    for (size_t i = 0; i < AOI_STAGES; i++) { /* the last node is the end */
+    for (size_t i = 0; i < AOI_NODES; i++) { /* the last node is the end */
         const double weight = aoi_radau_to_legendre[0][i] * time;
         state_at(path, aoi_radau_node[i], &x, &v);
         *squared += weight * v * v;
         *moment += weight * time * aoi_radau_node[i] * v;
         work += weight * v *
-                aoi_legendre_evaluate(AOI_STAGES, path->force, path->place * aoi_radau_node[i], &slope);
+                aoi_legendre_evaluate(AOI_NODES, path->force, path->place * aoi_radau_node[i], &slope);
     }
     if (path->decay * time > STRONG) {
         const double before = path->v * path->v + path->omega * path->omega * path->x * path->x;
@@ -109,13 +109,13 @@ static void add_oscillation(const aoi_path *path, const double *velocity, double
                             double *squared, double *moment)
 {
     const double time = path->place * path->h, pull = path->omega * path->omega * x;
-    double impulse[AOI_STAGES], rate[AOI_STAGES], sign = 1.0;
+    double impulse[AOI_NODES], rate[AOI_NODES], sign = 1.0;
     aoi_motion motion;
     aoi_oscillator_motion(path->omega, path->decay, time, &motion);
-    aoi_oscillator_integrals(path->omega, path->decay, time, AOI_STAGES, impulse, rate);
-    for (size_t k = 0; k < AOI_STAGES; k++, sign = -sign) { /* those are for the time that is left */
+    aoi_oscillator_integrals(path->omega, path->decay, time, AOI_NODES, impulse, rate);
+    for (size_t k = 0; k < AOI_NODES; k++, sign = -sign) { /* those are for the time that is left */
         const double of = sign * time * (v * rate[k] - pull * impulse[k]);
-        *squared += 2.0 * of * aoi_stages_dot(aoi_radau_to_legendre[k], velocity);
+        *squared += 2.0 * of * aoi_nodes_dot(aoi_radau_to_legendre[k], velocity);
         *moment += k < 2 ? 0.5 * time * of : 0.0; /* t = time (P_0 + P_1) / 2 */
     }
     if (path->decay > 0.0) {
@@ -129,13 +129,13 @@ static void add_oscillation(const aoi_path *path, const double *velocity, double
 void aoi_path_integrals(const aoi_path *path, double *squared, double *moment)
 {
     const double time = path->place * path->h;
-    double velocity[AOI_STAGES], x, v;
+    double velocity[AOI_NODES], x, v;
     if (!along(path, velocity, &x, &v)) {
         by_quadrature(path, squared, moment);
         return;
     }
     *squared = *moment = 0.0;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         const double weight = aoi_radau_to_legendre[0][i] * time;
         *squared += weight * velocity[i] * velocity[i];
         *moment += weight * time * aoi_radau_node[i] * velocity[i];

@@ -8,7 +8,7 @@
  * slower one is a polynomial of the degree of a step's to 1e-9 of what its force does. */
 #define AOI_PATH_FAST 1.5
 
-/* The polynomial that solves x'' + 2 decay x' + omega^2 x = f over a time h, omega > 0. f, x: AOI_STAGES
+/* The polynomial that solves x'' + 2 decay x' + omega^2 x = f over a time h, omega > 0. f, x: AOI_NODES
  * Legendre coefficients. Under strong damping (decay > omega) digits are lost unless f runs straight. */
 void aoi_path_follow(double omega, double decay, double h, const double *f, double *x);
 

@@ -1,7 +1,7 @@
 /* Polynomials over one step, in shifted Legendre polynomials: values, falls through a level, tops. */
 #include "motion/polynomial.h"
 #include "motion/radau.h"
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "law/law.h"
 
 #include <float.h>
@@ -9,9 +9,9 @@
 
 /* (k+1) P_(k+1) = (2k+1) xi P_k - k P_(k-1): (2k+1)/(k+1) and k/(k+1). One product and one difference
  * from P_k to P_(k+1): steps wait for little else. */
-static const double of_last[AOI_STAGES + 1] = {1.0,     3.0 / 2,  5.0 / 3,  7.0 / 4, 9.0 / 5,
+static const double of_last[AOI_NODES + 1] = {1.0,     3.0 / 2,  5.0 / 3,  7.0 / 4, 9.0 / 5,
                                                11.0 / 6, 13.0 / 7, 15.0 / 8, 17.0 / 9};
-static const double of_one_before[AOI_STAGES + 1] = {0.0,     1.0 / 2, 2.0 / 3, 3.0 / 4, 4.0 / 5,
+static const double of_one_before[AOI_NODES + 1] = {0.0,     1.0 / 2, 2.0 / 3, 3.0 / 4, 4.0 / 5,
                                                      5.0 / 6, 6.0 / 7, 7.0 / 8, 8.0 / 9};
 
 double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope)
@@ -46,13 +46,13 @@ void aoi_legendre_derive(size_t count, const double *coefficient, double *deriva
 
 void aoi_legendre_fit(const double *values, double *coefficient)
 {
-    double sum[AOI_STAGES + 1] = {0.0};
-    for (size_t i = 0; i <= AOI_STAGES; i++) {
-        for (size_t k = 0; k <= AOI_STAGES; k++) {
+    double sum[AOI_NODES + 1] = {0.0};
+    for (size_t i = 0; i <= AOI_NODES; i++) {
+        for (size_t k = 0; k <= AOI_NODES; k++) {
             sum[k] += aoi_radau_to_legendre_0[i][k] * values[i];
         }
     }
-    for (size_t k = 0; k <= AOI_STAGES; k++) {
+    for (size_t k = 0; k <= AOI_NODES; k++) {
         coefficient[k] = sum[k];
     }
 }
@@ -98,9 +98,9 @@ static double zero_between(size_t count, const double *coefficient, int of_slope
 
 int aoi_legendre_falls(const double *values, const double *coefficient, double level, double *place)
 {
-    for (size_t i = 1; i <= AOI_STAGES; i++) {
+    for (size_t i = 1; i <= AOI_NODES; i++) {
         if (values[i] < level) {
-            *place = zero_between(AOI_STAGES + 1, coefficient, 0, level,
+            *place = zero_between(AOI_NODES + 1, coefficient, 0, level,
                                   i > 1 ? aoi_radau_node[i - 2] : 0.0, aoi_radau_node[i - 1]);
             return 1;
         }
@@ -111,18 +111,18 @@ int aoi_legendre_falls(const double *values, const double *coefficient, double l
 /* At the start, where that of P_k is -(-1)^k k (k + 1), and at the nodes. */
 static void slopes_of(size_t count, const double *coefficient, double *slope)
 {
-    double all[AOI_STAGES + 1] = {0.0}, sign = 1.0;
+    double all[AOI_NODES + 1] = {0.0}, sign = 1.0;
     slope[0] = 0.0;
     for (size_t k = 1; k < count; k++, sign = -sign) {
         all[k] = coefficient[k];
         slope[0] += sign * (double)(k * (k + 1)) * coefficient[k];
     }
-    aoi_stages_multiply(&aoi_radau_legendre_slope[1][0], all + 1, slope + 1);
+    aoi_nodes_multiply(&aoi_radau_legendre_slope[1][0], all + 1, slope + 1);
 }
 
 int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value)
 {
-    double slope[AOI_STAGES + 1], before = 0.0, rest = 0.0;
+    double slope[AOI_NODES + 1], before = 0.0, rest = 0.0;
     int found = 0;
     for (size_t k = 2; k < count; k++) { /* |P_k'| <= k (k+1) on [0, 1] */
         rest += fabs(coefficient[k]) * 0.5 * (double)(k * (k + 1));
@@ -131,7 +131,7 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
         return 0; /* it only rises or only falls */
     }
     slopes_of(count, coefficient, slope);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         if (slope[i] > 0.0 && slope[i + 1] <= 0.0) {
             const double at = zero_between(count, coefficient, 1, 0.0, before, aoi_radau_node[i]);
             double level;
@@ -149,20 +149,20 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
 
 int aoi_legendre_dips(const double *coefficient, double depth, double level, double *place)
 {
-    double turned[AOI_STAGES + 1], bottom = 0.0, value = 0.0, slope;
-    for (size_t k = 0; k <= AOI_STAGES; k++) {
+    double turned[AOI_NODES + 1], bottom = 0.0, value = 0.0, slope;
+    for (size_t k = 0; k <= AOI_NODES; k++) {
         turned[k] = -coefficient[k];
     }
-    if (!aoi_legendre_top(AOI_STAGES + 1, turned, &bottom, &value) || !(-value < depth)) {
+    if (!aoi_legendre_top(AOI_NODES + 1, turned, &bottom, &value) || !(-value < depth)) {
         return 0;
     }
     double before = 0.0;
-    for (size_t i = 0; i < AOI_STAGES && aoi_radau_node[i] < bottom; i++) {
+    for (size_t i = 0; i < AOI_NODES && aoi_radau_node[i] < bottom; i++) {
         before = aoi_radau_node[i];
     }
-    if (!(aoi_legendre_evaluate(AOI_STAGES + 1, coefficient, before, &slope) > level)) {
+    if (!(aoi_legendre_evaluate(AOI_NODES + 1, coefficient, before, &slope) > level)) {
         return 0;
     }
-    *place = zero_between(AOI_STAGES + 1, coefficient, 0, level, before, bottom);
+    *place = zero_between(AOI_NODES + 1, coefficient, 0, level, before, bottom);
     return 1;
 }

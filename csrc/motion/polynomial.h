@@ -5,13 +5,13 @@
 #include "aoimpact.h"
 
 /* sum of count shifted Legendre coefficients at 0 <= at <= 1 (or a little outside), and its derivative
- * with respect to at; count <= AOI_STAGES + 1. */
+ * with respect to at; count <= AOI_NODES + 1. */
 double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
 
 /* Coefficients of the derivative; count of both, in place, too. */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative);
 
-/* Coefficients from the values at the start and the nodes (AOI_STAGES + 1 in, as many out). */
+/* Coefficients from the values at the start and the nodes (AOI_NODES + 1 in, as many out). */
 void aoi_legendre_fit(const double *values, double *coefficient);
 
 /* The first place in (0, 1] at which a polynomial falls to a level that lies below its value at the start,
@@ -22,7 +22,7 @@ int aoi_legendre_falls(const double *values, const double *coefficient, double l
 int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value);
 
 /* Where it falls to a level on its way to its least minimum in (0, 1), if that is lower than depth (<= level):
- * what a look at the nodes misses. Returns 1 then. AOI_STAGES + 1 coefficients. */
+ * what a look at the nodes misses. Returns 1 then. AOI_NODES + 1 coefficients. */
 int aoi_legendre_dips(const double *coefficient, double depth, double level, double *place);
 
 #endif

@@ -6,24 +6,24 @@
 
 enum { AOI_RADAU_MOMENTS = 13, AOI_EDGE_CHECKS = 10 };
 
-extern const double aoi_radau_node[AOI_STAGES];
-extern const double aoi_radau_to_legendre[AOI_STAGES][AOI_STAGES];
-extern const double aoi_radau_to_legendre_0[AOI_STAGES + 1][AOI_STAGES + 1];
-extern const double aoi_radau_legendre_beyond[AOI_STAGES + 1][AOI_STAGES];
-extern const double aoi_radau_legendre_slope[AOI_STAGES + 1][AOI_STAGES];
-extern const double aoi_radau_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES];
-extern const double aoi_radau_rate_moment[AOI_RADAU_MOMENTS][AOI_STAGES][AOI_STAGES];
-extern const double aoi_radau_shrink[AOI_STAGES][AOI_STAGES][AOI_STAGES];
-extern const double aoi_radau_extra_weight[AOI_STAGES];
-extern const double aoi_radau_force_at_extra[AOI_STAGES][AOI_STAGES];
-extern const double aoi_radau_indentation_at_extra[AOI_STAGES + 1][AOI_STAGES];
-extern const double aoi_radau_slope_at_node[AOI_STAGES + 1][AOI_STAGES];
-extern const double aoi_radau_edge_point[2][AOI_STAGES];
-extern const double aoi_radau_indentation_at_edge[2][AOI_STAGES + 1][AOI_STAGES];
-extern const double aoi_radau_edge_projection[2][AOI_STAGES][AOI_STAGES];
+extern const double aoi_radau_node[AOI_NODES];
+extern const double aoi_radau_to_legendre[AOI_NODES][AOI_NODES];
+extern const double aoi_radau_to_legendre_0[AOI_NODES + 1][AOI_NODES + 1];
+extern const double aoi_radau_legendre_beyond[AOI_NODES + 1][AOI_NODES];
+extern const double aoi_radau_legendre_slope[AOI_NODES + 1][AOI_NODES];
+extern const double aoi_radau_moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES];
+extern const double aoi_radau_rate_moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES];
+extern const double aoi_radau_shrink[AOI_NODES][AOI_NODES][AOI_NODES];
+extern const double aoi_radau_extra_weight[AOI_NODES];
+extern const double aoi_radau_force_at_extra[AOI_NODES][AOI_NODES];
+extern const double aoi_radau_indentation_at_extra[AOI_NODES + 1][AOI_NODES];
+extern const double aoi_radau_slope_at_node[AOI_NODES + 1][AOI_NODES];
+extern const double aoi_radau_edge_point[2][AOI_NODES];
+extern const double aoi_radau_indentation_at_edge[2][AOI_NODES + 1][AOI_NODES];
+extern const double aoi_radau_edge_projection[2][AOI_NODES][AOI_NODES];
 extern const double aoi_radau_check_weight[AOI_EDGE_CHECKS];
-extern const double aoi_radau_force_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES];
-extern const double aoi_radau_indentation_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES + 1];
-extern const double aoi_radau_answer_at_check[2][AOI_EDGE_CHECKS][AOI_STAGES];
+extern const double aoi_radau_force_at_check[2][AOI_EDGE_CHECKS][AOI_NODES];
+extern const double aoi_radau_indentation_at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1];
+extern const double aoi_radau_answer_at_check[2][AOI_EDGE_CHECKS][AOI_NODES];
 
 #endif

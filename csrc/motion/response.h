@@ -5,15 +5,15 @@
 #include "aoimpact.h"
 
 /* What a body does over a step of length h under forces that are polynomials, given by their values at
- * the AOI_STAGES Radau nodes: exact, whatever omega h. */
+ * the AOI_NODES Radau nodes: exact, whatever omega h. */
 typedef struct aoi_response {
     double h;
     int has_rates;                        /* influence_rate is filled                     */
-    double *impulse, *rate, *step, *ramp; /* [n][stage]: aoi_motion at the nodes          */
-    double *to_x, *to_v;                  /* [n][stage]: integrals against l_stage        */
-    double *influence, *influence_rate;   /* [port][port][stage][stage]: at the first port and the
-                                             second stage, of a force at the others */
-    double *answer;                       /* [port][stage]: displacement after a unit impulse */
+    double *impulse, *rate, *step, *ramp; /* [n][node]: aoi_motion at the nodes          */
+    double *to_x, *to_v;                  /* [n][node]: integrals against l_node        */
+    double *influence, *influence_rate;   /* [port][port][node][node]: at the first port and the
+                                             second node, of a force at the others */
+    double *answer;                       /* [port][node]: displacement after a unit impulse */
     double *scratch;
 } aoi_response;
 
@@ -30,12 +30,12 @@ void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *bod
                               double sign, double time, const double *x, const double *v,
                               double *displacement, double *rate);
 
-/* Takes x, v to the end of the step under force[port][stage] and the loads. */
+/* Takes x, v to the end of the step under force[port][node] and the loads. */
 void aoi_response_propagate(const aoi_response *response, const aoi_modes *body, double time,
                             const double *force, double *x, double *v);
 
 /* Adds what the forces did from the start of a step of length h up to place (0 .. 1) to x, v, which have
- * flown freely to there. */
+ * moved freely to there. */
 void aoi_response_push(const aoi_modes *body, double h, const double *force, double place, double *x,
                        double *v);
 

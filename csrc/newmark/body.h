@@ -4,19 +4,14 @@
 
 #include "linear/sparse.h"
 
-/* dt > 0, beta > 0, gamma >= 1/2; beta = 1/4, gamma = 1/2 is the average-acceleration rule. */
-typedef struct aoi_newmark {
-    double dt, beta, gamma;
-} aoi_newmark;
-
 /* What a rule does in one step, u = p + reach a' and v = q + correct_v a' with the predictors p = u +
  * dt (v + predict_u a), q = v + predict_v a; reach = dt correct_u. */
-typedef struct aoi_newmark_step {
+typedef struct aoi_rule_step {
     double dt, predict_u, predict_v, correct_u, correct_v, reach;
-} aoi_newmark_step;
+} aoi_rule_step;
 
 /* AOI_ERROR_ARGUMENT where the rule is none, or dt^2 leaves the range of numbers. */
-int aoi_newmark_prepare(const aoi_newmark *rule, aoi_newmark_step *step);
+int aoi_rule_prepare(const aoi_rule *rule, aoi_rule_step *step);
 
 /* Rayleigh's damping: C = alpha M + beta K; alpha [1/s] and beta [s] >= 0. On a star: dashpots
  * alpha m_i to the ground and beta k_i beside each spring. */
@@ -28,9 +23,9 @@ typedef struct aoi_rayleigh {
  * mass; gravity: a constant force on each [N], or NULL; force: what has bent the residual compliance of a
  * body in modes [N], then how fast that changes [N/s], 2 ports in all, or NULL: nothing. All are kept by
  * the body but u, v and force. */
-typedef struct aoi_start {
+typedef struct aoi_body_start {
     const double *u, *v, *centre, *gravity, *force;
-} aoi_start;
+} aoi_body_start;
 
 /* A linear body with one or more ports (contact functionals) that a rule takes through time. begin()
  * finds the accelerations of the initial state under a force [N] at each port. predict() moves the
@@ -48,10 +43,10 @@ struct aoi_body {
     void (*copy_state)(const aoi_body *body, double *u, double *v); /* all coordinates, velocities */
     size_t ports;
     const double *compliance, *rate_compliance;
-    const void *model;              /* the aoi_star, aoi_modal or aoi_full                    */
-    const double *centre, *gravity; /* of aoi_start                                           */
+    const void *model;              /* the aoi_star, aoi_modes or aoi_full                    */
+    const double *centre, *gravity; /* of aoi_body_start                                      */
     double *state;                  /* the work space given at the start, laid out by the body */
-    aoi_newmark_step step;
+    aoi_rule_step step;
     double scratch[16]; /* the body's own constants and sums                      */
 };
 
@@ -62,24 +57,15 @@ size_t aoi_body_star_size(size_t n);
  * Without m0 the contact is stepped as the algebraic equation that it is. Everything but start itself
  * must outlive the body. */
 int aoi_body_start_star(aoi_body *body, const aoi_star *star, const aoi_rayleigh *damping,
-                        const aoi_newmark *rule, const aoi_start *start, double *work);
-
-/* A body in its natural modes, mass-normalised: x_j'' + 2 decay_j x_j' + omega_j^2 x_j = sum_p
- * participation[p][j] f_p, u_p = sum_j participation[p][j] x_j + sum_q residual[p][q] f_q. decay and
- * residual (symmetric, m/N) may be NULL: zero. */
-typedef struct aoi_modal {
-    size_t n, ports;
-    const double *omega, *decay;
-    const double *participation; /* [ports][n]     */
-    const double *residual;      /* [ports][ports] */
-} aoi_modal;
+                        const aoi_rule *rule, const aoi_body_start *start, double *work);
 
 /* Doubles of work space for aoi_body_start_modal. Coordinates are the n modes. */
 size_t aoi_body_modal_size(size_t n, size_t ports);
 
-/* As aoi_body_start_star. The residual's velocity is its displacement's change over the step. */
-int aoi_body_start_modal(aoi_body *body, const aoi_modal *modal, const aoi_newmark *rule,
-                         const aoi_start *start, double *work);
+/* As aoi_body_start_star, but gravity and centre are those of the modes. The residual's velocity is its
+ * displacement's change over the step. The load is the scene's. */
+int aoi_body_start_modal(aoi_body *body, const aoi_modes *modes, const aoi_rule *rule,
+                         const aoi_body_start *start, double *work);
 
 /* A finite-element body: K, M (n x n) and C by damping, contact functionals b ([ports][n]), and a
  * solver of (1 + alpha gamma dt) M + (beta' dt^2 + beta gamma dt) K, beta' being the rule's. pause: asked
@@ -98,7 +84,7 @@ size_t aoi_body_full_size(size_t n, size_t ports);
 
 /* As aoi_body_start_star, for finite elements: one solve for each port here, one a step. begin() solves
  * with M by conjugate gradients; rows without mass get no acceleration. */
-int aoi_body_start_full(aoi_body *body, const aoi_full *full, const aoi_newmark *rule,
-                        const aoi_start *start, double *work);
+int aoi_body_start_full(aoi_body *body, const aoi_full *full, const aoi_rule *rule,
+                        const aoi_body_start *start, double *work);
 
 #endif

@@ -62,7 +62,7 @@ static void forces_within(const aoi_body *body, const double *u, const double *v
 static int full_predict(aoi_body *body, double *displacement, double *velocity)
 {
     const aoi_full *full = full_of(body);
-    const aoi_newmark_step *step = &body->step;
+    const aoi_rule_step *step = &body->step;
     const size_t n = full->K.n;
     double *u = part(body, U), *v = part(body, V), *a = part(body, A), *free_a = part(body, FREE_A);
     if (aoi_work_stops(full->pause)) {
@@ -105,7 +105,7 @@ static void full_lose(aoi_body *body)
 static void full_correct(aoi_body *body, const double *force)
 {
     const aoi_full *full = full_of(body);
-    const aoi_newmark_step *step = &body->step;
+    const aoi_rule_step *step = &body->step;
     const size_t n = full->K.n;
     double *u = part(body, U), *v = part(body, V), *a = part(body, A);
     const double *free_a = part(body, FREE_A), *unit_a = part(body, UNIT), first = force[0];
@@ -239,12 +239,12 @@ static int full_prepare_ports(const aoi_body *body, double *compliance, double *
     return AOI_OK;
 }
 
-int aoi_body_start_full(aoi_body *body, const aoi_full *full, const aoi_newmark *rule,
-                        const aoi_start *start, double *work)
+int aoi_body_start_full(aoi_body *body, const aoi_full *full, const aoi_rule *rule,
+                        const aoi_body_start *start, double *work)
 {
     const size_t n = full->K.n, ports = full->ports;
-    aoi_newmark_step step;
-    const int status = aoi_newmark_prepare(rule, &step);
+    aoi_rule_step step;
+    const int status = aoi_rule_prepare(rule, &step);
     if (status != AOI_OK) {
         return status;
     }

@@ -4,53 +4,53 @@
  * follows the forces at once. */
 #include "newmark/body.h"
 #include "linear/vector.h"
-#include "star/receptance.h"
+#include "model/modes.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { LOST };
 
-/* state by the mode: x, v, a, the free acceleration, 1 over the inertia; by the port: the last force
- * and the one before; compliance, rate compliance. */
-enum { X, V, A, FREE_A, MOBILITY, PARTS };
+/* state by the mode: x, v, a, the free acceleration, the acceleration of a unit force in a step, twice the
+ * dashpot; by the port: the last force and the one before; compliance, rate compliance. */
+enum { X, V, A, FREE_A, MOBILITY, DASHPOT, PARTS };
 
 size_t aoi_body_modal_size(size_t n, size_t ports) { return PARTS * n + 2 * ports + 2 * ports * ports; }
 
-static const aoi_modal *modal_of(const aoi_body *body) { return body->model; }
+static const aoi_modes *modes_of(const aoi_body *body) { return body->model; }
 
 static double *part(const aoi_body *body, size_t which)
 {
-    return body->state + which * modal_of(body)->n;
+    return body->state + which * modes_of(body)->n;
 }
 
 static double *force_of(const aoi_body *body) { return part(body, PARTS); }
 
-static double twice_decay(const aoi_modal *modal, size_t j)
+static double twice_decay(const aoi_modes *modes, size_t j)
 {
-    return modal->decay ? 2.0 * modal->decay[j] : 0.0;
+    return modes->decay ? 2.0 * modes->decay[j] : 0.0;
 }
 
 /* Row p of the residual times forces. */
-static double residual_times(const aoi_modal *modal, size_t p, const double *force)
+static double residual_times(const aoi_modes *modes, size_t p, const double *force)
 {
-    return modal->residual ? aoi_vector_dot(modal->ports, modal->residual + p * modal->ports, force)
+    return modes->residual ? aoi_vector_dot(modes->ports, modes->residual + p * modes->ports, force)
                            : 0.0;
 }
 
 /* What is left of a mode's acceleration without forces at the ports: gravity - omega^2 x - 2 decay v. */
 static double modal_drive(const aoi_body *body, size_t j, double x, double v)
 {
-    const aoi_modal *modal = modal_of(body);
-    const double gravity = body->gravity ? body->gravity[j] : 0.0;
-    return gravity - modal->omega[j] * (modal->omega[j] * x) - twice_decay(modal, j) * v;
+    const aoi_modes *modes = modes_of(body);
+    const double gravity = modes->gravity ? modes->gravity[j] : 0.0;
+    return gravity - modes->omega[j] * (modes->omega[j] * x) - twice_decay(modes, j) * v;
 }
 
 static int modal_predict(aoi_body *body, double *displacement, double *velocity)
 {
-    const aoi_modal *modal = modal_of(body);
-    const aoi_newmark_step *step = &body->step;
-    const size_t n = modal->n;
+    const aoi_modes *modes = modes_of(body);
+    const aoi_rule_step *step = &body->step;
+    const size_t n = modes->n;
     double *x = part(body, X), *v = part(body, V), *free_a = part(body, FREE_A);
     const double *a = part(body, A), *mobility = part(body, MOBILITY);
     for (size_t j = 0; j < n; j++) {
@@ -58,131 +58,149 @@ static int modal_predict(aoi_body *body, double *displacement, double *velocity)
         v[j] += step->predict_v * a[j];
         free_a[j] = mobility[j] * modal_drive(body, j, x[j], v[j]);
     }
-    for (size_t p = 0; p < modal->ports; p++) {
-        const double *r = modal->participation + p * n, reached = aoi_vector_dot(n, r, free_a);
+    for (size_t p = 0; p < modes->ports; p++) {
+        const double *r = modes->shape + p * n, reached = aoi_vector_dot(n, r, free_a);
         displacement[p] = aoi_vector_dot(n, r, x) + step->reach * reached;
         velocity[p] = aoi_vector_dot(n, r, v) + step->correct_v * reached -
-                      residual_times(modal, p, force_of(body)) / step->dt;
+                      residual_times(modes, p, force_of(body)) / step->dt;
     }
     return AOI_OK;
 }
 
 static void modal_correct(aoi_body *body, const double *force)
 {
-    const aoi_modal *modal = modal_of(body);
-    const aoi_newmark_step *step = &body->step;
-    const size_t n = modal->n, ports = modal->ports;
+    const aoi_modes *modes = modes_of(body);
+    const aoi_rule_step *step = &body->step;
+    const size_t n = modes->n, ports = modes->ports;
     double *x = part(body, X), *v = part(body, V), *a = part(body, A), power = 0.0;
     const double *free_a = part(body, FREE_A), *mobility = part(body, MOBILITY);
+    const double *dashpot = part(body, DASHPOT);
     for (size_t j = 0; j < n; j++) {
         const double before = v[j] - step->predict_v * a[j];
         double push = 0.0;
         for (size_t p = 0; p < ports; p++) {
-            push += modal->participation[p * n + j] * force[p];
+            push += modes->push[p * n + j] * force[p];
         }
         a[j] = free_a[j] + mobility[j] * push;
         v[j] += step->correct_v * a[j];
         x[j] += step->dt * (step->correct_u * a[j]);
-        power += twice_decay(modal, j) * (before + v[j]) * (before + v[j]);
+        power += dashpot[j] * (before + v[j]) * (before + v[j]);
     }
     body->scratch[LOST] += 0.25 * step->dt * power;
     memcpy(force_of(body) + ports, force_of(body), ports * sizeof(double));
     memcpy(force_of(body), force, ports * sizeof(double));
 }
 
+/* x^T y, each mode by its inertia. */
+static double weighted_dot(const aoi_modes *modes, const double *x, const double *y)
+{
+    double sum = 0.0;
+    for (size_t j = 0; modes->inertia && j < modes->n; j++) {
+        sum += modes->inertia[j] * x[j] * y[j];
+    }
+    return modes->inertia ? sum : aoi_vector_dot(modes->n, x, y);
+}
+
 static double modal_elastic(const aoi_body *body)
 {
-    const aoi_modal *modal = modal_of(body);
+    const aoi_modes *modes = modes_of(body);
     const double *x = part(body, X), *force = force_of(body);
     double twice = 0.0;
-    for (size_t j = 0; j < modal->n; j++) {
-        const double pull = modal->omega[j] * x[j];
-        twice += pull * pull;
+    for (size_t j = 0; j < modes->n; j++) {
+        const double pull = modes->omega[j] * x[j];
+        twice += aoi_modes_inertia(modes, j) * pull * pull;
     }
-    for (size_t p = 0; p < modal->ports; p++) {
-        twice += force[p] * residual_times(modal, p, force);
+    for (size_t p = 0; p < modes->ports; p++) {
+        twice += force[p] * residual_times(modes, p, force);
     }
     return 0.5 * twice;
 }
 
 static void modal_observe(const aoi_body *body, int energies, double *row, size_t stride)
 {
-    const aoi_modal *modal = modal_of(body);
-    const size_t n = modal->n, ports = modal->ports;
+    const aoi_modes *modes = modes_of(body);
+    const size_t n = modes->n, ports = modes->ports;
     const double *x = part(body, X), *v = part(body, V), *force = force_of(body);
-    row[AOI_BODY_CENTRE * stride] = aoi_vector_dot(n, body->centre, x);
-    row[AOI_BODY_CENTRE_VELOCITY * stride] = aoi_vector_dot(n, body->centre, v);
+    row[AOI_BODY_CENTRE * stride] = aoi_vector_dot(n, modes->centre, x);
+    row[AOI_BODY_CENTRE_VELOCITY * stride] = aoi_vector_dot(n, modes->centre, v);
+    for (size_t p = 0; modes->centre_residual && p < ports; p++) {
+        const double change = force[p] - force[ports + p];
+        row[AOI_BODY_CENTRE * stride] += modes->centre_residual[p] * force[p];
+        row[AOI_BODY_CENTRE_VELOCITY * stride] += modes->centre_residual[p] * (change / body->step.dt);
+    }
     for (size_t p = 0; p < ports; p++) {
-        const double *r = modal->participation + p * n;
-        const double settled = residual_times(modal, p, force);
-        const double moved = settled - residual_times(modal, p, force + ports);
+        const double *r = modes->shape + p * n;
+        const double settled = residual_times(modes, p, force);
+        const double moved = settled - residual_times(modes, p, force + ports);
         double *port = row + (AOI_BODY_ROWS + AOI_PORT_ROWS * p) * stride;
         port[0] = aoi_vector_dot(n, r, x) + settled;
         port[stride] = aoi_vector_dot(n, r, v) + moved / body->step.dt;
     }
     if (energies) {
-        row[AOI_BODY_KINETIC * stride] = 0.5 * aoi_vector_dot(n, v, v);
+        row[AOI_BODY_KINETIC * stride] = 0.5 * weighted_dot(modes, v, v);
         row[AOI_BODY_ELASTIC * stride] = modal_elastic(body);
         row[AOI_BODY_DISSIPATED * stride] = body->scratch[LOST];
-        row[AOI_BODY_WORK * stride] = body->gravity ? aoi_vector_dot(n, body->gravity, x) : 0.0;
+        row[AOI_BODY_WORK * stride] = modes->gravity ? weighted_dot(modes, modes->gravity, x) : 0.0;
     }
 }
 
 static void modal_copy_state(const aoi_body *body, double *u, double *v)
 {
-    const size_t bytes = modal_of(body)->n * sizeof(double);
+    const size_t bytes = modes_of(body)->n * sizeof(double);
     memcpy(u, part(body, X), bytes);
     memcpy(v, part(body, V), bytes);
 }
 
 static int modal_begin(aoi_body *body, const double *force)
 {
-    const aoi_modal *modal = modal_of(body);
-    const size_t n = modal->n, ports = modal->ports;
+    const aoi_modes *modes = modes_of(body);
+    const size_t n = modes->n, ports = modes->ports;
     for (size_t j = 0; j < n; j++) {
         double push = modal_drive(body, j, part(body, X)[j], part(body, V)[j]);
         for (size_t p = 0; p < ports; p++) {
-            push += modal->participation[p * n + j] * force[p];
+            push += modes->push[p * n + j] * force[p];
         }
         part(body, A)[j] = push;
     }
     return AOI_OK;
 }
 
-static int modal_check(const aoi_modal *modal)
+static int modal_check(const aoi_modes *modes)
 {
-    for (size_t j = 0; j < modal->n; j++) {
-        if (!(modal->omega[j] >= 0.0) || !(twice_decay(modal, j) >= 0.0)) {
+    for (size_t j = 0; j < modes->n; j++) {
+        if (!(modes->omega[j] >= 0.0) || !(twice_decay(modes, j) >= 0.0)) {
             return AOI_ERROR_ARGUMENT;
         }
-        if (!isfinite(modal->omega[j] * modal->omega[j]) || !isfinite(twice_decay(modal, j))) {
+        if (!isfinite(modes->omega[j] * modes->omega[j]) || !isfinite(twice_decay(modes, j))) {
             return AOI_ERROR_NOT_FINITE;
         }
     }
-    if (!aoi_vector_is_finite(modal->ports * modal->n, modal->participation)) {
+    if (!aoi_vector_is_finite(modes->ports * modes->n, modes->shape) ||
+        !aoi_vector_is_finite(modes->ports * modes->n, modes->push)) {
         return AOI_ERROR_NOT_FINITE;
     }
-    return modal->ports >= 1 ? AOI_OK : AOI_ERROR_ARGUMENT;
+    return modes->ports >= 1 ? AOI_OK : AOI_ERROR_ARGUMENT;
 }
 
 /* Mobilities of the modes, and the ports' compliances as their sums. */
 static int modal_prepare(const aoi_body *body, double *compliance, double *rate_compliance)
 {
-    const aoi_modal *modal = modal_of(body);
-    const aoi_newmark_step *step = &body->step;
-    const size_t n = modal->n, ports = modal->ports;
+    const aoi_modes *modes = modes_of(body);
+    const aoi_rule_step *step = &body->step;
+    const size_t n = modes->n, ports = modes->ports;
     double *mobility = part(body, MOBILITY);
     for (size_t j = 0; j < n; j++) {
-        const double stiffness = step->reach * modal->omega[j] * modal->omega[j];
-        mobility[j] = 1.0 / (1.0 + step->correct_v * twice_decay(modal, j) + stiffness);
+        const double stiffness = step->reach * modes->omega[j] * modes->omega[j];
+        part(body, DASHPOT)[j] = aoi_modes_inertia(modes, j) * twice_decay(modes, j);
+        mobility[j] = 1.0 / (1.0 + step->correct_v * twice_decay(modes, j) + stiffness);
     }
     for (size_t i = 0; i < ports * ports; i++) {
-        const double *r = modal->participation + (i / ports) * n;
-        const double *other = modal->participation + (i % ports) * n;
-        const double residual = modal->residual ? modal->residual[i] : 0.0;
+        const double *shape = modes->shape + (i / ports) * n;
+        const double *push = modes->push + (i % ports) * n;
+        const double residual = modes->residual ? modes->residual[i] : 0.0;
         double reached = 0.0;
         for (size_t j = 0; j < n; j++) {
-            reached += mobility[j] * r[j] * other[j];
+            reached += mobility[j] * shape[j] * push[j];
         }
         compliance[i] = step->reach * reached + residual;
         rate_compliance[i] = step->correct_v * reached + residual / step->dt;
@@ -193,14 +211,14 @@ static int modal_prepare(const aoi_body *body, double *compliance, double *rate_
     return AOI_OK;
 }
 
-int aoi_body_start_modal(aoi_body *body, const aoi_modal *modal, const aoi_newmark *rule,
-                         const aoi_start *start, double *work)
+int aoi_body_start_modal(aoi_body *body, const aoi_modes *modes, const aoi_rule *rule,
+                         const aoi_body_start *start, double *work)
 {
-    const size_t n = modal->n, ports = modal->ports;
-    aoi_newmark_step step;
-    int status = aoi_newmark_prepare(rule, &step);
+    const size_t n = modes->n, ports = modes->ports;
+    aoi_rule_step step;
+    int status = aoi_rule_prepare(rule, &step);
     if (status == AOI_OK) {
-        status = modal_check(modal);
+        status = modal_check(modes);
     }
     if (status != AOI_OK) {
         return status;
@@ -208,7 +226,7 @@ int aoi_body_start_modal(aoi_body *body, const aoi_modal *modal, const aoi_newma
     double *compliance = work + PARTS * n + 2 * ports, *rate_compliance = compliance + ports * ports;
     *body = (aoi_body){modal_begin,      modal_predict, modal_correct,  modal_observe,
                        modal_copy_state, ports,         compliance,     rate_compliance,
-                       modal,            start->centre, start->gravity, work,
+                       modes,            modes->centre, modes->gravity, work,
                        step,             {0}};
     memcpy(part(body, X), start->u, n * sizeof(double));
     memcpy(part(body, V), start->v, n * sizeof(double));
@@ -218,26 +236,4 @@ int aoi_body_start_modal(aoi_body *body, const aoi_modal *modal, const aoi_newma
             start->force ? start->force[p] - step.dt * start->force[ports + p] : 0.0;
     }
     return modal_prepare(body, compliance, rate_compliance);
-}
-
-void aoi_modal_receptance(size_t n, const double *omega, const double *decay, const double *weight,
-                          double residual, size_t count, const double *frequency, double *real,
-                          double *imaginary)
-{
-    for (size_t i = 0; i < count; i++) {
-        const double w = frequency[i];
-        real[i] = residual;
-        imaginary[i] = 0.0;
-        for (size_t j = 0; j < n; j++) {
-            /* Divided by the larger part, so that a resonance without damping is infinite, not NaN. */
-            const double spring = (omega[j] - w) * (omega[j] + w), dashpot = 2.0 * decay[j] * w;
-            if (dashpot == 0.0) {
-                real[i] += weight[j] / spring;
-                continue;
-            }
-            const double size = hypot(spring, dashpot);
-            real[i] += weight[j] / size * (spring / size);
-            imaginary[i] -= weight[j] / size * (dashpot / size);
-        }
-    }
 }

@@ -2,7 +2,6 @@
  * all bodies, write the record. */
 #include "newmark/body.h"
 #include "newmark/scene.h"
-#include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
 #include "model/coupled.h"
@@ -15,18 +14,37 @@
 /* Columns of the record that are gathered before they are written: a cache line of each row. */
 enum { BLOCK = 8 };
 
-size_t aoi_scene_rows(const aoi_scene *scene)
+static size_t count_ports(const aoi_scene *scene)
 {
-    size_t rows = AOI_CONTACT_ROWS * scene->contact_count + AOI_BODY_ROWS * scene->body_count;
+    size_t ports = 0;
     for (size_t b = 0; b < scene->body_count; b++) {
-        rows += AOI_PORT_ROWS * scene->body[b]->ports;
+        ports += scene->body[b]->ports;
     }
-    return rows;
+    return ports;
 }
+
+static size_t count_rows(const aoi_scene *scene, size_t ports)
+{
+    return AOI_CONTACT_ROWS * scene->contact_count + AOI_BODY_ROWS * scene->body_count +
+           AOI_PORT_ROWS * ports;
+}
+
+size_t aoi_scene_rows(const aoi_scene *scene) { return count_rows(scene, count_ports(scene)); }
 
 /* ---------------------------------------------------------------------------- the layout */
 
-/* How far apart contacts that share a body stand; a wall couples nothing. */
+/* Whether a body hands the force of one contact on to another: a wall does not. */
+static int couples(const aoi_body *body)
+{
+    for (size_t i = 0; i < body->ports * body->ports; i++) {
+        if (body->compliance[i] != 0.0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* How far apart contacts that share such a body stand. */
 static size_t find_band(const aoi_scene *scene)
 {
     size_t band = 0, *earliest = scene->first_port; /* 1 + its first contact, of each body */
@@ -35,7 +53,7 @@ static size_t find_band(const aoi_scene *scene)
         for (int side = 0; side < 2; side++) {
             const size_t b = scene->contact[c].body[side];
             const aoi_body *body = scene->body[b];
-            if (body->ports == 1 && body->compliance[0] == 0.0) {
+            if (!couples(body)) {
                 continue;
             }
             if (earliest[b] == 0) {
@@ -47,57 +65,59 @@ static size_t find_band(const aoi_scene *scene)
     return band;
 }
 
-static size_t count_ports(const aoi_scene *scene)
+/* Deals out memory; which is only counted where it is NULL. */
+static size_t lay_out(aoi_scene *scene, size_t ports, size_t band, void *block)
 {
-    size_t ports = 0;
-    for (size_t b = 0; b < scene->body_count; b++) {
-        ports += scene->body[b]->ports;
-    }
-    return ports;
+    aoi_memory memory = {block, 0};
+    const size_t contacts = scene->contact_count;
+    aoi_coupled *e = &scene->coupled;
+    e->count = contacts;
+    e->band = band;
+    scene->state = aoi_memory_take(&memory, contacts, sizeof *scene->state);
+    scene->displacement = aoi_memory_doubles(&memory, ports);
+    scene->free_displacement = aoi_memory_doubles(&memory, ports);
+    scene->free_velocity = aoi_memory_doubles(&memory, ports);
+    scene->push = aoi_memory_doubles(&memory, ports);
+    scene->load_now = aoi_memory_doubles(&memory, ports);
+    scene->load_before = aoi_memory_doubles(&memory, ports);
+    scene->load_work = aoi_memory_doubles(&memory, scene->body_count);
+    scene->gravity_start = aoi_memory_doubles(&memory, scene->body_count);
+    e->compliance = aoi_memory_doubles(&memory, (2 * e->band + 1) * contacts);
+    e->rate_compliance = aoi_memory_doubles(&memory, (2 * e->band + 1) * contacts);
+    e->free = aoi_memory_doubles(&memory, contacts);
+    e->rate_free = aoi_memory_doubles(&memory, contacts);
+    e->indentation = aoi_memory_doubles(&memory, contacts);
+    e->rate = aoi_memory_doubles(&memory, contacts);
+    e->force = aoi_memory_doubles(&memory, contacts);
+    e->work = aoi_memory_doubles(&memory, aoi_coupled_size(contacts, e->band));
+    scene->column = aoi_memory_doubles(&memory, BLOCK * count_rows(scene, ports));
+    return memory.used;
 }
-
-enum { PORT_ARRAYS = 6, BODY_ARRAYS = 2, CONTACT_ARRAYS = 5 };
 
 size_t aoi_scene_size(const aoi_scene *scene)
 {
-    const size_t contacts = scene->contact_count, band = find_band(scene);
-    return PORT_ARRAYS * count_ports(scene) + BODY_ARRAYS * scene->body_count +
-           (CONTACT_ARRAYS + 2 * (2 * band + 1)) * contacts + aoi_coupled_size(contacts, band) +
-           BLOCK * aoi_scene_rows(scene);
+    aoi_scene counted = *scene;
+    return lay_out(&counted, count_ports(scene), find_band(scene), NULL);
 }
 
-static void lay_out(aoi_scene *scene)
+size_t aoi_scene_most(size_t bodies, size_t ports, size_t contacts, size_t band)
 {
-    const size_t ports = count_ports(scene), contacts = scene->contact_count;
-    aoi_coupled *e = &scene->coupled;
-    double *work = scene->work;
-    e->count = contacts;
-    e->band = find_band(scene);
-    scene->displacement = aoi_work_take(&work, ports);
-    scene->free_displacement = aoi_work_take(&work, ports);
-    scene->free_velocity = aoi_work_take(&work, ports);
-    scene->push = aoi_work_take(&work, ports);
-    scene->load_now = aoi_work_take(&work, ports);
-    scene->load_before = aoi_work_take(&work, ports);
-    scene->load_work = aoi_work_take(&work, scene->body_count);
-    scene->gravity_start = aoi_work_take(&work, scene->body_count);
-    e->compliance = aoi_work_take(&work, (2 * e->band + 1) * contacts);
-    e->rate_compliance = aoi_work_take(&work, (2 * e->band + 1) * contacts);
-    e->free = aoi_work_take(&work, contacts);
-    e->rate_free = aoi_work_take(&work, contacts);
-    e->indentation = aoi_work_take(&work, contacts);
-    e->rate = aoi_work_take(&work, contacts);
-    e->force = aoi_work_take(&work, contacts);
-    e->work = aoi_work_take(&work, aoi_coupled_size(contacts, e->band));
-    scene->column = work;
+    aoi_scene counted = {.body_count = bodies, .contact_count = contacts};
+    return lay_out(&counted, ports, band, NULL);
+}
+
+/* Where ports and contacts have their places. */
+static void find_places(aoi_scene *scene)
+{
     scene->first_port[0] = 0;
     for (size_t b = 0; b < scene->body_count; b++) {
         scene->first_port[b + 1] = scene->first_port[b] + scene->body[b]->ports;
     }
-    for (size_t c = 0; c < contacts; c++) {
-        aoi_contact *contact = &scene->contact[c];
+    for (size_t c = 0; c < scene->contact_count; c++) {
+        const aoi_contact *contact = &scene->contact[c];
+        scene->state[c].law = contact->law;
         for (int side = 0; side < 2; side++) {
-            contact->at[side] = scene->first_port[contact->body[side]] + contact->port[side];
+            scene->state[c].at[side] = scene->first_port[contact->body[side]] + contact->port[side];
         }
     }
 }
@@ -107,18 +127,6 @@ static void lay_out(aoi_scene *scene)
 static int has_port(const aoi_scene *scene, size_t body, size_t port)
 {
     return body < scene->body_count && port < scene->body[body]->ports;
-}
-
-/* Whether times ascend and forces are numbers. */
-static int load_is_sound(const aoi_load *load)
-{
-    for (size_t i = 1; i < load->count; i++) {
-        if (!(load->time[i] >= load->time[i - 1])) {
-            return 0;
-        }
-    }
-    return load->count > 0 && aoi_vector_is_finite(load->count, load->time) &&
-           aoi_vector_is_finite(load->count, load->force);
 }
 
 int aoi_scene_check(const aoi_scene *scene)
@@ -135,8 +143,10 @@ int aoi_scene_check(const aoi_scene *scene)
         }
     }
     for (size_t i = 0; i < scene->load_count; i++) {
-        const aoi_load *load = &scene->load[i];
-        if (!has_port(scene, load->body, load->port) || !load_is_sound(load)) {
+        const aoi_scene_load *on = &scene->load[i];
+        if (!has_port(scene, on->body, on->port) || on->ports == 0 ||
+            !has_port(scene, on->body, on->port + on->ports - 1) || on->load.count == 0 ||
+            !aoi_load_is_sound(&on->load, on->ports)) {
             return AOI_ERROR_ARGUMENT;
         }
     }
@@ -181,12 +191,13 @@ static int couple(aoi_scene *scene)
 }
 
 /* The force at the start. A force that depends on the rate is there as soon as the bodies touch. */
-static int contact_begin(const aoi_scene *scene, aoi_contact *contact)
+static int contact_begin(const aoi_scene *scene, size_t c)
 {
+    aoi_contact_state *contact = &scene->state[c];
     const aoi_law *law = contact->law;
     const size_t a = contact->at[0], b = contact->at[1];
     aoi_law_value value;
-    contact->indentation = scene->displacement[a] - scene->displacement[b] - contact->gap;
+    contact->indentation = scene->displacement[a] - scene->displacement[b] - scene->contact[c].gap;
     contact->rate = scene->free_velocity[a] - scene->free_velocity[b];
     contact->last_indentation = contact->indentation;
     contact->work = 0.0;
@@ -196,7 +207,7 @@ static int contact_begin(const aoi_scene *scene, aoi_contact *contact)
         at = DBL_MIN;
     }
     aoi_law_push(law, contact->memory, at, contact->rate, &value);
-    contact->force = scene->start_force ? scene->start_force[contact - scene->contact] : value.force;
+    contact->force = scene->start_force ? scene->start_force[c] : value.force;
     if (isnan(value.force)) {
         return AOI_ERROR_LAW;
     }
@@ -211,7 +222,7 @@ static int contact_begin(const aoi_scene *scene, aoi_contact *contact)
 
 /* --------------------------------------------------------------------------- the record */
 
-static void write_contact(const aoi_contact *contact, int energies, double *row)
+static void write_contact(const aoi_contact_state *contact, int energies, double *row)
 {
     row[0 * BLOCK] = contact->force;
     row[1 * BLOCK] = contact->indentation;
@@ -242,7 +253,7 @@ static void write_column(aoi_scene *scene, size_t slot)
 {
     double *row = scene->column + slot;
     for (size_t c = 0; c < scene->contact_count; c++) {
-        write_contact(&scene->contact[c], scene->energies, row);
+        write_contact(&scene->state[c], scene->energies, row);
         row += AOI_CONTACT_ROWS * BLOCK;
     }
     for (size_t b = 0; b < scene->body_count; b++) {
@@ -298,8 +309,12 @@ static void find_loads(aoi_scene *scene, double time)
     }
     memset(scene->load_now, 0, ports * sizeof(double));
     for (size_t i = 0; i < scene->load_count; i++) {
-        aoi_load *load = &scene->load[i];
-        scene->load_now[scene->first_port[load->body] + load->port] += aoi_load_at(load, time);
+        const aoi_scene_load *on = &scene->load[i];
+        const aoi_load_span at = aoi_load_at(&on->load, on->ports, time);
+        double *now = scene->load_now + scene->first_port[on->body] + on->port;
+        for (size_t p = 0; p < on->ports; p++) {
+            now[p] += at.here[p] + (at.next[p] - at.here[p]) * (at.into / at.length);
+        }
     }
 }
 
@@ -312,7 +327,7 @@ static void find_push(aoi_scene *scene)
         push[p] = load[p];
     }
     for (size_t c = 0; c < scene->contact_count; c++) {
-        const aoi_contact *contact = &scene->contact[c];
+        const aoi_contact_state *contact = &scene->state[c];
         push[contact->at[0]] -= contact->force;
         push[contact->at[1]] += contact->force;
     }
@@ -340,16 +355,14 @@ int aoi_scene_start(aoi_scene *scene, double *record, size_t columns)
     if (status != AOI_OK) {
         return status;
     }
-    lay_out(scene);
+    (void)lay_out(scene, count_ports(scene), find_band(scene), scene->memory);
+    find_places(scene);
     status = couple(scene);
-    for (size_t i = 0; i < scene->load_count; i++) {
-        scene->load[i].next = 0;
-    }
     find_loads(scene, 0.0);
     memcpy(scene->load_before, scene->load_now, scene->first_port[scene->body_count] * sizeof(double));
     look_at_bodies(scene);
     for (size_t c = 0; c < scene->contact_count && status == AOI_OK; c++) {
-        status = contact_begin(scene, &scene->contact[c]);
+        status = contact_begin(scene, c);
     }
     if (status == AOI_OK) {
         find_push(scene);
@@ -378,7 +391,7 @@ static void add_loads(aoi_scene *scene)
     }
 }
 
-static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact *contact)
+static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *contact)
 {
     const double indentation = e->indentation[c];
     contact->work += 0.5 * (contact->force + e->force[c]) * (indentation - contact->indentation);
@@ -408,15 +421,15 @@ static int scene_step(aoi_scene *scene, double time)
     }
     const double *u = scene->free_displacement, *v = scene->free_velocity;
     for (size_t c = 0; c < e->count; c++) {
-        const aoi_contact *contact = &scene->contact[c];
-        e->free[c] = u[contact->at[0]] - u[contact->at[1]] - contact->gap;
+        const aoi_contact_state *contact = &scene->state[c];
+        e->free[c] = u[contact->at[0]] - u[contact->at[1]] - scene->contact[c].gap;
         e->rate_free[c] = v[contact->at[0]] - v[contact->at[1]];
     }
     if (status == AOI_OK) {
-        status = aoi_coupled_solve(e, scene->contact);
+        status = aoi_coupled_solve(e, scene->state);
     }
     for (size_t c = 0; c < scene->contact_count && status == AOI_OK; c++) {
-        status = contact_advance(e, c, &scene->contact[c]);
+        status = contact_advance(e, c, &scene->state[c]);
     }
     if (status == AOI_OK) {
         find_push(scene);

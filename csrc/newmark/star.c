@@ -2,7 +2,7 @@
  * equation has only its own and the contact mass's acceleration in it: eliminated by hand, the whole
  * star is one scalar equation, and a step costs O(n).
  *
- * The oscillators are stepped by their stretch s = u_i - u_0, not by their place: a free body may fly
+ * The oscillators are stepped by their stretch s = u_i - u_0, not by their place: a free body may move freely
  * far, and the rounding of its place would act on its springs. With p the predictor of u_0, q that of
  * a stretch, and a' the new accelerations, u_0' = p + beta dt^2 a_0', s' = q + beta dt^2 (a_i' - a_0'):
  *   m_i a_i' = -k_i s'   gives   a_i' = w_i (beta dt^2 a_0' - q_i),  w_i = k_i / (m_i + beta dt^2 k_i)
@@ -24,9 +24,9 @@
 
 #include <math.h>
 
-enum { MOBILITY, FREE_A, MASSLESS, RATE, CENTRE, SAG, FALL, ALPHA, BETA, REACH, LOST };
+enum { MOBILITY, FREE_A, MASSLESS, RATE, CENTRE, DEFLECTION, FALL, ALPHA, BETA, REACH, LOST };
 
-int aoi_newmark_prepare(const aoi_newmark *rule, aoi_newmark_step *step)
+int aoi_rule_prepare(const aoi_rule *rule, aoi_rule_step *step)
 {
     const double h = rule->dt;
     if (!(h > 0.0) || !(rule->beta > 0.0) || !(rule->gamma >= 0.5) || !isfinite(h)) {
@@ -58,7 +58,7 @@ static double *drag_of(const aoi_body *body, size_t n) { return gain_of(body, n)
 
 /* s of the oscillators becomes its predictor; returns sum m_i w_i q_i. Four partial sums, so that the
  * compiler may keep them in vector registers. Rates wait for the correction: one store less. */
-static double oscillators_predict(size_t n, const aoi_newmark_step *step,
+static double oscillators_predict(size_t n, const aoi_rule_step *step,
                                   const double *restrict reaction, double *restrict s,
                                   const double *restrict v, const double *restrict a)
 {
@@ -81,7 +81,7 @@ static double oscillators_predict(size_t n, const aoi_newmark_step *step,
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-static void contact_predict(const aoi_newmark_step *step, double *u, double *v, const double *a)
+static void contact_predict(const aoi_rule_step *step, double *u, double *v, const double *a)
 {
     *u += step->dt * (*v + step->predict_u * *a);
     *v += step->predict_v * *a;
@@ -90,7 +90,7 @@ static void contact_predict(const aoi_newmark_step *step, double *u, double *v, 
 static int star_predict(aoi_body *body, double *displacement, double *velocity)
 {
     const aoi_star *star = body->model;
-    const aoi_newmark_step *step = &body->step;
+    const aoi_rule_step *step = &body->step;
     const size_t n = star->n;
     double *c = body->scratch, *u = state_u(body), *v = state_v(body, n), *a = state_a(body, n);
     if (c[MASSLESS] == 0.0) {
@@ -107,7 +107,7 @@ static int star_predict(aoi_body *body, double *displacement, double *velocity)
 static int damped_predict(aoi_body *body, double *displacement, double *velocity)
 {
     const aoi_star *star = body->model;
-    const aoi_newmark_step *step = &body->step;
+    const aoi_rule_step *step = &body->step;
     const size_t n = star->n;
     double *c = body->scratch, *u = state_u(body), *v = state_v(body, n), *a = state_a(body, n);
     double *effective = effective_of(body, n);
@@ -131,7 +131,7 @@ static int damped_predict(aoi_body *body, double *displacement, double *velocity
 }
 
 /* lead: acceleration of what the stretch is measured from. */
-static void oscillators_correct(size_t n, double lead, const aoi_newmark_step *step,
+static void oscillators_correct(size_t n, double lead, const aoi_rule_step *step,
                                 const double *restrict gain, double *restrict s,
                                 double *restrict v, double *restrict a)
 {
@@ -147,7 +147,7 @@ static void oscillators_correct(size_t n, double lead, const aoi_newmark_step *s
 }
 
 /* The same where rates and accelerations are not relative to the contact's. */
-static void absolute_correct(size_t n, double lead, const aoi_newmark_step *step,
+static void absolute_correct(size_t n, double lead, const aoi_rule_step *step,
                              const double *restrict gain, double *restrict s, double *restrict v,
                              double *restrict a)
 {
@@ -163,7 +163,7 @@ static void absolute_correct(size_t n, double lead, const aoi_newmark_step *step
 static void star_correct(aoi_body *body, const double *force)
 {
     const aoi_star *star = body->model;
-    const aoi_newmark_step *step = &body->step;
+    const aoi_rule_step *step = &body->step;
     const size_t n = star->n;
     double *c = body->scratch, *u = state_u(body), *v = state_v(body, n), *a = state_a(body, n);
     const double lead = c[FREE_A] + *force * c[MOBILITY];
@@ -181,7 +181,7 @@ static void star_correct(aoi_body *body, const double *force)
 }
 
 /* Adds the new acceleration; returns the sum of the rates before and after the step. */
-static double damped_move(const aoi_newmark_step *step, double acceleration, double *u, double *v,
+static double damped_move(const aoi_rule_step *step, double acceleration, double *u, double *v,
                           double *a)
 {
     const double before = *v - step->predict_v * *a;
@@ -212,7 +212,7 @@ static void damped_correct(aoi_body *body, const double *force)
 }
 
 /* How much longer an oscillator's spring is than the stretch in the state. */
-static double sag(const aoi_body *body, size_t i)
+static double deflection(const aoi_body *body, size_t i)
 {
     const aoi_star *star = body->model;
     return body->gravity ? body->gravity[i + 1] / star->k[i] : 0.0;
@@ -244,7 +244,7 @@ static double star_elastic(const aoi_body *body)
         return 0.5 * (twice + weighted_squares(star->n, star->k, stretch, 0.0));
     }
     for (size_t i = 0; i < star->n; i++) {
-        const double whole = stretch[i] + sag(body, i);
+        const double whole = stretch[i] + deflection(body, i);
         twice += star->k[i] * whole * whole;
     }
     return 0.5 * twice;
@@ -255,7 +255,7 @@ static double star_gravity_work(const aoi_body *body)
     const double *u = state_u(body);
     double work = body->scratch[FALL] * u[0];
     for (size_t i = 0; i < ((const aoi_star *)body->model)->n; i++) {
-        work += body->gravity[i + 1] * (u[i + 1] + sag(body, i));
+        work += body->gravity[i + 1] * (u[i + 1] + deflection(body, i));
     }
     return work;
 }
@@ -273,7 +273,7 @@ static void star_observe(const aoi_body *body, int energies, double *row, size_t
     const size_t n = ((const aoi_star *)body->model)->n;
     const double *u = state_u(body), *v = state_v(body, n), *weight = body->centre;
     const double all = body->scratch[CENTRE], contact_rate = body->scratch[RATE];
-    double centre = all * u[0] + body->scratch[SAG];
+    double centre = all * u[0] + body->scratch[DEFLECTION];
     double rate = weight[0] * contact_rate + (all - weight[0]) * v[0];
     if (n > 0) {
         centre += aoi_vector_dot(n, weight + 1, u + 1);
@@ -298,7 +298,7 @@ static void star_copy_state(const aoi_body *body, double *u_out, double *v_out)
     u_out[0] = u[0];
     v_out[0] = body->scratch[RATE];
     for (size_t i = 1; i <= n; i++) {
-        u_out[i] = u[0] + (u[i] + sag(body, i - 1));
+        u_out[i] = u[0] + (u[i] + deflection(body, i - 1));
         v_out[i] = v[0] + v[i];
     }
 }
@@ -322,7 +322,7 @@ static int star_begin(aoi_body *body, const double *force)
 }
 
 /* The state at the start, w_i and m_i w_i, and the sums over the coordinates. */
-static void star_fill(const aoi_body *body, const aoi_start *start, double *c)
+static void star_fill(const aoi_body *body, const aoi_body_start *start, double *c)
 {
     const aoi_star *star = body->model;
     const size_t n = star->n;
@@ -339,10 +339,10 @@ static void star_fill(const aoi_body *body, const aoi_start *start, double *c)
         gain[i] = star->k[i] / (mass + c[REACH] * star->k[i]);
         reaction[i] = gain[i] * mass;
         stiffness += reaction[i];
-        u[i + 1] = start->u[i + 1] - u[0] - sag(body, i);
+        u[i + 1] = start->u[i + 1] - u[0] - deflection(body, i);
         v[i + 1] = start->v[i + 1] - v[0];
         c[CENTRE] += start->centre[i + 1];
-        c[SAG] += start->centre[i + 1] * sag(body, i);
+        c[DEFLECTION] += start->centre[i + 1] * deflection(body, i);
         c[FALL] += start->gravity ? start->gravity[i + 1] : 0.0;
     }
     c[RATE] = start->v[0];
@@ -361,14 +361,14 @@ static void damped_fill(aoi_body *body)
 }
 
 int aoi_body_start_star(aoi_body *body, const aoi_star *star, const aoi_rayleigh *damping,
-                        const aoi_newmark *rule, const aoi_start *start, double *work)
+                        const aoi_rule *rule, const aoi_body_start *start, double *work)
 {
     const aoi_rayleigh none = {0.0, 0.0}, *d = damping ? damping : &none;
     const int damped = d->alpha != 0.0 || d->beta != 0.0;
-    aoi_newmark_step step;
+    aoi_rule_step step;
     int status = aoi_star_check(star);
     if (status == AOI_OK) {
-        status = aoi_newmark_prepare(rule, &step);
+        status = aoi_rule_prepare(rule, &step);
     }
     if (status == AOI_OK && (!(d->alpha >= 0.0) || !(d->beta >= 0.0) ||
                              !isfinite(d->alpha + d->beta) || (damped && star->m0 == 0.0))) {

@@ -1,19 +1,12 @@
 /* Adaptive runs of scenes, and their dense output, seen from Python. */
 #include "python/binding.h"
-#include "linear/vector.h"
-#include "law/law.h"
-#include "motion/polynomial.h"
-#include "motion/radau.h"
-#include "collocation/collocation.h"
-#include "adaptive/adaptive.h"
-#include "adaptive/row.h"
-#include "track/sampler.h"
+#include "aoimpact.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows, or bytes, between looks for signals: a hundredth of a second at most. */
+/* Bytes copied between looks for signals: a hundredth of a second at most. */
 #define AT_ONCE ((size_t)1 << 22)
 
 /* ----------------------------------------------------------------------- bodies and contacts */
@@ -22,20 +15,17 @@
 typedef struct taken {
     aoi_system system;
     aoi_modes *body;
-    aoi_joint *joint;
-    aoi_law *law; /* one a joint */
-    size_t *first, *first_port, *first_joint, *joint_of;
+    aoi_contact *contact;
+    aoi_law *law; /* one a contact */
+    void *links;
 } taken;
 
-static void give_up(taken *made)
+static void free_system(taken *made)
 {
     free(made->body);
-    free(made->joint);
+    free(made->contact);
     free(made->law);
-    free(made->first);
-    free(made->first_port);
-    free(made->first_joint);
-    free(made->joint_of);
+    free(made->links);
 }
 
 /* An array that may be None. */
@@ -71,25 +61,25 @@ void take_modes(held *buffers, PyObject *tuple, aoi_modes *body)
     body->inertia = doubles(buffers, item[6], "inertia", &n);
     body->centre = doubles(buffers, item[7], "centre", &n);
     body->centre_residual = maybe(buffers, item[8], "centre residual", &ports);
-    body->load_time = maybe(buffers, item[9], "load times", &times);
-    body->load_count = body->load_time ? times : 0;
-    size_t loads = body->load_count * ports;
-    body->load_force = body->load_time ? doubles(buffers, item[10], "load forces", &loads) : NULL;
+    body->load.time = maybe(buffers, item[9], "load times", &times);
+    body->load.count = body->load.time ? times : 0;
+    size_t loads = body->load.count * ports;
+    body->load.force = body->load.time ? doubles(buffers, item[10], "load forces", &loads) : NULL;
 }
 
 /* (first body, its port, second body, its port, gap, law) */
-static int take_joint(held *buffers, PyObject *tuple, aoi_joint *joint, aoi_law *law)
+static int take_contact(held *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
 {
     need_tuple(buffers, tuple, 6);
     if (buffers->failed) {
         return AOI_OK;
     }
     for (Py_ssize_t i = 0; i < 2; i++) {
-        joint->body[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i));
-        joint->port[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i + 1));
+        contact->body[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i));
+        contact->port[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i + 1));
     }
-    joint->gap = PyFloat_AsDouble(PyTuple_GetItem(tuple, 4));
-    joint->law = law;
+    contact->gap = PyFloat_AsDouble(PyTuple_GetItem(tuple, 4));
+    contact->law = law;
     if (PyErr_Occurred()) {
         buffers->failed = 1;
         return AOI_OK;
@@ -97,100 +87,86 @@ static int take_joint(held *buffers, PyObject *tuple, aoi_joint *joint, aoi_law 
     return take_law(buffers, PyTuple_GetItem(tuple, 5), law);
 }
 
-static int take_system(held *buffers, PyObject *bodies, PyObject *joints, taken *made)
+static int take_system(held *buffers, PyObject *bodies, PyObject *contacts, taken *made)
 {
-    const size_t nb = (size_t)PyTuple_Size(bodies), nj = (size_t)PyTuple_Size(joints);
+    const size_t nb = (size_t)PyTuple_Size(bodies), nc = (size_t)PyTuple_Size(contacts);
+    int status = AOI_OK;
     made->body = calloc(nb + 1, sizeof *made->body);
-    made->joint = calloc(nj + 1, sizeof *made->joint);
-    made->law = calloc(nj + 1, sizeof *made->law);
-    made->first = calloc(nb + 1, sizeof *made->first);
-    made->first_port = calloc(nb + 1, sizeof *made->first_port);
-    made->first_joint = calloc(nb + 1, sizeof *made->first_joint);
-    made->joint_of = calloc(2 * nj + 1, sizeof *made->joint_of);
-    if (!made->body || !made->joint || !made->law || !made->first || !made->first_port ||
-        !made->first_joint || !made->joint_of) {
+    made->contact = calloc(nc + 1, sizeof *made->contact);
+    made->law = calloc(nc + 1, sizeof *made->law);
+    made->system = (aoi_system){.body_count = nb, .contact_count = nc, .body = made->body};
+    made->system.contact = made->contact;
+    made->links = malloc(aoi_system_size(&made->system));
+    if (!made->body || !made->contact || !made->law || !made->links) {
         buffers->failed = 1;
         PyErr_NoMemory();
         return AOI_OK;
     }
-    int status = AOI_OK;
     for (size_t b = 0; b < nb && !buffers->failed; b++) {
         take_modes(buffers, PyTuple_GetItem(bodies, (Py_ssize_t)b), &made->body[b]);
-        made->first[b + 1] = made->first[b] + made->body[b].n;
-        made->first_port[b + 1] = made->first_port[b] + made->body[b].ports;
     }
-    for (size_t c = 0; c < nj && !buffers->failed && status == AOI_OK; c++) {
-        status = take_joint(buffers, PyTuple_GetItem(joints, (Py_ssize_t)c), &made->joint[c],
-                            &made->law[c]);
+    for (size_t c = 0; c < nc && !buffers->failed && status == AOI_OK; c++) {
+        status = take_contact(buffers, PyTuple_GetItem(contacts, (Py_ssize_t)c), &made->contact[c],
+                              &made->law[c]);
     }
-    made->system = (aoi_system){.body_count = nb, .joint_count = nj, .body = made->body};
-    made->system.first = made->first;
-    made->system.first_port = made->first_port;
-    made->system.joint = made->joint;
-    const int linked = buffers->failed ? AOI_OK
-                                       : aoi_system_link(&made->system, made->first_joint, made->joint_of);
-    return status != AOI_OK ? status : linked;
+    return buffers->failed || status != AOI_OK ? status : aoi_system_link(&made->system, made->links);
 }
 
 /* ---------------------------------------------------------------------------------- the run */
-
-/* A track that grows as the run goes on. */
-typedef struct growing {
-    double *track;
-    size_t *index;
-    size_t used, capacity, rows, most;
-} growing;
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
 
 enum { FIRST_ROWS = 48 };
 
-static int grow(growing *track, size_t row_size)
+/* A track grows as the run goes on. */
+static int grow(aoi_track *track, size_t room)
 {
-    const size_t capacity = track->capacity ? 2 * track->capacity : row_size + 4096;
-    const size_t most = track->most ? 2 * track->most : FIRST_ROWS;
-    double *values = realloc(track->track, capacity * sizeof(double));
-    track->track = values ? values : track->track;
-    size_t *index = realloc(track->index, most * sizeof(size_t));
-    track->index = index ? index : track->index;
-    if (!values || !index) {
+    const size_t capacity = track->capacity ? 2 * track->capacity : room + 4096;
+    const size_t rows = track->row_capacity ? 2 * track->row_capacity : FIRST_ROWS;
+    double *values = realloc(track->values, capacity * sizeof(double));
+    track->values = values ? values : track->values;
+    size_t *row = realloc(track->row, rows * sizeof(size_t));
+    track->row = row ? row : track->row;
+    if (!values || !row) {
         PyErr_NoMemory();
         return 0;
     }
     track->capacity = capacity;
-    track->most = most;
+    track->row_capacity = rows;
     return 1;
 }
 
-/* Runs without the GIL, in pieces between which signals are heard; no more steps, tried in vain or not,
- * than about so many. */
-static int run_to_end(aoi_adaptive *run, growing *track, size_t most_steps)
+/* Goes on without the GIL, by so many rows at most. */
+static int run_piece(aoi_adaptive *run, aoi_track *track, size_t rows)
+{
+    const size_t all = track->row_capacity;
+    int status;
+    track->row_capacity = all - track->rows < rows ? all : track->rows + rows;
+    Py_BEGIN_ALLOW_THREADS
+    status = aoi_adaptive_run(run, track);
+    Py_END_ALLOW_THREADS
+    track->row_capacity = all;
+    return status;
+}
+
+/* Runs in pieces between which signals are heard; no more steps, tried in vain or not, than about so many. */
+static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, aoi_track *track,
+                      size_t most_steps)
 {
     /* A row costs some 0.2 us a mode: pieces of a tenth of a second at most. */
-    const size_t modes = run->system->first[run->system->body_count];
-    const size_t between_signals = 1 + 400000 / (modes + 100);
-    int status = aoi_adaptive_start(run);
-    while (status == AOI_OK && run->time < run->end) {
-        size_t used = 0, rows = 0;
-        if (track->used * sizeof(double) > MOST_BYTES || run->steps + run->rejected > most_steps) {
+    const size_t rows = 1 + 400000 / (system->first[system->body_count] + 100);
+    const size_t room = aoi_adaptive_room(system);
+    int status = AOI_OK;
+    for (aoi_progress at = aoi_adaptive_progress(run); status == AOI_OK && at.time < end;
+         at = aoi_adaptive_progress(run)) {
+        if (track->used * sizeof(double) > MOST_BYTES || at.steps + at.rejected > most_steps) {
             return AOI_ERROR_TOO_LONG;
         }
-        if ((track->capacity - track->used < run->row_size || track->rows == track->most) &&
-            !grow(track, run->row_size)) {
+        if ((track->capacity - track->used < room || track->rows == track->row_capacity) &&
+            !grow(track, room)) {
             break;
         }
-        const size_t left = track->most - track->rows;
-        Py_BEGIN_ALLOW_THREADS
-        status = aoi_adaptive_run(run, track->capacity - track->used,
-                                  left < between_signals ? left : between_signals,
-                                  track->track + track->used, track->index + track->rows, &used,
-                                  &rows);
-        Py_END_ALLOW_THREADS
-        for (size_t i = 0; i < rows; i++) {
-            track->index[track->rows + i] += track->used;
-        }
-        track->used += used;
-        track->rows += rows;
+        status = run_piece(run, track, rows);
         if (PyErr_CheckSignals() != 0) {
             break;
         }
@@ -198,42 +174,15 @@ static int run_to_end(aoi_adaptive *run, growing *track, size_t most_steps)
     return status;
 }
 
-/* Room for a run; the caller frees run->body, contact, stage, balanced, response, x (and v with it), work, lists. */
-static int furnish(aoi_adaptive *run, const aoi_system *system)
-{
-    size_t work, lists, row;
-    const size_t n = system->first[system->body_count];
-    aoi_adaptive_size(system, &work, &lists, &row);
-    run->system = system;
-    run->body = calloc(system->body_count + 1, sizeof *run->body);
-    run->response = calloc(system->body_count + 1, sizeof *run->response);
-    run->contact = calloc(system->joint_count + 1, sizeof *run->contact);
-    run->stage = calloc(system->joint_count + 1, sizeof *run->stage);
-    run->balanced = calloc(system->joint_count + 1, sizeof *run->balanced);
-    run->x = calloc(2 * n + 1, sizeof(double));
-    run->v = run->x ? run->x + n : NULL;
-    run->work = malloc((work + 1) * sizeof(double));
-    run->lists = malloc((lists + 1) * sizeof(size_t));
-    if (!run->body || !run->response || !run->contact || !run->stage || !run->balanced || !run->x ||
-        !run->work || !run->lists) {
-        PyErr_NoMemory();
-        return 0;
-    }
-    return 1;
-}
-
 /* The start: bodies that move as a whole (moving: their rates at unit velocity) from modes x, or from
- * none of them where x is None. */
+ * none of them where x is None. v: the rates, set here. */
 static void take_start(held *buffers, PyObject *x_in, PyObject *moving, PyObject *velocities,
-                       aoi_adaptive *run)
+                       const aoi_system *system, double *v, aoi_start *start)
 {
-    const aoi_system *system = run->system;
     size_t all = system->first[system->body_count];
-    const double *x = maybe(buffers, x_in, "x", &all);
-    run->rested = x != NULL;
-    if (x) {
-        memcpy(run->x, x, all * sizeof(double));
-    }
+    start->x = maybe(buffers, x_in, "x", &all);
+    start->v = v;
+    start->rested = start->x != NULL;
     need_tuple(buffers, moving, (Py_ssize_t)system->body_count);
     need_tuple(buffers, velocities, (Py_ssize_t)system->body_count);
     for (size_t b = 0; b < system->body_count && !buffers->failed; b++) {
@@ -244,18 +193,10 @@ static void take_start(held *buffers, PyObject *x_in, PyObject *moving, PyObject
             buffers->failed = 1;
         }
         for (size_t j = 0; j < n && !buffers->failed; j++) {
-            run->v[system->first[b] + j] = velocity * rate[j];
+            v[system->first[b] + j] = velocity * rate[j];
         }
     }
 }
-
-/* What is known of a contact while its intervals are gathered. */
-typedef struct history {
-    int closed;
-    double start, rate; /* of the interval under way, and of the indentation as it began */
-    double until, impulse, deepest;
-    PyObject *intervals, *touches; /* lists of (start, end) and of (impulse, pace) */
-} history;
 
 static int append_pair(PyObject *list, double first, double second)
 {
@@ -265,100 +206,48 @@ static int append_pair(PyObject *list, double first, double second)
     return fine;
 }
 
-/* An interval is over; one that would begin where the record ends is none. */
-static int close_interval(history *known, double end, double record_end)
+/* Of each contact (peak force, its time, impulse, [(start, end)], [(impulse, pace)]). */
+static PyObject *contacts_without_intervals(const aoi_adaptive *run, size_t count)
 {
-    const double lasted = end - known->start;
-    const double pace = known->deepest > 0.0 ? known->rate * lasted / known->deepest : 0.0;
-    known->closed = 0;
-    return known->start >= record_end || (append_pair(known->intervals, known->start, end) &&
-                                          append_pair(known->touches, known->impulse, pace));
-}
-
-/* What a contact does in one row. One that is in no row any more has ended where its last one did. */
-static int follow_contact(const double *row, const double *of, history *known, double record_end)
-{
-    const double start = row[AOI_TRACK_START], end = start + row[AOI_TRACK_LENGTH];
-    /* It may have slackened at the very start of the row. */
-    const int slack = of[AOI_TRACK_PIECE] == AOI_SLACK;
-    double slope;
-    if ((slack || of[AOI_TRACK_BEGINS] != 0.0) && known->closed &&
-        !close_interval(known, known->until, record_end)) {
-        return 0;
-    }
-    if (slack) {
-        return 1;
-    }
-    if (of[AOI_TRACK_BEGINS] != 0.0) {
-        (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, 0.0, &slope);
-        known->start = start;
-        known->rate = slope / row[AOI_TRACK_LENGTH];
-        known->closed = 1;
-        known->impulse = known->deepest = 0.0;
-    }
-    known->deepest = fmax(known->deepest, aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION,
-                                                                1.0, &slope));
-    known->impulse += row[AOI_TRACK_LENGTH] * aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[0],
-                                                             of + AOI_TRACK_FORCE);
-    known->until = end;
-    return of[AOI_TRACK_ENDS] == 0.0 || close_interval(known, end, record_end);
-}
-
-static int gather_intervals(const growing *track, const aoi_system *system, double end, history *seen)
-{
-    for (size_t r = 0; r < track->rows; r++) {
-        const double *row = track->track + track->index[r], *of = row + AOI_TRACK_FIXED;
-        if (r % (AT_ONCE / 64) == 0 && PyErr_CheckSignals() != 0) {
-            return 0;
-        }
-        for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
-            of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[0]].n;
-        }
-        for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++) {
-            if (!follow_contact(row, of, &seen[(size_t)of[AOI_TRACK_JOINT]], end)) {
-                return 0;
-            }
-            of += AOI_TRACK_CONTACT_SIZE;
-        }
-    }
-    for (size_t c = 0; c < system->joint_count; c++) {
-        const int lasting = seen[c].until >= end * (1.0 - 1e-14);
-        if (seen[c].closed && !close_interval(&seen[c], lasting ? end : seen[c].until, end)) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* Of each contact (peak force, its time, impulse, intervals, touches). */
-static PyObject *contacts_of(const aoi_adaptive *run, const growing *track)
-{
-    const size_t count = run->system->joint_count;
     PyObject *result = PyTuple_New((Py_ssize_t)count);
-    history *seen = calloc(count + 1, sizeof *seen);
-    int fine = result && seen;
-    for (size_t c = 0; fine && c < count; c++) {
-        const aoi_contact_state *of = &run->contact[c];
-        seen[c].intervals = PyList_New(0);
-        seen[c].touches = PyList_New(0);
-        PyObject *one = seen[c].intervals && seen[c].touches
-                            ? Py_BuildValue("dddOO", of->peak_force, of->peak_time, of->impulse,
-                                            seen[c].intervals, seen[c].touches)
+    for (size_t c = 0; result && c < count; c++) {
+        const aoi_peak of = aoi_adaptive_peak(run, c);
+        PyObject *spans = PyList_New(0), *touches = PyList_New(0);
+        PyObject *one = spans && touches
+                            ? Py_BuildValue("dddOO", of.force, of.time, of.impulse, spans, touches)
                             : NULL;
-        fine = one && PyTuple_SetItem(result, (Py_ssize_t)c, one) == 0;
+        Py_XDECREF(spans);
+        Py_XDECREF(touches);
+        if (!one || PyTuple_SetItem(result, (Py_ssize_t)c, one) != 0) {
+            Py_CLEAR(result);
+        }
     }
-    fine = fine && gather_intervals(track, run->system, run->end, seen);
-    for (size_t c = 0; seen && c < count; c++) {
-        Py_XDECREF(seen[c].intervals);
-        Py_XDECREF(seen[c].touches);
-    }
-    if (!seen) {
+    return result;
+}
+
+static PyObject *contacts_of(const aoi_adaptive *run, const aoi_system *system, const aoi_track *track,
+                             double end)
+{
+    const size_t contacts = system->contact_count;
+    PyObject *result = contacts_without_intervals(run, contacts);
+    aoi_interval *work = malloc((contacts + 1) * sizeof *work), *interval = NULL;
+    const size_t count = work ? aoi_track_intervals(system, track, end, work, 0, NULL) : 0;
+    interval = work ? malloc((count + 1) * sizeof *interval) : NULL;
+    int fine = result && interval;
+    if (interval) {
+        (void)aoi_track_intervals(system, track, end, work, count, interval);
+    } else {
         PyErr_NoMemory();
     }
-    free(seen);
+    for (size_t i = 0; fine && i < count; i++) {
+        PyObject *of = PyTuple_GetItem(result, (Py_ssize_t)interval[i].contact);
+        fine = append_pair(PyTuple_GetItem(of, 3), interval[i].start, interval[i].end) &&
+               append_pair(PyTuple_GetItem(of, 4), interval[i].impulse, interval[i].pace);
+    }
+    free(work);
+    free(interval);
     if (!fine) {
-        Py_XDECREF(result);
-        return NULL;
+        Py_CLEAR(result);
     }
     return result;
 }
@@ -379,59 +268,85 @@ static PyObject *bytes_of(const void *record, size_t size)
 }
 
 /* (track, index, x, v, contacts, steps, rejected) */
-static PyObject *adaptive_result(const aoi_adaptive *run, const growing *track)
+static PyObject *adaptive_result(const aoi_adaptive *run, const aoi_system *system,
+                                 const aoi_track *track, double end)
 {
-    const size_t n = run->system->first[run->system->body_count];
-    const Py_ssize_t state = (Py_ssize_t)(n * sizeof(double));
-    PyObject *contacts = contacts_of(run, track);
-    PyObject *rows = contacts ? bytes_of(track->track, track->used * sizeof(double)) : NULL;
-    PyObject *index = rows ? bytes_of(track->index, track->rows * sizeof(size_t)) : NULL;
+    const Py_ssize_t state = (Py_ssize_t)(system->first[system->body_count] * sizeof(double));
+    const aoi_progress at = aoi_adaptive_progress(run);
+    PyObject *contacts = contacts_of(run, system, track, end);
+    PyObject *rows = contacts ? bytes_of(track->values, track->used * sizeof(double)) : NULL;
+    PyObject *index = rows ? bytes_of(track->row, track->rows * sizeof(size_t)) : NULL;
     if (!index) {
         Py_XDECREF(contacts);
         Py_XDECREF(rows);
         return NULL;
     }
-    return Py_BuildValue("NNy#y#Nnn", rows, index, (const char *)run->x, state,
-                         (const char *)run->v, state, contacts, (Py_ssize_t)run->steps,
-                         (Py_ssize_t)run->rejected);
+    return Py_BuildValue("NNy#y#Nnn", rows, index, (const char *)at.x, state, (const char *)at.v, state,
+                         contacts, (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
+}
+
+/* What one call of adaptive() has to release. */
+typedef struct running {
+    held buffers;
+    taken made;
+    aoi_adaptive *run;
+    double *v;
+    aoi_track track;
+} running;
+
+/* Room for a run, and the rates that it starts with. */
+static int allocate_run(running *all)
+{
+    const aoi_system *system = &all->made.system;
+    all->run = malloc(aoi_adaptive_size(system));
+    all->v = calloc(system->first[system->body_count] + 1, sizeof(double));
+    if (!all->run || !all->v) {
+        all->buffers.failed = 1;
+        PyErr_NoMemory();
+    }
+    return !all->buffers.failed;
+}
+
+static void release_run(running *all)
+{
+    held_release(&all->buffers);
+    free(all->run);
+    free(all->v);
+    free(all->track.values);
+    free(all->track.row);
+    free_system(&all->made);
 }
 
 PyObject *adaptive(PyObject *self, PyObject *args)
 {
-    PyObject *bodies, *joints, *x_in, *moving, *velocities, *result = NULL;
-    held buffers = {.failed = 0};
-    taken made = {.body = NULL};
-    aoi_adaptive run = {.system = NULL};
-    growing track = {.track = NULL};
+    PyObject *bodies, *contacts, *x_in, *moving, *velocities, *result = NULL;
+    running all = {.run = NULL};
+    const aoi_system *system = &all.made.system;
+    aoi_start start;
+    double rtol, end, time = 0.0;
     Py_ssize_t most_steps;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!ddOOOn", &PyTuple_Type, &bodies, &PyTuple_Type, &joints, &run.rtol,
-                          &run.end, &x_in, &moving, &velocities, &most_steps)) {
+    if (!PyArg_ParseTuple(args, "O!O!ddOOOn", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts, &rtol, &end,
+                          &x_in, &moving, &velocities, &most_steps)) {
         return NULL;
     }
-    int status = take_system(&buffers, bodies, joints, &made);
-    if (!buffers.failed && status == AOI_OK && furnish(&run, &made.system)) {
-        take_start(&buffers, x_in, moving, velocities, &run);
-        status = buffers.failed ? AOI_OK : run_to_end(&run, &track, (size_t)most_steps);
+    int status = take_system(&all.buffers, bodies, contacts, &all.made);
+    if (!all.buffers.failed && status == AOI_OK && allocate_run(&all)) {
+        take_start(&all.buffers, x_in, moving, velocities, system, all.v, &start);
+        if (!all.buffers.failed) {
+            status = aoi_adaptive_start(all.run, system, &start, rtol, end);
+        }
+        if (!all.buffers.failed && status == AOI_OK) {
+            status = run_to_end(all.run, system, end, &all.track, (size_t)most_steps);
+            time = aoi_adaptive_progress(all.run).time;
+        }
     }
-    if (!buffers.failed && !PyErr_Occurred()) {
-        result = status == AOI_OK
-                     ? adaptive_result(&run, &track)
-                     : raise_of_laws(status, "adaptive run", run.time, made.law,
-                                     made.system.joint_count);
+    if (!all.buffers.failed && !PyErr_Occurred()) {
+        result = status == AOI_OK ? adaptive_result(all.run, system, &all.track, end)
+                                  : raise_of_laws(status, "adaptive run", time, all.made.law,
+                                                  system->contact_count);
     }
-    held_release(&buffers);
-    free(run.body);
-    free(run.response);
-    free(run.contact);
-    free(run.stage);
-    free(run.balanced);
-    free(run.x);
-    free(run.work);
-    free(run.lists);
-    free(track.track);
-    free(track.index);
-    give_up(&made);
+    release_run(&all);
     return result;
 }
 
@@ -441,48 +356,39 @@ PyObject *adaptive(PyObject *self, PyObject *args)
 typedef struct opened {
     held buffers;
     taken made;
-    aoi_sampler sampler;
-    size_t *places;
+    aoi_sampler *sampler;
     const double *times;
     size_t count;
 } opened;
 
-static int open_track(opened *all, PyObject *bodies, PyObject *joints, PyObject *track_in,
+static int open_track(opened *all, PyObject *bodies, PyObject *contacts, PyObject *track_in,
                       const char *index, Py_ssize_t index_size, PyObject *times_in)
 {
     size_t values = (size_t)-1;
     all->count = (size_t)-1;
-    int status = take_system(&all->buffers, bodies, joints, &all->made);
-    const aoi_system *system = &all->made.system;
-    all->sampler.track = doubles(&all->buffers, track_in, "track", &values);
+    const int status = take_system(&all->buffers, bodies, contacts, &all->made);
+    const double *row = doubles(&all->buffers, track_in, "track", &values);
     all->times = doubles(&all->buffers, times_in, "times", &all->count);
     if (all->buffers.failed || status != AOI_OK) {
         return status;
     }
-    all->sampler.system = system;
-    all->sampler.size = values;
-    all->sampler.index = (const size_t *)(const void *)index;
-    all->sampler.rows = (size_t)index_size / sizeof(size_t);
-    all->places = calloc(2 * (system->body_count + system->joint_count) + 1, sizeof(size_t));
-    all->sampler.work = malloc((aoi_sampler_size(system) + 1) * sizeof(double));
-    if (!all->places || !all->sampler.work) {
+    /* Only read. */
+    const aoi_track track = {.values = (double *)row, .row = (size_t *)(void *)index, .used = values,
+                             .rows = (size_t)index_size / sizeof(size_t)};
+    all->sampler = malloc(aoi_sampler_size(&all->made.system));
+    if (!all->sampler) {
         all->buffers.failed = 1;
         PyErr_NoMemory();
         return AOI_OK;
     }
-    all->sampler.body_row = all->places;
-    all->sampler.body_at = all->places + system->body_count;
-    all->sampler.contact_row = all->places + 2 * system->body_count;
-    all->sampler.contact_at = all->sampler.contact_row + system->joint_count;
-    return aoi_sampler_start(&all->sampler);
+    return aoi_sampler_start(all->sampler, &all->made.system, &track);
 }
 
 static PyObject *close_track(opened *all, int status)
 {
     PyObject *done = finish(&all->buffers, status, "dense output");
-    free(all->places);
-    free(all->sampler.work);
-    give_up(&all->made);
+    free(all->sampler);
+    free_system(&all->made);
     if (done && PyErr_Occurred()) {
         Py_DECREF(done);
         return NULL;
@@ -495,26 +401,26 @@ static int has_time(double started) { return seconds_now() - started < HEARD_EVE
 
 PyObject *track_sample(PyObject *self, PyObject *args)
 {
-    PyObject *bodies, *joints, *track_in, *times_in, *record_out;
+    PyObject *bodies, *contacts, *track_in, *times_in, *record_out;
     const char *index;
     Py_ssize_t index_size;
     int energies;
     opened all;
     memset(&all, 0, sizeof all);
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!Oy#OOp", &PyTuple_Type, &bodies, &PyTuple_Type, &joints,
+    if (!PyArg_ParseTuple(args, "O!O!Oy#OOp", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
                           &track_in, &index, &index_size, &times_in, &record_out, &energies)) {
         return NULL;
     }
-    int status = open_track(&all, bodies, joints, track_in, index, index_size, times_in);
-    size_t wanted = all.buffers.failed ? 0 : aoi_sampler_rows(&all.made.system) * all.count;
+    int status = open_track(&all, bodies, contacts, track_in, index, index_size, times_in);
+    size_t wanted = all.made.system.first ? aoi_record_rows(&all.made.system) * all.count : (size_t)-1;
     double *record = doubles_out(&all.buffers, record_out, "record", &wanted);
     for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count &&
                        PyErr_CheckSignals() == 0;) {
         const double started = seconds_now();
         Py_BEGIN_ALLOW_THREADS
         for (; i < all.count && has_time(started); i++) {
-            aoi_sampler_column(&all.sampler, all.times[i], energies, record + i, all.count);
+            aoi_sampler_column(all.sampler, all.times[i], energies, record + i, all.count);
         }
         Py_END_ALLOW_THREADS
     }
@@ -523,25 +429,25 @@ PyObject *track_sample(PyObject *self, PyObject *args)
 
 PyObject *track_forces(PyObject *self, PyObject *args)
 {
-    PyObject *bodies, *joints, *track_in, *times_in, *forces_out;
+    PyObject *bodies, *contacts, *track_in, *times_in, *forces_out;
     const char *index;
     Py_ssize_t index_size;
     opened all;
     memset(&all, 0, sizeof all);
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!Oy#OO", &PyTuple_Type, &bodies, &PyTuple_Type, &joints,
+    if (!PyArg_ParseTuple(args, "O!O!Oy#OO", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
                           &track_in, &index, &index_size, &times_in, &forces_out)) {
         return NULL;
     }
-    const int status = open_track(&all, bodies, joints, track_in, index, index_size, times_in);
-    size_t wanted = all.buffers.failed ? 0 : all.made.system.joint_count * all.count;
+    const int status = open_track(&all, bodies, contacts, track_in, index, index_size, times_in);
+    size_t wanted = all.buffers.failed ? 0 : all.made.system.contact_count * all.count;
     double *forces = doubles_out(&all.buffers, forces_out, "forces", &wanted);
     for (size_t i = 0; !all.buffers.failed && status == AOI_OK && i < all.count &&
                        PyErr_CheckSignals() == 0;) {
         const double started = seconds_now();
         Py_BEGIN_ALLOW_THREADS
         for (; i < all.count && has_time(started); i++) {
-            aoi_sampler_forces(&all.sampler, all.times[i], forces + i, all.count);
+            aoi_sampler_forces(all.sampler, all.times[i], forces + i, all.count);
         }
         Py_END_ALLOW_THREADS
     }
@@ -550,17 +456,17 @@ PyObject *track_forces(PyObject *self, PyObject *args)
 
 PyObject *track_states(PyObject *self, PyObject *args)
 {
-    PyObject *bodies, *joints, *track_in, *times_in, *states_out;
+    PyObject *bodies, *contacts, *track_in, *times_in, *states_out;
     const char *index;
     Py_ssize_t index_size, body;
     opened all;
     memset(&all, 0, sizeof all);
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!Oy#OnO", &PyTuple_Type, &bodies, &PyTuple_Type, &joints,
+    if (!PyArg_ParseTuple(args, "O!O!Oy#OnO", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
                           &track_in, &index, &index_size, &times_in, &body, &states_out)) {
         return NULL;
     }
-    int status = open_track(&all, bodies, joints, track_in, index, index_size, times_in);
+    int status = open_track(&all, bodies, contacts, track_in, index, index_size, times_in);
     if (!all.buffers.failed && status == AOI_OK &&
         (body < 0 || (size_t)body >= all.made.system.body_count)) {
         status = AOI_ERROR_ARGUMENT;
@@ -573,7 +479,7 @@ PyObject *track_states(PyObject *self, PyObject *args)
         const double started = seconds_now();
         Py_BEGIN_ALLOW_THREADS
         for (; i < all.count && has_time(started); i++) {
-            aoi_sampler_state(&all.sampler, all.times[i], (size_t)body, states + i * width);
+            aoi_sampler_state(all.sampler, all.times[i], (size_t)body, states + i * width);
         }
         Py_END_ALLOW_THREADS
     }

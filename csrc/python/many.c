@@ -1,11 +1,6 @@
 /* Many impacts in one call, without the GIL: of each only its numbers come back. */
 #include "python/binding.h"
-#include "model/coupled.h"
-#include "motion/response.h"
-#include "collocation/collocation.h"
-#include "adaptive/adaptive.h"
 #include "track/brief.h"
-#include "track/sampler.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,30 +24,24 @@ enum {
 enum { MOST_ROWS = 1024 };
 
 /* Bodies, each with its velocities x' of unit speed, and laws: of these the cases are put together. */
-typedef struct stock {
+typedef struct cases {
     size_t body_count, law_count;
     aoi_modes *body;
     const double **moving;
     aoi_law *law;
-} stock;
+} cases;
 
-/* One case at a time is made on it; work grows with the largest so far. */
-typedef struct bench {
+/* One case at a time is made on it; memory grows with the largest so far. */
+typedef struct work {
     aoi_system system;
     aoi_modes pair[2];
-    aoi_joint joint;
-    size_t first[3], first_port[3], first_joint[3], joint_of[2];
-    aoi_follower follower[2];
-    aoi_contact_state contact;
-    aoi_stage stage;
-    aoi_contact balanced;
-    aoi_response response[2];
-    size_t place[6], lists[7], index[MOST_ROWS];
-    double *work;
-    size_t work_count;
-} bench;
+    aoi_contact contact;
+    void *links, *memory;
+    double *v;
+    size_t v_count, memory_size;
+} work;
 
-static int take_stock(held *buffers, PyObject *bodies, PyObject *moving, PyObject *laws, stock *of)
+static int take_cases(held *buffers, PyObject *bodies, PyObject *moving, PyObject *laws, cases *of)
 {
     int status = AOI_OK;
     of->body_count = (size_t)PyTuple_Size(bodies);
@@ -78,8 +67,8 @@ static int take_stock(held *buffers, PyObject *bodies, PyObject *moving, PyObjec
     return status;
 }
 
-/* AOI_ERROR_ARGUMENT where a case names what is not in stock. */
-static int check_cases(const stock *of, size_t count, const int32_t *which)
+/* AOI_ERROR_ARGUMENT where a case names what is not there. */
+static int check_cases(const cases *of, size_t count, const int32_t *which)
 {
     for (size_t i = 0; i < 3 * count; i++) {
         const size_t most = i % 3 == 2 ? of->law_count : of->body_count;
@@ -90,76 +79,61 @@ static int check_cases(const stock *of, size_t count, const int32_t *which)
     return AOI_OK;
 }
 
-/* Puts a case's bodies together; 0 where there is no memory for them. */
-static int set_up(bench *on, const stock *of, const int32_t *which, const double *numbers,
-                  aoi_adaptive *run, aoi_sampler *sampler, double **track, size_t *capacity)
+/* Makes a block larger where it is not large enough; 0 where there is no memory. */
+static int have(void **block, size_t *size, size_t needed)
 {
-    size_t needed, lists, row;
-    memset(on->follower, 0, sizeof on->follower);
-    memset(&on->contact, 0, sizeof on->contact);
-    on->first[0] = on->first_port[0] = 0;
+    if (needed <= *size) {
+        return 1;
+    }
+    void *larger = realloc(*block, needed);
+    *block = larger ? larger : *block;
+    *size = larger ? needed : *size;
+    return larger != NULL;
+}
+
+/* Puts a case's bodies together; 0 where there is no memory for them. */
+static int set_up(work *on, const cases *of, const int32_t *which, const double *numbers, int *status)
+{
+    const double *moving = of->moving[which[0]];
     for (size_t b = 0; b < 2; b++) {
         on->pair[b] = of->body[which[b]];
-        on->first[b + 1] = on->first[b] + on->pair[b].n;
-        on->first_port[b + 1] = b + 1;
     }
-    on->joint = (aoi_joint){{0, 1}, {0, 0}, numbers[CASE_GAP], &of->law[which[2]]};
-    on->system = (aoi_system){.body_count = 2, .joint_count = 1, .body = on->pair, .joint = &on->joint};
-    on->system.first = on->first;
-    on->system.first_port = on->first_port;
-    (void)aoi_system_link(&on->system, on->first_joint, on->joint_of);
-    aoi_adaptive_size(&on->system, &needed, &lists, &row);
-    const size_t n = on->first[2], sampling = aoi_sampler_size(&on->system);
-    const size_t rows = aoi_sampler_rows(&on->system);
-    *capacity = row + MOST_ROWS * row / 4; /* most rows hold one contact and less than all */
-    const size_t all = 2 * n + needed + sampling + rows + *capacity;
-    if (all > on->work_count) {
-        double *larger = realloc(on->work, all * sizeof(double));
-        if (!larger) {
-            return 0;
-        }
-        on->work = larger;
-        on->work_count = all;
+    on->contact = (aoi_contact){{0, 1}, {0, 0}, numbers[CASE_GAP], &of->law[which[2]]};
+    on->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = on->pair};
+    on->system.contact = &on->contact;
+    on->links = on->links ? on->links : malloc(aoi_system_size(&on->system));
+    if (!on->links) {
+        return 0;
     }
-    *run = (aoi_adaptive){.system = &on->system, .rtol = numbers[CASE_RTOL]};
-    run->end = numbers[CASE_DURATION];
-    run->x = on->work;
-    run->v = run->x + n;
-    run->work = run->v + n;
-    run->body = on->follower;
-    run->contact = &on->contact;
-    run->stage = &on->stage;
-    run->balanced = &on->balanced;
-    run->response = on->response;
-    run->lists = on->lists;
-    *sampler = (aoi_sampler){.system = &on->system, .work = run->work + needed};
-    sampler->body_row = on->place;
-    sampler->body_at = on->place + 2;
-    sampler->contact_row = on->place + 4;
-    sampler->contact_at = on->place + 5;
-    *track = sampler->work + sampling + rows;
-    for (size_t j = 0; j < n; j++) {
-        run->x[j] = 0.0;
-        run->v[j] = j < on->first[1] ? numbers[CASE_VELOCITY] * of->moving[which[0]][j] : 0.0;
+    *status = aoi_system_link(&on->system, on->links);
+    if (*status != AOI_OK) {
+        return 1;
     }
-    return 1;
+    const size_t n = on->system.first[2];
+    void *v = on->v;
+    const int fine = have(&v, &on->v_count, n * sizeof(double)) &&
+                     have(&on->memory, &on->memory_size, aoi_brief_size(&on->system, MOST_ROWS));
+    on->v = v;
+    for (size_t j = 0; fine && j < n; j++) {
+        on->v[j] = j < on->system.first[1] ? numbers[CASE_VELOCITY] * moving[j] : 0.0;
+    }
+    return fine;
 }
 
 /* 0 where there is no memory. */
-static int make_case(bench *on, const stock *of, const int32_t *which, const double *numbers,
+static int make_case(work *on, const cases *of, const int32_t *which, const double *numbers,
                      double *answer)
 {
-    aoi_adaptive run;
-    aoi_sampler sampler;
     aoi_brief brief;
-    double *track;
-    size_t capacity;
-    if (!set_up(on, of, which, numbers, &run, &sampler, &track, &capacity)) {
+    int status;
+    if (!set_up(on, of, which, numbers, &status)) {
         return 0;
     }
-    double *record = track - aoi_sampler_rows(&on->system);
-    const int status =
-        aoi_brief_run(&run, capacity, MOST_ROWS, track, on->index, &sampler, record, &brief);
+    if (status == AOI_OK) {
+        const aoi_start start = {NULL, on->v, 0};
+        status = aoi_brief_run(&on->system, &start, numbers[CASE_RTOL], numbers[CASE_DURATION],
+                               MOST_ROWS, on->memory, &brief);
+    }
     answer[ANSWER_STATUS] = (double)status;
     if (status != AOI_OK) {
         return 1;
@@ -176,10 +150,10 @@ static int make_case(bench *on, const stock *of, const int32_t *which, const dou
     return 1;
 }
 
-static int make_all(const stock *of, size_t count, const int32_t *which, const double *numbers,
+static int make_all(const cases *of, size_t count, const int32_t *which, const double *numbers,
                     double *answers)
 {
-    bench *on = calloc(1, sizeof *on);
+    work *on = calloc(1, sizeof *on);
     int fine = on != NULL;
     for (size_t i = 0; fine && i < count && !PyErr_Occurred() && PyErr_CheckSignals() == 0;) {
         const double until = seconds_now() + HEARD_EVERY;
@@ -190,7 +164,9 @@ static int make_all(const stock *of, size_t count, const int32_t *which, const d
         }
         Py_END_ALLOW_THREADS
     }
-    free(on ? on->work : NULL);
+    free(on ? on->links : NULL);
+    free(on ? on->v : NULL);
+    free(on ? on->memory : NULL);
     free(on);
     return fine;
 }
@@ -200,7 +176,7 @@ PyObject *briefs(PyObject *self, PyObject *args)
 {
     PyObject *bodies, *moving, *laws, *which_in, *numbers_in, *answers_out;
     held buffers = {.failed = 0};
-    stock of = {.body = NULL};
+    cases of = {.body = NULL};
     (void)self;
     if (!PyArg_ParseTuple(args, "O!O!O!OOO", &PyTuple_Type, &bodies, &PyTuple_Type, &moving,
                           &PyTuple_Type, &laws, &which_in, &numbers_in, &answers_out)) {
@@ -212,7 +188,7 @@ PyObject *briefs(PyObject *self, PyObject *args)
     size_t triples = 3 * count, quadruples = CASE_COLUMNS * count;
     const int32_t *which = integers(&buffers, which_in, "which", &triples);
     const double *numbers = doubles(&buffers, numbers_in, "numbers", &quadruples);
-    int status = take_stock(&buffers, bodies, moving, laws, &of);
+    int status = take_cases(&buffers, bodies, moving, laws, &of);
     if (!buffers.failed && status == AOI_OK) {
         status = values % ANSWER_COLUMNS == 0 ? check_cases(&of, count, which) : AOI_ERROR_ARGUMENT;
     }

@@ -1,33 +1,31 @@
 /* Scenes by Newmark's rule seen from Python. */
 #include "python/binding.h"
 #include "linear/sparse.h"
-#include "model/coupled.h"
-#include "model/load.h"
 #include "newmark/body.h"
 #include "newmark/scene.h"
 
 #include <stdlib.h>
 
 /* One body of a scene with all that it needs to live. */
-typedef struct player {
+typedef struct scene_body {
     aoi_body body;
     aoi_star star;
-    aoi_modal modal;
+    aoi_modes modes;
     aoi_full full;
     aoi_factors factors;
     double *u, *v; /* initial values in, final values out */
     double *work;
     double step_cost; /* rough nanoseconds */
     listener *ear;    /* of the scene */
-} player;
+} scene_body;
 
 static PyObject *item(PyObject *tuple, Py_ssize_t i) { return PyTuple_GetItem(tuple, i); }
 
 /* The last four of a body's tuple: gravity (or None), centre, u, v, of n coordinates each. */
-static aoi_start take_start(held *buffers, PyObject *tuple, size_t n, player *one)
+static aoi_body_start take_start(held *buffers, PyObject *tuple, size_t n, scene_body *one)
 {
     const Py_ssize_t at = PyTuple_Size(tuple) - 4;
-    aoi_start start = {NULL, NULL, NULL, NULL, NULL};
+    aoi_body_start start = {NULL, NULL, NULL, NULL, NULL};
     if (item(tuple, at) != Py_None) {
         start.gravity = doubles(buffers, item(tuple, at), "gravity", &n);
     }
@@ -37,18 +35,18 @@ static aoi_start take_start(held *buffers, PyObject *tuple, size_t n, player *on
     return start;
 }
 
-static double *take_work(held *buffers, size_t size)
+static void *take_memory(held *buffers, size_t bytes)
 {
-    double *work = buffers->failed ? NULL : malloc((size + 1) * sizeof(double));
-    if (!buffers->failed && !work) {
+    void *memory = buffers->failed ? NULL : malloc(bytes + 1);
+    if (!buffers->failed && !memory) {
         buffers->failed = 1;
         PyErr_NoMemory();
     }
-    return work;
+    return memory;
 }
 
 /* ("star", m0, k0, m, k, alpha, beta, gravity, centre, u, v) */
-static int take_star(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
+static int take_star(held *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
 {
     size_t n = (size_t)-1;
     aoi_star *star = &one->star;
@@ -59,8 +57,8 @@ static int take_star(held *buffers, PyObject *tuple, player *one, const aoi_newm
     star->n = n;
     const aoi_rayleigh damping = {PyFloat_AsDouble(item(tuple, 5)),
                                   PyFloat_AsDouble(item(tuple, 6))};
-    const aoi_start start = take_start(buffers, tuple, n + 1, one);
-    one->work = take_work(buffers, buffers->failed ? 0 : aoi_body_star_size(n));
+    const aoi_body_start start = take_start(buffers, tuple, n + 1, one);
+    one->work = take_memory(buffers, buffers->failed ? 0 : aoi_body_star_size(n) * sizeof(double));
     one->step_cost = 40.0 + 4.0 * (double)n;
     return buffers->failed
                ? AOI_OK
@@ -68,35 +66,37 @@ static int take_star(held *buffers, PyObject *tuple, player *one, const aoi_newm
 }
 
 /* ("modal", omega, decay, participation, residual, force or None, gravity, centre, u, v) */
-static int take_modal(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
+static int take_modal(held *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
 {
     size_t n = (size_t)-1, square = (size_t)-1, ports = 0;
-    aoi_modal *modal = &one->modal;
-    modal->omega = doubles(buffers, item(tuple, 1), "omega", &n);
-    modal->decay = doubles(buffers, item(tuple, 2), "decay", &n);
-    modal->residual = doubles(buffers, item(tuple, 4), "residual", &square);
+    aoi_modes *modes = &one->modes;
+    modes->omega = doubles(buffers, item(tuple, 1), "omega", &n);
+    modes->decay = doubles(buffers, item(tuple, 2), "decay", &n);
+    modes->residual = doubles(buffers, item(tuple, 4), "residual", &square);
     while (!buffers->failed && ports * ports < square) {
         ports++;
     }
     size_t all = ports * n;
-    modal->participation = doubles(buffers, item(tuple, 3), "participation", &all);
-    modal->n = n;
-    modal->ports = ports;
-    aoi_start start = take_start(buffers, tuple, n, one);
+    modes->shape = modes->push = doubles(buffers, item(tuple, 3), "participation", &all);
+    modes->n = n;
+    modes->ports = ports;
+    aoi_body_start start = take_start(buffers, tuple, n, one);
+    modes->gravity = start.gravity;
+    modes->centre = start.centre;
     if (item(tuple, 5) != Py_None) {
         size_t both = 2 * ports;
         start.force = doubles(buffers, item(tuple, 5), "force", &both);
     }
-    one->work = take_work(buffers, buffers->failed ? 0 : aoi_body_modal_size(n, ports));
+    one->work = take_memory(buffers, buffers->failed ? 0 : aoi_body_modal_size(n, ports) * sizeof(double));
     one->step_cost = 40.0 + 4.0 * (double)(n * (1 + ports));
     if (buffers->failed || ports * ports != square) {
         return AOI_ERROR_ARGUMENT;
     }
-    return aoi_body_start_modal(&one->body, modal, rule, &start, one->work);
+    return aoi_body_start_modal(&one->body, modes, rule, &start, one->work);
 }
 
 /* ("full", K, M, b, alpha, beta, factors, gravity, centre, u, v) */
-static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
+static int take_full(held *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
 {
     aoi_full *full = &one->full;
     size_t rows = (size_t)-1, all = (size_t)-1;
@@ -108,7 +108,7 @@ static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newm
     full->b = b;
     full->ports = all / rows;
     const size_t size = aoi_body_full_size(rows, full->ports);
-    one->work = take_work(buffers, size + rows);
+    one->work = take_memory(buffers, (size + rows) * sizeof(double));
     if (buffers->failed) {
         return AOI_OK;
     }
@@ -122,7 +122,7 @@ static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newm
     }
     full->damping.alpha = PyFloat_AsDouble(item(tuple, 4));
     full->damping.beta = PyFloat_AsDouble(item(tuple, 5));
-    const aoi_start start = take_start(buffers, tuple, rows, one);
+    const aoi_body_start start = take_start(buffers, tuple, rows, one);
     if (buffers->failed || status != AOI_OK) {
         return status;
     }
@@ -135,12 +135,12 @@ static int take_full(held *buffers, PyObject *tuple, player *one, const aoi_newm
     return status;
 }
 
-static int take_player(held *buffers, PyObject *tuple, player *one, const aoi_newmark *rule)
+static int take_body(held *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
 {
     static const struct {
         const char *kind;
         Py_ssize_t size;
-        int (*take)(held *, PyObject *, player *, const aoi_newmark *);
+        int (*take)(held *, PyObject *, scene_body *, const aoi_rule *);
     } kinds[] = {{"star", 11, take_star}, {"modal", 10, take_modal}, {"full", 11, take_full}};
     PyObject *first = PyTuple_Check(tuple) && PyTuple_Size(tuple) > 0 ? item(tuple, 0) : Py_None;
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
@@ -175,7 +175,7 @@ static int take_contact(held *buffers, PyObject *tuple, aoi_contact *contact, ao
 }
 
 /* (body, port, times, forces) */
-static void take_load(held *buffers, PyObject *tuple, aoi_load *load)
+static void take_load(held *buffers, PyObject *tuple, aoi_scene_load *load)
 {
     size_t count = (size_t)-1;
     need_tuple(buffers, tuple, 4);
@@ -184,51 +184,52 @@ static void take_load(held *buffers, PyObject *tuple, aoi_load *load)
     }
     load->body = PyLong_AsSize_t(item(tuple, 0));
     load->port = PyLong_AsSize_t(item(tuple, 1));
-    load->time = doubles(buffers, item(tuple, 2), "times of a load", &count);
-    load->force = doubles(buffers, item(tuple, 3), "forces of a load", &count);
-    load->count = count;
+    load->ports = 1;
+    load->load.time = doubles(buffers, item(tuple, 2), "times of a load", &count);
+    load->load.force = doubles(buffers, item(tuple, 3), "forces of a load", &count);
+    load->load.count = count;
 }
 
 /* All that a scene is made of. */
-typedef struct cast {
-    player *player;
+typedef struct scene_parts {
+    scene_body *body_of;
     aoi_body **body;
     aoi_contact *contact;
     aoi_law *law;
-    aoi_load *load;
+    aoi_scene_load *load;
     aoi_scene scene;
     double step_cost;
     listener ear;
-} cast;
+} scene_parts;
 
-static void cast_release(cast *all, int copy)
+static void parts_release(scene_parts *all, int copy)
 {
-    for (size_t b = 0; all->player && b < all->scene.body_count; b++) {
-        player *one = &all->player[b];
+    for (size_t b = 0; all->body_of && b < all->scene.body_count; b++) {
+        scene_body *one = &all->body_of[b];
         if (copy) {
             one->body.copy_state(&one->body, one->u, one->v);
         }
         free(one->work);
     }
-    free(all->player);
+    free(all->body_of);
     free(all->body);
     free(all->contact);
     free(all->law);
     free(all->load);
-    free(all->scene.work);
+    free(all->scene.memory);
     free(all->scene.first_port);
 }
 
-static int cast_allocate(cast *all)
+static int parts_allocate(scene_parts *all)
 {
     const aoi_scene *scene = &all->scene;
-    all->player = calloc(scene->body_count + 1, sizeof *all->player);
+    all->body_of = calloc(scene->body_count + 1, sizeof *all->body_of);
     all->body = calloc(scene->body_count + 1, sizeof *all->body);
     all->contact = calloc(scene->contact_count + 1, sizeof *all->contact);
     all->law = calloc(scene->contact_count + 1, sizeof *all->law);
     all->load = calloc(scene->load_count + 1, sizeof *all->load);
     all->scene.first_port = calloc(scene->body_count + 1, sizeof *scene->first_port);
-    if (!all->player || !all->body || !all->contact || !all->law || !all->load ||
+    if (!all->body_of || !all->body || !all->contact || !all->law || !all->load ||
         !scene->first_port) {
         PyErr_NoMemory();
         return 0;
@@ -237,16 +238,16 @@ static int cast_allocate(cast *all)
 }
 
 /* Bodies, contacts and loads from their tuples. */
-static int cast_take(held *buffers, cast *all, PyObject *bodies, PyObject *contacts,
-                     PyObject *loads, const aoi_newmark *rule)
+static int parts_take(held *buffers, scene_parts *all, PyObject *bodies, PyObject *contacts,
+                     PyObject *loads, const aoi_rule *rule)
 {
     aoi_scene *scene = &all->scene;
     int status = AOI_OK;
     listener_open(&all->ear);
     for (size_t b = 0; b < scene->body_count && status == AOI_OK && !buffers->failed; b++) {
-        player *one = &all->player[b];
+        scene_body *one = &all->body_of[b];
         one->ear = &all->ear;
-        status = take_player(buffers, item(bodies, (Py_ssize_t)b), one, rule);
+        status = take_body(buffers, item(bodies, (Py_ssize_t)b), one, rule);
         all->body[b] = &one->body;
         all->step_cost += one->step_cost;
     }
@@ -266,13 +267,13 @@ static int cast_take(held *buffers, cast *all, PyObject *bodies, PyObject *conta
         status = aoi_scene_check(scene);
     }
     if (status == AOI_OK) {
-        scene->work = take_work(buffers, buffers->failed ? 0 : aoi_scene_size(scene));
+        scene->memory = take_memory(buffers, buffers->failed ? 0 : aoi_scene_size(scene));
     }
     return status;
 }
 
 /* Runs the steps in chunks without the GIL; between them signals are heard. */
-static int run_in_chunks(cast *all, double *record, size_t columns, size_t *done)
+static int run_in_chunks(scene_parts *all, double *record, size_t columns, size_t *done)
 {
     const double in_20_ms = 2e7 / all->step_cost;
     const size_t chunk = in_20_ms < 1.0 ? 1 : (size_t)in_20_ms, steps = columns - 1;
@@ -297,8 +298,8 @@ PyObject *newmark_scene(PyObject *self, PyObject *args)
 {
     PyObject *bodies, *contacts, *loads, *record_out, *start_force;
     held buffers = {.failed = 0};
-    cast all = {.step_cost = 40.0};
-    aoi_newmark rule;
+    scene_parts all = {.step_cost = 40.0};
+    aoi_rule rule;
     (void)self;
     if (!PyArg_ParseTuple(args, "O!O!O!dddOpO", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
                           &PyTuple_Type, &loads, &rule.dt, &rule.beta, &rule.gamma, &record_out,
@@ -317,9 +318,9 @@ PyObject *newmark_scene(PyObject *self, PyObject *args)
         size_t count = scene->contact_count;
         scene->start_force = doubles(&buffers, start_force, "start_force", &count);
     }
-    buffers.failed = buffers.failed || !cast_allocate(&all);
+    buffers.failed = buffers.failed || !parts_allocate(&all);
     if (!buffers.failed) {
-        status = cast_take(&buffers, &all, bodies, contacts, loads, &rule);
+        status = parts_take(&buffers, &all, bodies, contacts, loads, &rule);
     }
     if (!buffers.failed && status == AOI_OK) {
         const size_t rows = aoi_scene_rows(scene), columns = rows > 0 ? values / rows : 0;
@@ -331,7 +332,7 @@ PyObject *newmark_scene(PyObject *self, PyObject *args)
         raise_of_laws(status, "Newmark step", rule.dt * (double)(done + 1), all.law,
                       scene->contact_count);
     }
-    cast_release(&all, !buffers.failed && !PyErr_Occurred());
+    parts_release(&all, !buffers.failed && !PyErr_Occurred());
     held_release(&buffers);
     if (buffers.failed || PyErr_Occurred()) {
         return NULL;

@@ -14,7 +14,7 @@ PyObject *static_held(PyObject *self, PyObject *args)
     }
     const double *b = doubles(&buffers, b_in, "b", &n);
     double *x = doubles_out(&buffers, x_out, "x", &n);
-    const int status = buffers.failed ? AOI_OK : aoi_static_held(n, b, x, &stiffness);
+    const int status = buffers.failed ? AOI_OK : aoi_static_constrained(n, b, x, &stiffness);
     PyObject *done = finish(&buffers, status, "static mode");
     Py_XDECREF(done);
     return done ? PyFloat_FromDouble(stiffness) : NULL;

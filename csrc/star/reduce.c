@@ -6,7 +6,7 @@
 #include <float.h>
 #include <math.h>
 
-int aoi_static_held(size_t n, const double *b, double *x, double *stiffness)
+int aoi_static_constrained(size_t n, const double *b, double *x, double *stiffness)
 {
     const double compliance = aoi_vector_dot(n, b, x);
     if (!(aoi_vector_dot(n, b, b) > 0.0)) {

@@ -1,14 +1,15 @@
-/* From the matrices of a body to its anti-oscillators: section 2 of the paper. */
+/* From the matrices of a body to its anti-oscillators: section 2 of the paper. Dense matrices by
+ * columns. */
 #ifndef AOI_STAR_REDUCE_H
 #define AOI_STAR_REDUCE_H
 
 #include "aoimpact.h"
 
-/* Static mode of a held body, eqs. (2), (3), (11). In: b, the contact functional (u = b^T X), and
+/* Static mode of a constrained body, eqs. (2), (3), (11). In: b, the contact functional (u = b^T X), and
  * x = K^-1 b, n doubles each. Out: x becomes phi_st = K^-1 b / (b^T K^-1 b), so b^T phi_st = 1;
  * stiffness gets k0 = 1 / (b^T K^-1 b). AOI_ERROR_UNREACHED if b is zero, AOI_ERROR_NOT_POSITIVE if
- * b^T K^-1 b <= 0 (K is no stiffness of a held body). */
-int aoi_static_held(size_t n, const double *b, double *x, double *stiffness);
+ * b^T K^-1 b <= 0 (K is no stiffness of a constrained body). */
+int aoi_static_constrained(size_t n, const double *b, double *x, double *stiffness);
 
 /* Static mode of a free body: the rigid-body motion that b excites, phi_st = R r / (r^T r) with
  * R (n x rigid_count, M-orthonormal) and r = R^T b. Its mass is 1 / (r^T r) and its k0 is zero. The

@@ -2,8 +2,7 @@
 #ifndef AOI_TRACK_BRIEF_H
 #define AOI_TRACK_BRIEF_H
 
-#include "track/sampler.h"
-#include "adaptive/adaptive.h"
+#include "aoimpact.h"
 
 /* What many impacts are compared by. */
 typedef struct aoi_brief {
@@ -14,11 +13,11 @@ typedef struct aoi_brief {
     int lasting; /* the record ends in contact */
 } aoi_brief;
 
-/* Makes a run of two bodies and one joint from its beginning to its end, and sums it up. run: as for
- * aoi_adaptive_start. track, index: room for capacity doubles and most rows, overwritten. sampler: its
- * places and work. record: aoi_sampler_rows doubles, overwritten. Errors as aoi_adaptive_run, and
- * AOI_ERROR_TOO_LONG where the track has no room for the run. */
-int aoi_brief_run(aoi_adaptive *run, size_t capacity, size_t most, double *track, size_t *index,
-                  aoi_sampler *sampler, double *record, aoi_brief *brief);
+/* Makes an adaptive run of a linked system of two bodies and one contact, in a track of so many rows at most,
+ * and sums it up. memory: aoi_brief_size bytes, overwritten. Errors as aoi_adaptive_start and
+ * aoi_adaptive_finish. */
+size_t aoi_brief_size(const aoi_system *system, size_t rows);
+int aoi_brief_run(const aoi_system *system, const aoi_start *start, double rtol, double end, size_t rows,
+                  void *memory, aoi_brief *brief);
 
 #endif

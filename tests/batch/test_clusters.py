@@ -1,6 +1,6 @@
 """Sweeps on clusters: dask's and MPI's executors return the bits of a single thread.
 
-They run where the packages are installed; .ci/run sets AOIMPACT_CLUSTERS, and then they must be.
+They run where the packages are installed; .ci/full sets AOIMPACT_CLUSTERS, and then they must be.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ enum {
     VELOCITY
 };
 
-enum { PAIR_WORK = 300 };
+enum { PAIR_WORK = 400 };
 
 typedef struct pair {
     aoi_body *body[2];
@@ -74,10 +74,10 @@ static inline void pair_make(pair *p, aoi_body *projectile, aoi_body *target, co
                            .body = p->body,
                            .contact = &p->contact,
                            .energies = 1,
-                           .work = p->work,
+                           .memory = p->work,
                            .first_port = p->first_port};
     CHECK(aoi_scene_check(&p->scene) == AOI_OK && aoi_scene_rows(&p->scene) == ROWS &&
-              aoi_scene_size(&p->scene) <= PAIR_WORK,
+              aoi_scene_size(&p->scene) <= sizeof p->work,
           "room to work in");
 }
 

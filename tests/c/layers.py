@@ -37,7 +37,8 @@ def wrong_includes() -> list[str]:
 
 
 def symbols(folder: Path, kind: str) -> set[str]:
-    files = [str(path) for path in folder.glob("*.o")]
+    sources = {path.stem for path in (CORE / folder.name).glob("*.c")}
+    files = [str(path) for path in folder.glob("*.o") if path.stem in sources]
     told = subprocess.run(["nm", "-g", *files], capture_output=True, text=True, check=True).stdout
     return set(re.findall(rf"^[\da-f ]* {kind} _?(aoi_\w+)$", told, re.MULTILINE))
 

@@ -49,9 +49,9 @@ static inline double integral(double (*f)(const void *data, double x), const voi
 static inline double through_nodes(const double *values, double x)
 {
     double sum = 0.0;
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         double cardinal = 1.0;
-        for (size_t k = 0; k < AOI_STAGES; k++) {
+        for (size_t k = 0; k < AOI_NODES; k++) {
             if (k != i) {
                 cardinal *= (x - aoi_radau_node[k]) / (aoi_radau_node[i] - aoi_radau_node[k]);
             }

@@ -4,11 +4,8 @@
 #define AOIMPACT_TEST_PLANT_H
 
 #include "check.h"
-#include "model/coupled.h"
-#include "motion/response.h"
-#include "collocation/collocation.h"
-#include "adaptive/adaptive.h"
-#include "track/sampler.h"
+#include "adaptive/run.h"
+#include "aoimpact.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +14,7 @@
 #define MOST_BODIES 6
 #endif
 
-enum { MOST_MODES = 12, MOST_PORTS = 3, MOST_LOADS = 4, MOST_JOINTS = MOST_BODIES };
+enum { MOST_MODES = 12, MOST_PORTS = 3, MOST_LOADS = 4, MOST_CONTACTS = MOST_BODIES };
 enum { ALL_MODES = MOST_MODES * MOST_BODIES, TRACK_ROOM = 4000000, ROW_ROOM = 40000 };
 
 /* A body: the arrays of its aoi_modes, and how it starts. */
@@ -34,22 +31,18 @@ typedef struct part {
 typedef struct plant {
     part part[MOST_BODIES];
     aoi_modes body[MOST_BODIES];
-    size_t first[MOST_BODIES + 1], first_port[MOST_BODIES + 1], bodies, joints;
-    size_t first_joint[MOST_BODIES + 1], joint_of[2 * MOST_JOINTS];
-    aoi_joint joint[MOST_JOINTS];
+    size_t bodies, contacts;
+    aoi_contact contact[MOST_CONTACTS];
     aoi_system system;
+    size_t links[3 * (MOST_BODIES + 2) + 2 * MOST_CONTACTS + 2];
     double x[ALL_MODES], v[ALL_MODES];
-    aoi_follower follower[MOST_BODIES];
-    aoi_contact_state contact[MOST_JOINTS];
-    aoi_stage stage[MOST_JOINTS];
-    aoi_contact balanced[MOST_JOINTS];
+    int rested;
+    aoi_adaptive *run;
+    aoi_track track;
+    aoi_sampler *sampler;
+    aoi_contact_step entry[MOST_CONTACTS]; /* a step by itself */
     aoi_response response[MOST_BODIES];
-    aoi_adaptive run;
-    double *work, *track;
-    size_t *index, *lists, used, rows;
-    aoi_sampler sampler;
-    size_t held[2 * (MOST_BODIES + MOST_JOINTS)];
-    double *sampler_work;
+    double *work;
 } plant;
 
 static inline aoi_modes part_modes(const part *of)
@@ -64,9 +57,7 @@ static inline aoi_modes part_modes(const part *of)
                        .gravity = of->pulled ? of->gravity : NULL,
                        .inertia = of->inertia,
                        .centre = of->centre,
-                       .load_count = of->load_count,
-                       .load_time = of->load_count > 0 ? of->load_time : NULL,
-                       .load_force = of->load_count > 0 ? of->load_force : NULL};
+                       .load = {of->load_count, of->load_time, of->load_force}};
 }
 
 static inline part *add_rigid(plant *p, double mass, double velocity)
@@ -111,7 +102,7 @@ static inline part *add_ringing(plant *p, size_t n, size_t ports, double mass, d
 static inline void join(plant *p, size_t one, size_t port, size_t other, size_t other_port, double gap,
                         const aoi_law *law)
 {
-    p->joint[p->joints++] = (aoi_joint){{one, other}, {port, other_port}, gap, law};
+    p->contact[p->contacts++] = (aoi_contact){{one, other}, {port, other_port}, gap, law};
 }
 
 static inline void join_rigid(plant *p, size_t one, size_t other, double gap, const aoi_law *law)
@@ -130,61 +121,51 @@ static inline aoi_law law_named(const char *name, size_t count, double a, double
 static inline aoi_law hertz(double k) { return law_named("hertz", 1, k, 0.0, 0.0); }
 static inline aoi_law linear(double k) { return law_named("linear", 1, k, 0.0, 0.0); }
 
-/* The system, from what was added. */
-static inline void lay_out(plant *p)
+/* The system, from what was added; what linking it says. */
+static inline int lay_out(plant *p)
 {
-    p->first[0] = p->first_port[0] = 0;
     for (size_t b = 0; b < p->bodies; b++) {
         p->body[b] = part_modes(&p->part[b]);
-        p->first[b + 1] = p->first[b] + p->part[b].n;
-        p->first_port[b + 1] = p->first_port[b] + p->part[b].ports;
-        memcpy(p->x + p->first[b], p->part[b].x, p->part[b].n * sizeof(double));
-        memcpy(p->v + p->first[b], p->part[b].v, p->part[b].n * sizeof(double));
     }
-    p->system = (aoi_system){.body_count = p->bodies, .joint_count = p->joints, .body = p->body};
-    p->system.first = p->first;
-    p->system.first_port = p->first_port;
-    p->system.joint = p->joint;
-    CHECK(aoi_system_link(&p->system, p->first_joint, p->joint_of) == AOI_OK, "all bodies are there");
+    p->system = (aoi_system){.body_count = p->bodies, .contact_count = p->contacts, .body = p->body};
+    p->system.contact = p->contact;
+    CHECK(aoi_system_size(&p->system) <= sizeof p->links, "room for links");
+    const int status = aoi_system_link(&p->system, p->links);
+    for (size_t b = 0; status == AOI_OK && b < p->bodies; b++) {
+        memcpy(p->x + p->system.first[b], p->part[b].x, p->part[b].n * sizeof(double));
+        memcpy(p->v + p->system.first[b], p->part[b].v, p->part[b].n * sizeof(double));
+    }
+    return status;
 }
 
 static inline int begin(plant *p, double rtol, double end)
 {
-    size_t work, lists, row;
-    lay_out(p);
-    aoi_adaptive_size(&p->system, &work, &lists, &row);
-    p->work = malloc(work * sizeof(double));
-    p->lists = malloc(lists * sizeof(size_t));
-    p->track = malloc(TRACK_ROOM * sizeof(double));
-    p->index = malloc(ROW_ROOM * sizeof(size_t));
-    p->sampler_work = malloc(aoi_sampler_size(&p->system) * sizeof(double));
-    p->used = p->rows = 0;
-    p->run = (aoi_adaptive){.system = &p->system, .rtol = rtol, .end = end};
-    p->run.x = p->x;
-    p->run.v = p->v;
-    p->run.body = p->follower;
-    p->run.contact = p->contact;
-    p->run.stage = p->stage;
-    p->run.balanced = p->balanced;
-    p->run.response = p->response;
-    p->run.work = p->work;
-    p->run.lists = p->lists;
-    return aoi_adaptive_start(&p->run);
+    const int status = lay_out(p);
+    const aoi_start start = {p->x, p->v, p->rested};
+    if (status != AOI_OK) {
+        return status;
+    }
+    p->run = malloc(aoi_adaptive_size(&p->system));
+    p->sampler = malloc(aoi_sampler_size(&p->system));
+    p->track = (aoi_track){.capacity = TRACK_ROOM, .row_capacity = ROW_ROOM};
+    p->track.values = malloc(TRACK_ROOM * sizeof(double));
+    p->track.row = malloc(ROW_ROOM * sizeof(size_t));
+    return aoi_adaptive_start(p->run, &p->system, &start, rtol, end);
+}
+
+/* x and v as the run has left them. */
+static inline void keep_state(plant *p)
+{
+    memcpy(p->x, p->run->x, p->system.first[p->bodies] * sizeof(double));
+    memcpy(p->v, p->run->v, p->system.first[p->bodies] * sizeof(double));
 }
 
 static inline int go(plant *p, double rtol, double end)
 {
     int status = begin(p, rtol, end);
-    for (double before = -1.0; status == AOI_OK && p->run.time > before && p->run.time < end;) {
-        size_t used, rows;
-        before = p->run.time;
-        status = aoi_adaptive_run(&p->run, TRACK_ROOM - p->used, ROW_ROOM - p->rows, p->track + p->used,
-                                  p->index + p->rows, &used, &rows);
-        for (size_t i = 0; i < rows; i++) {
-            p->index[p->rows + i] += p->used;
-        }
-        p->used += used;
-        p->rows += rows;
+    if (status == AOI_OK) {
+        status = aoi_adaptive_finish(p->run, &p->track);
+        keep_state(p);
     }
     return status;
 }
@@ -192,30 +173,22 @@ static inline int go(plant *p, double rtol, double end)
 static inline void must_go(plant *p, double rtol, double end)
 {
     const int status = go(p, rtol, end);
-    CHECK(status == AOI_OK, "it runs: status %d at %g", status, p->run.time);
-    CHECK(p->run.time == end, "to the end: %.17g of %g", p->run.time, end);
+    CHECK(status == AOI_OK, "it runs: status %d at %g", status, p->run->time);
+    CHECK(p->run->time == end, "to the end: %.17g of %g", p->run->time, end);
 }
 
 static inline void release(plant *p)
 {
+    free(p->run);
+    free(p->sampler);
+    free(p->track.values);
+    free(p->track.row);
     free(p->work);
-    free(p->lists);
-    free(p->track);
-    free(p->index);
-    free(p->sampler_work);
 }
 
 static inline int open_sampler(plant *p)
 {
-    p->sampler = (aoi_sampler){.system = &p->system, .size = p->used, .rows = p->rows};
-    p->sampler.track = p->track;
-    p->sampler.index = p->index;
-    p->sampler.body_row = p->held;
-    p->sampler.body_at = p->held + MOST_BODIES;
-    p->sampler.contact_row = p->held + 2 * MOST_BODIES;
-    p->sampler.contact_at = p->sampler.contact_row + MOST_JOINTS;
-    p->sampler.work = p->sampler_work;
-    return aoi_sampler_start(&p->sampler);
+    return aoi_sampler_start(p->sampler, &p->system, &p->track);
 }
 
 /* ------------------------------------------------------------------------- the second method */
@@ -241,7 +214,7 @@ static inline double displacement_of(const plant *p, size_t b, size_t port, cons
 {
     double sum = 0.0;
     for (size_t j = 0; j < p->part[b].n; j++) {
-        sum += p->part[b].shape[port * p->part[b].n + j] * x[p->first[b] + j];
+        sum += p->part[b].shape[port * p->part[b].n + j] * x[p->system.first[b] + j];
     }
     return sum;
 }
@@ -256,8 +229,8 @@ static inline void accelerations(const plant *p, double time, const double *x, c
             force[b][q] = load_on(&p->part[b], q, time);
         }
     }
-    for (size_t c = 0; c < p->joints; c++) {
-        const aoi_joint *of = &p->joint[c];
+    for (size_t c = 0; c < p->contacts; c++) {
+        const aoi_contact *of = &p->contact[c];
         const double d = displacement_of(p, of->body[0], of->port[0], x) -
                          displacement_of(p, of->body[1], of->port[1], x) - of->gap;
         const double rate = displacement_of(p, of->body[0], of->port[0], v) -
@@ -271,7 +244,7 @@ static inline void accelerations(const plant *p, double time, const double *x, c
     for (size_t b = 0; b < p->bodies; b++) {
         const part *of = &p->part[b];
         for (size_t j = 0; j < of->n; j++) {
-            const size_t at = p->first[b] + j;
+            const size_t at = p->system.first[b] + j;
             a[at] = (of->pulled ? of->gravity[j] : 0.0) - of->omega[j] * of->omega[j] * x[at] -
                     (of->damped ? 2.0 * of->decay[j] * v[at] : 0.0);
             for (size_t q = 0; q < of->ports; q++) {
@@ -286,8 +259,8 @@ static inline void runge_kutta(plant *p, double end, size_t steps, double *x, do
 {
     const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
     const double h = end / (double)steps;
-    lay_out(p);
-    const size_t n = p->first[p->bodies];
+    CHECK(lay_out(p) == AOI_OK, "a sound system");
+    const size_t n = p->system.first[p->bodies];
     memcpy(x, p->x, n * sizeof(double));
     memcpy(v, p->v, n * sizeof(double));
     for (size_t i = 0; i < steps; i++) {

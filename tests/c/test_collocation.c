@@ -12,46 +12,46 @@
 
 enum { MOST_WORK = 200000 };
 
-/* All joints closed, at the beginning of a step of length h from the plant's start, solved. */
+/* All contacts closed, at the beginning of a step of length h from the plant's start, solved. */
 static int solve_at_edge(plant *p, double h, size_t span, int with_rates, enum aoi_edge edge)
 {
     static double work[MOST_WORK];
-    CHECK(aoi_collocation_size(p->joints, span) <= MOST_WORK, "room");
+    CHECK(aoi_collocation_size(p->contacts, span) <= MOST_WORK, "room");
     for (size_t b = 0; b < p->bodies; b++) {
         double *block = p->work + b * 20000;
         CHECK(aoi_response_size(&p->body[b]) < 20000, "room");
         aoi_response_make(&p->response[b], &p->body[b], h, with_rates, block);
     }
-    for (size_t c = 0; c < p->joints; c++) {
-        const aoi_joint *joint = &p->joint[c];
-        double rate = 0.0, start = -joint->gap;
-        aoi_stage *stage = &p->stage[c];
-        *stage = (aoi_stage){.joint = c, .piece = 0, .edge = edge};
+    for (size_t c = 0; c < p->contacts; c++) {
+        const aoi_contact *contact = &p->contact[c];
+        double rate = 0.0, start = -contact->gap;
+        aoi_contact_step *entry = &p->entry[c];
+        *entry = (aoi_contact_step){.contact = c, .piece = 0, .edge = edge};
         for (int side = 0; side < 2; side++) {
             const double sign = side == 0 ? 1.0 : -1.0;
-            const size_t b = joint->body[side];
-            start += sign * displacement_of(p, b, joint->port[side], p->x);
-            rate += sign * displacement_of(p, b, joint->port[side], p->v);
+            const size_t b = contact->body[side];
+            start += sign * displacement_of(p, b, contact->port[side], p->x);
+            rate += sign * displacement_of(p, b, contact->port[side], p->v);
         }
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            stage->homogeneous[i] = start;
+        for (size_t i = 0; i < AOI_NODES; i++) {
+            entry->homogeneous[i] = start;
         }
         for (int side = 0; side < 2; side++) {
-            const size_t b = joint->body[side], at = p->first[b];
-            aoi_response_homogeneous(&p->response[b], &p->body[b], joint->port[side],
+            const size_t b = contact->body[side], at = p->system.first[b];
+            aoi_response_homogeneous(&p->response[b], &p->body[b], contact->port[side],
                                      side == 0 ? 1.0 : -1.0, 0.0, p->x + at, p->v + at,
-                                     stage->homogeneous, stage->homogeneous_rate);
+                                     entry->homogeneous, entry->homogeneous_rate);
         }
-        stage->start = start;
-        stage->start_rate = rate;
-        stage->scale = fabs(start);
-        for (size_t i = 0; i < AOI_STAGES; i++) {
-            stage->indentation[i] = stage->homogeneous[i];
-            stage->rate[i] = stage->homogeneous_rate[i];
-            stage->scale = fmax(stage->scale, fabs(stage->homogeneous[i]));
+        entry->start = start;
+        entry->start_rate = rate;
+        entry->scale = fabs(start);
+        for (size_t i = 0; i < AOI_NODES; i++) {
+            entry->indentation[i] = entry->homogeneous[i];
+            entry->rate[i] = entry->homogeneous_rate[i];
+            entry->scale = fmax(entry->scale, fabs(entry->homogeneous[i]));
         }
     }
-    return aoi_collocation_solve(&p->system, p->response, h, p->joints, span, p->stage, work);
+    return aoi_collocation_solve(&p->system, p->response, h, p->contacts, span, p->entry, work);
 }
 
 static int solve(plant *p, double h, size_t span, int with_rates)
@@ -62,19 +62,19 @@ static int solve(plant *p, double h, size_t span, int with_rates)
 /* A plant with room for responses. */
 static void prepare(plant *p)
 {
-    lay_out(p);
+    CHECK(lay_out(p) == AOI_OK, "a sound system");
     p->work = malloc(MOST_BODIES * 20000 * sizeof(double));
 }
 
 /* The forces of the solved step on the ports of a body. */
 static void forces_on(const plant *p, size_t b, double *force)
 {
-    memset(force, 0, MOST_PORTS * AOI_STAGES * sizeof *force);
-    for (size_t c = 0; c < p->joints; c++) {
+    memset(force, 0, MOST_PORTS * AOI_NODES * sizeof *force);
+    for (size_t c = 0; c < p->contacts; c++) {
         for (int side = 0; side < 2; side++) {
-            if (p->joint[c].body[side] == b) {
-                aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, p->stage[c].force,
-                               force + p->joint[c].port[side] * AOI_STAGES);
+            if (p->contact[c].body[side] == b) {
+                aoi_vector_add(AOI_NODES, side == 0 ? -1.0 : 1.0, p->entry[c].force,
+                               force + p->contact[c].port[side] * AOI_NODES);
             }
         }
     }
@@ -84,10 +84,10 @@ static void forces_on(const plant *p, size_t b, double *force)
 static void take_step(plant *p)
 {
     for (size_t b = 0; b < p->bodies; b++) {
-        double force[MOST_PORTS * AOI_STAGES];
+        double force[MOST_PORTS * AOI_NODES];
         forces_on(p, b, force);
-        aoi_response_propagate(&p->response[b], &p->body[b], 0.0, force, p->x + p->first[b],
-                               p->v + p->first[b]);
+        aoi_response_propagate(&p->response[b], &p->body[b], 0.0, force, p->x + p->system.first[b],
+                               p->v + p->system.first[b]);
     }
 }
 
@@ -95,35 +95,35 @@ static void take_step(plant *p)
  * indentation. */
 static void check_solution(const plant *p, double h, const char *what)
 {
-    for (size_t c = 0; c < p->joints; c++) {
-        const aoi_joint *joint = &p->joint[c];
-        const aoi_stage *stage = &p->stage[c];
-        for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t c = 0; c < p->contacts; c++) {
+        const aoi_contact *contact = &p->contact[c];
+        const aoi_contact_step *entry = &p->entry[c];
+        for (size_t i = 0; i < AOI_NODES; i++) {
             aoi_law_value value;
-            aoi_law_force(joint->law, NULL, 0, stage->indentation[i], stage->rate[i], &value);
-            CHECK(near(stage->force[i], value.force, 1e-13), "%s: contact %zu, node %zu: the law", what, c, i);
-            double indentation = -joint->gap, rate = 0.0;
+            aoi_law_force(contact->law, NULL, 0, entry->indentation[i], entry->rate[i], &value);
+            CHECK(near(entry->force[i], value.force, 1e-13), "%s: contact %zu, node %zu: the law", what, c, i);
+            double indentation = -contact->gap, rate = 0.0;
             for (int side = 0; side < 2; side++) {
-                const size_t b = joint->body[side], n = p->part[b].n;
-                double x[MOST_MODES], v[MOST_MODES], force[MOST_PORTS * AOI_STAGES], u, du;
-                memcpy(x, p->x + p->first[b], n * sizeof(double));
-                memcpy(v, p->v + p->first[b], n * sizeof(double));
+                const size_t b = contact->body[side], n = p->part[b].n;
+                double x[MOST_MODES], v[MOST_MODES], force[MOST_PORTS * AOI_NODES], u, du;
+                memcpy(x, p->x + p->system.first[b], n * sizeof(double));
+                memcpy(v, p->v + p->system.first[b], n * sizeof(double));
                 forces_on(p, b, force);
-                aoi_modes_fly(&p->body[b], 0.0, h * aoi_radau_node[i], x, v);
+                aoi_modes_advance(&p->body[b], 0.0, h * aoi_radau_node[i], x, v);
                 aoi_response_push(&p->body[b], h, force, aoi_radau_node[i], x, v);
-                aoi_modes_port(&p->body[b], joint->port[side], x, v, &u, &du);
+                aoi_modes_port(&p->body[b], contact->port[side], x, v, &u, &du);
                 for (size_t q = 0; p->body[b].residual && q < p->body[b].ports; q++) {
-                    u += p->body[b].residual[joint->port[side] * p->body[b].ports + q] *
-                         force[q * AOI_STAGES + i];
+                    u += p->body[b].residual[contact->port[side] * p->body[b].ports + q] *
+                         force[q * AOI_NODES + i];
                 }
                 indentation += side == 0 ? u : -u;
                 rate += side == 0 ? du : -du;
             }
-            CHECK(fabs(stage->indentation[i] - indentation) < 1e-13 * stage->scale,
-                  "%s: contact %zu, node %zu: %.16g, not %.16g", what, c, i, stage->indentation[i],
+            CHECK(fabs(entry->indentation[i] - indentation) < 1e-13 * entry->scale,
+                  "%s: contact %zu, node %zu: %.16g, not %.16g", what, c, i, entry->indentation[i],
                   indentation);
-            if (joint->law->depends_on_rate) {
-                CHECK(fabs(stage->rate[i] - rate) < 1e-12, "%s: contact %zu, node %zu: rate", what, c, i);
+            if (contact->law->depends_on_rate) {
+                CHECK(fabs(entry->rate[i] - rate) < 1e-12, "%s: contact %zu, node %zu: rate", what, c, i);
             }
         }
     }
@@ -146,8 +146,8 @@ static void strangers_do_not_disturb_each_other(void)
     prepare(&alone);
     CHECK(solve(&both, 1e-5, 0, 0) == AOI_OK && solve(&alone, 1e-5, 0, 0) == AOI_OK, "solved");
     check_solution(&both, 1e-5, "two pairs");
-    for (size_t i = 0; i < AOI_STAGES; i++) {
-        CHECK(near(both.stage[1].force[i], alone.stage[0].force[i], 1e-14), "node %zu", i);
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        CHECK(near(both.entry[1].force[i], alone.entry[0].force[i], 1e-14), "node %zu", i);
     }
     free(both.work);
     free(alone.work);
@@ -175,9 +175,9 @@ static void contacts_that_share_bodies_are_solved_together(void)
         plant p = {.bodies = 0};
         make_row(&p, kind % 2 ? &viscous : &elastic, 0);
         if (kind >= 2) { /* in another order, so that those that share a body are two apart */
-            const aoi_joint kept = p.joint[1];
-            p.joint[1] = p.joint[2];
-            p.joint[2] = kept;
+            const aoi_contact kept = p.contact[1];
+            p.contact[1] = p.contact[2];
+            p.contact[2] = kept;
         }
         prepare(&p);
         CHECK(solve(&p, 2e-5, kind >= 2 ? 2 : 1, kind % 2) == AOI_OK, "solved");
@@ -243,7 +243,7 @@ static void the_estimate_is_the_error(void)
         prepare(&p);
         CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
         aoi_collocation_error estimate;
-        aoi_collocation_estimate(&p.system, p.response, h, &p.stage[0], &estimate);
+        aoi_collocation_estimate(&p.system, p.response, h, &p.entry[0], &estimate);
         take_step(&p);
         const double error = fabs(p.v[0] - v[0]), off = fabs(p.x[0] - x[0]);
         /* The defect's impulse does not yet know that the law answers to its own error. */
@@ -289,7 +289,7 @@ static void steps_at_the_edges_of_a_contact_are_right(void)
             const enum aoi_edge edge = end ? AOI_EDGE_END : AOI_EDGE_START;
             CHECK(solve_at_edge(&p, h, 0, 0, plain ? AOI_EDGE_NONE : edge) == AOI_OK, "solved");
             aoi_collocation_error estimate;
-            aoi_collocation_estimate(&p.system, p.response, h, &p.stage[0], &estimate);
+            aoi_collocation_estimate(&p.system, p.response, h, &p.entry[0], &estimate);
             take_step(&p);
             error[plain] = fmax(fabs(p.v[0] - (end ? -v : inner)) / v,
                                 fabs(p.x[0] - (end ? 0.0 : depth)) / reach);
@@ -317,12 +317,12 @@ static void the_tail_is_the_error_within_the_step(void)
         prepare(&p);
         CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
         aoi_collocation_error estimate;
-        aoi_collocation_estimate(&p.system, p.response, h, &p.stage[0], &estimate);
+        aoi_collocation_estimate(&p.system, p.response, h, &p.entry[0], &estimate);
         double worst = 0.0;
         for (int k = 0; k <= 100; k++) {
             double slope;
             const double t = 0.01 * k * h;
-            const double ours = aoi_legendre_evaluate(AOI_STAGES + 1, p.stage[0].legendre, 0.01 * k, &slope);
+            const double ours = aoi_legendre_evaluate(AOI_NODES + 1, p.entry[0].legendre, 0.01 * k, &slope);
             worst = fmax(worst, fabs(ours - x * cos(2.0 * t) - v / 2.0 * sin(2.0 * t)));
         }
         CHECK(estimate.tail > worst && estimate.tail < 100.0 * worst,
@@ -342,8 +342,8 @@ static void impulse_and_work_are_momentum_and_energy(void)
     join_rigid(&p, 0, 1, -2e-5, &law);
     prepare(&p);
     CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
-    const double impulse = aoi_collocation_impulse(&p.stage[0], h);
-    const double work = aoi_collocation_work(&p.stage[0]);
+    const double impulse = aoi_collocation_impulse(&p.entry[0], h);
+    const double work = aoi_collocation_work(&p.entry[0]);
     take_step(&p);
     double lost = 0.0;
     for (int b = 0; b < 2; b++) {
@@ -351,7 +351,7 @@ static void impulse_and_work_are_momentum_and_energy(void)
         lost += 0.5 * m[b] * (v[b] * v[b] - p.v[b] * p.v[b]);
     }
     CHECK(near(work, lost, 1e-9), "work %.15g, kinetic energy lost %.15g", work, lost);
-    CHECK(near(work, 0.4e9 * (pow(p.stage[0].indentation[AOI_STAGES - 1], 2.5) - pow(2e-5, 2.5)), 1e-9),
+    CHECK(near(work, 0.4e9 * (pow(p.entry[0].indentation[AOI_NODES - 1], 2.5) - pow(2e-5, 2.5)), 1e-9),
           "and stored in the law");
     free(p.work);
 }
@@ -366,9 +366,16 @@ static void not_force(const aoi_law *law, const double *memory, int piece, doubl
     value->force = value->stiffness = value->damping = (indentation + rate) * NAN;
 }
 
+static double no_energy(const aoi_law *law, const double *memory, double indentation)
+{
+    (void)law;
+    (void)memory;
+    return 0.0 * indentation;
+}
+
 static void no_number_is_no_solution(void)
 {
-    const aoi_law law = {.force = not_force, .limit = HUGE_VAL};
+    const aoi_law law = {.force = not_force, .potential = no_energy, .limit = HUGE_VAL};
     plant p = {.bodies = 0};
     add_rigid(&p, 1.0, 1.0);
     add_wall(&p);

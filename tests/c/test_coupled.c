@@ -10,11 +10,11 @@
 
 enum { MOST = 40, MOST_BAND = 6, WIDTH = 2 * MOST_BAND + 1 };
 
-static const aoi_newmark_step STEP = {.dt = 1e-6};
+static const aoi_rule_step STEP = {.dt = 1e-6};
 
 typedef struct equations {
     aoi_coupled e;
-    aoi_contact contact[MOST];
+    aoi_contact_state contact[MOST];
     aoi_law law[MOST];
     double compliance[MOST * WIDTH], rate_compliance[MOST * WIDTH];
     double free[MOST], rate_free[MOST], indentation[MOST], rate[MOST], force[MOST];

@@ -58,7 +58,7 @@ static void chain_body_fill(chain_body *c, int32_t n, double k_first, const doub
     c->full.solver = (aoi_solver){aoi_factors_solve, &c->factors};
 }
 
-static void chain_body_factorise(chain_body *c, aoi_newmark rule, const double *k, double k_first)
+static void chain_body_factorise(chain_body *c, aoi_rule rule, const double *k, double k_first)
 {
     const int32_t n = (int32_t)c->full.K.n;
     const double reach = rule.beta * rule.dt * rule.dt;
@@ -79,10 +79,10 @@ static void chain_body_factorise(chain_body *c, aoi_newmark rule, const double *
           (int)n);
 }
 
-static int chain_body_start(chain_body *c, aoi_newmark rule)
+static int chain_body_start(chain_body *c, aoi_rule rule)
 {
     CHECK(aoi_body_full_size(c->full.K.n, 1) <= 7 * MOST + 2, "room to work in");
-    const aoi_start begin = {c->u0, c->v0, c->centre, NULL, NULL};
+    const aoi_body_start begin = {c->u0, c->v0, c->centre, NULL, NULL};
     const int status = aoi_body_start_full(&c->body, &c->full, &rule, &begin, c->work);
     return status == AOI_OK ? begin_freely(&c->body) : status;
 }
@@ -91,13 +91,13 @@ static const double M_STAR[] = {0.3}, K_STAR[] = {4e8};
 
 /* One oscillator on a contact mass: m0, k0 and (m, k) are a chain of two masses, struck at the
  * first. */
-static void star_and_its_matrices_are_one_body(double k0, aoi_newmark rule, double scale)
+static void star_and_its_matrices_are_one_body(double k0, aoi_rule rule, double scale)
 {
     static chain_body c;
     const aoi_star star = {1, 0.02, k0, M_STAR, K_STAR};
     const double masses[] = {0.02, 0.3}, centre[] = {0.02 / 0.32, 0.3 / 0.32};
     const double u0[] = {0.0, 0.0}, v0[] = {1.5, 1.5};
-    const aoi_start begin = {u0, v0, centre, NULL, NULL};
+    const aoi_body_start begin = {u0, v0, centre, NULL, NULL};
     double work[16];
     aoi_body of_star;
     chain_body_fill(&c, 2, k0, K_STAR, masses);
@@ -124,7 +124,7 @@ static void star_and_its_matrices_are_one_body(double k0, aoi_newmark rule, doub
                                              fabs(b.centre_velocity - a.centre_velocity)));
         const double energy = a.kinetic + a.elastic;
         worst_energy = fmax(worst_energy, fabs(b.kinetic - a.kinetic) / energy);
-        /* u K u of a body that flies loses what its stretches are smaller than its places. */
+        /* u K u of a body that moves freely loses what its stretches are smaller than its places. */
         worst_energy = fmax(worst_energy, fabs(b.elastic - a.elastic) / energy);
     }
     CHECK(worst < 1e-12 * size && worst_speed < 1e-11 * speed,
@@ -142,7 +142,7 @@ static void same_impact_on_both(double k0)
     static double record[2][ROWS][RECORDED + 1];
     static pair both;
     const aoi_star star = {1, 0.02, k0, M_STAR, K_STAR}, ball = {0, 0.05, 0.0, NULL, NULL};
-    const aoi_newmark rule = {5e-7, 0.25, 0.5};
+    const aoi_rule rule = {5e-7, 0.25, 0.5};
     const double masses[] = {0.02, 0.3}, centre[] = {0.02 / 0.32, 0.3 / 0.32}, own = 1.0;
     const double rest[] = {0.0, 0.0}, speed = 3.0, hertz = 1e10;
     aoi_law law;
@@ -151,7 +151,7 @@ static void same_impact_on_both(double k0)
         double work[16], ball_work[8];
         aoi_body target, projectile;
         size_t done;
-        const aoi_start moving = {rest, &speed, &own, NULL, NULL}, still = {rest, rest, centre, NULL, NULL};
+        const aoi_body_start moving = {rest, &speed, &own, NULL, NULL}, still = {rest, rest, centre, NULL, NULL};
         CHECK(aoi_body_start_star(&projectile, &ball, NULL, &rule, &moving, ball_work) == AOI_OK,
               "ball");
         CHECK(aoi_body_start_star(&target, &star, NULL, &rule, &still, work) == AOI_OK, "star");
@@ -187,7 +187,7 @@ static void mode_keeps_its_shape(int32_t n, int mode)
     double k[MOST] = {0.0}, m[MOST] = {0.0};
     const double angle = (2 * mode - 1) * PI / (2 * n + 1),
                  w2 = 4.0 * sin(0.5 * angle) * sin(0.5 * angle);
-    const aoi_newmark rule = {0.4, 0.25, 0.5};
+    const aoi_rule rule = {0.4, 0.25, 0.5};
     for (int32_t i = 0; i < n; i++) {
         k[i] = m[i] = 1.0;
     }
@@ -232,7 +232,7 @@ typedef struct row_motion {
 } row_motion;
 
 /* A row of masses on springs between walls, touched at two places. work: of doubles for a panel. */
-static void row_make(chain_body *c, aoi_newmark rule, aoi_rayleigh damping, double *work)
+static void row_make(chain_body *c, aoi_rule rule, aoi_rayleigh damping, double *work)
 {
     static double ports_b[TWO * ROW];
     double k[ROW], m[ROW];
@@ -263,7 +263,7 @@ static void row_make(chain_body *c, aoi_newmark rule, aoi_rayleigh damping, doub
 }
 
 /* The same row in its modes, which are sines. */
-static aoi_modal row_modes(const chain_body *c, const row_motion *nodes, row_motion *modes)
+static aoi_modes row_modes(const chain_body *c, const row_motion *nodes, row_motion *modes)
 {
     static double omega[ROW], decay[ROW], r[TWO * ROW];
     const aoi_rayleigh damping = c->full.damping;
@@ -281,14 +281,15 @@ static aoi_modal row_modes(const chain_body *c, const row_motion *nodes, row_mot
             r[ROW + j] += shape * c->full.b[ROW + i];
         }
     }
-    return (aoi_modal){ROW, TWO, omega, decay, r, NULL};
+    return (aoi_modes){.n = ROW, .ports = TWO, .omega = omega, .decay = decay, .shape = r, .push = r,
+                       .gravity = modes->g, .centre = modes->centre};
 }
 
 /* Damped, and under gravity. */
-static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_newmark rule, aoi_rayleigh damping)
+static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_rule rule, aoi_rayleigh damping)
 {
     static chain_body c;
-    static double work[10 * ROW + 2 * TWO * TWO], modal_work[5 * ROW + 12];
+    static double work[10 * ROW + 2 * TWO * TWO], modal_work[6 * ROW + 12];
     const double zero[ROW] = {0.0};
     row_motion nodes, modes;
     row_make(&c, rule, damping, work + 8 * ROW + 8);
@@ -297,9 +298,9 @@ static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_newmark rule, a
         nodes.v[i] = 0.1 * i;
         nodes.centre[i] = c.centre[i];
     }
-    const aoi_modal modal = row_modes(&c, &nodes, &modes);
-    const aoi_start begin = {zero, nodes.v, nodes.centre, nodes.g, NULL};
-    const aoi_start modal_begin = {zero, modes.v, modes.centre, modes.g, NULL};
+    const aoi_modes modal = row_modes(&c, &nodes, &modes);
+    const aoi_body_start begin = {zero, nodes.v, nodes.centre, nodes.g, NULL};
+    const aoi_body_start modal_begin = {zero, modes.v, NULL, NULL, NULL};
     aoi_body in_modes;
     CHECK(aoi_body_start_full(&c.body, &c.full, &rule, &begin, work) == AOI_OK, "finite elements");
     CHECK(aoi_body_start_modal(&in_modes, &modal, &rule, &modal_begin, modal_work) == AOI_OK,
@@ -330,7 +331,7 @@ static void two_ports_of_a_damped_row_are_those_of_its_modes(aoi_newmark rule, a
 static void a_body_in_equilibrium_stays(void)
 {
     static chain_body c;
-    const aoi_newmark rule = {0.05, 0.25, 0.5};
+    const aoi_rule rule = {0.05, 0.25, 0.5};
     double k[MOST], m[MOST], force = 2.0;
     for (int i = 0; i < 8; i++) {
         k[i] = 1.0;
@@ -374,8 +375,8 @@ static void bad_bodies_and_solvers(void)
 {
     static chain_body c;
     const double masses[] = {0.02, 0.3};
-    const aoi_newmark rule = {1e-6, 0.25, 0.5};
-    const aoi_newmark bad[] = {{0.0, 0.25, 0.5},         {-1.0, 0.25, 0.5},
+    const aoi_rule rule = {1e-6, 0.25, 0.5};
+    const aoi_rule bad[] = {{0.0, 0.25, 0.5},         {-1.0, 0.25, 0.5},
                                {(double)NAN, 0.25, 0.5}, {(double)INFINITY, 0.25, 0.5},
                                {1e-6, 0.0, 0.5},         {1e-6, 0.25, 0.4},
                                {1e-6, (double)NAN, 0.5}, {1e-6, 0.25, (double)NAN}};
@@ -409,7 +410,7 @@ static void bad_bodies_and_solvers(void)
 
 int main(void)
 {
-    const aoi_newmark rules[] = {{1e-6, 0.25, 0.5}, {2e-6, 1.0 / 6.0, 0.5}, {3e-6, 0.3025, 0.6}};
+    const aoi_rule rules[] = {{1e-6, 0.25, 0.5}, {2e-6, 1.0 / 6.0, 0.5}, {3e-6, 0.3025, 0.6}};
     for (size_t i = 0; i < 3; i++) {
         for (int held = 0; held < 2; held++) {
             star_and_its_matrices_are_one_body(held ? 1e7 : 0.0, rules[i], 1.0);
@@ -424,7 +425,7 @@ int main(void)
         }
     }
     two_ports_of_a_damped_row_are_those_of_its_modes(rules[0], (aoi_rayleigh){0.0, 0.0});
-    const aoi_newmark coarse = {0.2, 0.25, 0.5}, damped = {0.1, 0.3025, 0.6};
+    const aoi_rule coarse = {0.2, 0.25, 0.5}, damped = {0.1, 0.3025, 0.6};
     two_ports_of_a_damped_row_are_those_of_its_modes(coarse, (aoi_rayleigh){0.1, 0.0});
     two_ports_of_a_damped_row_are_those_of_its_modes(coarse, (aoi_rayleigh){0.0, 0.2});
     two_ports_of_a_damped_row_are_those_of_its_modes(damped, (aoi_rayleigh){0.05, 0.1});

@@ -7,16 +7,24 @@
 
 #include <string.h>
 
-enum { MOST = 12, PORTS = 2, WORK = 5 * MOST + 2 * PORTS + 2 * PORTS * PORTS };
+enum { MOST = 12, PORTS = 2, WORK = 6 * MOST + 2 * PORTS + 2 * PORTS * PORTS };
 
-static const aoi_newmark AVERAGE = {1e-6, 0.25, 0.5};
+static const aoi_rule AVERAGE = {1e-6, 0.25, 0.5};
 
 typedef struct modes {
     double omega[MOST], decay[MOST], participation[PORTS * MOST], residual[PORTS * PORTS];
     double u[MOST], v[MOST], centre[MOST], gravity[MOST], work[WORK];
-    aoi_modal modal;
+    aoi_modes modal;
     aoi_body body;
 } modes;
+
+static void set_modal(modes *m, size_t n, size_t ports, int with_residual)
+{
+    m->modal = (aoi_modes){.n = n, .ports = ports, .omega = m->omega, .decay = m->decay};
+    m->modal.shape = m->modal.push = m->participation;
+    m->modal.residual = with_residual ? m->residual : NULL;
+    m->modal.centre = m->centre;
+}
 
 static void modes_random(modes *m, size_t n, size_t ports, uint64_t *seed)
 {
@@ -32,12 +40,13 @@ static void modes_random(modes *m, size_t n, size_t ports, uint64_t *seed)
             m->participation[p * n + j] = 2.0 * (uniform(seed) - 0.5);
         }
     }
-    m->modal = (aoi_modal){n, ports, m->omega, m->decay, m->participation, m->residual};
+    set_modal(m, n, ports, 1);
 }
 
-static int modes_start(modes *m, const aoi_newmark *rule, int with_gravity)
+static int modes_start(modes *m, const aoi_rule *rule, int with_gravity)
 {
-    const aoi_start begin = {m->u, m->v, m->centre, with_gravity ? m->gravity : NULL, NULL};
+    const aoi_body_start begin = {m->u, m->v, NULL, NULL, NULL};
+    m->modal.gravity = with_gravity ? m->gravity : NULL;
     CHECK(aoi_body_modal_size(m->modal.n, m->modal.ports) <= WORK, "room to work in");
     for (size_t i = 0; i < WORK; i++) {
         m->work[i] = NAN; /* what a caller hands over is anything */
@@ -47,7 +56,7 @@ static int modes_start(modes *m, const aoi_newmark *rule, int with_gravity)
 
 /* The star of three oscillators and its natural modes, under a force, gravity and Rayleigh's damping:
  * in exact arithmetic the rule does not depend on the coordinates. */
-static void a_star_and_its_modes_are_one_body(double k0, aoi_newmark rule, aoi_rayleigh damping)
+static void a_star_and_its_modes_are_one_body(double k0, aoi_rule rule, aoi_rayleigh damping)
 {
     static modes m;
     const double mass[] = {0.1, 0.02, 0.3}, k[] = {1e8, 6e7, 4e9};
@@ -56,7 +65,7 @@ static void a_star_and_its_modes_are_one_body(double k0, aoi_newmark rule, aoi_r
     double rest[4] = {0.0}, moving[] = {1.0, 1.0, 1.0, 1.0}, centre[] = {0.05, 0.1, 0.02, 0.3};
     size_t count;
     aoi_body body;
-    const aoi_start begin = {rest, moving, centre, g, NULL};
+    const aoi_body_start begin = {rest, moving, centre, g, NULL};
     CHECK(aoi_body_start_star(&body, &star, &damping, &rule, &begin, work) == AOI_OK, "a star");
     CHECK(aoi_star_to_modal(&star, omega2, r, &count, spare, NULL) == AOI_OK && count == 4, "its modes");
     memset(&m, 0, sizeof m);
@@ -75,7 +84,7 @@ static void a_star_and_its_modes_are_one_body(double k0, aoi_newmark rule, aoi_r
         }
         m.v[j] = total;
     }
-    m.modal = (aoi_modal){4, 1, m.omega, m.decay, m.participation, NULL};
+    set_modal(&m, 4, 1, 0);
     CHECK(modes_start(&m, &rule, 1) == AOI_OK, "they start");
     CHECK(near(*m.body.compliance, *body.compliance, 1e-12) &&
               near(*m.body.rate_compliance, *body.rate_compliance, 1e-12),
@@ -175,12 +184,12 @@ static void a_ramp_is_followed_to_second_order(void)
     double error[3];
     for (int level = 0; level < 3; level++) {
         const int steps = 200 << level;
-        const aoi_newmark rule = {duration / steps, 0.25, 0.5};
+        const aoi_rule rule = {duration / steps, 0.25, 0.5};
         memset(&m, 0, sizeof m);
         m.omega[0] = w;
         m.decay[0] = s;
         m.participation[0] = 1.0;
-        m.modal = (aoi_modal){1, 1, m.omega, m.decay, m.participation, NULL};
+        set_modal(&m, 1, 1, 0);
         CHECK(modes_start(&m, &rule, 0) == AOI_OK && begin_freely(&m.body) == AOI_OK, "a mode");
         for (int j = 1; j <= steps; j++) {
             CHECK(step_with(&m.body, slope * rule.dt * j) == AOI_OK, "a step");
@@ -228,7 +237,7 @@ static void what_cannot_be_is_refused(void)
     m.participation[1] = (double)INFINITY;
     CHECK(modes_start(&m, &AVERAGE, 0) == AOI_ERROR_NOT_FINITE, "infinite participation");
     modes_random(&m, 3, 1, &seed);
-    CHECK(modes_start(&m, &(aoi_newmark){0.0, 0.25, 0.5}, 0) == AOI_ERROR_ARGUMENT, "no step");
+    CHECK(modes_start(&m, &(aoi_rule){0.0, 0.25, 0.5}, 0) == AOI_ERROR_ARGUMENT, "no step");
     m.modal.ports = 0;
     CHECK(modes_start(&m, &AVERAGE, 0) == AOI_ERROR_ARGUMENT, "no port");
 }
@@ -243,8 +252,8 @@ static void what_presses_at_the_start_has_bent_the_residual(void)
     m.residual[0] = 3e-7;
     m.residual[1] = m.residual[2] = 1e-7;
     m.residual[3] = 2e-7;
-    m.modal = (aoi_modal){1, PORTS, m.omega, m.decay, m.participation, m.residual};
-    const aoi_start begin = {m.u, m.v, m.centre, NULL, f};
+    set_modal(&m, 1, PORTS, 1);
+    const aoi_body_start begin = {m.u, m.v, NULL, NULL, f};
     CHECK(aoi_body_start_modal(&m.body, &m.modal, &AVERAGE, &begin, m.work) == AOI_OK, "starts");
     m.body.observe(&m.body, 0, row, 1);
     for (size_t p = 0; p < PORTS; p++) {
@@ -261,7 +270,7 @@ static void what_presses_at_the_start_has_bent_the_residual(void)
 
 int main(void)
 {
-    const aoi_newmark rules[] = {{1e-6, 0.25, 0.5}, {3e-6, 0.3025, 0.6}};
+    const aoi_rule rules[] = {{1e-6, 0.25, 0.5}, {3e-6, 0.3025, 0.6}};
     for (size_t i = 0; i < 2; i++) {
         a_star_and_its_modes_are_one_body(0.0, rules[i], (aoi_rayleigh){0.0, 0.0});
         a_star_and_its_modes_are_one_body(0.0, rules[i], (aoi_rayleigh){100.0, 1e-7});

@@ -1,7 +1,7 @@
 /* A body in its modes under gravity and loads: closed forms, and Runge and Kutta's method. */
 #include "plant.h"
 #include "motion/energy.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 
 /* A load of 0 until 1 s, 6 N from 2 s to 3 s, a jump to -3 N there, which it keeps. */
@@ -33,7 +33,7 @@ static void loads_run_straight_and_bend_where_they_say(void)
               "t %g: f = m a", at[i]);
         CHECK(aoi_modes_next_bend(p.body, at[i]) == bend[i], "t %g: it bends next at %g", at[i], bend[i]);
     }
-    p.body[0].load_count = 0;
+    p.body[0].load.count = 0;
     double f = 1.0, s = 1.0;
     aoi_modes_load(p.body, 0, 1.5, &f, &s);
     CHECK(f == 0.0 && s == 0.0 && aoi_modes_next_bend(p.body, 0.0) == HUGE_VAL, "no load");
@@ -47,13 +47,13 @@ static void a_loaded_mass_flies_by_the_integrals_of_its_load(void)
     ball->gravity[0] = -9.81;
     lay_out(&p);
     double x = 1.0, v = 2.0;
-    aoi_modes_fly(p.body, 0.0, 5.0, &x, &v);
+    aoi_modes_advance(p.body, 0.0, 5.0, &x, &v);
     /* int F dt = 3 + 6 - 6 = 3 N s; its own integral: 1, then 3 + 3, then 9 t - 1.5 t^2 over 2 s. */
     CHECK(near(v, 2.0 - 9.81 * 5.0 + 3.0 / 2.0, 1e-14), "momentum: %.16g", v);
     CHECK(near(x, 1.0 + 10.0 - 0.5 * 9.81 * 25.0 + (1.0 + 6.0 + 18.0 - 6.0) / 2.0, 1e-14),
           "place: %.16g", x);
     double there = x, speed = v;
-    aoi_modes_fly(p.body, 5.0, 5.0, &x, &v);
+    aoi_modes_advance(p.body, 5.0, 5.0, &x, &v);
     CHECK(x == there && v == speed, "no time, no flight");
 }
 
@@ -76,7 +76,7 @@ static void flight_is_that_of_runge_and_kutta(void)
     body->omega[1] = 3.0;
     double x[ALL_MODES], v[ALL_MODES];
     runge_kutta(&p, 1.5, 12000, x, v); /* the bends are at steps' ends */
-    aoi_modes_fly(p.body, 0.0, 1.5, p.x, p.v);
+    aoi_modes_advance(p.body, 0.0, 1.5, p.x, p.v);
     for (size_t j = 0; j < body->n; j++) {
         CHECK(fabs(p.x[j] - x[j]) < 1e-11, "mode %zu: %.15g, not %.15g", j, p.x[j], x[j]);
         CHECK(fabs(p.v[j] - v[j]) < 1e-10, "mode %zu: velocity %.15g, not %.15g", j, p.v[j], v[j]);
@@ -99,17 +99,17 @@ static void a_load_bends_what_no_mode_has(void)
     ball->residual[0] = 0.125;
     add_wall(&p);
     lay_out(&p);
-    aoi_flight pair = {{&p.body[0], &p.body[1]}, {0, 0}, 0.25, {p.x, p.x + 1}, {p.v, p.v + 1}, 1.5, NULL};
+    aoi_free_pair pair = {{&p.body[0], &p.body[1]}, {0, 0}, 0.25, {p.x, p.x + 1}, {p.v, p.v + 1}, 1.5, NULL};
     double indentation, rate, acceleration;
     p.x[0] = 1.0;
-    aoi_flight_indentation(&pair, &indentation, &rate, &acceleration);
+    aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
     CHECK(near(indentation, 1.0 - 0.25 + 0.125 * 3.0, 1e-15), "x - gap + R f: %g", indentation);
     CHECK(near(rate, 0.125 * 6.0, 1e-15), "R f': %g", rate);
     CHECK(near(acceleration, 3.0 / 2.0, 1e-15), "f / m: %g", acceleration);
     const double decay = 0.25;
     p.body[0].decay = &decay;
     p.v[0] = 3.0;
-    aoi_flight_indentation(&pair, &indentation, &rate, &acceleration);
+    aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
     CHECK(near(acceleration, 3.0 / 2.0 - 2.0 * 0.25 * 3.0, 1e-15), "less 2 sigma v: %g", acceleration);
 }
 

@@ -13,11 +13,11 @@ typedef struct stepped {
     double u0[MOST], v0[MOST], centre[MOST], work[7 * MOST + 5];
 } stepped;
 
-static const aoi_newmark AVERAGE = {1e-6, 0.25, 0.5};
+static const aoi_rule AVERAGE = {1e-6, 0.25, 0.5};
 
-/* An undeformed star, all of it moving with velocity but the contact mass, which has had a blow and
+/* An undeformed star, all of it moving with velocity but the contact mass, which has had an impact and
  * is faster; centre of mass by the masses. */
-static void start_with_blow(stepped *s, const aoi_star *star, aoi_newmark rule, double velocity,
+static void start_with_blow(stepped *s, const aoi_star *star, aoi_rule rule, double velocity,
                             double blow)
 {
     const double total = aoi_star_static_mass(star);
@@ -29,13 +29,13 @@ static void start_with_blow(stepped *s, const aoi_star *star, aoi_newmark rule, 
     }
     s->v0[0] += blow;
     CHECK(aoi_body_star_size(star->n) <= sizeof s->work / sizeof s->work[0], "room to work in");
-    const aoi_start begin = {s->u0, s->v0, s->centre, NULL, NULL};
+    const aoi_body_start begin = {s->u0, s->v0, s->centre, NULL, NULL};
     const int status = aoi_body_start_star(&s->body, star, NULL, &rule, &begin, s->work);
     CHECK(status == AOI_OK && begin_freely(&s->body) == AOI_OK, "a star of %zu starts, status %d",
           star->n, status);
 }
 
-static void start(stepped *s, const aoi_star *star, aoi_newmark rule, double velocity)
+static void start(stepped *s, const aoi_star *star, aoi_rule rule, double velocity)
 {
     start_with_blow(s, star, rule, velocity, 0.0);
 }
@@ -60,7 +60,7 @@ static void rigid_mass_flies_and_falls(void)
     const aoi_star mass = {0, 3.0, 0.0, NULL, NULL};
     stepped s;
     const double h = 1.0 / 1024.0; /* sums of powers of two are exact */
-    start(&s, &mass, (aoi_newmark){h, 0.25, 0.5}, 2.0);
+    start(&s, &mass, (aoi_rule){h, 0.25, 0.5}, 2.0);
     for (int j = 1; j <= 1000; j++) {
         const observation seen = step(&s.body, 0.0);
         CHECK(seen.displacement == 2.0 * h * j && seen.velocity == 2.0, "uniform motion, step %d",
@@ -70,7 +70,7 @@ static void rigid_mass_flies_and_falls(void)
         CHECK(seen.elastic == 0.0, "no energy but kinetic");
     }
     /* A constant force, from rest: the first step begins at a = 0 and ends at f/m. */
-    start(&s, &mass, (aoi_newmark){h, 0.25, 0.5}, 0.0);
+    start(&s, &mass, (aoi_rule){h, 0.25, 0.5}, 0.0);
     for (int j = 1; j <= 1000; j++) {
         const observation seen = step(&s.body, 12.0);
         CHECK(near(seen.velocity, 4.0 * h * (j - 0.5), 1e-13), "v = f/m (t - h/2), step %d", j);
@@ -101,7 +101,7 @@ static void oscillator_turns_by_a_fixed_angle(double beta, double step_angle)
     const aoi_star star = {0, m, k, NULL, NULL};
     stepped s;
     double worst = 0.0;
-    start(&s, &star, (aoi_newmark){h, beta, 0.5}, velocity);
+    start(&s, &star, (aoi_rule){h, beta, 0.5}, velocity);
     for (int j = 1; j <= 2000; j++) {
         const observation seen = step(&s.body, 0.0);
         worst = fmax(worst, fabs(seen.displacement - first * sin(j * angle) / sin(angle)) *
@@ -121,7 +121,7 @@ static void numerical_damping_is_newmarks(void)
     const double trace = (2.0 - (gamma + 0.5 - 2.0 * beta) * big) / (1.0 + beta * big);
     stepped s;
     double u[3] = {0.0, 0.0, 0.0};
-    start(&s, &star, (aoi_newmark){h, beta, gamma}, 1.0);
+    start(&s, &star, (aoi_rule){h, beta, gamma}, 1.0);
     u[1] = step(&s.body, 0.0).displacement;
     for (int j = 2; j < 500; j++) {
         u[2] = step(&s.body, 0.0).displacement;
@@ -160,7 +160,7 @@ static void centre_is_the_weighted_mean(void)
     for (int i = 0; i < 5; i++) {
         s.centre[i] = 0.1 * (i + 1) - 0.2;
     }
-    const aoi_start begin = {s.u0, s.v0, s.centre, NULL, NULL};
+    const aoi_body_start begin = {s.u0, s.v0, s.centre, NULL, NULL};
     CHECK(aoi_body_start_star(&s.body, &r.star, NULL, &AVERAGE, &begin, s.work) == AOI_OK &&
               begin_freely(&s.body) == AOI_OK,
           "with weights of its own");
@@ -201,7 +201,7 @@ static void dense_make(dense *d, const aoi_star *star, double velocity)
     }
 }
 
-static void dense_step(dense *d, aoi_newmark rule, double force)
+static void dense_step(dense *d, aoi_rule rule, double force)
 {
     static double a[MOST][MOST], rhs[MOST];
     const double h = rule.dt, reach = rule.beta * h * h + d->beta * rule.gamma * h;
@@ -237,7 +237,7 @@ static void dense_step(dense *d, aoi_newmark rule, double force)
     }
 }
 
-static void star_steps_as_its_matrices(size_t n, double k0, aoi_newmark rule)
+static void star_steps_as_its_matrices(size_t n, double k0, aoi_rule rule)
 {
     static dense d;
     random_star r;
@@ -298,7 +298,7 @@ static double weighted(size_t n, const double *weight, const double *x)
     return sum;
 }
 
-static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_newmark rule,
+static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_rule rule,
                                               aoi_rayleigh damping)
 {
     static dense d;
@@ -310,7 +310,7 @@ static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_newmark r
     dense_make(&d, &r.star, 1.0);
     start(&s, &r.star, rule, 1.0);
     dense_load(&d, damping, k0, &seed, gravity);
-    const aoi_start begin = {s.u0, s.v0, s.centre, gravity, NULL};
+    const aoi_body_start begin = {s.u0, s.v0, s.centre, gravity, NULL};
     CHECK(aoi_body_start_star(&s.body, &r.star, &damping, &rule, &begin, s.work) == AOI_OK &&
               begin_freely(&s.body) == AOI_OK,
           "a damped star of %zu", n);
@@ -344,14 +344,14 @@ static void damped_star_steps_as_its_matrices(size_t n, double k0, aoi_newmark r
 }
 
 /* Average acceleration keeps the energy of a linear system: 1e5 steps of free vibration, of bodies
- * held and of bodies that meanwhile fly a tenth of a metre. */
+ * held and of bodies that meanwhile move freely a tenth of a metre. */
 static void energy_is_kept(size_t n, double k0, double h)
 {
     random_star r;
     stepped s;
     uint64_t seed = 17 + n;
     random_star_make(&r, n, &seed, 0.02, k0);
-    start_with_blow(&s, &r.star, (aoi_newmark){h, 0.25, 0.5}, 1.0, 5.0);
+    start_with_blow(&s, &r.star, (aoi_rule){h, 0.25, 0.5}, 1.0, 5.0);
     observation seen = observe(&s.body);
     const double energy = seen.kinetic + seen.elastic;
     double worst = 0.0, stored = 0.0;
@@ -371,7 +371,7 @@ static void momentum_is_kept(void)
     stepped s;
     uint64_t seed = 23;
     random_star_make(&r, 28, &seed, 0.02, 0.0);
-    start_with_blow(&s, &r.star, (aoi_newmark){1e-6, 0.25, 0.5}, 1.0, 5.0);
+    start_with_blow(&s, &r.star, (aoi_rule){1e-6, 0.25, 0.5}, 1.0, 5.0);
     observation seen = observe(&s.body);
     const double velocity = seen.centre_velocity;
     double worst = 0.0;
@@ -390,7 +390,7 @@ static void massless_contact_is_statics(void)
     const double m = 2.0, k = 8e6, h = 1e-5, force = 3.0;
     const aoi_star star = {1, 0.0, 0.0, &m, &k};
     stepped s;
-    start(&s, &star, (aoi_newmark){h, 0.25, 0.5}, 0.0);
+    start(&s, &star, (aoi_rule){h, 0.25, 0.5}, 0.0);
     for (int j = 1; j <= 1000; j++) {
         const observation seen = step(&s.body, force);
         const double mass_at = 0.5 * force / m * h * h * (j * (j - 1.0) + 0.5);
@@ -399,7 +399,7 @@ static void massless_contact_is_statics(void)
               "the contact leads by f/k, step %d", j);
     }
     /* k0 alone beside it: the force is shared, at rest f/k0. */
-    start(&s, &star, (aoi_newmark){h, 0.25, 0.5}, 1.0);
+    start(&s, &star, (aoi_rule){h, 0.25, 0.5}, 1.0);
     const observation seen = step(&s.body, 0.0);
     CHECK(near(seen.displacement, h, 1e-14) && near(seen.velocity, 1.0, 1e-14),
           "free flight at 1 m/s");
@@ -448,7 +448,7 @@ static void state_can_be_taken_up_again(double m0)
     double kinetic, elastic, worst = 0.0, size = 0.0;
     aoi_star_energy(&r.star, u, v, &kinetic, &elastic);
     CHECK(near(kinetic + elastic, energy, 1e-11), "its energy by the star's own formula");
-    const aoi_start begin = {u, v, one.centre, NULL, NULL};
+    const aoi_body_start begin = {u, v, one.centre, NULL, NULL};
     CHECK(aoi_body_start_star(&two.body, &r.star, NULL, &AVERAGE, &begin, two.work) == AOI_OK &&
               begin_freely(&two.body) == AOI_OK,
           "on");
@@ -464,12 +464,12 @@ static void state_can_be_taken_up_again(double m0)
 static void rules_that_cannot_be(void)
 {
     const double nan = (double)NAN, inf = (double)INFINITY;
-    const aoi_newmark bad[] = {{0.0, 0.25, 0.5}, {-1e-6, 0.25, 0.5}, {nan, 0.25, 0.5},
+    const aoi_rule bad[] = {{0.0, 0.25, 0.5}, {-1e-6, 0.25, 0.5}, {nan, 0.25, 0.5},
                                {inf, 0.25, 0.5}, {1e-6, 0.0, 0.5},   {1e-6, -0.1, 0.5},
                                {1e-6, nan, 0.5}, {1e-6, 0.25, 0.49}, {1e-6, 0.25, nan}};
     const aoi_star mass = {0, 1.0, 0.0, NULL, NULL}, none = {0, -1.0, 0.0, NULL, NULL};
     double zero[1] = {0.0}, work[8];
-    const aoi_start begin = {zero, zero, zero, NULL, NULL};
+    const aoi_body_start begin = {zero, zero, zero, NULL, NULL};
     aoi_body body;
     for (size_t i = 0; i < 8; i++) {
         work[i] = 77.0;
@@ -510,7 +510,7 @@ int main(void)
     }
     oscillator_turns_by_a_fixed_angle(0.25, 1e3);
     numerical_damping_is_newmarks();
-    const aoi_newmark rules[] = {{1e-6, 0.25, 0.5}, {2e-7, 1.0 / 6.0, 0.5}, {2e-6, 0.3025, 0.6}};
+    const aoi_rule rules[] = {{1e-6, 0.25, 0.5}, {2e-7, 1.0 / 6.0, 0.5}, {2e-6, 0.3025, 0.6}};
     for (size_t i = 0; i < 3; i++) {
         for (size_t n = 0; n <= 28; n += n < 9 ? 1 : 19) {
             star_steps_as_its_matrices(n, 0.0, rules[i]);

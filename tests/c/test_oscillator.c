@@ -171,11 +171,11 @@ static double integrand(const void *data, double x)
 
 static void integrals_agree(double omega, double decay, double h, double tolerance)
 {
-    double impulse[AOI_STAGES], rate[AOI_STAGES];
-    aoi_oscillator_integrals(omega, decay, h, AOI_STAGES, impulse, rate);
+    double impulse[AOI_NODES], rate[AOI_NODES];
+    aoi_oscillator_integrals(omega, decay, h, AOI_NODES, impulse, rate);
     const int panels = 40 + (int)(2.0 * (omega + decay) * h);
     double scale = 0.0;
-    for (size_t l = 0; l < AOI_STAGES; l++) {
+    for (size_t l = 0; l < AOI_NODES; l++) {
         weighted of = {omega, decay, h, l, 0};
         const double exact = integral(integrand, &of, 0.0, 1.0, panels);
         of.of_rate = 1;
@@ -218,8 +218,8 @@ static void slow_creep_keeps_its_digits(void)
 {
     const double decay = 1e6, omega = 1.0, h = 1e6, fast = 2.0 * decay;
     const double slow = omega * omega / fast * (1.0 + omega * omega / (fast * fast));
-    double impulse[AOI_STAGES], rate[AOI_STAGES];
-    aoi_oscillator_integrals(omega, decay, h, AOI_STAGES, impulse, rate);
+    double impulse[AOI_NODES], rate[AOI_NODES];
+    aoi_oscillator_integrals(omega, decay, h, AOI_NODES, impulse, rate);
     const double exact = (-expm1(-slow * h) / (slow * h) - 1.0 / (fast * h)) / (fast - 2.0 * slow);
     CHECK(near(impulse[0], exact, 1e-13), "creep: %.16g, not %.16g", impulse[0], exact);
 }

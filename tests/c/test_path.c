@@ -7,7 +7,6 @@
 #include "motion/modes.h"
 #include "motion/radau.h"
 #include "motion/response.h"
-#include "track/sampler.h"
 
 /* One mode under a force on its port. */
 static part *add_mode(plant *p, double omega, double decay)
@@ -30,7 +29,7 @@ static double squared_speed(const aoi_modes *body, double h, double place, const
         for (int g = 0; g < GAUSS; g++) {
             const double at = place * ((double)i + GAUSS_AT[g]) / (double)panels;
             double there = x, speed = v;
-            aoi_modes_fly(body, 0.0, at * h, &there, &speed);
+            aoi_modes_advance(body, 0.0, at * h, &there, &speed);
             aoi_response_push(body, h, force, at, &there, &speed);
             sum += GAUSS_WEIGHT[g] * speed * speed;
         }
@@ -48,9 +47,9 @@ static void damping_takes_its_power_along_the_motion(void)
         const double omega = turns[i % 8] / h, decay = damped[i / 8] / h;
         plant p = {.bodies = 0};
         part *of = add_mode(&p, omega, decay);
-        double force[AOI_STAGES];
+        double force[AOI_NODES];
         const double phase = 2.0 * PI * uniform(&seed);
-        for (size_t k = 0; k < AOI_STAGES; k++) { /* as smooth as a step's */
+        for (size_t k = 0; k < AOI_NODES; k++) { /* as smooth as a step's */
             force[k] = 1.0 + cos(phase + aoi_radau_node[k]);
         }
         /* As large as the force makes it. */
@@ -63,7 +62,7 @@ static void damping_takes_its_power_along_the_motion(void)
             const double wanted =
                 2.0 * decay * of->inertia[0] * squared_speed(p.body, h, place, force, x0, v0);
             double x1 = x0, v1 = v0, work, lost;
-            aoi_modes_fly(p.body, 0.0, place * h, &x1, &v1);
+            aoi_modes_advance(p.body, 0.0, place * h, &x1, &v1);
             aoi_response_push(p.body, h, force, place, &x1, &v1);
             aoi_modes_step_work(p.body, 0.0, h, place, force, &x0, &v0, &x1, &work, &lost);
             CHECK(near(lost, wanted, within[i / 8]), "omega h %g, decay h %g, to %g: %.12g J lost, not %.12g (%g)",
@@ -98,9 +97,9 @@ static void a_rising_load_works_over_many_periods(void)
         const double wanted = rate * end * x - rate * moment;
         double x1 = 0.0, v1 = 0.0, scratch[2], work, lost;
         const double x0 = 0.0, v0 = 0.0;
-        aoi_modes_fly(p.body, 0.0, end, &x1, &v1);
+        aoi_modes_advance(p.body, 0.0, end, &x1, &v1);
         CHECK(fabs(x1 - x) < 1e-9 * x && fabs(v1 - v) < 1e-7 * rate / stiffness, "the motion: %.15g, %.15g", x1, x);
-        aoi_modes_flight_work(p.body, 0.0, end, &x0, &v0, &x1, &v1, scratch, &work, &lost);
+        aoi_modes_free_work(p.body, 0.0, end, &x0, &v0, &x1, &v1, scratch, &work, &lost);
         CHECK(near(work, wanted, 1e-9), "decay %g: %.15g J, not %.15g", decay, work, wanted);
         const double energy = 0.5 * mass * v * v + 0.5 * stiffness * x * x;
         CHECK(fabs(lost - (wanted - energy)) < 1e-10 * wanted && lost >= -1e-14 * wanted, "decay %g: %g J lost",
@@ -133,7 +132,7 @@ static void losses_grow_and_the_balance_closes(void)
             must_go(&p, rtol, end);
             CHECK(open_sampler(&p) == AOI_OK, "sampled");
             for (int i = 0; i <= 300; i++) {
-                aoi_sampler_column(&p.sampler, end * i / 300.0, 1, record, 1);
+                aoi_sampler_column(p.sampler, end * i / 300.0, 1, record, 1);
                 const double *of = record + AOI_CONTACT_ROWS + AOI_BODY_ROWS + AOI_PORT_ROWS;
                 const double *ball = record + AOI_CONTACT_ROWS;
                 const double all = record[2] + record[3] + ball[AOI_BODY_KINETIC] + of[AOI_BODY_KINETIC] +

@@ -4,7 +4,7 @@
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 
-enum { COUNT = AOI_STAGES + 1 };
+enum { COUNT = AOI_NODES + 1 };
 
 static void random_coefficients(uint64_t *seed, double *coefficient)
 {
@@ -15,17 +15,17 @@ static void random_coefficients(uint64_t *seed, double *coefficient)
 
 static void nodes_are_those_of_radau(void)
 {
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         const double x = aoi_radau_node[i];
-        CHECK(fabs(legendre(AOI_STAGES, x) - legendre(AOI_STAGES - 1, x)) < 1e-14,
+        CHECK(fabs(legendre(AOI_NODES, x) - legendre(AOI_NODES - 1, x)) < 1e-14,
               "node %zu is a zero of P_8 - P_7", i);
         CHECK(i == 0 || x > aoi_radau_node[i - 1], "they ascend");
     }
-    CHECK(aoi_radau_node[AOI_STAGES - 1] == 1.0, "the last is the end");
+    CHECK(aoi_radau_node[AOI_NODES - 1] == 1.0, "the last is the end");
     /* Their quadrature is exact to degree 14. */
     for (int power = 0; power <= 14; power++) {
         double sum = 0.0;
-        for (size_t i = 0; i < AOI_STAGES; i++) {
+        for (size_t i = 0; i < AOI_NODES; i++) {
             sum += aoi_radau_to_legendre[0][i] * pow(aoi_radau_node[i], power);
         }
         CHECK(near(sum, 1.0 / (power + 1.0), 1e-14), "the integral of x^%d", power);
@@ -60,7 +60,7 @@ static void a_fit_gives_its_polynomial_back(void)
         double c[COUNT], values[COUNT], fitted[COUNT], slope;
         random_coefficients(&seed, c);
         values[0] = aoi_legendre_evaluate(COUNT, c, 0.0, &slope);
-        for (size_t i = 0; i < AOI_STAGES; i++) {
+        for (size_t i = 0; i < AOI_NODES; i++) {
             values[i + 1] = aoi_legendre_evaluate(COUNT, c, aoi_radau_node[i], &slope);
         }
         aoi_legendre_fit(values, fitted);
@@ -74,7 +74,7 @@ static void a_fit_gives_its_polynomial_back(void)
 static void fit(double (*f)(double), double *values, double *coefficient)
 {
     values[0] = f(0.0);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         values[i + 1] = f(aoi_radau_node[i]);
     }
     aoi_legendre_fit(values, coefficient);

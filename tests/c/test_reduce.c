@@ -18,7 +18,7 @@ static void held_chain_is_two_springs(void)
                 b[i] = i == at ? scale : 0.0;
                 x[i] = scale * (i <= at ? (i + 1.0) * far_end : (N - i) * near_end) / (N + 1.0);
             }
-            CHECK(aoi_static_held(N, b, x, &stiffness) == AOI_OK, "struck at %d", at);
+            CHECK(aoi_static_constrained(N, b, x, &stiffness) == AOI_OK, "struck at %d", at);
             CHECK(near(stiffness, (1.0 / near_end + 1.0 / far_end) / (scale * scale), 1e-14),
                   "k0 of springs 1/%g and 1/%g, not %g", near_end, far_end, stiffness);
             CHECK(near(aoi_vector_dot(N, b, x), 1.0, 1e-15),
@@ -30,18 +30,18 @@ static void held_chain_is_two_springs(void)
 static void static_mode_of_no_held_body(void)
 {
     double b[2] = {0.0, 0.0}, x[2] = {1.0, 2.0}, stiffness;
-    CHECK(aoi_static_held(2, b, x, &stiffness) == AOI_ERROR_UNREACHED, "b = 0");
-    CHECK(aoi_static_held(0, NULL, NULL, &stiffness) == AOI_ERROR_UNREACHED, "no dofs");
+    CHECK(aoi_static_constrained(2, b, x, &stiffness) == AOI_ERROR_UNREACHED, "b = 0");
+    CHECK(aoi_static_constrained(0, NULL, NULL, &stiffness) == AOI_ERROR_UNREACHED, "no dofs");
     b[0] = 1.0;
     x[0] = -1.0;
-    CHECK(aoi_static_held(2, b, x, &stiffness) == AOI_ERROR_NOT_POSITIVE,
+    CHECK(aoi_static_constrained(2, b, x, &stiffness) == AOI_ERROR_NOT_POSITIVE,
           "it moves against the force");
     x[0] = 0.0;
-    CHECK(aoi_static_held(2, b, x, &stiffness) == AOI_ERROR_NOT_POSITIVE, "it does not move");
+    CHECK(aoi_static_constrained(2, b, x, &stiffness) == AOI_ERROR_NOT_POSITIVE, "it does not move");
     x[0] = (double)NAN;
-    CHECK(aoi_static_held(2, b, x, &stiffness) == AOI_ERROR_NOT_FINITE, "x is NaN");
+    CHECK(aoi_static_constrained(2, b, x, &stiffness) == AOI_ERROR_NOT_FINITE, "x is NaN");
     x[0] = (double)INFINITY;
-    CHECK(aoi_static_held(2, b, x, &stiffness) == AOI_ERROR_NOT_FINITE, "x is infinite");
+    CHECK(aoi_static_constrained(2, b, x, &stiffness) == AOI_ERROR_NOT_FINITE, "x is infinite");
 }
 
 /* A rigid bar of mass M and inertia J struck at distance d has the mass 1 / (1/M + d^2/J), and its

@@ -37,21 +37,21 @@ static void furnish(plant *p, int damped, int driven)
 /* A polynomial force, by its values at the nodes, and none at the other port. */
 static void choose_forces(uint64_t *seed, size_t port, double *force)
 {
-    for (size_t k = 0; k < 2 * AOI_STAGES; k++) {
-        force[k] = k / AOI_STAGES == port || port > 1 ? 2.0 * uniform(seed) - 0.5 : 0.0;
+    for (size_t k = 0; k < 2 * AOI_NODES; k++) {
+        force[k] = k / AOI_NODES == port || port > 1 ? 2.0 * uniform(seed) - 0.5 : 0.0;
     }
 }
 
-/* To a share of the step h: free flight (test_modes.c), and Duhamel's integral of what the forces did. */
+/* To a share of the step h: free free motion (test_modes.c), and Duhamel's integral of what the forces did. */
 static void by_duhamel(const plant *p, double h, const double *force, double place, double *x, double *v)
 {
     const part *of = &p->part[0];
     const double end = place * h, length = end / PANELS;
-    aoi_modes_fly(p->body, 0.0, end, x, v);
+    aoi_modes_advance(p->body, 0.0, end, x, v);
     for (int k = 0; k < PANELS * GAUSS; k++) {
         const double t = length * (k / GAUSS + GAUSS_AT[k % GAUSS]);
         const double weight = length * GAUSS_WEIGHT[k % GAUSS];
-        const double f[2] = {through_nodes(force, t / h), through_nodes(force + AOI_STAGES, t / h)};
+        const double f[2] = {through_nodes(force, t / h), through_nodes(force + AOI_NODES, t / h)};
         for (size_t j = 0; j < of->n; j++) {
             const double push = of->push[j] * f[0] + of->push[of->n + j] * f[1];
             aoi_motion m;
@@ -72,7 +72,7 @@ static void a_step_ends_where_duhamel_says(void)
     uint64_t seed = 6;
     for (int kind = 0; kind < 4; kind++) {
         plant p = {.bodies = 0};
-        double force[2 * AOI_STAGES];
+        double force[2 * AOI_NODES];
         furnish(&p, kind % 2, kind / 2);
         choose_forces(&seed, 2, force);
         const double h = 1.3;
@@ -100,14 +100,14 @@ static void a_push_reaches_any_place_within_the_step(void)
     for (int damped = 0; damped < 2; damped++) {
         for (int i = 0; i < 4; i++) {
             plant p = {.bodies = 0};
-            double force[2 * AOI_STAGES], x[MOST_MODES], v[MOST_MODES];
+            double force[2 * AOI_NODES], x[MOST_MODES], v[MOST_MODES];
             furnish(&p, damped, 1);
             choose_forces(&seed, 2, force);
             memcpy(x, p.x, sizeof x);
             memcpy(v, p.v, sizeof v);
             const double h = 1.3;
             by_duhamel(&p, h, force, places[i], x, v);
-            aoi_modes_fly(p.body, 0.0, places[i] * h, p.x, p.v);
+            aoi_modes_advance(p.body, 0.0, places[i] * h, p.x, p.v);
             aoi_response_push(p.body, h, force, places[i], p.x, p.v);
             for (size_t j = 0; j < p.part[0].n; j++) {
                 CHECK(fabs(p.x[j] - x[j]) < 1e-14, "to %g, mode %zu", places[i], j);
@@ -125,7 +125,7 @@ static void ports_move_at_the_nodes_as_the_modes_do(void)
     for (int kind = 0; kind < 4; kind++) {
         for (size_t pushed = 0; pushed < 2; pushed++) {
             plant p = {.bodies = 0};
-            double force[2 * AOI_STAGES];
+            double force[2 * AOI_NODES];
             furnish(&p, kind % 2, kind / 2);
             choose_forces(&seed, pushed, force);
             const double h = 1.3;
@@ -133,19 +133,19 @@ static void ports_move_at_the_nodes_as_the_modes_do(void)
             double *block = malloc(aoi_response_size(p.body) * sizeof(double));
             aoi_response_make(&response, p.body, h, 1, block);
             for (size_t port = 0; port < 2; port++) {
-                double moved[AOI_STAGES] = {0.0}, rate[AOI_STAGES] = {0.0};
+                double moved[AOI_NODES] = {0.0}, rate[AOI_NODES] = {0.0};
                 aoi_response_homogeneous(&response, p.body, port, -1.0, 0.0, p.x, p.v, moved, rate);
-                const size_t pair = (port * 2 + pushed) * AOI_STAGES * AOI_STAGES;
-                for (size_t i = 0; i < AOI_STAGES; i++) {
+                const size_t pair = (port * 2 + pushed) * AOI_NODES * AOI_NODES;
+                for (size_t i = 0; i < AOI_NODES; i++) {
                     double x[MOST_MODES], v[MOST_MODES];
                     memcpy(x, p.x, sizeof x);
                     memcpy(v, p.v, sizeof v);
                     by_duhamel(&p, h, force, aoi_radau_node[i], x, v);
                     double u = -moved[i], du = -rate[i];
-                    for (size_t k = 0; k < AOI_STAGES; k++) {
-                        const double f = force[pushed * AOI_STAGES + k];
-                        u += response.influence[pair + k * AOI_STAGES + i] * f;
-                        du += response.influence_rate[pair + k * AOI_STAGES + i] * f;
+                    for (size_t k = 0; k < AOI_NODES; k++) {
+                        const double f = force[pushed * AOI_NODES + k];
+                        u += response.influence[pair + k * AOI_NODES + i] * f;
+                        du += response.influence_rate[pair + k * AOI_NODES + i] * f;
                     }
                     CHECK(fabs(u - (port_of(&p, port, x) - port_of(&p, port, p.x))) < 1e-14,
                           "kind %d, force at %zu, port %zu, node %zu", kind, pushed, port, i);
@@ -168,14 +168,14 @@ static void the_answer_is_that_to_an_impulse(void)
     aoi_response_make(&response, p.body, 0.4, 0, block);
     const part *of = &p.part[0];
     for (size_t port = 0; port < 2; port++) {
-        for (size_t i = 0; i < AOI_STAGES; i++) {
+        for (size_t i = 0; i < AOI_NODES; i++) {
             double sum = 0.0;
             for (size_t j = 0; j < of->n; j++) {
                 aoi_motion m;
                 aoi_oscillator_motion(of->omega[j], of->decay[j], 0.4 * aoi_radau_node[i], &m);
                 sum += of->shape[port * of->n + j] * of->push[port * of->n + j] * m.impulse;
             }
-            CHECK(fabs(response.answer[port * AOI_STAGES + i] - sum) < 1e-15, "port %zu, node %zu", port, i);
+            CHECK(fabs(response.answer[port * AOI_NODES + i] - sum) < 1e-15, "port %zu, node %zu", port, i);
         }
     }
     free(block);
@@ -190,14 +190,14 @@ static void a_rising_load_moves_the_residual(void)
     aoi_response response;
     double *block = malloc(aoi_response_size(p.body) * sizeof(double));
     aoi_response_make(&response, p.body, h, 1, block);
-    double without[AOI_STAGES] = {0.0}, with[AOI_STAGES] = {0.0};
-    double rate_without[AOI_STAGES] = {0.0}, rate_with[AOI_STAGES] = {0.0};
+    double without[AOI_NODES] = {0.0}, with[AOI_NODES] = {0.0};
+    double rate_without[AOI_NODES] = {0.0}, rate_with[AOI_NODES] = {0.0};
     aoi_response_homogeneous(&response, p.body, 1, 1.0, 0.0, p.x, p.v, without, rate_without);
     aoi_modes massless = p.body[0];
     massless.residual = residual;
     aoi_response_homogeneous(&response, &massless, 1, 1.0, 0.0, p.x, p.v, with, rate_with);
     const double rate = residual[2] * slopes[0] + residual[3] * slopes[1];
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         CHECK(fabs(with[i] - without[i] - rate * h * aoi_radau_node[i]) < 1e-15, "R f' t at node %zu", i);
         CHECK(fabs(rate_with[i] - rate_without[i] - rate) < 1e-14, "R f' at node %zu", i);
     }

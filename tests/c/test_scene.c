@@ -4,7 +4,6 @@
 #include "body.h"
 #include "viscous.h"
 #include "model/coupled.h"
-#include "model/load.h"
 #include "newmark/body.h"
 #include "newmark/scene.h"
 
@@ -29,7 +28,7 @@ typedef struct run {
 
 static run one, two;
 
-static void player_start(player *p, const aoi_star *star, aoi_newmark rule, double velocity)
+static void player_start(player *p, const aoi_star *star, aoi_rule rule, double velocity)
 {
     const double total = aoi_star_static_mass(star);
     for (size_t i = 0; i <= star->n; i++) {
@@ -37,13 +36,13 @@ static void player_start(player *p, const aoi_star *star, aoi_newmark rule, doub
         p->v0[i] = velocity;
         p->centre[i] = isinf(total) ? 1.0 : (i == 0 ? star->m0 : star->m[i - 1]) / total;
     }
-    const aoi_start start = {p->u0, p->v0, p->centre, NULL, NULL};
+    const aoi_body_start start = {p->u0, p->v0, p->centre, NULL, NULL};
     const int status = aoi_body_start_star(&p->body, star, NULL, &rule, &start, p->work);
     CHECK(status == AOI_OK, "a star of %zu starts, status %d", star->n, status);
 }
 
 /* Everything but the law: velocities of projectile and target, all rows wanted. */
-static void run_make(run *r, const aoi_star *projectile, const aoi_star *target, aoi_newmark rule,
+static void run_make(run *r, const aoi_star *projectile, const aoi_star *target, aoi_rule rule,
                      double velocity, double target_velocity)
 {
     player_start(&r->projectile, projectile, rule, velocity);
@@ -75,9 +74,9 @@ static int run_all(run *r, size_t steps)
     return status;
 }
 
-static const aoi_newmark AVERAGE = {1e-6, 0.25, 0.5};
+static const aoi_rule AVERAGE = {1e-6, 0.25, 0.5};
 
-static aoi_newmark average(double dt) { return (aoi_newmark){dt, 0.25, 0.5}; }
+static aoi_rule average(double dt) { return (aoi_rule){dt, 0.25, 0.5}; }
 
 static double *row_of(run *r, int body, int which)
 {
@@ -392,7 +391,7 @@ static void no_step_fails(void)
     int failures = 0, pulls = 0, endless = 0;
     for (int trial = 0; trial < 1500; trial++) {
         const aoi_star mass = {0, decades(&seed, -6.0, 6.0), 0.0, NULL, NULL};
-        const aoi_newmark rule = {decades(&seed, -12.0, 0.0), trial % 3 ? 0.25 : 0.3025,
+        const aoi_rule rule = {decades(&seed, -12.0, 0.0), trial % 3 ? 0.25 : 0.3025,
                                   trial % 3 ? 0.5 : 0.6};
         const double m0 = trial % 5 ? decades(&seed, -9.0, 2.0) : 0.0;
         random_star_make(&target, 1 + (size_t)trial % 28, seed, m0,
@@ -428,7 +427,7 @@ static struct row {
     double record[ROW_ROWS][ROW_STEPS + 1];
 } row;
 
-static void row_make(size_t balls, aoi_newmark rule, const double *mass, double velocity)
+static void row_make(size_t balls, aoi_rule rule, const double *mass, double velocity)
 {
     static const double own = 1.0;
     memset(&row.scene, 0, sizeof row.scene);
@@ -438,7 +437,7 @@ static void row_make(size_t balls, aoi_newmark rule, const double *mass, double 
         row.v0[i] = i == 0 ? velocity : 0.0;
         row.bodies[i] = &row.body[i];
         row.contact[i] = (aoi_contact){.body = {i, i + 1}, .law = &row.law[i]};
-        const aoi_start start = {&row.u0[i], &row.v0[i], &own, NULL, NULL};
+        const aoi_body_start start = {&row.u0[i], &row.v0[i], &own, NULL, NULL};
         CHECK(aoi_body_start_star(&row.body[i], &row.star[i], NULL, &rule, &start,
                                   row.body_work[i]) == AOI_OK,
               "ball %zu", i);
@@ -449,9 +448,9 @@ static void row_make(size_t balls, aoi_newmark rule, const double *mass, double 
                             .contact = row.contact,
                             .dt = rule.dt,
                             .energies = 1,
-                            .work = row.work,
+                            .memory = row.work,
                             .first_port = row.first_port};
-    CHECK(aoi_scene_size(&row.scene) <= sizeof row.work / sizeof row.work[0], "room for a row");
+    CHECK(aoi_scene_size(&row.scene) <= sizeof row.work, "room for a row");
 }
 
 static int row_run(size_t steps)
@@ -583,9 +582,9 @@ static void preload_is_held(void)
               row_row(1, DISPLACEMENT)[500] == 0.0,
           "it stays as it is");
     row_make(3, average(1e-6), mass, 0.0);
-    const aoi_newmark rule = average(1e-6);
+    const aoi_rule rule = average(1e-6);
     const double push = 1e-3, own = 1.0;
-    const aoi_start start = {&row.u0[1], &push, &own, NULL, NULL};
+    const aoi_body_start start = {&row.u0[1], &push, &own, NULL, NULL};
     CHECK(aoi_body_start_star(&row.body[1], &row.star[1], NULL, &rule, &start, row.body_work[1]) ==
               AOI_OK,
           "pushed");
@@ -606,7 +605,7 @@ static void loads_on_pressed_bodies_do_their_work(void)
 {
     const double mass[] = {(double)INFINITY, 0.1, (double)INFINITY}, k = 1e6, squeeze = 1e-5;
     const double times[] = {0.0, 1e-3}, forces[] = {2.0, 5.0};
-    aoi_load load = {1, 0, 2, times, forces, 0};
+    const aoi_scene_load load = {1, 0, 1, {2, times, forces}};
     double drift = 0.0;
     row_make(3, average(1e-6), mass, 0.0);
     for (size_t i = 0; i < 2; i++) {
@@ -631,7 +630,7 @@ static void loads_do_their_work(void)
     const double mass[] = {0.5, (double)INFINITY}, dt = 1.0 / 4096.0;
     const double times[] = {0.0625, 0.125, 0.25, 0.25, 0.375}, forces[] = {1.0, 4.0, 4.0, 0.0, 0.5};
     const double constant[] = {2.0}, whenever[] = {77.0};
-    aoi_load loads[] = {{0, 0, 5, times, forces, 0}, {0, 0, 1, whenever, constant, 9}};
+    const aoi_scene_load loads[] = {{0, 0, 1, {5, times, forces}}, {0, 0, 1, {1, whenever, constant}}};
     const double k = 1e6;
     row_make(2, average(dt), mass, 0.0);
     CHECK(aoi_law_create(&row.law[0], "linear", 1, &k) == AOI_OK, "a spring far away");
@@ -657,13 +656,13 @@ static void gravity_is_a_constant_force(void)
 {
     const double mass[] = {0.2, (double)INFINITY}, k = 1e5, g = 9.81, gap = 1e-3, dt = 1e-6;
     const double force = mass[0] * g, own = 1.0;
-    const aoi_newmark rule = average(dt);
+    const aoi_rule rule = average(dt);
     const double above = 3e-4;
     row_make(2, rule, mass, 0.0);
     CHECK(aoi_law_create(&row.law[0], "linear", 1, &k) == AOI_OK, "a spring");
     row.contact[0].gap = gap - above;
     row.u0[0] = -above;
-    const aoi_start start = {&row.u0[0], &row.v0[0], &own, &force, NULL};
+    const aoi_body_start start = {&row.u0[0], &row.v0[0], &own, &force, NULL};
     CHECK(aoi_body_start_star(&row.body[0], &row.star[0], NULL, &rule, &start, row.body_work[0]) ==
               AOI_OK,
           "a ball");
@@ -756,7 +755,7 @@ static void what_is_no_scene_is_refused(void)
 {
     const aoi_star mass = {0, 0.1, 0.0, NULL, NULL};
     double time[] = {0.0, 1.0, 2.0}, force[] = {0.0, 1.0, 0.0};
-    aoi_load load = {.count = 3, .time = time, .force = force};
+    const aoi_scene_load load = {.ports = 1, .load = {3, time, force}};
     run_make(&one, &mass, &mass, AVERAGE, 1.0, 0.0);
     run_law(&one, "hertz", 1e10);
     aoi_scene *scene = &one.pair.scene;

@@ -20,8 +20,8 @@ static void what_a_wave_has_passed_dozes_off(void)
             }
         }
         must_go(&p, pow(10.0, -tolerance), end);
-        for (size_t r = 0; r < p.rows; r++) {
-            most = fmax(most, p.track[p.index[r] + AOI_TRACK_CONTACTS]);
+        for (size_t r = 0; r < p.track.rows; r++) {
+            most = fmax(most, p.track.values[p.track.row[r] + AOI_TRACK_CONTACTS]);
         }
         CHECK(most < 14.0, "rtol 1e-%d: %g contacts at a time", tolerance, most);
         for (size_t b = 0; b < MOST_BODIES; b++) {

@@ -2,34 +2,58 @@
 #include "check.h"
 #include "model/system.h"
 
+#include <math.h>
 
-enum { BODIES = 30, JOINTS = 80 };
+enum { BODIES = 30, CONTACTS = 80 };
 
-static void every_body_knows_its_joints(void)
+static const double ZERO[1] = {0.0}, ONES[2] = {1.0, 1.0};
+
+static aoi_law linear_law(void)
+{
+    const double k = 1e6;
+    aoi_law law;
+    CHECK(aoi_law_create(&law, "linear", 1, &k) == AOI_OK, "a law");
+    return law;
+}
+
+static aoi_modes ball(size_t ports)
+{
+    return (aoi_modes){.n = 1, .ports = ports, .omega = ZERO, .shape = ONES, .push = ONES, .centre = ONES};
+}
+
+static void every_body_knows_its_contacts(void)
 {
     uint64_t seed = 3;
-    aoi_modes body[BODIES] = {{.n = 1}};
-    aoi_joint joint[JOINTS];
-    size_t first_joint[BODIES + 1], joint_of[2 * JOINTS];
-    aoi_system system = {.body_count = BODIES, .joint_count = JOINTS, .body = body, .joint = joint};
-    for (size_t c = 0; c < JOINTS; c++) { /* the last body is untouched */
-        const size_t one = (size_t)(uniform(&seed) * (BODIES - 1));
-        joint[c] = (aoi_joint){.body = {one, (one + 1 + c % (BODIES - 2)) % (BODIES - 1)}};
-    }
-    CHECK(aoi_system_link(&system, first_joint, joint_of) == AOI_OK, "linked");
-    CHECK(first_joint[0] == 0 && first_joint[BODIES] == 2 * JOINTS, "each joint has two ends");
+    const aoi_law law = linear_law();
+    aoi_modes body[BODIES];
+    aoi_contact contact[CONTACTS];
+    size_t links[3 * (BODIES + 2) + 2 * CONTACTS];
+    aoi_system system = {.body_count = BODIES, .contact_count = CONTACTS, .body = body, .contact = contact};
     for (size_t b = 0; b < BODIES; b++) {
-        size_t at = first_joint[b];
-        for (size_t c = 0; c < JOINTS; c++) {
-            if (joint[c].body[0] == b || joint[c].body[1] == b) {
-                CHECK(at < first_joint[b + 1] && joint_of[at] == c, "body %zu, joint %zu", b, c);
+        body[b] = ball(1 + b % 2);
+    }
+    for (size_t c = 0; c < CONTACTS; c++) { /* the last body is untouched */
+        const size_t one = (size_t)(uniform(&seed) * (BODIES - 1));
+        contact[c] = (aoi_contact){.body = {one, (one + 1 + c % (BODIES - 2)) % (BODIES - 1)}, .law = &law};
+    }
+    CHECK(aoi_system_size(&system) <= sizeof links, "room for links");
+    CHECK(aoi_system_link(&system, links) == AOI_OK, "linked");
+    CHECK(system.first_contact[0] == 0 && system.first_contact[BODIES] == 2 * CONTACTS, "two ends each");
+    for (size_t b = 0; b < BODIES; b++) {
+        size_t at = system.first_contact[b];
+        CHECK(system.first[b] == b && system.first_port[b + 1] == system.first_port[b] + 1 + b % 2,
+              "places of body %zu", b);
+        for (size_t c = 0; c < CONTACTS; c++) {
+            if (contact[c].body[0] == b || contact[c].body[1] == b) {
+                CHECK(at < system.first_contact[b + 1] && system.contact_of[at] == c, "body %zu, contact %zu",
+                      b, c);
                 at++;
             }
         }
-        CHECK(at == first_joint[b + 1], "body %zu has no others", b);
+        CHECK(at == system.first_contact[b + 1], "body %zu has no others", b);
     }
-    joint[7].body[1] = BODIES;
-    CHECK(aoi_system_link(&system, first_joint, joint_of) == AOI_ERROR_ARGUMENT, "no such body");
+    contact[7].body[1] = BODIES;
+    CHECK(aoi_system_link(&system, links) == AOI_ERROR_ARGUMENT, "no such body");
 }
 
 static void the_most_modes_of_any_body(void)
@@ -40,82 +64,82 @@ static void the_most_modes_of_any_body(void)
     CHECK(aoi_system_most_modes(&none) == 1, "of none");
 }
 
-/* Two balls and a wall, each pair in contact. */
-static int checked_with(size_t *spoilt, size_t value)
-{
-    static const double zero[1] = {0.0}, one[1] = {1.0};
-    static size_t first[4], first_port[4], first_joint[4], joint_of[6], *const arrays[] = {
-        first, first_port, first_joint, joint_of};
-    const double k = 1e6;
-    aoi_law law;
-    CHECK(aoi_law_create(&law, "linear", 1, &k) == AOI_OK, "a law");
-    aoi_modes body[3];
-    first[0] = first_port[0] = 0;
-    for (size_t b = 0; b < 3; b++) {
-        body[b] = (aoi_modes){.n = 1, .ports = 1, .omega = zero, .shape = one, .push = one,
-                              .inertia = one, .centre = one};
-        first[b + 1] = first_port[b + 1] = b + 1;
-    }
-    const aoi_joint joint[3] = {{{0, 1}, {0, 0}, 0.0, &law}, {{1, 2}, {0, 0}, 0.0, &law},
-                                {{2, 0}, {0, 0}, 0.0, &law}};
-    aoi_system system = {.body_count = 3, .joint_count = 3, .body = body, .first = first,
-                         .first_port = first_port, .joint = joint};
-    CHECK(aoi_system_check(&system) == AOI_OK, "sound before it is linked");
-    CHECK(aoi_system_link(&system, first_joint, joint_of) == AOI_OK, "linked");
-    CHECK(aoi_system_check(&system) == AOI_OK, "sound");
-    if (!spoilt) {
-        law.compliance = -1e-9;
-        return aoi_system_check(&system);
-    }
-    arrays[spoilt[0]][spoilt[1]] = value;
-    return aoi_system_check(&system);
-}
-
-static void places_that_do_not_fit_are_refused(void)
-{
-    static const size_t far = (size_t)-1;
-    for (size_t array = 0; array < 4; array++) {
-        const size_t count = array < 3 ? 4 : 6, values[] = {1, 2, 3, 7, far};
-        for (size_t at = 0; at < count; at++) {
-            size_t refused = 0, spoilt[2] = {array, at};
-            for (size_t i = 0; i < 5; i++) {
-                refused += checked_with(spoilt, values[i]) == AOI_ERROR_ARGUMENT;
-            }
-            /* One of the values may be right. */
-            CHECK(refused >= 4, "array %zu, place %zu: only %zu of 5 refused", array, at, refused);
-        }
-    }
-    CHECK(checked_with(NULL, 0) == AOI_ERROR_ARGUMENT, "a law that cannot be used");
-}
-
-/* A body of two ports and one of one. */
-static void a_joint_is_between_two_bodies(void)
-{
-    static const double zero[1] = {0.0}, ones[2] = {1.0, 1.0}, residual[4] = {1e-9, 2e-9, 2e-9, 5e-9};
-    static const size_t first[] = {0, 1, 2}, first_port[] = {0, 2, 3};
-    const double k = 1e6;
-    aoi_law law;
-    CHECK(aoi_law_create(&law, "linear", 1, &k) == AOI_OK, "a law");
+/* Two balls in contact, one of two ports. */
+typedef struct touching {
     aoi_modes body[2];
-    for (size_t b = 0; b < 2; b++) {
-        body[b] = (aoi_modes){.n = 1, .ports = 2 - b, .omega = zero, .shape = ones, .push = ones,
-                              .inertia = ones, .centre = ones};
+    aoi_law law;
+    aoi_contact contact;
+    size_t links[16];
+    aoi_system system;
+} touching;
+
+static void make_touching(touching *t)
+{
+    t->body[0] = ball(2);
+    t->body[1] = ball(1);
+    t->law = linear_law();
+    t->contact = (aoi_contact){{0, 1}, {1, 0}, 0.0, &t->law};
+    t->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = t->body, .contact = &t->contact};
+}
+
+static void what_cannot_be_run_is_refused(void)
+{
+    static const double nan[4] = {NAN, NAN, NAN, NAN}, negative[1] = {-1.0}, late[2] = {1.0, 0.0};
+    for (int i = -1; i < 17; i++) {
+        touching t;
+        make_touching(&t);
+        aoi_modes *first = &t.body[0];
+        const struct {
+            const double **array;
+            const double *wrong;
+        } arrays[] = {{&first->omega, nan},    {&first->omega, NULL},     {&first->shape, nan},
+                      {&first->shape, NULL},   {&first->push, nan},       {&first->push, NULL},
+                      {&first->centre, nan},   {&first->centre, NULL},    {&first->decay, negative},
+                      {&first->residual, nan}, {&first->gravity, nan},    {&first->inertia, nan},
+                      {&first->omega, negative}};
+        if (i >= 0 && i < 13) {
+            *arrays[i].array = arrays[i].wrong;
+        }
+        if (i == 13) {
+            first->load = (aoi_load){2, late, ONES};
+        }
+        t.contact.port[1] = i == 14;
+        t.contact.gap = i == 15 ? HUGE_VAL : 0.0;
+        t.law.compliance = i == 16 ? -1e-9 : 0.0;
+        const int status = aoi_system_link(&t.system, t.links);
+        CHECK(status == (i < 0 ? AOI_OK : AOI_ERROR_ARGUMENT), "case %d: status %d", i, status);
     }
-    body[0].residual = residual;
-    aoi_joint joint = {{0, 1}, {1, 0}, 0.0, &law};
-    const aoi_system system = {.body_count = 2, .joint_count = 1, .body = body, .first = first,
-                               .first_port = first_port, .joint = &joint};
-    CHECK(aoi_system_check(&system) == AOI_OK, "of different bodies");
-    CHECK(aoi_system_residual(&system, 0) == 5e-9, "what its ports give way");
-    joint = (aoi_joint){{0, 0}, {0, 1}, 0.0, &law};
-    CHECK(aoi_system_check(&system) == AOI_ERROR_ARGUMENT, "of a body with itself");
+}
+
+static void a_contact_is_between_two_bodies(void)
+{
+    static const double residual[4] = {1e-9, 2e-9, 2e-9, 5e-9};
+    touching t;
+    make_touching(&t);
+    t.body[0].residual = residual;
+    CHECK(aoi_system_size(&t.system) <= sizeof t.links, "room for links");
+    CHECK(aoi_system_link(&t.system, t.links) == AOI_OK, "of different bodies");
+    CHECK(aoi_system_residual(&t.system, 0) == 5e-9, "the residual compliance at its ports");
+    t.contact = (aoi_contact){{0, 0}, {0, 1}, 0.0, &t.law};
+    CHECK(aoi_system_link(&t.system, t.links) == AOI_ERROR_ARGUMENT, "of a body with itself");
+}
+
+/* Where the rows of a record stand: four of each contact, then six and two a port of each body. */
+static void the_rows_of_a_record(void)
+{
+    touching t;
+    make_touching(&t);
+    CHECK(aoi_system_link(&t.system, t.links) == AOI_OK, "linked");
+    CHECK(aoi_record_contact(&t.system, 0) == 0 && aoi_record_body(&t.system, 0) == 4, "first");
+    CHECK(aoi_record_body(&t.system, 1) == 14 && aoi_record_rows(&t.system) == 22, "second, and all");
 }
 
 int main(void)
 {
-    every_body_knows_its_joints();
+    every_body_knows_its_contacts();
     the_most_modes_of_any_body();
-    places_that_do_not_fit_are_refused();
-    a_joint_is_between_two_bodies();
+    what_cannot_be_run_is_refused();
+    a_contact_is_between_two_bodies();
+    the_rows_of_a_record();
     return check_report();
 }

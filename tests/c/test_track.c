@@ -5,7 +5,6 @@
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
-#include "track/sampler.h"
 
 enum { MOST_ROWS = 128 };
 
@@ -13,7 +12,7 @@ enum { MOST_ROWS = 128 };
 static double ledger(const plant *p, const double *record)
 {
     double sum = 0.0;
-    for (size_t c = 0; c < p->joints; c++, record += AOI_CONTACT_ROWS) {
+    for (size_t c = 0; c < p->contacts; c++, record += AOI_CONTACT_ROWS) {
         sum += record[2] + record[3];
     }
     for (size_t b = 0; b < p->bodies; b++) {
@@ -63,11 +62,11 @@ static void the_ledger_closes(int with, const char *what)
     plant p = {.bodies = 0};
     furnish(&p, with, &law);
     must_go(&p, rtol, end);
-    CHECK(p.contact[0].impulse > 0.5, "%s: they meet", what);
-    CHECK(open_sampler(&p) == AOI_OK && aoi_sampler_rows(&p.system) <= MOST_ROWS, "%s: sampled", what);
+    CHECK(p.run->contact[0].impulse > 0.5, "%s: they meet", what);
+    CHECK(open_sampler(&p) == AOI_OK && aoi_record_rows(&p.system) <= MOST_ROWS, "%s: sampled", what);
     for (int i = 0; i <= 400; i++) {
         const double t = end * i / 400.0;
-        aoi_sampler_column(&p.sampler, t, 1, record, 1);
+        aoi_sampler_column(p.sampler, t, 1, record, 1);
         first = i == 0 ? ledger(&p, record) : first;
         CHECK(i > 0 || (fabs(record[4 + AOI_BODY_WORK]) < 1e-12 && fabs(record[14 + AOI_BODY_WORK]) < 1e-12),
               "%s: no work at the start", what);
@@ -92,18 +91,18 @@ static void pulls_that_end_are_booked(void)
     add_wall(&p);
     join_rigid(&p, 0, 1, 0.0, &law);
     must_go(&p, rtol, 1.0);
-    for (size_t r = 0; r < p.rows; r++) {
-        const double *row = p.track + p.index[r];
+    for (size_t r = 0; r < p.track.rows; r++) {
+        const double *row = p.track.values + p.track.row[r];
         const double *of = row + (size_t)row[AOI_TRACK_SIZE] - AOI_TRACK_CONTACT_SIZE;
         if (row[AOI_TRACK_CONTACTS] > 0.0 && of[AOI_TRACK_ENDS] > 0.0) {
-            const double pull = of[AOI_TRACK_FORCE + AOI_STAGES - 1];
+            const double pull = of[AOI_TRACK_FORCE + AOI_NODES - 1];
             lost += 0.5 * compliance * pull * pull;
         }
     }
-    CHECK(p.contact[0].impulse > 5.0 && lost > 1e-3, "it bounces, and loses %g J so", lost);
+    CHECK(p.run->contact[0].impulse > 5.0 && lost > 1e-3, "it bounces, and loses %g J so", lost);
     CHECK(open_sampler(&p) == AOI_OK, "sampled");
     for (int i = 0; i <= 100; i++) {
-        aoi_sampler_column(&p.sampler, 0.01 * i, 1, record, 1);
+        aoi_sampler_column(p.sampler, 0.01 * i, 1, record, 1);
         CHECK(fabs(ledger(&p, record) - 0.5) < 1e2 * rtol, "at %g s the ledger is at %.12g J", 0.01 * i,
               ledger(&p, record));
     }
@@ -143,7 +142,7 @@ static void work_and_losses_are_those_of_the_motion(void)
         must_go(&p, 1e-9, 1.0);
         double record[AOI_BODY_ROWS + AOI_PORT_ROWS];
         CHECK(open_sampler(&p) == AOI_OK, "sampled");
-        aoi_sampler_column(&p.sampler, 0.5, 1, record, 1);
+        aoi_sampler_column(p.sampler, 0.5, 1, record, 1);
         /* v' + 2 s v = 6 t: v = (6 t - v_lag)/(2 s), v_lag = 6 (1 - e^(-2 s t))/(2 s). */
         const double q = 6.0, t = 0.5, e = exp(-q * t);
         const double v = damped ? 6.0 * (t / q - (1.0 - e) / (q * q)) : 3.0 * t * t;
@@ -170,15 +169,15 @@ static void dense_output_meets_the_rows(void)
     add_wall(&p);
     join_rigid(&p, 0, 1, 0.0, &law);
     must_go(&p, 1e-9, 1e-3);
-    const size_t rows = p.rows, *index = p.index;
+    const size_t rows = p.track.rows, *index = p.track.row;
     for (size_t r = 0; r + 1 < rows; r++) {
-        const double *row = p.track + index[r], *next = p.track + index[r + 1];
+        const double *row = p.track.values + index[r], *next = p.track.values + index[r + 1];
         const double time = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
         double state[4];
-        p.rows = r + 1;
-        p.used = index[r + 1];
+        p.track.rows = r + 1;
+        p.track.used = index[r + 1];
         CHECK(open_sampler(&p) == AOI_OK, "sampled");
-        aoi_sampler_state(&p.sampler, time, 0, state);
+        aoi_sampler_state(p.sampler, time, 0, state);
         CHECK(row[AOI_TRACK_LENGTH] == 0.0 || near(next[AOI_TRACK_START], time, 1e-15), "no hole");
         if (row[AOI_TRACK_LENGTH] > 0.0) {
             const double *of = next + AOI_TRACK_FIXED + AOI_TRACK_STATE;
@@ -186,15 +185,15 @@ static void dense_output_meets_the_rows(void)
             for (size_t j = 0; j < 4; j++) {
                 CHECK(fabs(state[j] - of[j]) < (j < 2 ? 1e-16 : 1e-12), "row %zu: %zu", r, j);
             }
-            aoi_modes_fly(p.body, time, time + 1e-5, state, state + 2);
+            aoi_modes_advance(p.body, time, time + 1e-5, state, state + 2);
             double later[4];
-            aoi_sampler_state(&p.sampler, time + 1e-5, 0, later);
+            aoi_sampler_state(p.sampler, time + 1e-5, 0, later);
             for (size_t j = 0; j < 4; j++) {
                 CHECK(fabs(state[j] - later[j]) < (j < 2 ? 1e-16 : 1e-12), "row %zu: %zu flies on", r, j);
             }
         }
     }
-    p.rows = 0;
+    p.track.rows = 0;
     CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "a track without rows has no states");
     release(&p);
 }
@@ -210,12 +209,12 @@ static void columns_are_those_of_the_states(void)
     for (int i = 0; i <= 100; i++) {
         double record[MOST_ROWS], state[2][2 * MOST_MODES], u[2][2], du[2][2];
         const double t = 0.012 * i / 100.0;
-        aoi_sampler_column(&p.sampler, t, 1, record, 1);
+        aoi_sampler_column(p.sampler, t, 1, record, 1);
         const double *row = record + AOI_CONTACT_ROWS;
         for (size_t b = 0; b < 2; b++) {
             const size_t n = p.part[b].n;
             double kinetic, elastic;
-            aoi_sampler_state(&p.sampler, t, b, state[b]);
+            aoi_sampler_state(p.sampler, t, b, state[b]);
             aoi_modes_energy(&p.body[b], state[b], state[b] + n, NULL, &kinetic, &elastic);
             CHECK(near(row[AOI_BODY_CENTRE], p.part[b].centre[0] * state[b][0], 1e-13), "centre");
             CHECK(near(row[AOI_BODY_KINETIC], kinetic, 1e-13) && near(row[AOI_BODY_ELASTIC], elastic, 1e-13),
@@ -245,24 +244,24 @@ static void samples_do_not_depend_on_each_other(void)
     furnish(&p, GRAVITY, &law);
     must_go(&p, 1e-8, 0.012);
     static double all[MOST_ROWS * 50];
-    const size_t rows = aoi_sampler_rows(&p.system);
+    const size_t rows = aoi_record_rows(&p.system);
     CHECK(open_sampler(&p) == AOI_OK, "sampled");
     for (size_t i = 0; i < 50; i++) {
-        aoi_sampler_column(&p.sampler, 0.012 * (double)i / 49.0, 1, all + i, 50);
+        aoi_sampler_column(p.sampler, 0.012 * (double)i / 49.0, 1, all + i, 50);
     }
     for (size_t i = 0; i < 50; i += 7) {
         double record[MOST_ROWS];
         CHECK(open_sampler(&p) == AOI_OK, "sampled");
-        aoi_sampler_column(&p.sampler, 0.012 * (double)i / 49.0, 1, record, 1);
+        aoi_sampler_column(p.sampler, 0.012 * (double)i / 49.0, 1, record, 1);
         for (size_t k = 0; k < rows; k++) {
             CHECK(record[k] == all[k * 50 + i], "column %zu, row %zu", i, k);
         }
     }
     CHECK(open_sampler(&p) == AOI_OK, "sampled");
     for (size_t i = 0; i < 50; i++) {
-        double force[MOST_JOINTS];
-        aoi_sampler_forces(&p.sampler, 0.012 * (double)i / 49.0, force, 1);
-        for (size_t c = 0; c < p.system.joint_count; c++) {
+        double force[MOST_CONTACTS];
+        aoi_sampler_forces(p.sampler, 0.012 * (double)i / 49.0, force, 1);
+        for (size_t c = 0; c < p.system.contact_count; c++) {
             CHECK(force[c] == all[AOI_CONTACT_ROWS * c * 50 + i], "force %zu, column %zu", c, i);
         }
     }
@@ -271,7 +270,7 @@ static void samples_do_not_depend_on_each_other(void)
         record[k] = -77.0;
     }
     CHECK(open_sampler(&p) == AOI_OK, "sampled");
-    aoi_sampler_column(&p.sampler, 0.006, 0, record, 1);
+    aoi_sampler_column(p.sampler, 0.006, 0, record, 1);
     CHECK(record[2] == -77.0 && record[3] == -77.0 && record[4 + AOI_BODY_KINETIC] == -77.0 &&
               record[4 + AOI_BODY_WORK] == -77.0 && record[4] != -77.0,
           "energies that nobody wants are left alone");
@@ -285,13 +284,13 @@ static void what_is_no_track_is_refused(void)
     plant p = {.bodies = 0};
     furnish(&p, 0, &law);
     must_go(&p, 1e-6, 2e-3);
-    const size_t used = p.used, rows = p.rows, last = p.index[rows - 1];
+    const size_t used = p.track.used, rows = p.track.rows, last = p.track.row[rows - 1];
     size_t contact_row = 0;
-    while (p.track[p.index[contact_row] + AOI_TRACK_CONTACTS] == 0.0) {
+    while (p.track.values[p.track.row[contact_row] + AOI_TRACK_CONTACTS] == 0.0) {
         contact_row++;
     }
-    const size_t row = p.index[contact_row];
-    const size_t contact = row + (size_t)p.track[row + AOI_TRACK_SIZE] - AOI_TRACK_CONTACT_SIZE;
+    const size_t row = p.track.row[contact_row];
+    const size_t contact = row + (size_t)p.track.values[row + AOI_TRACK_SIZE] - AOI_TRACK_CONTACT_SIZE;
     const struct {
         size_t at;
         double value;
@@ -303,26 +302,26 @@ static void what_is_no_track_is_refused(void)
                  {AOI_TRACK_START, NAN},       {AOI_TRACK_START, 1.0},
                  {last + AOI_TRACK_START, 0.0}, {last + AOI_TRACK_START, HUGE_VAL}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        const double kept = p.track[wrong[i].at];
-        p.track[wrong[i].at] = wrong[i].value;
+        const double kept = p.track.values[wrong[i].at];
+        p.track.values[wrong[i].at] = wrong[i].value;
         CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "case %zu", i);
-        p.track[wrong[i].at] = kept;
+        p.track.values[wrong[i].at] = kept;
     }
-    p.track[contact + AOI_TRACK_PIECE] = AOI_SLACK;
-    p.track[contact + AOI_TRACK_EDGE] = AOI_EDGE_START;
+    p.track.values[contact + AOI_TRACK_PIECE] = AOI_SLACK;
+    p.track.values[contact + AOI_TRACK_EDGE] = AOI_EDGE_START;
     CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "the edge of a force that is none");
-    p.track[contact + AOI_TRACK_EDGE] = AOI_EDGE_NONE;
+    p.track.values[contact + AOI_TRACK_EDGE] = AOI_EDGE_NONE;
     CHECK(open_sampler(&p) == AOI_OK, "no force");
-    p.used = used - 1;
+    p.track.used = used - 1;
     CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "cut off");
-    p.used = used + 1;
+    p.track.used = used + 1;
     CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "more than its rows");
-    p.used = used;
-    p.index[rows - 1] = SIZE_MAX;
+    p.track.used = used;
+    p.track.row[rows - 1] = SIZE_MAX;
     CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "pointing far away");
-    p.index[rows - 1] = used;
+    p.track.row[rows - 1] = used;
     CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "pointing past the end");
-    p.index[rows - 1] = last;
+    p.track.row[rows - 1] = last;
     CHECK(open_sampler(&p) == AOI_OK, "the track itself is sound");
     release(&p);
 }
@@ -342,25 +341,25 @@ static void bends_are_flown_over_once(void)
         memcpy(bar->load_force, force, sizeof force);
         must_go(&p, 1e-9, 1.0);
         double in_turn[64][MOST_ROWS], alone[MOST_ROWS];
-        const size_t rows = aoi_sampler_rows(&p.system);
+        const size_t rows = aoi_record_rows(&p.system);
         CHECK(open_sampler(&p) == AOI_OK, "sampled");
         for (size_t i = 0; i < 64; i++) {
-            aoi_sampler_column(&p.sampler, (double)i / 63.0, 1, in_turn[i], 1);
+            aoi_sampler_column(p.sampler, (double)i / 63.0, 1, in_turn[i], 1);
         }
         for (size_t i = 0; i < 64; i++) {
             if (i % 9 == 0) { /* else back in time, from far ahead */
                 CHECK(open_sampler(&p) == AOI_OK, "sampled");
             }
             double state[6], record[MOST_ROWS];
-            aoi_sampler_column(&p.sampler, 1.0, 1, record, 1);
-            aoi_sampler_column(&p.sampler, (double)i / 63.0, 1, alone, 1);
-            aoi_sampler_state(&p.sampler, (double)i / 63.0, 0, state);
+            aoi_sampler_column(p.sampler, 1.0, 1, record, 1);
+            aoi_sampler_column(p.sampler, (double)i / 63.0, 1, alone, 1);
+            aoi_sampler_state(p.sampler, (double)i / 63.0, 0, state);
             for (size_t k = 0; k < rows; k++) {
                 CHECK(alone[k] == in_turn[i][k], "column %zu, row %zu", i, k);
             }
             double x[6] = {0.0};
             memcpy(x + 3, p.part[0].v, 3 * sizeof(double));
-            aoi_modes_fly(p.body, 0.0, (double)i / 63.0, x, x + 3);
+            aoi_modes_advance(p.body, 0.0, (double)i / 63.0, x, x + 3);
             CHECK(memcmp(x, state, sizeof x) == 0, "column %zu: flown in one go", i);
             const double first = in_turn[0][AOI_BODY_KINETIC] + in_turn[0][AOI_BODY_ELASTIC];
             const double *now = in_turn[i];

@@ -549,6 +549,10 @@ def test_nonsense_raises_and_never_crashes(name: str) -> None:
 # ------------------------------------------------------------------------------------- errors
 
 
+def test_the_header_has_the_version_of_the_package() -> None:
+    assert f'#define AOI_VERSION "{ao.__version__}"' in HEADER.read_text()
+
+
 def core_statuses() -> dict[str, int]:
     """The enum aoi_status as the header has it."""
     body = re.search(r"typedef enum aoi_status \{(.*?)\} aoi_status;", HEADER.read_text(), re.S)

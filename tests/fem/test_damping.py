@@ -7,7 +7,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.integrate.newmark import Newmark, newmark_scene
-from aoimpact.scene.bodies import StarPlayer, player
+from aoimpact.scene.bodies import StarBody, scene_body
 
 from slender import beam
 
@@ -109,7 +109,7 @@ def test_an_oscillator_dies_away_as_in_its_closed_form(damping):
     errors = []
     for steps in (2000, 4000):
         dt = 0.02 / steps
-        body = StarPlayer(ao.AOModel(m0=m, k0=k, damping=damping), 0.0)
+        body = StarBody(ao.AOModel(m0=m, k0=k, damping=damping), 0.0)
         record, (x,) = let_go([(body, np.array([start]))], 0.02, dt, start)
         t = record.t
         exact = start * np.exp(-sigma * t) * (np.cos(fast * t) + sigma / fast * np.sin(fast * t))
@@ -152,7 +152,7 @@ def test_a_large_full_model_with_damping_of_its_modes_says_what_to_do():
     K, M = beam(1600, fixed=[0])
     tip = ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01)).contact(dof=7)
     with pytest.raises(ao.InputError, match="give Rayleigh"):
-        player("target", tip, 0.0).stepped()
+        scene_body("target", tip, 0.0).stepped()
 
 
 @pytest.mark.parametrize("damping", [ao.Rayleigh(alpha=300.0, beta=2e-6), ao.ModalDamping(0.05)])

@@ -574,7 +574,7 @@ def test_bad_meshes_and_materials_are_refused() -> None:
 
 def test_model_is_frozen_pickles_and_says_what_it_is() -> None:
     body = FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")])
-    assert repr(body) == "FEModel(81 dofs, 36 nodes, 12 hexahedron, 0.234 kg, 27 dofs held)"
+    assert repr(body) == "FEModel(81 dofs, 36 nodes, 12 hexahedron, 0.234 kg, 27 dofs constrained)"
     body.frequencies(1)
     again = pickle.loads(pickle.dumps(body))
     assert np.array_equal(again.frequencies(3), body.frequencies(3))

@@ -13,8 +13,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.fields.recovery import Recovery
-from aoimpact.fields.reduced import reduced_interface, reduced_star
+from aoimpact.fields.recovery import Recovery, Reduced, reduced_interface, reduced_star
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -161,3 +160,47 @@ def test_it_survives_pickling() -> None:
     expected = recovery.displacement(coordinates, force)
     again = pickle.loads(pickle.dumps(recovery))
     np.testing.assert_array_equal(again.displacement(coordinates, force), expected)
+
+
+# ------------------------------------------------------------------- reduced models
+
+
+@cache
+def reduced_models() -> list[Reduced]:
+    end = tip_of(SUPPORTS[0])
+    both = [end, end.body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1))]
+    return [
+        reduced_star(ao.antioscillators(end, 5), gravity=9.81),
+        reduced_star(ao.antioscillators(end, 4, method="krylov", contact_time=1e-4)),
+        reduced_star(ao.modal(end, 12).star, gravity=9.81),
+        reduced_interface(ao.interface(both, 8, contact_time=1e-4), gravity=9.81),
+    ]
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_mass_and_stiffness_are_those_of_the_body_in_its_shapes(which: int) -> None:
+    reduced = reduced_models()[which]
+    for matrix, projected in (
+        (np.diag(reduced.mass), reduced.basis.T @ (reduced.body.M @ reduced.basis)),
+        (reduced.stiffness, reduced.basis.T @ (reduced.body.K @ reduced.basis)),
+    ):
+        scale = np.sqrt(np.outer(np.diag(matrix), np.diag(matrix)))
+        assert np.abs((matrix - projected) / scale).max() < 1e-6
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_accelerations_obey_newton(which: int) -> None:
+    reduced = reduced_models()[which]
+    springs, push = reduced.accelerations
+    rng = np.random.default_rng(0)
+    q, f = rng.standard_normal(reduced.n), rng.standard_normal(reduced.loads.shape[1])
+    inertia = reduced.mass * (springs @ q + push @ f)
+    forces = reduced.basis.T @ (reduced.loads @ f) - reduced.stiffness @ q
+    np.testing.assert_allclose(inertia, forces, atol=1e-9 * np.abs(forces).max())
+
+
+def test_gravity_pulls_at_every_node_with_its_share_of_the_weight() -> None:
+    reduced = reduced_models()[0]
+    whole = ao.FEModel.from_mesh(reduced.body.mesh, reduced.body.material)
+    weight = 9.81 * (whole.M @ whole.translation((0, 0, -1)))
+    np.testing.assert_allclose(reduced.loads[:, 1], weight[reduced.body.free], atol=1e-12)

@@ -9,8 +9,8 @@ import aoimpact as ao
 from aoimpact.integrate.band import narrow_order
 
 
-def pile(order):
-    """A pile of balls on a floor, its contacts connected in that order, pushed at the top."""
+def stack(order):
+    """A stack of balls on a floor, its contacts connected in that order, pushed at the top."""
     scene = ao.Scene(gravity=9.81)
     balls = [scene.add(ao.rigid(mass=1.0)) for _ in order]
     balls.append(scene.add(ao.rigid(mass=math.inf)))
@@ -48,7 +48,7 @@ def test_contacts_are_read_in_the_order_in_which_they_were_connected():
     times = np.linspace(0.0, 5e-4, 101)
     runs = []
     for order in (range(12), mixed):
-        scene, balls = pile(order)
+        scene, balls = stack(order)
         run = scene.simulate(duration=5e-4, preload=True)
         runs.append((run, run.at(times), run[balls[4]].velocity[-1]))
     (run, at, speed), (other, other_at, other_speed) = runs

@@ -12,7 +12,7 @@ from scipy.special import gamma
 
 import aoimpact as ao
 from aoimpact.integrate.newmark import Newmark, newmark_scene
-from aoimpact.scene.bodies import StarPlayer, player
+from aoimpact.scene import Joint, Load, StarBody, scene_body
 from aoimpact.scene.stepped import SteppedModes
 
 from slender import beam, rod
@@ -210,9 +210,9 @@ def test_the_final_state_is_that_of_the_last_step():
 def row_of_balls(count, dt, duration, law=HERTZ, velocity=1.0):
     rule = Newmark(dt=dt)
     balls = [
-        StarPlayer(ao.rigid(mass=MASS), velocity if i == 0 else 0.0).stepped() for i in range(count)
+        StarBody(ao.rigid(mass=MASS), velocity if i == 0 else 0.0).stepped() for i in range(count)
     ]
-    contacts = [(i, 0, i + 1, 0, law, 0.0) for i in range(count - 1)]
+    contacts = [Joint(i, 0, i + 1, 0, law, 0.0) for i in range(count - 1)]
     record = newmark_scene(balls, contacts, rule=rule, dt=dt, duration=duration)
     bodies = record.rows[4 * (count - 1) :].reshape(count, 8, -1)
     return record, record.rows[: 4 * (count - 1)].reshape(count - 1, 4, -1), bodies
@@ -264,13 +264,13 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     dt, zero = 2e-3, np.zeros(K.shape[0])
     rule, law = Newmark(dt=dt), ao.Hertz(k=1e4)
     tip = ao.FEModel(K=K, M=M).contact(dof=5)
-    full_body = replace(player("target", tip, 0.0).stepped(), B=b)
+    full_body = replace(scene_body("target", tip, 0.0).stepped(), B=b)
     in_modes = SteppedModes(
         omega=np.sqrt(omega2),
         decay=zero,
         shape=b @ phi,
         residual=np.zeros((2, 2)),
-        bent=None,
+        residual_forces=None,
         gravity=None,
         centre=phi.T @ full_body.centre,
         u=np.zeros_like(zero),
@@ -278,9 +278,9 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     )
     runs = []
     for body in (full_body, in_modes):
-        balls = [StarPlayer(ao.rigid(mass=0.1), v).stepped() for v in (0.1, 0.2)]
-        contacts = [(0, 0, 2, 0, law, 0.0), (1, 0, 2, 1, law, 0.01)]
-        loads = [(2, 1, np.array([0.0, 1.0]), np.array([0.0, 0.05]))]
+        balls = [StarBody(ao.rigid(mass=0.1), v).stepped() for v in (0.1, 0.2)]
+        contacts = [Joint(0, 0, 2, 0, law, 0.0), Joint(1, 0, 2, 1, law, 0.01)]
+        loads = [Load(2, 1, np.array([0.0, 1.0]), np.array([0.0, 0.05]))]
         runs.append(newmark_scene([*balls, body], contacts, loads, rule=rule, dt=dt, duration=4.0))
     full, modes = runs
     assert (full.rows[[0, 4]].max(axis=1) > 0.1).all()
@@ -294,13 +294,14 @@ def test_everything_at_once_balances():
     rule = Newmark(dt=dt)
     damped = ao.AOModel(m0=2e-3, k0=3e5, m=[0.01], k=[4e6], damping=ao.Rayleigh(beta=1e-6))
     bodies = [
-        StarPlayer(ao.rigid(mass=0.05), 1.0).stepped(gravity=np.array([0.5])),
-        StarPlayer(ringing_star(), 0.0).stepped(gravity=np.array([0.0, 1.0, 2.0, 3.0])),
-        StarPlayer(damped, 0.0).stepped(),
+        StarBody(ao.rigid(mass=0.05), 1.0).stepped(gravity=np.array([0.5])),
+        StarBody(ringing_star(), 0.0).stepped(gravity=np.array([0.0, 1.0, 2.0, 3.0])),
+        StarBody(damped, 0.0).stepped(),
     ]
     law = ao.Linear(k=1e6)
-    contacts = [(0, 0, 1, 0, law, 0.0), (1, 0, 2, 0, law, 1e-6), (0, 0, 2, 0, law, 2e-5)]
-    loads = [(2, 0, np.array([0.0, 1e-3]), np.array([3.0, -8.0]))]
+    ends = (0, 1, 0.0), (1, 2, 1e-6), (0, 2, 2e-5)
+    contacts = [Joint(first, 0, second, 0, law, gap) for first, second, gap in ends]
+    loads = [Load(2, 0, np.array([0.0, 1e-3]), np.array([3.0, -8.0]))]
     record = newmark_scene(bodies, contacts, loads, rule=rule, dt=dt, duration=2e-3)
     of_contacts, of_bodies = record.rows[:12].reshape(3, 4, -1), record.rows[12:].reshape(3, 8, -1)
     assert (of_contacts[:, 0].max(axis=1) > 0.0).all()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aoimpact.accuracy.answer import Answer
+from aoimpact.accuracy import QUANTITIES
 from aoimpact.base.errors import AOImpactError, InputError, LawLimitError
 from aoimpact.batch.fingerprint import Fingerprints
 from aoimpact.fem.contact import ContactPoint
@@ -166,7 +166,7 @@ def test_models_chosen_for_a_tolerance_meet_as_the_whole_bodies_do(
         hit = simulate(
             projectile=projectile, target=struck, law=law, **SCENE, quantity=quantity, rtol=rtol
         )
-        assert Answer(quantity).difference(hit, whole) <= rtol
+        assert QUANTITIES[quantity].difference(hit, whole) <= rtol
         assert hit.error.reduction is not None
         assert hit.error.reduction <= rtol
         assert hit.models is not None

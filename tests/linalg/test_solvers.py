@@ -8,8 +8,11 @@ import scipy.sparse.linalg as spla
 import aoimpact as ao
 from aoimpact.base import memory
 from aoimpact.linalg import pardiso, solvers
-from aoimpact.linalg.fill import factor_entries, mean_width
-from aoimpact.linalg.solvers import LinearSolver, Pencil, linear_solver
+from aoimpact.linalg.fill import graph_width
+from aoimpact.linalg.method import Inverse, Method
+from aoimpact.linalg.pencil import Pencil
+from aoimpact.linalg.solvers import METHODS, LinearSolver, linear_solver
+from aoimpact.linalg.superlu import estimated_entries
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
 
 from slender import rod
@@ -17,12 +20,8 @@ from slender import rod
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
 needs_pardiso = pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
-EVERY = [
-    "superlu",
-    pytest.param("pardiso", marks=needs_pardiso),
-    "multigrid",
-    pytest.param(spla.factorized, id="a function"),
-]
+DIRECT = ["superlu", "banded", pytest.param("pardiso", marks=needs_pardiso)]
+EVERY = [*DIRECT, "multigrid", pytest.param(spla.factorized, id="a function")]
 
 
 @pytest.fixture(scope="module")
@@ -114,35 +113,93 @@ def test_a_solution_is_refined_until_its_residual_passes(bar):
 # --------------------------------------------------------------------------- the choice of one
 
 
-def test_small_bodies_are_solved_by_what_is_always_there(block):
-    assert block.inverse(1e12).name == "superlu"
+def solved_by(name, seconds, *, memory=0.0, direct=True, installed=True):
+    """A method of known cost."""
+    return Method(
+        name,
+        set_up=lambda pencil: Inverse(lambda f: f),
+        memory=lambda pencil: memory,
+        seconds=lambda pencil, solutions: seconds(solutions),
+        direct=direct,
+        is_installed=lambda: installed,
+    )
 
 
-def test_large_bodies_take_pardiso_where_it_is_installed(block, monkeypatch):
-    taken = []
+@pytest.mark.parametrize(
+    ("solutions", "methods", "taken"),
+    [
+        (10, [("a", lambda n: 3.0), ("b", lambda n: 4.0)], "a"),
+        (10, [("a", lambda n: 5.0 + n), ("b", lambda n: 14.0 + 0.01 * n)], "b"),
+        (1, [("a", lambda n: 5.0 + n), ("b", lambda n: 14.0 + 0.01 * n)], "a"),
+        (10, [("a", lambda n: 1.0), ("iterates", lambda n: 0.1)], "a"),  # soon enough
+        (10, [("a", lambda n: 9.0), ("iterates", lambda n: 8.0)], "iterates"),
+        (10, [("absent", lambda n: 1.0), ("a", lambda n: 9.0)], "a"),
+        (10, [("huge", lambda n: 1.0), ("a", lambda n: 9.0)], "a"),
+    ],
+)
+def test_the_quickest_is_taken_that_is_there_and_fits(
+    block, monkeypatch, solutions, methods, taken
+):
+    made = {
+        name: solved_by(
+            name,
+            seconds,
+            memory=1e18 if name == "huge" else 0.0,
+            direct=name != "iterates",
+            installed=name != "absent",
+        )
+        for name, seconds in methods
+    }
+    monkeypatch.setattr(solvers, "METHODS", made)
+    assert block.inverse(1e10, solutions=solutions).name == taken
 
-    def factors(A, what, *, width, diagonal):
-        taken.append(A.shape)
 
-    monkeypatch.setattr(pardiso, "Factors", factors)
-    monkeypatch.setattr(solvers, "_MULTIGRID", 1.0)
-    for quickest, quick in ((1e4, 1e9), (1e4, 1e5)):
-        monkeypatch.setattr(solvers, "_SUPERLU_QUICKEST", quickest)
-        monkeypatch.setattr(solvers, "_SUPERLU_QUICK", quick)
-        monkeypatch.setattr(pardiso, "is_installed", lambda: False)
-        assert block.inverse(1e10).name == "superlu"
-        monkeypatch.setattr(pardiso, "is_installed", lambda: True)
-        assert block.inverse(1e10).name == "pardiso"
-    assert taken == 2 * [block.K.shape]
+def test_slender_bodies_are_solved_within_their_band_and_compact_ones_by_sparse_factors():
+    def taken(*mesh):
+        return ao.FEModel.from_mesh(box_mesh(*mesh, kind="hexahedron20"), STEEL).inverse(1e10).name
+
+    assert taken((0.5, 0.02, 0.02), (40, 2, 2)) == "banded"
+    assert taken((0.02, 0.02, 0.02), (7, 7, 7)) == (
+        "pardiso" if pardiso.is_installed() else "superlu"
+    )
+
+
+def test_a_body_of_a_million_dofs_is_left_to_iterations():
+    """Where factors take minutes: by the estimates alone, nothing is solved."""
+    n = 60**3
+    line = sp.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(60, 60))
+    eye = sp.eye_array(60)
+    K = sp.csr_array(
+        sp.kron(sp.kron(line, eye), eye) + sp.kron(eye, sp.kron(line, eye) + sp.kron(eye, line))
+    )
+    nodes = np.zeros((n, 3))  # so many are known; nobody looks where
+    seconds = {
+        name: method.seconds(Pencil(K, sp.eye_array(n, format="csr"), nodes=nodes), 10)
+        for name, method in METHODS.items()
+    }
+    assert min(seconds, key=seconds.get) == "multigrid"
+    assert seconds["banded"] == np.inf
+
+
+def test_the_band_holds_what_m_couples_too():
+    """K may know nothing of it: a chain of masses that M couples from end to end."""
+    K = sp.eye_array(50, format="csr")
+    M = sp.eye_array(50).tolil()
+    M[0, 49] = M[49, 0] = 0.5
+    pencil = Pencil(K, sp.csr_array(M), 1.0)
+    assert pencil.graph.bandwidth == 49
+    x = np.arange(50.0)
+    found = linear_solver(pencil, "banded").solve(pencil.product(x))
+    np.testing.assert_allclose(found, x, atol=1e-12)
 
 
 def test_width_of_a_graph():
     """A rod is one dof wide; an n x n x n grid some n² (its levels are the planes i+j+k)."""
-    assert mean_width(rod(100)[0]) == 1.0
+    assert graph_width(rod(100)[0]) == 1.0
     line = sp.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(20, 20))
     eye = sp.eye_array(20)
     grid = sp.kron(sp.kron(line, eye), eye) + sp.kron(eye, sp.kron(line, eye) + sp.kron(eye, line))
-    assert 150 < mean_width(sp.csr_array(grid)) < 400
+    assert 150 < graph_width(sp.csr_array(grid)) < 400
 
 
 @pytest.mark.parametrize(
@@ -160,7 +217,7 @@ def test_the_size_of_the_factors_is_foretold_within_a_factor_of_four_and_never_t
     A = (body.K + 1e8 * body.M).tocsc()
     options = {"SymmetricMode": True}
     factors = spla.splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    assert 1.0 <= factor_entries(A.tocsr(), "superlu") / factors.nnz <= 4.0
+    assert 1.0 <= estimated_entries(A.tocsr()) / factors.nnz <= 4.0
 
 
 # ---------------------------------------------------------------------------------- refusals
@@ -175,13 +232,9 @@ def test_what_does_not_fit_into_memory_is_refused_before_it_is_begun(block, monk
         block.inverse(1e12, solver="multigrid")
 
 
-def test_multigrid_takes_over_where_factors_are_slow_or_too_large(block, monkeypatch):
-    monkeypatch.setattr(solvers, "_SUPERLU_QUICK", 0.0)
-    monkeypatch.setattr(solvers, "_SUPERLU_QUICKEST", 0.0)
-    for limit, value in (("_MULTIGRID", 1e-9), ("_BYTES", {"superlu": 1e9, "pardiso": 1e9})):
-        with monkeypatch.context() as patch:
-            patch.setattr(solvers, limit, value)
-            assert block.inverse(1e10).name == "multigrid"
+def test_multigrid_is_the_last_resort_where_nothing_fits(block, monkeypatch):
+    monkeypatch.setattr(solvers, "available", lambda: 0.0)
+    assert block.inverse(1e10).name == "multigrid"
 
 
 def test_a_solver_of_single_precision_is_refined_to_double(block):
@@ -195,17 +248,6 @@ def test_a_solver_of_single_precision_is_refined_to_double(block):
     assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(f)
 
 
-def test_many_solutions_are_worth_a_factorisation(block, monkeypatch):
-    """Where factorising takes as long as a hundred solutions by multigrid."""
-    factor = solvers._FACTOR * factor_entries(block.K, "superlu") ** 2 / block.n_dofs
-    monkeypatch.setattr(solvers, "_SUPERLU_QUICK", 0.0)
-    monkeypatch.setattr(solvers, "_SWEEP", 0.0)
-    monkeypatch.setattr(solvers, "_MULTIGRID", factor / 100 / block.n_dofs)
-    monkeypatch.setattr(pardiso, "is_installed", lambda: False)
-    assert block.inverse(1e10, solutions=30).name == "multigrid"
-    assert block.inverse(1e10, solutions=300).name == "superlu"
-
-
 def test_available_memory_is_between_a_page_and_a_petabyte():
     assert 4096 < memory.available() < 1e15
 
@@ -216,14 +258,14 @@ def test_an_absent_package_is_named_with_the_way_to_get_it(block, monkeypatch):
         block.inverse(1e12, solver="pardiso")
 
 
-@pytest.mark.parametrize("solver", EVERY[:2])
+@pytest.mark.parametrize("solver", DIRECT)
 def test_singular_and_indefinite_matrices_are_refused(block, solver):
     with pytest.raises(ao.SingularError, match="the stiffness matrix"):
         block.inverse(0.0, solver=solver)
     K = sp.diags([2.0, -1.0, -1.0], [0, 1, -1], shape=(1000, 1000)).tolil()
     K[500, 500] = 0.5
     with pytest.raises(ao.SingularError, match="the stiffness matrix"):
-        linear_solver(Pencil(sp.csr_array(K), sp.eye_array(1000)), solver)
+        linear_solver(Pencil(sp.csr_array(K), sp.eye_array(1000, format="csr")), solver)
 
 
 @pytest.mark.parametrize(

@@ -431,6 +431,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "KrylovSpace sharpened": (_space, {"sharpened": False}),
     "KrylovSpace.antioscillators": (lambda **n: _space().antioscillators(**n), {"n": 2}),
     "KrylovSpace.of_vectors": (lambda **n: _space().of_vectors(**n), {"n": 2}),
+    "KrylovSpace.factored": (lambda **n: _space().factored(**n), {"n": 2}),
     "KrylovSpace.seen": (lambda **n: _space().seen(**n), {"n": 2}),
     "KrylovSpace.include": (lambda **given: _space().include(**given), {"duration": 1e-3}),
     "Rayleigh.decay": (ao.Rayleigh(alpha=1.0).decay, {"omega": 1.0}),
@@ -457,7 +458,7 @@ ALSO = {
     "velocity": ("damping must be finite",),
     "indentation": ("force must have shape",),
     # What is right by itself, and too extreme beside the rest.
-    "s2": ("singular to rounding",),
+    "s2": ("singular to rounding", "singular or not positive definite"),
     "contact_time": ("give the durations",),
     "duration": ("adaptive run at t", "give the durations"),
     "adaptive": ("rtol",),
@@ -529,6 +530,7 @@ def tried(name: str, argument: str, value: Any) -> str:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", ao.AOImpactWarning)
+        warnings.filterwarnings("ignore", ".*is now called", DeprecationWarning)  # former names
         try:
             made = function(**given | {argument: value})
         except ao.AOImpactError as error:

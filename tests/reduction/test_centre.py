@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.batch.briefs import brief_numbers
+from aoimpact.batch.plain import plain_numbers
 from aoimpact.cli.files import as_json, numbers
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -76,7 +76,7 @@ def test_a_free_target_of_unknown_centre_leaves_the_restitution_open():
 def test_many_and_machines_hear_of_it():
     case = impact(projectile=ao.antioscillators(BARE.contact(dof=dof_at(OFF)), 5))
     names = ("restitution", "rebound_velocity", "impulse")
-    assert brief_numbers([case], names) == [None]
+    assert plain_numbers([case], names) == [None]
     with pytest.warns(ao.AOImpactWarning, match="case 0: projectile: the centre of mass"):
         [kept] = ao.simulate_many([case], keep=names)
     assert np.isnan([kept["restitution"], kept["rebound_velocity"]]).all()

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 import aoimpact as ao
 from aoimpact.base import memory
 from aoimpact.linalg import pardiso, solvers
+from aoimpact.linalg.solvers import METHODS
 from aoimpact.mesh.generate import box_mesh
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper.sphere import BALL_MASS
@@ -16,6 +17,8 @@ from aoimpact.reduction.krylov import Subspace
 from slender import beam, in_a_row, rod
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+
+needs_pardiso = pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
 
 
 def fitted(K, M, dof, n, **options):
@@ -175,7 +178,7 @@ def test_more_than_one_solve_is_taken_only_where_nothing_is_left_to_gain():
 def test_what_is_seen_of_a_model_is_the_model(block):
     """Before its shapes are multiplied out: the star, places seen by it, and shapes asked for."""
     space = ao.KrylovSpace(block, contact_time=20e-6)
-    star, seen = space.of_vectors(5), space.seen(5)
+    star, seen = space.of_vectors(5), space.factored(5)
     space.of_vectors(40)  # grown since
     for name in ("m0", "k0", "m", "k"):
         np.testing.assert_array_equal(getattr(seen, name), getattr(star, name))
@@ -202,15 +205,15 @@ def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits()
             solver=ao.Adaptive(rtol=1e-10),
             energies=False,
         )
-        for star in (space.seen(140), ao.antioscillators(tip))
+        for star in (space.factored(140), ao.antioscillators(tip))
     ]
     few, full = (hit.run.at(hits[1].t).forces[0] for hit in hits)
     np.testing.assert_allclose(few, full, atol=1e-8 * full.max())
     # The same space, however it has grown.
     small = ao.KrylovSpace(tip, contact_time=0.1, sharpened=True)
     for n in (5, 30, 60, 140):
-        grown = small.seen(n)
-    np.testing.assert_allclose(grown.m, space.seen(140).m, rtol=1e-9)
+        grown = small.factored(n)
+    np.testing.assert_allclose(grown.m, space.factored(140).m, rtol=1e-9)
 
 
 def test_a_basis_that_does_not_fit_is_refused(block, monkeypatch):
@@ -466,9 +469,9 @@ def test_a_body_without_contact_is_refused(block):
 def test_a_space_that_grows_beyond_what_was_foreseen_takes_to_factors(block, monkeypatch):
     """When they are quicker for what is still wanted, and for the same oscillators."""
     factors = ao.KrylovSpace(block, contact_time=20e-6)
-    monkeypatch.setattr(solvers, "_quickest", lambda pencil, entries, needs, solutions: (
+    monkeypatch.setattr(solvers, "_quickest", lambda pencil, solutions: METHODS[
         "multigrid" if solutions <= 15 else "superlu"
-    ))  # fmt: skip
+    ])  # fmt: skip
     space = ao.KrylovSpace(block, contact_time=20e-6)
     for n, name in ((10, "multigrid"), (24, "multigrid"), (40, "superlu")):
         star = space.antioscillators(n)
@@ -476,22 +479,56 @@ def test_a_space_that_grows_beyond_what_was_foreseen_takes_to_factors(block, mon
         np.testing.assert_allclose(star.m, factors.antioscillators(n).m, rtol=1e-6)
 
 
-@pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
-@pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20"])
-def test_pardiso_factorises_k_of_a_slender_body_in_place(kind):
-    """The static mode is exact, and the vectors are what they are with factors of their own."""
-    mesh = box_mesh((0.5, 0.02, 0.02), (40, 2, 2), kind=kind)
-    ends = [("xmin", "xyz"), ("xmax", "xyz")]
-    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=ends)
-    tip = body.contact(point=(0.25, 0.01, 0.02), direction=(0, 0, -1))
-    exact = sp.linalg.spsolve(body.K.tocsc(), tip.b)
-    mine = ao.KrylovSpace(tip, contact_time=9e-5, solver="pardiso")
-    other = ao.KrylovSpace(tip, contact_time=9e-5, solver="superlu")
-    for n in (2, 12):  # the second asks for the factors of K + s²M again
-        star, same = mine.antioscillators(n), other.antioscillators(n)
-        assert star.k0 == pytest.approx(1.0 / (tip.b @ exact), rel=1e-9)
-        np.testing.assert_allclose(star.m, same.m, rtol=1e-5)
-        np.testing.assert_allclose(star.k, same.k, rtol=1e-5)
+ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
+
+CONSTRAINED = {
+    "block": ((0.02, 0.02, 0.02), (4, 4, 4), "hexahedron20", 1e-5),
+    "bar": ((0.5, 0.02, 0.02), (40, 2, 2), "hexahedron20", 9e-5),
+    "bar of hexahedra": ((0.5, 0.02, 0.02), (40, 2, 2), "hexahedron", 9e-5),
+    "bar of tetrahedra": ((0.3, 0.02, 0.02), (30, 2, 2), "tetra10", 9e-5),
+    "plate": ((0.2, 0.2, 0.01), (12, 12, 2), "hexahedron20", 9e-5),
+}
+
+
+@pytest.mark.parametrize("name", CONSTRAINED)
+@pytest.mark.parametrize(
+    "solver", ["auto", "superlu", pytest.param("pardiso", marks=needs_pardiso)]
+)
+def test_constrained_bodies_keep_their_static_stiffness(name, solver):
+    """With any solver, compact or slender; larger models ask for factors of K + s²M again."""
+    size, divisions, kind, contact_time = CONSTRAINED[name]
+    body = ao.FEModel.from_mesh(box_mesh(size, divisions, kind=kind), STEEL, fixed=ENDS)
+    tip = body.contact(point=(size[0] / 2, size[1] / 2, size[2]), direction=(0, 0, -1))
+    exact = 1.0 / (tip.b @ body.inverse(0.0).solve(tip.b))
+    space = ao.KrylovSpace(tip, contact_time=contact_time, solver=solver)
+    for n in (1, 4, 12):
+        star = space.antioscillators(n)
+        assert star.n == n
+        assert star.k0 == pytest.approx(exact, rel=1e-8)
+
+
+def test_a_long_rod_without_a_mesh_keeps_its_static_stiffness():
+    """A contact takes a hundredth of the time in which a wave passes over it."""
+    K, M = rod(2000, fixed=[0])
+    tip = ao.FEModel(K=K, M=M).contact(dof=1999)
+    star = ao.antioscillators(tip, 3, method="krylov", contact_time=0.01)
+    assert star.k0 == pytest.approx(1.0, rel=1e-9)  # EA/L
+
+
+def test_a_mechanism_that_the_force_does_not_move_is_named():
+    """A piece joined to a bar along one edge, about which it may swing."""
+    bar = box_mesh((0.5, 0.02, 0.02), (40, 2, 2), kind="hexahedron20")
+    piece = box_mesh((0.025, 0.02, 0.02), (2, 2, 2), kind="hexahedron20")
+    nodes = np.vstack([bar.nodes, piece.nodes + np.array([0.25, 0.02, 0.02])])
+    _, first, number = np.unique(nodes.round(9), axis=0, return_index=True, return_inverse=True)
+    cells = np.vstack([bar.cells, piece.cells + len(bar.nodes)])
+    mesh = ao.Mesh(nodes[first], number.ravel()[cells], "hexahedron20")
+    fixed = [(lambda x: x[:, 0] < 1e-6, "xyz"), (lambda x: x[:, 0] > 0.5 - 1e-6, "xyz")]
+    tip = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed).contact(
+        point=(0.125, 0.01, 0.02), direction=(0, 0, -1)
+    )
+    with pytest.raises(ao.SingularError, match="mechanism"):
+        ao.antioscillators(tip, 6, method="krylov", contact_time=9e-5)
 
 
 def test_one_factorisation_and_a_solve_a_vector_by_the_users_own_solver(block, own_solver):

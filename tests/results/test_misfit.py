@@ -8,7 +8,7 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.batch.briefs import brief_numbers
+from aoimpact.batch.plain import plain_numbers
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper.sphere import BALL_MASS
 from aoimpact.reduction.validity import unbalanced
@@ -107,7 +107,7 @@ def test_scenes_name_the_body(tip):
 def test_many_impacts_at_once_are_looked_at_too(tip):
     case = {"projectile": BALL, "law": LAW, "velocity": 1.0, "duration": 250e-6}
     near, far = (
-        brief_numbers([case | {"target": fitted(tip, T)}], ["peak_force"]) for T in (90e-6, 10e-6)
+        plain_numbers([case | {"target": fitted(tip, T)}], ["peak_force"]) for T in (90e-6, 10e-6)
     )
     assert near[0] is not None
     assert far == [None]  # left to `simulate`
@@ -182,7 +182,7 @@ def test_a_long_record_after_one_contact_is_no_reason(tip):
 def test_longer_contacts_of_many_impacts_are_looked_at_once_for_all():
     few = cantilever(3, contact_time=33e-6) | {"duration": 2e-4}
     enough = cantilever(8, contact_time=33e-6) | {"duration": 9e-5}
-    found = brief_numbers([few, enough], ["impulse"])
+    found = plain_numbers([few, enough], ["impulse"])
     assert found[0] is None  # left to `simulate`
     assert found[1] == {"impulse": ao.simulate(**enough).impulse}
 

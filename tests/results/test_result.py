@@ -68,6 +68,9 @@ def test_wall_gives_the_velocity_back() -> None:
 def test_held_target_counts_the_projectile_alone() -> None:
     """The same motion, but the target is held: its own velocity is vibration, not recoil."""
     result = HalfSine(held=True).result()
+    assert result.target.constrained
+    with pytest.warns(DeprecationWarning, match="now called constrained"):
+        assert result.target.held
     assert result.restitution == pytest.approx(-result.rebound_velocity / 0.5, rel=1e-15)
 
 

@@ -115,7 +115,7 @@ def test_a_table_with_a_level_stretch_carries_the_weight(level):
 
 def test_a_law_that_ends_before_rest_says_so():
     law = ao.Tabulated([0.0, 1e-5, 2e-5], [0.0, 2.0, 5.0])
-    with pytest.raises(ao.InputError, match=r"contact 0 is .* deep at rest, and its law stands up"):
+    with pytest.raises(ao.InputError, match=r"contact 0 is .* deep at rest, and its law is valid"):
         at_rest(on_a_floor(law))
 
 

@@ -15,7 +15,7 @@ import aoimpact as ao
 from aoimpact.batch.sweep import sweep_file
 from aoimpact.cli.files import as_json, rows
 from aoimpact.scenefile import names as scenefile_schema
-from aoimpact.scenefile.schema import Chosen, Either, Kind, Listed, Named, Table, Tree, Variants
+from aoimpact.scenefile.schema import Either, Entries, Kind, Listed, Table, Tagged, Tree, Variants
 
 from scenes import BAR, ROW, STARS
 
@@ -592,12 +592,12 @@ def names(kind: Kind) -> set[str]:
         return set(kind.fields) | inside
     if isinstance(kind, Variants):
         return {name for table in kind.tables.values() for name in names(table)}
-    if isinstance(kind, Chosen):
+    if isinstance(kind, Tagged):
         below = {name for table in kind.tables.values() for name in names(table)}
         return {kind.key} | set(kind.tables) | below
     if isinstance(kind, Either):
         return {name for one in kind.kinds for name in names(one)}
-    if isinstance(kind, (Listed, Named, Tree)):
+    if isinstance(kind, (Listed, Entries, Tree)):
         return names(kind.of)
     return set()
 

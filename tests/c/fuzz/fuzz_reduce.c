@@ -14,7 +14,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const double *many = take_array(&in, n * count, some), *squares = take_array(&in, n * n, some);
     double *x = take_array(&in, n, some), *work = take_room(&in, n), *a = take_room(&in, n * n);
     double scalar = NAN, *c = take_room(&in, count), *m = take_room(&in, count), *k = take_room(&in, count);
-    if (aoi_static_held(n, b, x, &scalar) == AOI_OK) {
+    if (aoi_static_constrained(n, b, x, &scalar) == AOI_OK) {
         REQUIRE(isfinite(scalar) && scalar > 0.0 && aoi_vector_is_finite(n, x));
     }
     if (aoi_static_free(n, count, many, b, x, &scalar) == AOI_OK) {

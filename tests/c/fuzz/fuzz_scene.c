@@ -2,7 +2,6 @@
 #include "dense.h"
 #include "linear/sparse.h"
 #include "model/coupled.h"
-#include "model/load.h"
 #include "newmark/body.h"
 #include "newmark/scene.h"
 
@@ -11,7 +10,7 @@ enum { MOST_BODIES = 4, MOST_CONTACTS = 5, MOST_LOADS = 3, MOST_MODES = 5, MOST_
 typedef struct scene_body {
     aoi_body body;
     aoi_star star;
-    aoi_modal modal;
+    aoi_modes modal;
     aoi_full full;
     chain_solver solver;
     size_t n;
@@ -27,9 +26,9 @@ static double *take_residual(input *in, size_t ports)
     return of;
 }
 
-static aoi_start take_start(input *in, size_t n, size_t ports)
+static aoi_body_start take_start(input *in, size_t n, size_t ports)
 {
-    aoi_start start = {take_array(in, n, take_signed), take_array(in, n, take_signed),
+    aoi_body_start start = {take_array(in, n, take_signed), take_array(in, n, take_signed),
                        take_array(in, n, take_not_negative), NULL, NULL};
     if (take_byte(in) % 4 == 0) {
         start.gravity = take_array(in, n, take_signed);
@@ -40,7 +39,7 @@ static aoi_start take_start(input *in, size_t n, size_t ports)
     return start;
 }
 
-static int take_star(input *in, scene_body *one, const aoi_newmark *rule)
+static int take_star(input *in, scene_body *one, const aoi_rule *rule)
 {
     const size_t n = take_below(in, MOST_MODES);
     one->star = (aoi_star){n, take_not_negative(in), take_not_negative(in), take_array(in, n, take_positive),
@@ -50,26 +49,29 @@ static int take_star(input *in, scene_body *one, const aoi_newmark *rule)
         one->star.m0 = INFINITY;
     }
     const aoi_rayleigh damping = {take_not_negative(in), take_not_negative(in)};
-    const aoi_start start = take_start(in, n + 1, 1);
+    const aoi_body_start start = take_start(in, n + 1, 1);
     return aoi_body_start_star(&one->body, &one->star, take_byte(in) & 1 ? &damping : NULL, rule, &start,
                                take_room(in, aoi_body_star_size(n)));
 }
 
-static int take_modal(input *in, scene_body *one, const aoi_newmark *rule)
+static int take_modal(input *in, scene_body *one, const aoi_rule *rule)
 {
     const size_t n = take_below(in, MOST_MODES), ports = take_between(in, 1, MOST_PORTS);
-    one->modal = (aoi_modal){.n = n, .ports = ports};
+    one->modal = (aoi_modes){.n = n, .ports = ports};
     one->n = n;
     one->modal.omega = take_array(in, n, take_not_negative);
     one->modal.decay = take_byte(in) & 1 ? take_array(in, n, take_not_negative) : NULL;
-    one->modal.participation = take_array(in, n * ports, take_signed);
+    one->modal.shape = take_array(in, n * ports, take_signed);
+    one->modal.push = one->modal.shape;
     one->modal.residual = take_byte(in) & 1 ? take_residual(in, ports) : NULL;
-    const aoi_start start = take_start(in, n, ports);
+    const aoi_body_start start = take_start(in, n, ports);
+    one->modal.gravity = start.gravity;
+    one->modal.centre = start.centre;
     return aoi_body_start_modal(&one->body, &one->modal, rule, &start,
                                 take_room(in, aoi_body_modal_size(n, ports)));
 }
 
-static int take_full(input *in, scene_body *one, const aoi_newmark *rule)
+static int take_full(input *in, scene_body *one, const aoi_rule *rule)
 {
     const size_t n = take_between(in, 1, MOST_MODES), ports = take_between(in, 1, MOST_PORTS);
     const double *none = take_room(in, n);
@@ -85,11 +87,11 @@ static int take_full(input *in, scene_body *one, const aoi_newmark *rule)
                               rule->beta * rule->dt * rule->dt + full->damping.beta * along,
                               1.0 + full->damping.alpha * along);
     full->solver = (aoi_solver){chain_solve, &one->solver};
-    const aoi_start start = take_start(in, n, ports);
+    const aoi_body_start start = take_start(in, n, ports);
     return aoi_body_start_full(&one->body, full, rule, &start, take_room(in, aoi_body_full_size(n, ports)));
 }
 
-static aoi_load take_load(input *in, size_t bodies)
+static aoi_scene_load take_load(input *in, size_t bodies)
 {
     const size_t count = take_below(in, 5);
     double time = take_signed(in), *times = take_room(in, count), *force = take_array(in, count, take_signed);
@@ -99,8 +101,8 @@ static aoi_load take_load(input *in, size_t bodies)
     }
     (void)spoil(in, times, count);
     (void)spoil(in, force, count);
-    return (aoi_load){.body = take_below(in, bodies + 1), .port = take_below(in, MOST_PORTS), .count = count,
-                      .time = times, .force = force};
+    return (aoi_scene_load){.body = take_below(in, bodies + 1), .port = take_below(in, MOST_PORTS), .ports = 1,
+                            .load = {count, times, force}};
 }
 
 /* Every force is a number, and presses unless its law pulls. */
@@ -122,7 +124,7 @@ static void run(input *in, aoi_scene *scene)
     }
     const size_t columns = take_between(in, 1, COLUMNS);
     double *record = take_room(in, aoi_scene_rows(scene) * columns);
-    scene->work = take_room(in, aoi_scene_size(scene));
+    scene->memory = take_bytes(in, 1, aoi_scene_size(scene));
     if (aoi_scene_start(scene, record, columns) != AOI_OK) {
         return;
     }
@@ -151,7 +153,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     input in = open_input(data, size);
     const int usual = take_byte(&in) & 1;
-    const aoi_newmark rule = {take_positive(&in), usual ? 0.25 : take_positive(&in),
+    const aoi_rule rule = {take_positive(&in), usual ? 0.25 : take_positive(&in),
                               usual ? 0.5 : 0.5 + take_share(&in)};
     scene_body *all = take_bytes(&in, MOST_BODIES, sizeof *all);
     aoi_body **body = take_bytes(&in, MOST_BODIES, sizeof *body);
@@ -159,18 +161,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const size_t bodies = take_between(&in, 1, MOST_BODIES);
     int status = AOI_OK;
     for (size_t b = 0; b < bodies && status == AOI_OK; b++) {
-        int (*const kinds[])(input *, scene_body *, const aoi_newmark *) = {take_star, take_modal, take_full};
+        int (*const kinds[])(input *, scene_body *, const aoi_rule *) = {take_star, take_modal, take_full};
         status = kinds[take_below(&in, 3)](&in, &all[b], &rule);
         body[b] = &all[b].body;
     }
     scene.body_count = bodies;
     scene.contact_count = take_below(&in, MOST_CONTACTS);
     scene.load_count = take_below(&in, MOST_LOADS);
-    scene.contact = take_bytes(&in, scene.contact_count, sizeof *scene.contact);
-    scene.load = take_bytes(&in, scene.load_count, sizeof *scene.load);
+    aoi_contact *contacts = take_bytes(&in, scene.contact_count, sizeof *contacts);
+    aoi_scene_load *loads = take_bytes(&in, scene.load_count, sizeof *loads);
+    scene.contact = contacts;
+    scene.load = loads;
     scene.first_port = take_bytes(&in, bodies + 1, sizeof(size_t));
     for (size_t c = 0; c < scene.contact_count && status == AOI_OK; c++) {
-        aoi_contact *contact = &scene.contact[c];
+        aoi_contact *contact = &contacts[c];
         for (int side = 0; side < 2; side++) {
             contact->body[side] = take_below(&in, bodies + (take_byte(&in) > 250));
             contact->port[side] = take_below(&in, MOST_PORTS);
@@ -179,7 +183,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         contact->law = take_shared_law(&in, &status);
     }
     for (size_t i = 0; i < scene.load_count; i++) {
-        scene.load[i] = take_load(&in, bodies);
+        loads[i] = take_load(&in, bodies);
     }
     if (status == AOI_OK) {
         run(&in, &scene);

@@ -1,8 +1,6 @@
 /* Tracks made of any numbers: what the sampler's check lets through can be read. */
 #include "system.h"
-#include "adaptive/adaptive.h"
 #include "adaptive/row.h"
-#include "track/sampler.h"
 
 static double take_entry(input *in, size_t limit)
 {
@@ -14,7 +12,7 @@ static size_t write_contact(input *in, const aoi_system *system, double *of)
     for (size_t i = 0; i < AOI_TRACK_CONTACT_SIZE; i++) {
         of[i] = take_signed(in);
     }
-    of[AOI_TRACK_JOINT] = take_entry(in, system->joint_count);
+    of[AOI_TRACK_CONTACT] = take_entry(in, system->contact_count);
     of[AOI_TRACK_BEGINS] = take_entry(in, 2);
     of[AOI_TRACK_ENDS] = take_entry(in, 2);
     of[AOI_TRACK_EDGE] = take_entry(in, 3);
@@ -26,7 +24,7 @@ static size_t write_contact(input *in, const aoi_system *system, double *of)
 static size_t write_row(input *in, const aoi_system *system, int is_first, double time, double *row)
 {
     const size_t bodies = is_first ? system->body_count : take_below(in, system->body_count + 1);
-    const size_t contacts = take_below(in, system->joint_count + 1);
+    const size_t contacts = take_below(in, system->contact_count + 1);
     double *of = row + AOI_TRACK_FIXED;
     row[AOI_TRACK_START] = take_byte(in) > 250 ? take_any(in) : time;
     row[AOI_TRACK_LENGTH] = take_byte(in) > 250 ? take_any(in) : take_positive(in);
@@ -49,25 +47,22 @@ static size_t write_row(input *in, const aoi_system *system, int is_first, doubl
 }
 
 static void read_track(input *in, const aoi_system *system, const double *track, size_t used,
-                       const size_t *index, size_t rows, double until)
+                       size_t *index, size_t rows, double until)
 {
-    aoi_sampler sampler = take_sampler(in, system);
-    double *exact = take_room(in, used), *record = take_room(in, aoi_sampler_rows(system));
-    double *forces = take_room(in, system->joint_count), *state = take_room(in, 2 * system->first[1]);
+    aoi_sampler *sampler = take_sampler(in, system);
+    double *exact = take_room(in, used), *record = take_room(in, aoi_record_rows(system));
+    double *forces = take_room(in, system->contact_count), *state = take_room(in, 2 * system->first[1]);
     memcpy(exact, track, used * sizeof(double));
     (void)spoil(in, exact, used);
-    sampler.track = exact;
-    sampler.size = used;
-    sampler.index = index;
-    sampler.rows = rows;
-    if (aoi_sampler_start(&sampler) != AOI_OK) {
+    const aoi_track read = {.values = exact, .row = index, .used = used, .rows = rows};
+    if (aoi_sampler_start(sampler, system, &read) != AOI_OK) {
         return;
     }
     for (int i = 0; i <= 6; i++) {
         const double time = i < 6 ? until * i / 5.0 : take_any(in);
-        aoi_sampler_column(&sampler, time, take_byte(in) & 1, record, 1);
-        aoi_sampler_forces(&sampler, time, forces, 1);
-        aoi_sampler_state(&sampler, time, 0, state);
+        aoi_sampler_column(sampler, time, take_byte(in) & 1, record, 1);
+        aoi_sampler_forces(sampler, time, forces, 1);
+        aoi_sampler_state(sampler, time, 0, state);
     }
 }
 
@@ -77,8 +72,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     aoi_system system;
     if (take_system(&in, 2, &system) == AOI_OK) {
         enum { ROWS = 4 };
-        size_t work, lists, row_size, used = 0, *index = take_bytes(&in, ROWS, sizeof *index);
-        aoi_adaptive_size(&system, &work, &lists, &row_size);
+        size_t row_size = aoi_adaptive_room(&system), used = 0;
+        size_t *index = take_bytes(&in, ROWS, sizeof *index);
         /* A row may name a body more than once. */
         for (size_t b = 0; b < system.body_count; b++) {
             row_size += system.body_count * (AOI_TRACK_STATE + 2 * (size_t)MOST_MODES);

@@ -3,10 +3,9 @@
 #define AOIMPACT_FUZZ_SYSTEM_H
 
 #include "fuzz.h"
-#include "adaptive/adaptive.h"
-#include "track/sampler.h"
+#include "aoimpact.h"
 
-enum { MOST_BODIES = 4, MOST_JOINTS = 4, MOST_MODES = 4, MOST_PORTS = 3, MOST_TRACK_ROWS = 48 };
+enum { MOST_BODIES = 4, MOST_CONTACTS = 4, MOST_MODES = 4, MOST_PORTS = 3, MOST_TRACK_ROWS = 48 };
 
 static inline double *take_maybe(input *in, size_t count, taker *one)
 {
@@ -15,7 +14,7 @@ static inline double *take_maybe(input *in, size_t count, taker *one)
 
 static inline void take_loads(input *in, aoi_modes *body)
 {
-    const size_t count = body->load_count = take_byte(in) % 4 ? 0 : take_between(in, 1, 5);
+    const size_t count = body->load.count = take_byte(in) % 4 ? 0 : take_between(in, 1, 5);
     double time = take_signed(in), *times = take_room(in, count);
     double *force = take_array(in, count * body->ports, take_signed);
     for (size_t i = 0; i < count; i++) {
@@ -24,8 +23,8 @@ static inline void take_loads(input *in, aoi_modes *body)
     }
     (void)spoil(in, times, count);
     (void)spoil(in, force, count * body->ports);
-    body->load_time = times;
-    body->load_force = force;
+    body->load.time = times;
+    body->load.force = force;
 }
 
 static inline aoi_modes take_body(input *in)
@@ -61,90 +60,56 @@ static inline aoi_modes take_body(input *in)
     return body;
 }
 
-static inline aoi_joint take_joint(input *in, size_t bodies, int *status)
+static inline aoi_contact take_contact(input *in, size_t bodies, int *status)
 {
-    aoi_joint joint;
+    aoi_contact c;
     aoi_law *law = take_bytes(in, 1, sizeof *law);
     for (int side = 0; side < 2; side++) {
-        joint.body[side] = side == 0 ? take_below(in, bodies)
-                                     : (joint.body[0] + 1 + take_below(in, bodies - 1)) % bodies;
-        joint.port[side] = take_byte(in) & 1 ? 0 : take_below(in, MOST_PORTS);
+        c.body[side] = side == 0 ? take_below(in, bodies)
+                                     : (c.body[0] + 1 + take_below(in, bodies - 1)) % bodies;
+        c.port[side] = take_byte(in) & 1 ? 0 : take_below(in, MOST_PORTS);
     }
-    joint.gap = take_byte(in) > 250 ? take_any(in) : take_signed(in);
+    c.gap = take_byte(in) > 250 ? take_any(in) : take_signed(in);
     *law = take_law(in, status);
     law->note = take_room(in, AOI_LAW_NOTE);
     law->note[0] = law->note[1] = (double)NAN;
-    joint.law = law;
-    return joint;
-}
-
-/* One of the arrays of places, changed here and there. */
-static inline void misplace(input *in, size_t *places, size_t count)
-{
-    if (count > 0 && take_byte(in) > 252) {
-        places[take_below(in, count)] += take_byte(in) - (size_t)128;
-    }
+    c.law = law;
+    return c;
 }
 
 /* A linked system that its check has let through; else a status. */
 static inline int take_system(input *in, size_t least, aoi_system *system)
 {
-    const size_t nb = take_between(in, least, MOST_BODIES), nj = least == 2 ? take_between(in, 1, MOST_JOINTS) : 0;
+    const size_t nb = take_between(in, least, MOST_BODIES), nj = least == 2 ? take_between(in, 1, MOST_CONTACTS) : 0;
     aoi_modes *body = take_bytes(in, nb, sizeof *body);
-    aoi_joint *joint = take_bytes(in, nj, sizeof *joint);
-    size_t *first = take_bytes(in, nb + 1, sizeof *first), *ports = take_bytes(in, nb + 1, sizeof *ports);
-    size_t *first_joint = take_bytes(in, nb + 1, sizeof *first), *joint_of = take_bytes(in, 2 * nj, sizeof *first);
+    aoi_contact *contact = take_bytes(in, nj, sizeof *contact);
     int status = AOI_OK;
     for (size_t b = 0; b < nb; b++) {
         body[b] = take_body(in);
-        first[b + 1] = first[b] + body[b].n;
-        ports[b + 1] = ports[b] + body[b].ports;
     }
     for (size_t c = 0; c < nj; c++) {
         int made;
-        joint[c] = take_joint(in, nb, &made);
+        contact[c] = take_contact(in, nb, &made);
         status = status != AOI_OK ? status : made;
     }
-    *system = (aoi_system){.body_count = nb, .joint_count = nj, .body = body, .first = first,
-                           .first_port = ports, .joint = joint};
-    if (status == AOI_OK) {
-        status = aoi_system_link(system, first_joint, joint_of);
-    }
-    misplace(in, first, nb + 1);
-    misplace(in, ports, nb + 1);
-    misplace(in, first_joint, nb + 1);
-    misplace(in, joint_of, 2 * nj);
-    return status != AOI_OK ? status : aoi_system_check(system);
+    *system = (aoi_system){.body_count = nb, .contact_count = nj, .body = body, .contact = contact};
+    return status != AOI_OK ? status : aoi_system_link(system, take_bytes(in, 1, aoi_system_size(system)));
 }
 
-static inline aoi_adaptive take_run(input *in, const aoi_system *system)
+/* How a run of it begins. */
+static inline void take_start(input *in, const aoi_system *system, aoi_start *start, double *rtol, double *end)
 {
-    size_t work, lists, row;
     const size_t n = system->first[system->body_count];
-    aoi_adaptive_size(system, &work, &lists, &row);
-    aoi_adaptive run = {.system = system, .row_size = row};
-    run.rtol = take_byte(in) > 250 ? take_any(in) : pow(10.0, -1.0 - 8.0 * take_share(in));
-    run.end = take_byte(in) > 250 ? take_any(in) : take_positive(in);
-    run.x = take_array(in, n, take_byte(in) & 1 ? take_signed : take_not_negative);
-    run.v = take_array(in, n, take_signed);
-    run.body = take_bytes(in, system->body_count, sizeof *run.body);
-    run.contact = take_bytes(in, system->joint_count, sizeof *run.contact);
-    run.stage = take_bytes(in, system->joint_count, sizeof *run.stage);
-    run.balanced = take_bytes(in, system->joint_count, sizeof *run.balanced);
-    run.response = take_bytes(in, system->body_count, sizeof *run.response);
-    run.work = take_room(in, work);
-    run.lists = take_bytes(in, lists, sizeof *run.lists);
-    return run;
+    *rtol = take_byte(in) > 250 ? take_any(in) : pow(10.0, -1.0 - 8.0 * take_share(in));
+    *end = take_byte(in) > 250 ? take_any(in) : take_positive(in);
+    start->x = take_array(in, n, take_byte(in) & 1 ? take_signed : take_not_negative);
+    start->v = take_array(in, n, take_signed);
+    start->rested = take_byte(in) & 1;
 }
 
-static inline aoi_sampler take_sampler(input *in, const aoi_system *system)
+static inline aoi_sampler *take_sampler(input *in, const aoi_system *system)
 {
-    aoi_sampler sampler = {.system = system, .work = take_room(in, aoi_sampler_size(system))};
-    sampler.body_row = take_bytes(in, system->body_count, sizeof(size_t));
-    sampler.body_at = take_bytes(in, system->body_count, sizeof(size_t));
-    sampler.contact_row = take_bytes(in, system->joint_count, sizeof(size_t));
-    sampler.contact_at = take_bytes(in, system->joint_count, sizeof(size_t));
-    return sampler;
+    return take_bytes(in, 1, aoi_sampler_size(system));
 }
 
 #endif

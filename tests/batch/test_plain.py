@@ -10,11 +10,11 @@ import pytest
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.batch.briefs import BRIEF, brief_numbers
+from aoimpact.batch.plain import PLAIN_NUMBERS, plain_numbers
 from aoimpact.reduction.modalbody import modal_body
 from aoimpact.study.scenes import beam_star, pair
 
-NAMES = tuple(sorted(BRIEF))
+NAMES = tuple(sorted(PLAIN_NUMBERS))
 
 SPHERE = pair()["projectile"]
 BALL = ao.rigid(mass=0.03)
@@ -60,18 +60,18 @@ PLAIN = [
 
 
 def test_every_plain_impact_has_the_numbers_of_simulate() -> None:
-    together = brief_numbers(PLAIN, NAMES)
+    together = plain_numbers(PLAIN, NAMES)
     for one, found in zip(PLAIN, together, strict=True):
         assert bits(found) == bits(numbers_of(ao.simulate(**one))), one
 
 
-def test_the_company_makes_no_difference() -> None:
-    alone = [bits(brief_numbers([one], NAMES)[0]) for one in PLAIN]
-    assert [bits(found) for found in brief_numbers(PLAIN[::-1], NAMES)[::-1]] == alone
-    assert [bits(found) for found in brief_numbers(PLAIN * 3, NAMES)] == alone * 3
+def test_other_cases_in_the_same_call_make_no_difference() -> None:
+    alone = [bits(plain_numbers([one], NAMES)[0]) for one in PLAIN]
+    assert [bits(found) for found in plain_numbers(PLAIN[::-1], NAMES)[::-1]] == alone
+    assert [bits(found) for found in plain_numbers(PLAIN * 3, NAMES)] == alone * 3
 
 
-def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:
+def test_bodies_with_elements_keep_the_motion_that_their_models_leave_out() -> None:
     """A free bar hit off its centre turns: its star is lighter than the bar."""
     bar = ao.FEModel.from_mesh(
         ao.box_mesh((0.1, 0.01, 0.01), (6, 1, 1)), ao.Material(E=70e9, nu=0.3, rho=2700)
@@ -84,7 +84,7 @@ def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:
         case(projectile=star, target=BALL, **times),
         case(projectile=truncated, target=star, **times),
     ]
-    for one, found in zip(cases, brief_numbers(cases, NAMES), strict=True):
+    for one, found in zip(cases, plain_numbers(cases, NAMES), strict=True):
         assert found == numbers_of(ao.simulate(**one))
 
 
@@ -112,14 +112,14 @@ def test_bodies_with_elements_keep_what_their_stars_leave_out() -> None:
     ],
 )
 def test_what_is_not_plain_is_left_to_simulate(change: dict[str, Any]) -> None:
-    assert brief_numbers([case(**change), case()], NAMES)[0] is None
+    assert plain_numbers([case(**change), case()], NAMES)[0] is None
 
 
 def test_what_is_no_case_is_left_to_simulate() -> None:
-    assert brief_numbers([3, None, {}, (1, 2), case()], NAMES)[:4] == [None] * 4
+    assert plain_numbers([3, None, {}, (1, 2), case()], NAMES)[:4] == [None] * 4
 
 
-def test_the_core_takes_no_places_out_of_stock() -> None:
+def test_the_core_takes_no_places_that_are_not_there() -> None:
     ball = modal_body(BALL)
     stock = (ball.for_core(),), (ball.moving,), (HERTZ.for_core(),)
     numbers, answers = np.array([[1.0, 0.0, 1e-3, 1e-6]]), np.empty((1, 10))

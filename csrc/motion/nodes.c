@@ -1,28 +1,28 @@
 /* Products with the matrices of a step. */
-#include "motion/stages.h"
+#include "motion/nodes.h"
 #include "law/law.h"
 
-enum { N = AOI_STAGES };
+enum { N = AOI_NODES };
 
 /* Two or four rows at once, all that is added to them in registers. */
-void aoi_stages_multiply(const double *restrict column, const double *x, double *y)
+void aoi_nodes_multiply(const double *restrict column, const double *x, double *y)
 {
     const double a = x[0], b = x[1], c = x[2], d = x[3], e = x[4], f = x[5], g = x[6], h = x[7];
-    double sum[AOI_STAGES];
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    double sum[AOI_NODES];
+    for (size_t i = 0; i < AOI_NODES; i++) {
         const double *at = column + i;
         sum[i] = (at[0] * a + at[N] * b + at[2 * N] * c + at[3 * N] * d) +
                  (at[4 * N] * e + at[5 * N] * f + at[6 * N] * g + at[7 * N] * h);
     }
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         y[i] = sum[i];
     }
 }
 
-void aoi_stages_multiply_from(double start, const double *column, const double *nodes, double *y)
+void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y)
 {
-    aoi_stages_multiply(column + AOI_STAGES, nodes, y);
-    aoi_stages_add(start, column, y);
+    aoi_nodes_multiply(column + AOI_NODES, nodes, y);
+    aoi_nodes_add(start, column, y);
 }
 
 /* Takes the pivot row from the rows first .. last - 1. In column k they are left with what belongs to the
@@ -31,26 +31,26 @@ static void eliminate(size_t k, size_t first, size_t last, const double *restric
                       double *restrict matrix)
 {
     for (size_t i = first; i < last; i++) {
-        double *row = matrix + i * AOI_STAGES;
+        double *row = matrix + i * AOI_NODES;
         const double factor = -row[k];
-        aoi_stages_add(factor, pivot_row, row);
+        aoi_nodes_add(factor, pivot_row, row);
         row[k] = factor * pivot_row[k];
     }
 }
 
 /* Gauss and Jordan without pivoting. */
-void aoi_stages_invert(double *matrix)
+void aoi_nodes_invert(double *matrix)
 {
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        double pivot_row[AOI_STAGES], *row = matrix + k * AOI_STAGES;
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        double pivot_row[AOI_NODES], *row = matrix + k * AOI_NODES;
         const double inverse = 1.0 / row[k];
-        for (size_t q = 0; q < AOI_STAGES; q++) {
+        for (size_t q = 0; q < AOI_NODES; q++) {
             pivot_row[q] = row[q] * inverse;
         }
         pivot_row[k] = inverse;
         eliminate(k, 0, k, pivot_row, matrix);
-        eliminate(k, k + 1, AOI_STAGES, pivot_row, matrix);
-        for (size_t q = 0; q < AOI_STAGES; q++) {
+        eliminate(k, k + 1, AOI_NODES, pivot_row, matrix);
+        for (size_t q = 0; q < AOI_NODES; q++) {
             row[q] = pivot_row[q];
         }
     }

@@ -1,5 +1,5 @@
 /* Between contacts everything is linear: the closed form, and the next touch found with certainty. */
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 #include "motion/polynomial.h"
 #include "law/law.h"
@@ -14,27 +14,27 @@ void aoi_forced_fit(double from, double length, const double *values, aoi_forced
     forced->bend = 0.0;
     aoi_legendre_fit(values, forced->series[0]);
     for (size_t d = 1; d <= AOI_DERIVATIVES; d++) {
-        aoi_legendre_derive(AOI_STAGES + 1, forced->series[d - 1], forced->series[d]);
-        for (size_t k = 0; k <= AOI_STAGES; k++) {
+        aoi_legendre_derive(AOI_NODES + 1, forced->series[d - 1], forced->series[d]);
+        for (size_t k = 0; k <= AOI_NODES; k++) {
             forced->series[d][k] /= length;
         }
     }
-    for (size_t k = 0; k <= AOI_STAGES; k++) { /* |P_k| <= 1 */
+    for (size_t k = 0; k <= AOI_NODES; k++) { /* |P_k| <= 1 */
         forced->bend += fabs(forced->series[2][k]);
     }
 }
 
 /* A derivative of what contact forces add; 0: itself. */
-static double forced_at(const aoi_flight *pair, int derivative)
+static double forced_at(const aoi_free_pair *pair, int derivative)
 {
     const aoi_forced *forced = pair->forced;
     double slope;
-    return forced ? aoi_legendre_evaluate(AOI_STAGES + 1, forced->series[derivative],
+    return forced ? aoi_legendre_evaluate(AOI_NODES + 1, forced->series[derivative],
                                           (pair->time - forced->from) / forced->length, &slope)
                   : 0.0;
 }
 
-void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double *rate,
+void aoi_free_pair_indentation(const aoi_free_pair *pair, double *indentation, double *rate,
                             double *acceleration)
 {
     *indentation = forced_at(pair, 0) - pair->gap;
@@ -64,7 +64,7 @@ void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double 
     }
 }
 
-double aoi_flight_jerk(const aoi_flight *pair)
+double aoi_free_pair_jerk(const aoi_free_pair *pair)
 {
     double jerk = forced_at(pair, 3);
     for (int side = 0; side < 2; side++) {
@@ -121,7 +121,7 @@ typedef struct bound {
 
 static int only_slow(double omega, double within) { return omega * within < HARDLY_TURNS; }
 
-static bound bound_of(const aoi_flight *pair, int side, size_t j, double within)
+static bound bound_of(const aoi_free_pair *pair, int side, size_t j, double within)
 {
     const aoi_modes *body = pair->body[side];
     const double shape =
@@ -149,7 +149,7 @@ static bound bound_of(const aoi_flight *pair, int side, size_t j, double within)
 }
 
 /* The next mode of both bodies together by ascending omega; which of the sides has it. */
-static int next_side(const aoi_flight *pair, const size_t *at)
+static int next_side(const aoi_free_pair *pair, const size_t *at)
 {
     if (at[0] == pair->body[0]->n || at[1] == pair->body[1]->n) {
         return at[0] == pair->body[0]->n;
@@ -181,7 +181,7 @@ static double bend_of(const drifting *sum)
 
 /* A time within which the bodies cannot touch: the best over all ways of cutting the modes into slow
  * ones and fast ones. level, rate: of the bound with all of them fast. */
-static double safe_stride(const aoi_flight *pair, double level, double rate, double within)
+static double safe_stride(const aoi_free_pair *pair, double level, double rate, double within)
 {
     const size_t count = pair->body[0]->n + pair->body[1]->n;
     size_t at[2] = {0, 0};
@@ -210,7 +210,7 @@ static double safe_stride(const aoi_flight *pair, double level, double rate, dou
 
 /* The bound's level and drift with all modes taken as fast, and the size of what is summed there. In:
  * the indentation and its rate, which gap and residual compliance have a share in, too. */
-static void all_fast(const aoi_flight *pair, double within, double *level, double *drift,
+static void all_fast(const aoi_free_pair *pair, double within, double *level, double *drift,
                      double *scale)
 {
     *scale = fabs(pair->gap);
@@ -224,16 +224,16 @@ static void all_fast(const aoi_flight *pair, double within, double *level, doubl
     }
 }
 
-static void fly_pair(aoi_flight *pair, double to)
+static void fly_pair(aoi_free_pair *pair, double to)
 {
     for (int side = 0; side < 2; side++) {
-        aoi_modes_fly(pair->body[side], pair->time, to, pair->x[side], pair->v[side]);
+        aoi_modes_advance(pair->body[side], pair->time, to, pair->x[side], pair->v[side]);
     }
     pair->time = to;
 }
 
 /* Up to when no load bends. */
-static double stop_of(const aoi_flight *pair, double limit)
+static double stop_of(const aoi_free_pair *pair, double limit)
 {
     const double bend = fmin(aoi_modes_next_bend(pair->body[0], pair->time),
                              aoi_modes_next_bend(pair->body[1], pair->time));
@@ -241,20 +241,20 @@ static double stop_of(const aoi_flight *pair, double limit)
 }
 
 /* Whether bodies at touch are about to be pressed together. */
-static int closes(const aoi_flight *pair, double rate, double acceleration)
+static int closes(const aoi_free_pair *pair, double rate, double acceleration)
 {
     if (rate != 0.0 || acceleration != 0.0) {
         return rate > 0.0 || (rate == 0.0 && acceleration > 0.0);
     }
-    return aoi_flight_jerk(pair) > 0.0;
+    return aoi_free_pair_jerk(pair) > 0.0;
 }
 
 /* Bodies at zero to rounding that nothing presses together count as apart: they have just let go, or stay side by
  * side until a load draws one away. */
-static void part(aoi_flight *pair, double within)
+static void part(aoi_free_pair *pair, double within)
 {
     double indentation, rate, acceleration, scale;
-    aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
+    aoi_free_pair_indentation(pair, &indentation, &rate, &acceleration);
     double level = indentation, drift = rate;
     all_fast(pair, within, &level, &drift, &scale);
     const double rounding = 4.0 * DBL_EPSILON * scale;
@@ -263,14 +263,14 @@ static void part(aoi_flight *pair, double within)
     }
 }
 
-int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touches)
+int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int *touches)
 {
     *touches = 0;
     part(pair, stop_of(pair, limit) - pair->time);
     for (size_t i = 0; i < most; i++) {
         double indentation, rate, acceleration, scale;
         const double stop = stop_of(pair, limit), within = stop - pair->time;
-        aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
+        aoi_free_pair_indentation(pair, &indentation, &rate, &acceleration);
         double level = indentation, drift = rate;
         all_fast(pair, within, &level, &drift, &scale);
         if (indentation >= -4.0 * DBL_EPSILON * scale && closes(pair, rate, acceleration)) {

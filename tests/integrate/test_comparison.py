@@ -3,13 +3,15 @@
 import itertools
 import math
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.integrate.agreement import difference, most_touches
-from aoimpact.integrate.to_tolerance import Sampled
+from aoimpact.integrate import to_tolerance
+from aoimpact.integrate.comparison import difference, most_touches
+from aoimpact.integrate.dense import DenseRecorder, Touch
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
 WALL = ao.rigid(mass=math.inf)
@@ -136,12 +138,10 @@ def test_a_ball_on_a_swinging_table_is_chaos_and_called_so():
 
 def test_one_contact_costs_one_run(monkeypatch):
     """And so does one with touches that carry next to nothing."""
-    from aoimpact.integrate import to_tolerance as solve_adaptive
-
     made = []
-    run_once = solve_adaptive.adaptive_run
+    run_once = to_tolerance.adaptive_run
     monkeypatch.setattr(
-        solve_adaptive, "adaptive_run", lambda *a, **k: made.append(k["rtol"]) or run_once(*a, **k)
+        to_tolerance, "adaptive_run", lambda *a, **k: made.append(k["rtol"]) or run_once(*a, **k)
     )
     scene = ao.Scene()
     balls = [scene.add(ao.rigid(mass=MASS), velocity=float(i == 0)) for i in range(8)]
@@ -151,34 +151,34 @@ def test_one_contact_costs_one_run(monkeypatch):
     assert made == [1e-8]
 
 
-def tracked(run):
-    assert isinstance(run.recorder, Sampled)
-    return run.recorder.track
+def recorder(run):
+    assert isinstance(run.recorder, DenseRecorder)
+    return run.recorder
 
 
-def with_touches(track, touches):
-    (event,) = track.events
+def with_touches(run, touches):
+    (event,) = run.events
     spans = tuple((start, end) for start, end, *_ in touches)
-    values = [(impulse, pace) for _, _, impulse, pace in touches]
-    return track._replace(events=(event._replace(contacts=spans),), touches=(values,))
+    values = [Touch(impulse, pace) for _, _, impulse, pace in touches]
+    return replace(run, events=(event._replace(contacts=spans),), touches=(values,))
 
 
 def test_touches_count_by_their_impulse():
-    track = tracked(bouncing(2, 1e-3)[0])
+    run = recorder(bouncing(2, 1e-3)[0])
     heavy, light = (0.0, 1e-4, 1.0, 2.0), (2e-4, 3e-4, 1e-3, 2.0)
-    assert most_touches(with_touches(track, [heavy, light])) == 1
-    assert most_touches(with_touches(track, [heavy] + [light] * 20)) == 2
-    assert most_touches(with_touches(track, [heavy, heavy, light])) == 2
+    assert most_touches(with_touches(run, [heavy, light])) == 1
+    assert most_touches(with_touches(run, [heavy] + [light] * 20)) == 2
+    assert most_touches(with_touches(run, [heavy, heavy, light])) == 2
 
 
 def test_runs_differ_by_the_times_of_touches_that_belong_together():
     """One of them splits the second touch in two, of which one is a graze."""
-    track = tracked(bouncing(2, 1e-3)[0])
+    run = recorder(bouncing(2, 1e-3)[0])
     first, second = (0.0, 1e-4, 1.0, 2.0), (2e-4, 3e-4, 1.0, 2.0)
     graze, later = (1.5e-4, 1.6e-4, 1e-6, 2.0), (2.03e-4, 3e-4, 1.0, 2.0)
     soft = (2.03e-4, 3e-4, 1.0, 1e-4)
-    ones = with_touches(track, [first, second])
-    assert difference(ones, with_touches(track, [first, second]), 1.0) == 0.0
-    assert difference(ones, with_touches(track, [first, graze, later]), 1.0) == pytest.approx(0.01)
+    ones = with_touches(run, [first, second])
+    assert difference(ones, with_touches(run, [first, second]), 1.0) == 0.0
+    assert difference(ones, with_touches(run, [first, graze, later]), 1.0) == pytest.approx(0.01)
     # Bodies that begin to press each other from rest do so at no certain time.
-    assert difference(ones, with_touches(track, [first, soft]), 1.0) == 0.0
+    assert difference(ones, with_touches(run, [first, soft]), 1.0) == 0.0

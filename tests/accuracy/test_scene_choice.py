@@ -1,4 +1,4 @@
-"""Scenes whose bodies are reduced as far as the answer allows: the true error is what was asked."""
+"""Scenes whose models are chosen for a quantity of interest: the true error is within rtol."""
 
 import math
 

@@ -1,7 +1,7 @@
-"""How far two adaptive runs of one scene are apart in what a tolerance promises.
+"""Comparison of two adaptive runs of one scene: their difference in what a tolerance bounds.
 
-A touch that is a hundredth of the largest of its contact, or less, is none: whether bodies that go
-on side by side graze each other is rounding, and what matters of a touch is its impulse.
+A touch with a hundredth of the impulse of the largest one of its contact, or less, does not count:
+whether bodies that move on side by side graze each other is rounding.
 """
 
 from __future__ import annotations
@@ -9,40 +9,31 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import FloatArray
-from .adaptive import Track
+from .dense import DenseRecorder
+from .tolerances import LESSER, SUDDEN
 
 __all__ = ["difference", "most_touches"]
 
-# A contact need not be more exact than this share of the largest: the core's own rule (step.h).
-_LESSER_SHARE = 0.01
 
-# Bodies at rest side by side that a wave reaches begin to press each other at no certain time:
-# their touch begins at a smaller share than this of its mean rate.
-_SUDDEN = 0.01
-
-# Rows of a record for each contact, and for each body before its ports; its centre's velocity.
-_CONTACT_ROWS, _BODY_ROWS, _CENTRE_VELOCITY = 4, 6, 1
-
-
-def most_touches(track: Track) -> int:
+def most_touches(run: DenseRecorder) -> int:
     """Return how often the contact that counts most often touches.
 
     One touch with any number of lesser ones beside it, that together are a hundredth of it at most,
     is one.
     """
-    most = max(map(len, track.touches), default=0)
+    most = max(map(len, run.touches), default=0)
     if most <= 1:
         return most
     most = 1
-    for joint, small in enumerate(_least(track)):
-        of = _impulses(track, joint)
+    for joint, small in enumerate(_least(run)):
+        of = _impulses(run, joint)
         largest = of.max(initial=0.0)
-        if len(of) > 1 and of.sum() - largest > _LESSER_SHARE * largest:
+        if len(of) > 1 and of.sum() - largest > LESSER * largest:
             most = max(most, 2, int((of >= small).sum()))
     return most
 
 
-def difference(one: Track, other: Track, speed: float) -> float:
+def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     """Return the largest relative difference of what a tolerance bounds.
 
     These are each contact's peak force and impulse, when its touches start and end, and the
@@ -50,7 +41,7 @@ def difference(one: Track, other: Track, speed: float) -> float:
 
     Parameters
     ----------
-    one, other : Track
+    one, other : DenseRecorder
     speed : float
         The largest initial one, m/s.
     """
@@ -65,40 +56,38 @@ def difference(one: Track, other: Track, speed: float) -> float:
     return max(apart)
 
 
-def _peaks(track: Track) -> FloatArray:
-    return np.array([event.peak_force for event in track.events])
+def _peaks(run: DenseRecorder) -> FloatArray:
+    return np.array([event.peak_force for event in run.events])
 
 
-def _sums(track: Track) -> FloatArray:
-    return np.array([event.impulse for event in track.events])
+def _sums(run: DenseRecorder) -> FloatArray:
+    return np.array([event.impulse for event in run.events])
 
 
 def _lesser_apart(ones: FloatArray, others: FloatArray) -> float:
-    scale = np.maximum(np.abs(others), _LESSER_SHARE * np.abs(others).max(initial=0.0))
+    scale = np.maximum(np.abs(others), LESSER * np.abs(others).max(initial=0.0))
     apart = np.divide(np.abs(ones - others), scale, out=np.zeros(len(ones)), where=scale > 0.0)
     return float(apart.max(initial=0.0))
 
 
-def _impulses(track: Track, joint: int) -> FloatArray:
+def _impulses(run: DenseRecorder, joint: int) -> FloatArray:
     """Of each touch of a contact, N s."""
-    return np.array([impulse for impulse, _ in track.touches[joint]])
+    return np.array([impulse for impulse, _ in run.touches[joint]])
 
 
-def _least(track: Track) -> FloatArray:
+def _least(run: DenseRecorder) -> FloatArray:
     """The impulse of the least touch that matters, of each contact, N s."""
-    joints = range(len(track.joints))
-    largest = np.array([_impulses(track, joint).max(initial=0.0) for joint in joints])
-    least: FloatArray = _LESSER_SHARE * np.maximum(
-        largest, _LESSER_SHARE * largest.max(initial=0.0)
-    )
+    joints = range(len(run.joints))
+    largest = np.array([_impulses(run, joint).max(initial=0.0) for joint in joints])
+    least: FloatArray = LESSER * np.maximum(largest, LESSER * largest.max(initial=0.0))
     return least
 
 
-def _touches(track: Track, joint: int, least: float) -> FloatArray:
+def _touches(run: DenseRecorder, joint: int, least: float) -> FloatArray:
     """Start, end, impulse before, after and pace of the touches that matter, shape (5, touches)."""
-    impulses, pace = np.array(track.touches[joint]).reshape(-1, 2).T
+    impulses, pace = np.array(run.touches[joint]).reshape(-1, 2).T
     after = np.cumsum(impulses)
-    spans = np.array(track.events[joint].contacts).reshape(-1, 2)
+    spans = np.array(run.events[joint].contacts).reshape(-1, 2)
     return np.vstack([spans.T, after - impulses, after, pace])[:, impulses >= least]
 
 
@@ -115,23 +104,19 @@ def _times_apart(ones: FloatArray, others: FloatArray) -> float:
     if ones.shape[1] < others.shape[1]:
         at = np.searchsorted(others[3], 0.5 * (ones[2] + ones[3]))
         others = others[:, np.minimum(at, others.shape[1] - 1)]
-    sudden = np.minimum(ones[4], others[4]) >= _SUDDEN
+    sudden = np.minimum(ones[4], others[4]) >= SUDDEN
     starts = np.abs(ones[0] - others[0])[sudden] / np.maximum(ones[1], others[1])[sudden]
     ends = np.abs(ones[1] - others[1]) / np.maximum(ones[1], others[1])
     return float(max(starts.max(initial=0.0), ends.max()))
 
 
-def _velocities(track: Track, least: FloatArray) -> FloatArray:
+def _velocities(run: DenseRecorder, least: FloatArray) -> FloatArray:
     """Velocities of the centres of mass after the last touch that matters and is over, m/s."""
     over = [
         end
-        for of, touches, small in zip(track.events, track.touches, least, strict=True)
+        for of, touches, small in zip(run.events, run.touches, least, strict=True)
         for (_, end), (impulse, _) in zip(of.contacts, touches, strict=True)
-        if impulse >= small and end < track.duration
+        if impulse >= small and end < run.duration
     ]
-    record = track.sample(np.array([max(over, default=track.duration)]), energies=False)[:, 0]
-    ports = np.array([len(body[2]) for body in track.bodies])
-    first = _CONTACT_ROWS * len(track.joints) + _BODY_ROWS * np.arange(len(ports))
-    before = 2 * (np.cumsum(ports) - ports)
-    velocities: FloatArray = record[first + before + _CENTRE_VELOCITY]
-    return velocities
+    record = run.rows(np.array([max(over, default=run.duration)]), energies=False)
+    return run.plan.layout.centre_velocities(record)[:, 0]

@@ -1,32 +1,32 @@
-/* Free flight: its closed form, and that no touch is stepped over, however briefly it lasts. */
+/* Free free motion: its closed form, and that no touch is stepped over, however briefly it lasts. */
 #include "plant.h"
 #include "law/law.h"
 #include "motion/energy.h"
-#include "motion/flight.h"
+#include "motion/free.h"
 #include "motion/modes.h"
 #include "motion/radau.h"
 
 enum { STRIDES = 1000000 };
 
-/* The first two bodies of a plant, about to fly. */
-static aoi_flight pair_of(plant *p, double gap)
+/* The first two bodies of a plant, about to move freely. */
+static aoi_free_pair pair_of(plant *p, double gap)
 {
     lay_out(p);
-    return (aoi_flight){{&p->body[0], &p->body[1]}, {0, 0}, gap,
-                        {p->x, p->x + p->first[1]}, {p->v, p->v + p->first[1]}, 0.0, NULL};
+    return (aoi_free_pair){{&p->body[0], &p->body[1]}, {0, 0}, gap,
+                        {p->x, p->x + p->system.first[1]}, {p->v, p->v + p->system.first[1]}, 0.0, NULL};
 }
 
-static int next_touch(aoi_flight *pair, double limit)
+static int next_touch(aoi_free_pair *pair, double limit)
 {
     int touches = -1;
-    CHECK(aoi_flight_next_touch(pair, limit, STRIDES, &touches) == AOI_OK, "the search ends");
+    CHECK(aoi_free_pair_next_touch(pair, limit, STRIDES, &touches) == AOI_OK, "the search ends");
     return touches;
 }
 
-static double indentation_of(const aoi_flight *pair)
+static double indentation_of(const aoi_free_pair *pair)
 {
     double indentation, rate, acceleration;
-    aoi_flight_indentation(pair, &indentation, &rate, &acceleration);
+    aoi_free_pair_indentation(pair, &indentation, &rate, &acceleration);
     return indentation;
 }
 
@@ -45,7 +45,7 @@ static void a_thrown_ball_lands_where_it_must(void)
 {
     /* delta = -h + v t + g t^2 / 2 */
     plant p = thrown(3.0, 9.81);
-    aoi_flight pair = pair_of(&p, 2.0);
+    aoi_free_pair pair = pair_of(&p, 2.0);
     CHECK(next_touch(&pair, 10.0) == 1, "it lands");
     CHECK(near(pair.time, (sqrt(9.0 + 2.0 * 9.81 * 2.0) - 3.0) / 9.81, 1e-14), "when: %.17g", pair.time);
     CHECK(near(p.v[0], 3.0 + 9.81 * pair.time, 1e-14), "how fast");
@@ -54,7 +54,7 @@ static void a_thrown_ball_lands_where_it_must(void)
 static void a_ball_thrown_up_comes_back(void)
 {
     plant p = thrown(-3.0, 9.81); /* away from contact at delta = 0 */
-    aoi_flight pair = pair_of(&p, 0.0);
+    aoi_free_pair pair = pair_of(&p, 0.0);
     CHECK(next_touch(&pair, 10.0) == 1, "it comes back");
     CHECK(near(pair.time, 6.0 / 9.81, 1e-13), "after 2 v / g: %.17g", pair.time);
 }
@@ -64,7 +64,7 @@ static void a_ball_thrown_too_low_does_not_reach_the_ceiling(void)
     const double height = 9.0 / (2.0 * 9.81); /* v^2 / 2 g */
     for (int above = 0; above < 2; above++) {
         plant p = thrown(3.0, -9.81);
-        aoi_flight pair = pair_of(&p, height * (above ? 1.0 - 1e-11 : 1.0 + 1e-11));
+        aoi_free_pair pair = pair_of(&p, height * (above ? 1.0 - 1e-11 : 1.0 + 1e-11));
         CHECK(next_touch(&pair, 1.0) == above, "top and gap differ by 1e-11");
         CHECK(!above || near(pair.time, 3.0 / 9.81, 1e-5), "at the top: %.17g", pair.time);
     }
@@ -77,7 +77,7 @@ static void a_crest_just_below_the_gap_is_passed_and_just_above_is_hit(void)
         part *bob = add_rigid(&p, 1.0, 100.0); /* amplitude 1 */
         bob->omega[0] = 100.0;
         add_wall(&p);
-        aoi_flight pair = pair_of(&p, above ? 1.0 - 1e-12 : 1.0 + 1e-12);
+        aoi_free_pair pair = pair_of(&p, above ? 1.0 - 1e-12 : 1.0 + 1e-12);
         CHECK(next_touch(&pair, 1.0) == above, "crest and gap differ by 1e-12");
         if (above) {
             CHECK(near(pair.time, (PI / 2.0 - sqrt(2e-12)) / 100.0, 1e-7), "at the crest: %.17g",
@@ -100,7 +100,7 @@ static void a_damped_crest_is_lower(void)
         bob->damped = 1;
         bob->decay[0] = decay;
         add_wall(&p);
-        aoi_flight pair = pair_of(&p, crest * (above ? 1.0 - 1e-12 : 1.0 + 1e-12));
+        aoi_free_pair pair = pair_of(&p, crest * (above ? 1.0 - 1e-12 : 1.0 + 1e-12));
         CHECK(next_touch(&pair, 1.0) == above, "crest and gap differ by 1e-12");
         CHECK(!above || near(pair.time, atan2(turn, decay) / turn, 1e-5), "at the crest");
     }
@@ -117,7 +117,7 @@ static void a_load_that_rises_pushes_a_ball_against_the_wall(void)
     ball->load_time[1] = time[1];
     ball->load_force[1] = 6.0;
     add_wall(&p);
-    aoi_flight pair = pair_of(&p, 0.125);
+    aoi_free_pair pair = pair_of(&p, 0.125);
     CHECK(next_touch(&pair, 9.0) == 1, "it touches");
     CHECK(near(pair.time, 1.0, 1e-13), "t^3 = 1/8 after the load began: %.17g", pair.time);
     CHECK(near(p.v[0], 0.75, 1e-13), "3 t^2: %.17g", p.v[0]);
@@ -134,8 +134,8 @@ static void a_load_that_begins_at_touch_presses(void)
         ball->load_time[1] = 1.0;
         ball->load_force[1] = pulls ? -6.0 : 6.0;
         add_wall(&p);
-        aoi_flight pair = pair_of(&p, 0.0);
-        CHECK(aoi_flight_jerk(&pair) == (pulls ? -3.0 : 3.0), "f' / m");
+        aoi_free_pair pair = pair_of(&p, 0.0);
+        CHECK(aoi_free_pair_jerk(&pair) == (pulls ? -3.0 : 3.0), "f' / m");
         CHECK(next_touch(&pair, 9.0) == !pulls, "pressed on, or drawn off");
         CHECK(pulls || pair.time == 0.0, "at once");
     }
@@ -155,10 +155,10 @@ static void the_third_derivative_is_the_slope_of_the_second(void)
     bob->load_force[1] = f + slope;
     bob->x[0] = x;
     add_wall(&p);
-    aoi_flight pair = pair_of(&p, 0.0);
+    aoi_free_pair pair = pair_of(&p, 0.0);
     const double a = f / 2.0 - 2.0 * decay * v - omega * omega * x;
-    CHECK(near(aoi_flight_jerk(&pair), slope / 2.0 - 2.0 * decay * a - omega * omega * v, 1e-14), "%.17g",
-          aoi_flight_jerk(&pair));
+    CHECK(near(aoi_free_pair_jerk(&pair), slope / 2.0 - 2.0 * decay * a - omega * omega * v, 1e-14), "%.17g",
+          aoi_free_pair_jerk(&pair));
 }
 
 /* Far faster than the load rises, a sprung mass follows it: x = f' t / (m omega^2), but for its ripple. */
@@ -172,7 +172,7 @@ static void a_stiff_mass_creeps_up_with_its_load(void)
     bob->load_force[1] = 1e4;
     bob->v[0] = 1e3 / (2.0 * 1e8); /* no ripple */
     add_wall(&p);
-    aoi_flight pair = pair_of(&p, 2.5e-5);
+    aoi_free_pair pair = pair_of(&p, 2.5e-5);
     CHECK(next_touch(&pair, 9.0) == 1, "it touches");
     CHECK(near(pair.time, 5.0, 1e-9), "after gap m omega^2 / f': %.17g", pair.time);
 }
@@ -190,7 +190,7 @@ static void residual_compliance_creeps_up_with_its_load(void)
     held->load_time[1] = 10.0;
     held->load_force[1] = 1e4;
     add_wall(&p);
-    aoi_flight pair = pair_of(&p, 4e-5);
+    aoi_free_pair pair = pair_of(&p, 4e-5);
     CHECK(next_touch(&pair, 9.0) == 1 && near(pair.time, 4.0, 1e-12), "after gap / (R f'): %.17g", pair.time);
 }
 
@@ -204,7 +204,7 @@ static void a_sprung_mass_swings_about_what_its_load_makes_of_its_rest(void)
         bob->load_count = 1;
         bob->load_force[0] = 10.0; /* rest f/(m omega^2) = 2e-3, swings up to twice that */
         add_wall(&p);
-        aoi_flight pair = pair_of(&p, 4e-3 * (above ? 1.0 - 1e-11 : 1.0 + 1e-11));
+        aoi_free_pair pair = pair_of(&p, 4e-3 * (above ? 1.0 - 1e-11 : 1.0 + 1e-11));
         CHECK(next_touch(&pair, 1.0) == above, "twice the deflection at rest, to 1e-11");
         CHECK(!above || near(pair.time, PI / 50.0, 1e-5), "after half a period: %.17g", pair.time);
     }
@@ -240,7 +240,7 @@ static void a_touch_by_one_ripple_is_not_stepped_over(void)
                 crest = t;
             }
         }
-        aoi_flight pair = pair_of(&p, highest * (1.0 - 1e-6));
+        aoi_free_pair pair = pair_of(&p, highest * (1.0 - 1e-6));
         CHECK(next_touch(&pair, end) == 1, "run %d: a touch at %g", run, crest);
         CHECK(pair.time <= crest + step, "run %d: no later than the highest crest", run);
         CHECK(fabs(indentation_of(&pair)) < 1e-12, "run %d: touching", run);
@@ -254,7 +254,7 @@ static void bodies_that_part_are_apart(void)
     p.part[0].x[0] = 1e-17;
     p.part[1].x[0] = 1.0;
     p.part[0].x[0] += 1.0;
-    aoi_flight pair = pair_of(&p, -4e-17);
+    aoi_free_pair pair = pair_of(&p, -4e-17);
     CHECK(next_touch(&pair, 1.0) == 0 && pair.time == 1.0, "they part for good");
 }
 
@@ -273,7 +273,7 @@ static void energy_of_flight_is_constant(void)
     aoi_modes_energy(p.body, p.x, p.v, NULL, &kinetic, &elastic);
     const double before = kinetic + elastic;
     for (int i = 0; i < 1000; i++) {
-        aoi_modes_fly(p.body, 0.123 * i, 0.123 * (i + 1), p.x, p.v);
+        aoi_modes_advance(p.body, 0.123 * i, 0.123 * (i + 1), p.x, p.v);
     }
     aoi_modes_energy(p.body, p.x, p.v, NULL, &kinetic, &elastic);
     CHECK(near(kinetic + elastic, before, 1e-12), "energy %.17g, not %.17g", kinetic + elastic, before);
@@ -286,9 +286,9 @@ static void bodies_that_part_for_good_cost_nothing(void)
     part *body = add_ringing(&p, 3, 1, 1.0, 1e9, -1.0, &seed);
     add_wall(&p);
     body->x[1] = body->x[2] = -1e-6;
-    aoi_flight pair = pair_of(&p, 1e-5);
+    aoi_free_pair pair = pair_of(&p, 1e-5);
     int touches;
-    CHECK(aoi_flight_next_touch(&pair, 1e9, 100, &touches) == AOI_OK && touches == 0 &&
+    CHECK(aoi_free_pair_next_touch(&pair, 1e9, 100, &touches) == AOI_OK && touches == 0 &&
               pair.time == 1e9,
           "thirty years of flight in a hundred strides");
 }
@@ -302,7 +302,7 @@ static void drag_stops_a_mass_before_the_wall(void)
         ball->damped = 1;
         ball->decay[0] = 4.0;
         add_wall(&p);
-        aoi_flight pair = pair_of(&p, 0.25 * (above ? 1.0 - 1e-9 : 1.0 + 1e-9));
+        aoi_free_pair pair = pair_of(&p, 0.25 * (above ? 1.0 - 1e-9 : 1.0 + 1e-9));
         CHECK(next_touch(&pair, 100.0) == above, "it comes as far as v / (2 sigma)");
         CHECK(!above || near(pair.time, log(1e9) / 8.0, 1e-6), "late: %.17g", pair.time);
     }
@@ -326,8 +326,8 @@ static void bodies_that_fall_side_by_side_do_not_press(void)
 {
     int touches = -1;
     plant p = falling(35.0, 35.0);
-    aoi_flight pair = pair_of(&p, 0.0);
-    CHECK(aoi_flight_next_touch(&pair, 1.0, 100, &touches) == AOI_OK, "in a few strides");
+    aoi_free_pair pair = pair_of(&p, 0.0);
+    CHECK(aoi_free_pair_next_touch(&pair, 1.0, 100, &touches) == AOI_OK, "in a few strides");
     CHECK(touches == 0 && pair.time == 1.0, "the whole record flown");
 }
 
@@ -339,7 +339,7 @@ static double fallen(double decay, double time)
 static void the_one_with_less_drag_catches_up(void)
 {
     plant p = falling(1.0, 35.0);
-    aoi_flight pair = pair_of(&p, 0.01);
+    aoi_free_pair pair = pair_of(&p, 0.01);
     CHECK(next_touch(&pair, 1.0) == 1, "it does");
     CHECK(near(fallen(1.0, pair.time) - fallen(35.0, pair.time), 0.01, 1e-12), "when: %.17g",
           pair.time);
@@ -357,33 +357,33 @@ static void a_load_that_draws_away_from_touch_costs_nothing(void)
         ball->load_force[1] = -5.0;
         add_wall(&p);
         p.part[1].x[0] = 1.0;
-        aoi_flight pair = pair_of(&p, i < 2 ? -1.0 : -1.0 + (i < 4 ? 1.0 : -1.0) * 0.5 * DBL_EPSILON);
+        aoi_free_pair pair = pair_of(&p, i < 2 ? -1.0 : -1.0 + (i < 4 ? 1.0 : -1.0) * 0.5 * DBL_EPSILON);
         int touches = -1;
-        CHECK(aoi_flight_next_touch(&pair, 0.3, 1000, &touches) == AOI_OK && touches == 0, "case %d: it goes", i);
+        CHECK(aoi_free_pair_next_touch(&pair, 0.3, 1000, &touches) == AOI_OK && touches == 0, "case %d: it goes", i);
     }
 }
 
 /* What contact forces make of an indentation has its share in all derivatives: of a cosine. */
 static void a_forced_part_moves_with_the_rest(void)
 {
-    double values[AOI_STAGES + 1] = {0.3};
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    double values[AOI_NODES + 1] = {0.3};
+    for (size_t i = 0; i < AOI_NODES; i++) {
         values[i + 1] = 0.3 * cos(2.0 * aoi_radau_node[i]);
     }
     aoi_forced forced;
     aoi_forced_fit(1.0, 0.5, values, &forced);
     plant p = thrown(0.0, 0.0);
-    aoi_flight pair = pair_of(&p, 0.1);
+    aoi_free_pair pair = pair_of(&p, 0.1);
     pair.forced = &forced;
     for (int i = 1; i < 10; i++) { /* cos(4 (t - 1)) */
         double indentation, rate, acceleration;
         const double at = 0.2 * i;
         pair.time = 1.0 + at / 4.0;
-        aoi_flight_indentation(&pair, &indentation, &rate, &acceleration);
+        aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
         CHECK(fabs(indentation - (0.3 * cos(at) - 0.1)) < 1e-7, "itself at %g: %g", at, indentation);
         CHECK(fabs(rate + 1.2 * sin(at)) < 1e-5, "its rate at %g: %g", at, rate);
         CHECK(fabs(acceleration + 4.8 * cos(at)) < 1e-3, "its acceleration at %g: %g", at, acceleration);
-        CHECK(fabs(aoi_flight_jerk(&pair) - 19.2 * sin(at)) < 0.05, "its jerk at %g: %g", at, aoi_flight_jerk(&pair));
+        CHECK(fabs(aoi_free_pair_jerk(&pair) - 19.2 * sin(at)) < 0.05, "its jerk at %g: %g", at, aoi_free_pair_jerk(&pair));
         CHECK(fabs(acceleration) <= forced.bend, "no larger than its bound");
     }
 }

@@ -1,32 +1,32 @@
 /* Values at the nodes of a step, in loops whose length the compiler knows. Matrices
  * lie by columns, so that it takes two or four rows at once. */
-#ifndef AOI_STAGES_H
-#define AOI_STAGES_H
+#ifndef AOI_NODES_H
+#define AOI_NODES_H
 
 #include "law/law.h"
 
 /* y += factor x. */
-static inline void aoi_stages_add(double factor, const double *restrict x, double *restrict y)
+static inline void aoi_nodes_add(double factor, const double *restrict x, double *restrict y)
 {
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         y[i] += factor * x[i];
     }
 }
 
 /* y = sum over the columns of column[j] x[j]; y may be x. */
-void aoi_stages_multiply(const double *column, const double *x, double *y);
+void aoi_nodes_multiply(const double *column, const double *x, double *y);
 
 /* The same for a polynomial given by its value at the start, which has the first column, and at the
  * nodes. */
-void aoi_stages_multiply_from(double start, const double *column, const double *nodes, double *y);
+void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y);
 
 /* The inverse in place of a matrix with pivots near or above one, by rows or by columns. */
-void aoi_stages_invert(double *matrix);
+void aoi_nodes_invert(double *matrix);
 
-static inline double aoi_stages_dot(const double *x, const double *y)
+static inline double aoi_nodes_dot(const double *x, const double *y)
 {
     double even = 0.0, odd = 0.0;
-    for (size_t k = 0; k < AOI_STAGES; k += 2) {
+    for (size_t k = 0; k < AOI_NODES; k += 2) {
         even += x[k] * y[k];
         odd += x[k + 1] * y[k + 1];
     }
@@ -34,9 +34,9 @@ static inline double aoi_stages_dot(const double *x, const double *y)
 }
 
 /* The largest of a number and the values; NaN is none of them. */
-static inline double aoi_stages_largest(double largest, const double *values)
+static inline double aoi_nodes_largest(double largest, const double *values)
 {
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         largest = values[i] > largest ? values[i] : largest;
     }
     return largest;

@@ -1,7 +1,7 @@
 /* Dense output: the record at any time of a track, from the rows that hold it. Between the start of a row
  * and the time asked for, the bodies are taken on exactly as the run itself took them. */
-#include "track/sampler.h"
 #include "linear/vector.h"
+#include "linear/work.h"
 #include "law/law.h"
 #include "model/system.h"
 #include "motion/energy.h"
@@ -16,7 +16,24 @@
 #include <math.h>
 #include <string.h>
 
-/* A body in flight as it was when a load last bent: time, work and losses since its row; then x, v. */
+struct aoi_sampler {
+    const aoi_system *system;
+    const double *track; /* size */
+    const size_t *index; /* rows */
+    size_t size, rows;
+    size_t *body_row, *body_at;       /* body_count each: the row that holds it, and where */
+    size_t *contact_row, *contact_at; /* contact_count each                                  */
+
+    size_t row, most_modes;
+    int has_edge; /* a contact of the row was solved with an edge      */
+    double part;  /* of the row up to where port_force goes: else 1    */
+    double *port_force, *states;
+    double *ports; /* of all ports: forces, rates of these, displacements */
+    double *settled; /* work on each contact up to the end of its last row; NaN: not yet asked for */
+    double *flown, *booked; /* bodies in free motion as they were at the last bend of their loads */
+};
+
+/* A body in free motion as it was when a load last bent: time, work and losses since its row; then x, v. */
 enum { BEND_TIME, BEND_WORK, BEND_LOST, BEND_STATE };
 
 /* Doubles of all bodies' such. */
@@ -25,16 +42,30 @@ static size_t bends_size(const aoi_system *system)
     return BEND_STATE * system->body_count + 2 * system->first[system->body_count];
 }
 
-size_t aoi_sampler_size(const aoi_system *system)
+/* Deals out memory behind the sampler itself, which is only counted where block is NULL. */
+static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *block)
 {
-    return system->first_port[system->body_count] * (AOI_STAGES + 3) +
-           6 * aoi_system_most_modes(system) + system->joint_count + 2 * bends_size(system);
+    const size_t bodies = system->body_count, contacts = system->contact_count;
+    const size_t ports = system->first_port[bodies];
+    aoi_memory memory = {block, 0};
+    (void)aoi_memory_take(&memory, 1, sizeof *sampler);
+    sampler->body_row = aoi_memory_numbers(&memory, bodies);
+    sampler->body_at = aoi_memory_numbers(&memory, bodies);
+    sampler->contact_row = aoi_memory_numbers(&memory, contacts);
+    sampler->contact_at = aoi_memory_numbers(&memory, contacts);
+    sampler->port_force = aoi_memory_doubles(&memory, ports * AOI_NODES);
+    sampler->ports = aoi_memory_doubles(&memory, 3 * ports);
+    sampler->states = aoi_memory_doubles(&memory, 6 * sampler->most_modes);
+    sampler->settled = aoi_memory_doubles(&memory, contacts);
+    sampler->flown = aoi_memory_doubles(&memory, bends_size(system));
+    sampler->booked = aoi_memory_doubles(&memory, bends_size(system));
+    return memory.used;
 }
 
-size_t aoi_sampler_rows(const aoi_system *system)
+size_t aoi_sampler_size(const aoi_system *system)
 {
-    return AOI_CONTACT_ROWS * system->joint_count + AOI_BODY_ROWS * system->body_count +
-           AOI_PORT_ROWS * system->first_port[system->body_count];
+    aoi_sampler counted = {.most_modes = aoi_system_most_modes(system)};
+    return lay_out(&counted, system, NULL);
 }
 
 static const double *row_of(const aoi_sampler *sampler, size_t row)
@@ -45,8 +76,8 @@ static const double *row_of(const aoi_sampler *sampler, size_t row)
 /* The force's polynomial over a contact's row. */
 static void fit_force(const double *of, double *legendre)
 {
-    for (size_t k = 0; k < AOI_STAGES; k++) {
-        legendre[k] = aoi_vector_dot(AOI_STAGES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
+    for (size_t k = 0; k < AOI_NODES; k++) {
+        legendre[k] = aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
     }
 }
 
@@ -57,16 +88,16 @@ static void force_on_part(const aoi_sampler *sampler, size_t c, double place, do
     const double *of = sampler->track + sampler->contact_at[c], *whole = of + AOI_TRACK_FORCE;
     const double h = row_of(sampler, sampler->contact_row[c])[AOI_TRACK_LENGTH];
     if (place < 1.0 && of[AOI_TRACK_EDGE] != AOI_EDGE_NONE) {
-        aoi_collocation_on_part((enum aoi_edge)of[AOI_TRACK_EDGE], sampler->system->joint[c].law,
+        aoi_collocation_on_part((enum aoi_edge)of[AOI_TRACK_EDGE], sampler->system->contact[c].law,
                                 of + AOI_TRACK_MEMORY, (int)of[AOI_TRACK_PIECE], h,
                                 of + AOI_TRACK_INDENTATION, place, force);
         return;
     }
-    double legendre[AOI_STAGES], slope;
+    double legendre[AOI_NODES], slope;
     fit_force(of, legendre);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         const double at = place * aoi_radau_node[i];
-        force[i] = place < 1.0 ? aoi_legendre_evaluate(AOI_STAGES, legendre, at, &slope) : whole[i];
+        force[i] = place < 1.0 ? aoi_legendre_evaluate(AOI_NODES, legendre, at, &slope) : whole[i];
     }
 }
 
@@ -76,20 +107,20 @@ static void gather(aoi_sampler *sampler, double part)
     const aoi_system *system = sampler->system;
     const size_t ports = system->first_port[system->body_count];
     sampler->part = part;
-    for (size_t k = 0; k < ports * AOI_STAGES; k++) {
+    for (size_t k = 0; k < ports * AOI_NODES; k++) {
         sampler->port_force[k] = 0.0;
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
             continue;
         }
-        double force[AOI_STAGES];
+        double force[AOI_NODES];
         force_on_part(sampler, c, part, force);
         for (int side = 0; side < 2; side++) {
-            const size_t port = system->first_port[system->joint[c].body[side]] +
-                                system->joint[c].port[side];
-            aoi_vector_add(AOI_STAGES, side == 0 ? -1.0 : 1.0, force,
-                           sampler->port_force + port * AOI_STAGES);
+            const size_t port = system->first_port[system->contact[c].body[side]] +
+                                system->contact[c].port[side];
+            aoi_vector_add(AOI_NODES, side == 0 ? -1.0 : 1.0, force,
+                           sampler->port_force + port * AOI_NODES);
         }
     }
 }
@@ -138,12 +169,12 @@ static int number_below(double value, size_t limit, size_t *number)
 /* Whether a contact of a row can be read. */
 static int contact_is_sound(const aoi_system *system, const double *of)
 {
-    size_t joint, edge, piece;
-    if (!number_below(of[AOI_TRACK_JOINT], system->joint_count, &joint) ||
+    size_t c, edge, piece;
+    if (!number_below(of[AOI_TRACK_CONTACT], system->contact_count, &c) ||
         !number_below(of[AOI_TRACK_EDGE], AOI_EDGE_NONE + 1, &edge)) {
         return 0;
     }
-    const aoi_law *law = system->joint[joint].law;
+    const aoi_law *law = system->contact[c].law;
     if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* no law is asked: no edge of its force */
         return edge == AOI_EDGE_NONE;
     }
@@ -164,7 +195,7 @@ static size_t end_of_row(const aoi_sampler *sampler, size_t at)
         return 0;
     }
     if (!number_below(row[AOI_TRACK_BODIES], system->body_count + 1, &bodies) ||
-        !number_below(row[AOI_TRACK_CONTACTS], system->joint_count + 1, &contacts) ||
+        !number_below(row[AOI_TRACK_CONTACTS], system->contact_count + 1, &contacts) ||
         (contacts > 0 && !(row[AOI_TRACK_LENGTH] > 0.0))) {
         return 0;
     }
@@ -201,23 +232,24 @@ static int track_is_sound(const aoi_sampler *sampler)
     return sampler->rows > 0 && end == sampler->size;
 }
 
-int aoi_sampler_start(aoi_sampler *sampler)
+int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track)
 {
-    const aoi_system *system = sampler->system;
-    if (aoi_system_check(system) != AOI_OK || !track_is_sound(sampler)) {
+    if (!system->first) {
         return AOI_ERROR_ARGUMENT;
     }
-    sampler->most_modes = aoi_system_most_modes(system);
-    sampler->port_force = sampler->work;
-    sampler->states =
-        sampler->work + system->first_port[system->body_count] * (AOI_STAGES + 3);
-    sampler->settled = sampler->states + 6 * sampler->most_modes;
-    sampler->flown = sampler->settled + system->joint_count;
-    sampler->booked = sampler->flown + bends_size(system);
+    *sampler = (aoi_sampler){.system = system, .most_modes = aoi_system_most_modes(system)};
+    sampler->track = track->values;
+    sampler->index = track->row;
+    sampler->size = track->used;
+    sampler->rows = track->rows;
+    if (!track_is_sound(sampler)) {
+        return AOI_ERROR_ARGUMENT;
+    }
+    (void)lay_out(sampler, system, sampler);
     for (size_t b = 0; b < system->body_count; b++) {
         sampler->body_row[b] = sampler->rows;
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         sampler->contact_row[c] = sampler->rows;
         sampler->contact_at[c] = 0;
     }
@@ -254,7 +286,7 @@ static void advance(aoi_sampler *sampler, double time)
     }
 }
 
-/* Takes a body that flies to the last bend of its loads before a time, from the one where it was left last:
+/* Takes a body that moves freely to the last bend of its loads before a time, from the one where it was left last:
  * else each time would cost all bends since its row. with_work: and the ledger. */
 static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, int with_work)
 {
@@ -273,9 +305,9 @@ static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, in
          bend = aoi_modes_next_bend(body, bend)) {
         double work, lost;
         memcpy(before, x, bytes);
-        aoi_modes_fly(body, at[BEND_TIME], bend, x, x + body->n);
+        aoi_modes_advance(body, at[BEND_TIME], bend, x, x + body->n);
         if (with_work) {
-            aoi_modes_flight_work(body, at[BEND_TIME], bend, before, before + body->n, x, x + body->n,
+            aoi_modes_free_work(body, at[BEND_TIME], bend, before, before + body->n, x, x + body->n,
                                   before + 2 * sampler->most_modes, &work, &lost);
             at[BEND_WORK] += work;
             at[BEND_LOST] += lost;
@@ -296,16 +328,16 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
     if (!pushed) {
         const double *bend = fly_to_bend(sampler, time, b, 0);
         memcpy(state, bend + BEND_STATE, 2 * body->n * sizeof(double));
-        aoi_modes_fly(body, bend[BEND_TIME], time, state, state + body->n);
+        aoi_modes_advance(body, bend[BEND_TIME], time, state, state + body->n);
         return 0;
     }
     const double place = place_of(sampler, time);
     memcpy(state, held, 2 * body->n * sizeof(double));
-    aoi_modes_fly(body, start, start + place * length, state, state + body->n);
+    aoi_modes_advance(body, start, start + place * length, state, state + body->n);
     aoi_response_push(body, sampler->part * length,
-                      sampler->port_force + sampler->system->first_port[b] * AOI_STAGES,
+                      sampler->port_force + sampler->system->first_port[b] * AOI_NODES,
                       place / sampler->part, state, state + body->n);
-    aoi_modes_fly(body, start + length, time, state, state + body->n);
+    aoi_modes_advance(body, start + length, time, state, state + body->n);
     return 1;
 }
 
@@ -319,11 +351,11 @@ void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *s
 static double contact_work(const aoi_sampler *sampler, size_t c, double place)
 {
     const double *of = sampler->track + sampler->contact_at[c];
-    double force[AOI_STAGES], work = 0.0;
+    double force[AOI_NODES], work = 0.0;
     force_on_part(sampler, c, place, force);
-    for (size_t i = 0; i < AOI_STAGES; i++) {
+    for (size_t i = 0; i < AOI_NODES; i++) {
         double slope;
-        (void)aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION,
+        (void)aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION,
                                     place * aoi_radau_node[i], &slope);
         work += aoi_radau_to_legendre[0][i] * place * force[i] * slope;
     }
@@ -335,23 +367,23 @@ static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law
 
 static double force_at(const double *of, double place)
 {
-    double legendre[AOI_STAGES], slope;
+    double legendre[AOI_NODES], slope;
     fit_force(of, legendre);
-    return aoi_legendre_evaluate(AOI_STAGES, legendre, place, &slope);
+    return aoi_legendre_evaluate(AOI_NODES, legendre, place, &slope);
 }
 
 /* The rows of a contact that is closed; its force and the rate of that for the bodies. */
 static double closed_contact(const aoi_sampler *sampler, size_t c, double place, int energies,
                              double *record, size_t stride, double *force_rate)
 {
-    const aoi_law *law = sampler->system->joint[c].law;
+    const aoi_law *law = sampler->system->contact[c].law;
     const double *of = sampler->track + sampler->contact_at[c];
     const double length = row_of(sampler, sampler->row)[AOI_TRACK_LENGTH];
     const int piece = (int)of[AOI_TRACK_PIECE];
     double slope;
     aoi_law_value value = {0.0, 0.0, 0.0};
     const double indentation =
-        aoi_legendre_evaluate(AOI_STAGES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
+        aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
     if (piece != AOI_SLACK) {
         aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
         if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {
@@ -377,15 +409,15 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
 /* The indentation by the places of the ports. */
 static double between(const aoi_system *system, size_t c, const double *port_displacement)
 {
-    const aoi_joint *joint = &system->joint[c];
-    return port_displacement[system->first_port[joint->body[0]] + joint->port[0]] -
-           port_displacement[system->first_port[joint->body[1]] + joint->port[1]] - joint->gap;
+    const aoi_contact *contact = &system->contact[c];
+    return port_displacement[system->first_port[contact->body[0]] + contact->port[0]] -
+           port_displacement[system->first_port[contact->body[1]] + contact->port[1]] - contact->gap;
 }
 
 /* What an open contact has lost, at its end too; computed once after each row of it. */
 static double lost_in(aoi_sampler *sampler, size_t c)
 {
-    if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->joint[c].law)) {
+    if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->contact[c].law)) {
         return 0.0;
     }
     if (isnan(sampler->settled[c])) {
@@ -419,11 +451,11 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
     if (pushed) {
         aoi_modes_step_work(body, start, sampler->part * row[AOI_TRACK_LENGTH],
                             place_of(sampler, time) / sampler->part,
-                            sampler->port_force + sampler->system->first_port[b] * AOI_STAGES, x0, v0,
+                            sampler->port_force + sampler->system->first_port[b] * AOI_NODES, x0, v0,
                             state, &more, &lost);
     } else {
         const double *bend = fly_to_bend(sampler, time, b, 1), *x = bend + BEND_STATE;
-        aoi_modes_flight_work(body, bend[BEND_TIME], time, x, x + body->n, state, state + body->n, scratch,
+        aoi_modes_free_work(body, bend[BEND_TIME], time, x, x + body->n, state, state + body->n, scratch,
                               &more, &lost);
         more += bend[BEND_WORK];
         lost += bend[BEND_LOST];
@@ -473,7 +505,7 @@ static void closed_contacts(aoi_sampler *sampler, double time, int energies, dou
             aoi_modes_load(&system->body[b], q, time, &force[port], &rate[port]);
         }
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
             continue;
         }
@@ -481,8 +513,8 @@ static void closed_contacts(aoi_sampler *sampler, double time, int energies, dou
         const double pressed = closed_contact(sampler, c, place, energies,
                                               record + AOI_CONTACT_ROWS * c * stride, stride, &change);
         for (int side = 0; side < 2; side++) {
-            const aoi_joint *joint = &system->joint[c];
-            const size_t port = system->first_port[joint->body[side]] + joint->port[side];
+            const aoi_contact *contact = &system->contact[c];
+            const size_t port = system->first_port[contact->body[side]] + contact->port[side];
             force[port] += side == 0 ? -pressed : pressed;
             rate[port] += side == 0 ? -change : change;
         }
@@ -494,18 +526,18 @@ void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double 
 {
     const aoi_system *system = sampler->system;
     const size_t ports = system->first_port[system->body_count];
-    double *force = sampler->work + ports * AOI_STAGES, *rate = force + ports;
+    double *force = sampler->ports, *rate = force + ports;
     double *displacement = rate + ports;
     advance(sampler, time);
     closed_contacts(sampler, time, energies, record, stride, force, rate);
-    double *of_body = record + AOI_CONTACT_ROWS * system->joint_count * stride;
+    double *of_body = record + AOI_CONTACT_ROWS * system->contact_count * stride;
     for (size_t b = 0; b < system->body_count; b++) {
         const size_t port = system->first_port[b];
         write_body(sampler, time, b, energies, force + port, rate + port, of_body, stride,
                    displacement + port);
         of_body += (AOI_BODY_ROWS + AOI_PORT_ROWS * system->body[b].ports) * stride;
     }
-    for (size_t c = 0; c < system->joint_count; c++) {
+    for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
             open_contact(sampler, c, displacement, energies, record + AOI_CONTACT_ROWS * c * stride,
                          stride);
@@ -517,7 +549,7 @@ void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t
 {
     advance(sampler, time);
     const double place = place_of(sampler, time);
-    for (size_t c = 0; c < sampler->system->joint_count; c++) {
+    for (size_t c = 0; c < sampler->system->contact_count; c++) {
         double record[2], rate;
         const int closed = sampler->contact_row[c] == sampler->row;
         force[c * stride] = closed ? closed_contact(sampler, c, place, 0, record, 1, &rate) : 0.0;

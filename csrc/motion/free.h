@@ -1,6 +1,6 @@
 /* Two bodies in free motion, and when they touch. */
-#ifndef AOI_MOTION_FLIGHT_H
-#define AOI_MOTION_FLIGHT_H
+#ifndef AOI_MOTION_FREE_H
+#define AOI_MOTION_FREE_H
 
 #include "law/law.h"
 
@@ -9,36 +9,36 @@
 enum { AOI_DERIVATIVES = 3 };
 typedef struct aoi_forced {
     double from, length;
-    double series[AOI_DERIVATIVES + 1][AOI_STAGES + 1];
+    double series[AOI_DERIVATIVES + 1][AOI_NODES + 1];
     double bend;
 } aoi_forced;
 
-/* From the values at the start and the nodes (AOI_STAGES + 1). */
+/* From the values at the start and the nodes (AOI_NODES + 1). */
 void aoi_forced_fit(double from, double length, const double *values, aoi_forced *forced);
 
-/* Two bodies in flight, x and v at the same time of their own (n each), and one joint of theirs. forced: NULL,
+/* Two bodies in free motion, x and v at the same time of their own (n each), and one contact of theirs. forced: NULL,
  * or what contact forces of a step make of its indentation; then nothing is asked beyond that step. */
-typedef struct aoi_flight {
+typedef struct aoi_free_pair {
     const aoi_modes *body[2];
     size_t port[2];
     double gap;
     double *x[2], *v[2];
     double time;
     const aoi_forced *forced;
-} aoi_flight;
+} aoi_free_pair;
 
-/* The joint's indentation without contact force, its rate and its acceleration. */
-void aoi_flight_indentation(const aoi_flight *pair, double *indentation, double *rate,
+/* The contact's indentation without contact force, its rate and its acceleration. */
+void aoi_free_pair_indentation(const aoi_free_pair *pair, double *indentation, double *rate,
                             double *acceleration);
 
 /* The third derivative of the indentation without contact force: what presses bodies together first that
  * touch at rest while a load rises from nothing. */
-double aoi_flight_jerk(const aoi_flight *pair);
+double aoi_free_pair_jerk(const aoi_free_pair *pair);
 
-/* Flies both (in place) until they touch, but not beyond limit; says whether they touch then
+/* Moves both freely (in place) until they touch, but not beyond limit; says whether they touch then
  * (indentation 0, about to rise). Never steps over a touch: each stride is the root of a quadratic
  * that bounds the indentation from above, high frequencies by their amplitude, low ones by their
  * acceleration. AOI_ERROR_NO_CONVERGENCE after most strides (a gap that neither opens nor closes). */
-int aoi_flight_next_touch(aoi_flight *pair, double limit, size_t most, int *touches);
+int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int *touches);
 
 #endif

@@ -1,28 +1,97 @@
-"""A body stepped again under the forces that a run recorded.
+"""How one body moves in a run, in the coordinates of its model, at any times.
 
-Seen from one body, a run is forces over time. Newmark's rule with those forces takes the body
-through the very states that it had in the run, and this time they can be looked at.
+An adaptive run is dense: its states are read off. A run with fixed steps records the forces and no
+states. Seen from one body it is linear, and forces over time are prescribed: Newmark's rule with
+these takes the body through the very states that it had in the run.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from ..base import FloatArray
-from ..integrate import Newmark
 from ..linalg import factorize
 from ..scene import Equations
+from .newmark import Newmark
 
-__all__ = ["Driven"]
+if TYPE_CHECKING:
+    from .dense import DenseRecorder
+
+__all__ = ["DenseMotion", "ForcedMotion", "Motion"]
+
+
+# The forces' rates are central differences over this share of the shortest contact: a smooth force
+# has moved far more than its rounding there, and its curve not yet bent.
+_DIFFERENCE = 1e-6
+
+
+class Motion(Protocol):
+    """One body's coordinates q over a run, and the forces on its ports."""
+
+    @property
+    def duration(self) -> float:
+        """Length of the record, s."""
+        ...
+
+    def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves where rows is None."""
+        ...
+
+    def force(self, times: FloatArray) -> FloatArray:
+        """Return the forces along their directions, N, shape (p, times); see `Plan.port_forces`."""
+        ...
+
+    def force_rate(self, times: FloatArray) -> FloatArray:
+        """Return their rates, N/s."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
-class Driven:
-    """A linear body, and what acts on it at the steps of a run.
+class DenseMotion:
+    """A body of an adaptive run.
+
+    Attributes
+    ----------
+    run : DenseRecorder
+    body : int
+        Its number in the scene.
+    """
+
+    run: DenseRecorder
+    body: int
+
+    @property
+    def duration(self) -> float:
+        return self.run.duration
+
+    def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        modal = self.run.plan.modal[self.body]
+        u, v = (modal.coordinates(of) for of in self.run.modes(times, self.body))
+        if modal.residual is not None and modal.ports == 1:
+            residual = float(modal.residual[0, 0])  # a massless contact follows at once
+            u[0] += residual * self.force(times)[0]
+            v[0] += residual * self.force_rate(times)[0]
+        return (u, v) if rows is None else (rows @ u, rows @ v)
+
+    def force(self, times: FloatArray) -> FloatArray:
+        return self.run.plan.port_forces(self.body, times, self.run.forces(times))
+
+    def force_rate(self, times: FloatArray) -> FloatArray:
+        lengths = [end - start for of in self.run.events for start, end in of.contacts]
+        step = _DIFFERENCE * min(lengths, default=self.duration)
+        after = np.minimum(times + step, self.duration)
+        before = np.maximum(times - step, 0.0)
+        rate: FloatArray = (self.force(after) - self.force(before)) / (after - before)
+        return rate
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedMotion:
+    """A linear body under the forces that a run with fixed steps recorded.
 
     Attributes
     ----------
@@ -47,11 +116,10 @@ class Driven:
         return self.dt * float(self.forces.shape[1] - 1)
 
     def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return rows @ q and rows @ q̇ of the model's coordinates at `times`, s.
+        """See :class:`Motion`.
 
-        q and q̇ themselves where rows is None. Between two steps everything is linear in time, so
-        that the equations of motion, which are linear too, hold there as they do at the steps; the
-        error is of the rule's own order.
+        Between two steps everything is linear in time. The equations of motion, which are linear
+        too, hold there as they do at the steps, and the error is of the rule's own order.
         """
         last = self.forces.shape[1] - 1
         place = np.clip(times / self.dt, 0.0, float(last))
@@ -69,11 +137,10 @@ class Driven:
         return u, v
 
     def force(self, times: FloatArray) -> FloatArray:
-        """Return the forces at `times`, N, shape (p, times)."""
         return self._between(self.forces, times)
 
     def force_rate(self, times: FloatArray) -> FloatArray:
-        """Return their rates, N/s: slopes over two steps, linear in time between the steps."""
+        # Slopes over two steps, linear in time between the steps.
         return self._between(np.gradient(self.forces, self.dt, axis=1), times)
 
     def _between(self, values: FloatArray, times: FloatArray) -> FloatArray:

@@ -1,0 +1,94 @@
+"""What a caller's ``quantity=`` means: a name, a body of a scene, or a point of a body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..base import FloatArray, InputError, choice, warn
+from ..fem import ContactPoint
+from ..results import Handle, Run
+from .quantities import IMPACT_CHOICES, QUANTITIES, SCENE_CHOICES, Quantity, recorded
+
+__all__ = ["impact_quantity", "scene_quantity"]
+
+_DEFAULT = "force"
+
+# Other names of quantities; the second kind warns, since it means something else elsewhere.
+_SHORT, _RENAMED = {"rebound": "rebound_velocity"}, {"duration": "contact_duration"}
+
+
+def impact_quantity(quantity: Any, projectile: Any, target: Any) -> Quantity:
+    """Return the quantity of interest of an impact of two bodies; the force by default.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If there is no such quantity, or the point is on neither body, or on both.
+    """
+    if isinstance(quantity, ContactPoint):
+        return _of_point(
+            quantity,
+            (projectile, target),
+            none="neither projectile nor target",
+            several="both projectile and target",
+            contact="the contact's own are 'projectile_displacement' and 'target_displacement'",
+        )
+    if isinstance(quantity, str) and quantity in _RENAMED:
+        warn(
+            f"quantity={quantity!r} is called {_RENAMED[quantity]!r} now: duration is the record's"
+        )
+    name = (_SHORT | _RENAMED).get(quantity, quantity) if isinstance(quantity, str) else quantity
+    return QUANTITIES[choice("quantity", _DEFAULT if name is None else name, IMPACT_CHOICES)]
+
+
+def scene_quantity(quantity: Any, bodies: Sequence[Any]) -> Quantity:
+    """Return the quantity of interest of a scene; of all contacts, the force by default.
+
+    Handles are checked before.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If there is no such quantity, or the point is on none of the bodies, or on several.
+    """
+    if isinstance(quantity, Handle):
+
+        def place(run: Run) -> FloatArray:
+            return run[quantity].port_displacements[[quantity.at]]
+
+        return Quantity("displacement", "m", history=recorded(place), lasting=True)
+    if isinstance(quantity, ContactPoint):
+        return _of_point(
+            quantity,
+            bodies,
+            none="none of the scene's bodies",
+            several="several of the scene's bodies",
+            contact="for a contact's own displacement give its handle",
+        )
+    return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, SCENE_CHOICES)]
+
+
+def _of_point(
+    point: ContactPoint, bodies: Sequence[Any], *, none: str, several: str, contact: str
+) -> Quantity:
+    """The displacement of a point of the one body that has it."""
+    tips = [body[0] if isinstance(body, tuple) else body for body in bodies]
+    on = [
+        i for i, tip in enumerate(tips) if isinstance(tip, ContactPoint) and tip.body is point.body
+    ]
+    if not on:
+        raise InputError(
+            f"quantity={point!r} is a point on {none}: give a point of a finite-element body that "
+            "takes part as one"
+        )
+    if len(on) > 1:
+        raise InputError(
+            f"quantity={point!r} is a point of {several}, which are one FEModel: give one of them "
+            f"a model of its own, copy.copy(model), and take the point from that; {contact}"
+        )
+
+    def displacement(run: Run, times: FloatArray) -> FloatArray:
+        return run.bodies[on[0]].displacement_of(point.b, times)[None]
+
+    return Quantity("displacement", "m", history=displacement, lasting=True)

@@ -1,0 +1,41 @@
+"""One run of a plan, by the solver that was given or the one that suits its bodies."""
+
+from __future__ import annotations
+
+from ..base import InputTypeError, LawLimitError
+from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
+from ..laws import wide_enough
+from ..results import Run
+from ..scene import FullBody, Plan
+
+__all__ = ["TimeSolver", "solve"]
+
+TimeSolver = Adaptive | Newmark
+
+_BY_DEFAULT = Adaptive()
+
+
+def solve(plan: Plan, solver: TimeSolver | None) -> Run:
+    """Run a plan; by default to a tolerance, with a full finite-element model by Newmark's rule.
+
+    Raises
+    ------
+    InputTypeError
+        If `solver` is no solver.
+    LawLimitError
+        If a contact grows wider than its patches.
+    """
+    if solver is None:
+        full = any(isinstance(body, FullBody) for body in plan.bodies)
+        solver = Newmark() if full else _BY_DEFAULT
+    if not isinstance(solver, (Adaptive, Newmark)):
+        raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
+    try:
+        if isinstance(solver, Adaptive):
+            return Run(plan, *solve_adaptive(plan, solver))
+        return Run(plan, *solve_newmark(plan, solver))
+    except LawLimitError as error:
+        joint = next(joint for joint in plan.joints if joint.patched)
+        masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
+        mass = 1.0 / sum(1.0 / mass for mass in masses)
+        raise wide_enough(error, joint.law, joint.ends, mass, plan.fastest) from None

@@ -1,0 +1,233 @@
+"""The fast path for plain impacts: one call of the core makes many and returns only their numbers.
+
+An impact is plain if both bodies are AO models, it is integrated to a tolerance, and the bodies
+touch once at most and have parted before the record ends. All others go to `simulate`, which gives
+plain ones the same numbers, bit for bit. Measured per impact, against `simulate`: 16 against 128 µs
+for two rigid bodies, 91 against 229 µs for two of one oscillator each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..base import AOImpactError, FloatArray, held_warnings
+from ..impact import checked_numbers, plan_impact
+from ..integrate import Adaptive
+from ..laws import UserLaw
+from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, knows
+from ..scene import normal_gap
+
+__all__ = ["PLAIN_NUMBERS", "plain_numbers"]
+
+# The numbers that the core returns of a plain impact.
+PLAIN_NUMBERS = frozenset(
+    (
+        "peak_force",
+        "peak_time",
+        "contact_duration",
+        "impulse",
+        "rebound_velocity",
+        "restitution",
+        "error.time",
+    )
+)
+
+_REQUIRED = {"projectile", "target", "law", "velocity", "duration"}
+_KEYWORDS = _REQUIRED | {"solver", "gap", "energies"}
+
+_BY_DEFAULT = Adaptive()
+
+# Columns of what the core returns (enum in csrc/python/many.c); the last are the velocities of both
+# centres of mass after the contact.
+_STATUS, _TOUCHES, _LASTING, _PEAK_FORCE, _PEAK_TIME, _IMPULSE, _START, _END, _FIRST, _SECOND = (
+    range(10)
+)
+
+
+class _Given(NamedTuple):
+    """The numbers of a case: a row of what the core takes."""
+
+    velocity: float
+    gap: float
+    duration: float
+    rtol: float
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """Two bodies and a law as the core takes them.
+
+    Attributes
+    ----------
+    places : tuple of int
+        Of projectile, target and law among `_Parts`.
+    drift : float
+        Share of the projectile's velocity that its centre of mass keeps whatever happens.
+    fixed : bool
+        Whether the target is constrained or a wall: restitution takes its velocity as zero.
+    fits : tuple of float
+        Durations of the contact, s, between which the models are valid without a further check.
+    models : tuple
+    """
+
+    places: tuple[int, int, int]
+    drift: float
+    fixed: bool
+    fits: tuple[float, float]
+    models: tuple[Any, ...]
+
+    def valid(self, contact_duration: float) -> bool:
+        """Whether the models are valid for a contact that long, s."""
+        least, most = self.fits
+        return least <= contact_duration <= most or all(
+            knows(model, contact_duration) for model in self.models
+        )
+
+
+@dataclass
+class _Parts:
+    """The bodies and laws of some cases, each once."""
+
+    bodies: list[ModalBody] = field(default_factory=list)
+    laws: list[Any] = field(default_factory=list)
+    pairs: dict[tuple[int, int, int], _Pair | None] = field(default_factory=dict)
+    _places: dict[int, int] = field(default_factory=dict)
+
+    def pair(self, case: Mapping[str, Any]) -> _Pair | None:
+        """Return a case's bodies and law; None where they are not plain, or wrong."""
+        # The cases outlive this object: no id is used twice.
+        key = id(case["projectile"]), id(case["target"]), id(case["law"])
+        if key not in self.pairs:
+            self.pairs[key] = self._new(case)
+        return self.pairs[key]
+
+    def _new(self, case: Mapping[str, Any]) -> _Pair | None:
+        models = (case["projectile"], case["target"])
+        if not all(isinstance(model, (AOModel, ModalModel)) for model in models):
+            return None
+        if isinstance(case["law"], UserLaw):  # calls Python at every step
+            return None
+        with held_warnings() as messages:
+            try:
+                plan = plan_impact(*models, case["law"], velocity=1.0, duration=1.0)
+                bodies = plan.modal
+            except Exception:
+                return None  # simulate raises it
+        if messages or not all(body.centre_known for body in plan.bodies):
+            return None
+        target, omitted = plan.bodies[1], plan.omitted[0]
+        self.laws.append(plan.joints[0].law.for_core())
+        run = tuple(body.model for body in plan.bodies)
+        return _Pair(
+            (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
+            0.0 if omitted is None else omitted.share,
+            target.fixed,
+            fitted_times(run),
+            run,
+        )
+
+    def _place(self, body: ModalBody) -> int:
+        if id(body) not in self._places:
+            self._places[id(body)] = len(self.bodies)
+            self.bodies.append(body)
+        return self._places[id(body)]
+
+
+def plain_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, float] | None]:
+    """Return the named numbers of the plain ones among some cases; None for the others.
+
+    Parameters
+    ----------
+    cases : sequence
+        As of `simulate_many`.
+    names : iterable of str
+        Of PLAIN_NUMBERS.
+    """
+    parts = _Parts()
+    taken: list[tuple[int, _Pair, _Given]] = []
+    for i, case in enumerate(cases):
+        numbers = _given(case)
+        pair = None if numbers is None else parts.pair(case)
+        if numbers is not None and pair is not None:
+            taken.append((i, pair, numbers))
+    found: list[dict[str, float] | None] = [None] * len(cases)
+    if not taken:
+        return found
+    places, pairs, rows = zip(*taken, strict=True)
+    given = np.array(rows)
+    returned = _run(parts, pairs, given)
+    wanted, columns = tuple(names), _columns(given, returned, pairs)
+    plain = _once_and_parted(given, returned).tolist()
+    touches = (returned[:, _TOUCHES] > 0.0).tolist()
+    durations = columns["contact_duration"].tolist()
+    values = zip(*(columns[name].tolist() for name in wanted), strict=True)
+    for i, pair, is_plain, touched, duration, row in zip(
+        places, pairs, plain, touches, durations, values, strict=True
+    ):
+        if is_plain and (not touched or pair.valid(duration)):  # simulate warns of the others
+            found[i] = dict(zip(wanted, row, strict=True))
+    return found
+
+
+def _given(case: Any) -> _Given | None:
+    """The numbers of a case; None where `simulate` has to look at it."""
+    if not isinstance(case, Mapping) or not _REQUIRED <= case.keys() <= _KEYWORDS:
+        return None
+    solver = case.get("solver") or _BY_DEFAULT
+    if not isinstance(solver, Adaptive):
+        return None
+    try:
+        velocity, duration, gap = checked_numbers(
+            case["law"],
+            case["velocity"],
+            case["duration"],
+            case.get("gap", 0.0),
+            case.get("energies", True),
+        )
+    except AOImpactError:  # simulate raises it
+        return None
+    return _Given(velocity, normal_gap(gap), duration, solver.rtol) if velocity > 0.0 else None
+
+
+def _run(parts: _Parts, pairs: Sequence[_Pair], given: FloatArray) -> FloatArray:
+    """What the core returns, shape (cases, 10)."""
+    returned = np.empty((len(pairs), 10))
+    _core.briefs(
+        tuple(body.for_core() for body in parts.bodies),
+        tuple(body.moving for body in parts.bodies),
+        tuple(parts.laws),
+        np.array([pair.places for pair in pairs], dtype=np.int32),
+        given,
+        returned,
+    )
+    return returned
+
+
+def _once_and_parted(given: FloatArray, returned: FloatArray) -> Any:
+    """Whether all went well, with one touch at most that has ended, shape (cases,)."""
+    parted = (returned[:, _LASTING] == 0.0) & (returned[:, _END] < given[:, 2] * (1.0 - 1e-12))
+    return (returned[:, _STATUS] == 0.0) & (returned[:, _TOUCHES] <= 1.0) & parted
+
+
+def _columns(
+    given: FloatArray, returned: FloatArray, pairs: Sequence[_Pair]
+) -> dict[str, FloatArray]:
+    velocity = given[:, 0]
+    rebound = returned[:, _FIRST] + np.array([pair.drift for pair in pairs]) * velocity
+    rebound[returned[:, _TOUCHES] == 0.0] = math.nan
+    target = np.where([pair.fixed for pair in pairs], 0.0, returned[:, _SECOND])
+    return {
+        "peak_force": returned[:, _PEAK_FORCE],
+        "peak_time": returned[:, _PEAK_TIME],
+        "contact_duration": returned[:, _END] - returned[:, _START],
+        "impulse": returned[:, _IMPULSE],
+        "rebound_velocity": rebound,
+        "restitution": (target - rebound) / velocity,
+        "error.time": given[:, 3],
+    }

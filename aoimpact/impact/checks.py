@@ -1,0 +1,60 @@
+"""Checks that an impact and a scene share: durations, speeds, known centres of mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..base import InputError, positive, real, warn
+from ..scene import Plan
+
+__all__ = ["checked_duration", "checked_speed", "warn_of_centres"]
+
+# m/s; squares and energies of speeds beyond these overflow, or vanish.
+_SLOWEST, _FASTEST = 1e-60, 1e60
+
+# s; its cube is a number, and so is the distance that the fastest body covers.
+_LONGEST = 1e100
+
+
+def checked_duration(duration: Any) -> float:
+    """Return the length of a record, s, over which displacements are numbers."""
+    length = positive("duration", duration, unit="s")
+    if length > _LONGEST:
+        raise InputError(f"duration={length:g} s is beyond what can be computed: {_LONGEST:g} s")
+    return length
+
+
+def checked_speed(name: str, value: Any) -> float:
+    """Return a speed, m/s, whose square is a number.
+
+    Raises
+    ------
+    InputError
+    """
+    speed = real(name, value, unit="m/s")
+    if speed != 0.0 and not _SLOWEST <= abs(speed) <= _FASTEST:
+        raise InputError(
+            f"{name}={speed:g} m/s: its square is beyond the range of numbers; give a speed from "
+            f"{_SLOWEST:g} to {_FASTEST:g} m/s"
+        )
+    return speed
+
+
+def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
+    """Warn of bodies whose rebound is not known.
+
+    Parameters
+    ----------
+    plan : Plan
+    names : sequence of str
+        Of the bodies, for messages.
+    """
+    for body, velocity, name in zip(plan.bodies, plan.velocities, names, strict=True):
+        if not body.centre_known and (velocity != 0.0 or not body.constrained):
+            warn(
+                f"{name}: the centre of mass of a body given by K and M alone is known only where "
+                "it is free and struck through it; the centre's displacement, its velocity and "
+                "what follows from it (rebound_velocity, restitution) are NaN: give the nodes as "
+                "well, FEModel(K=, M=, nodes=)"
+            )

@@ -1,0 +1,287 @@
+"""A run of the adaptive method, and its dense record.
+
+In contact the forces over a step are polynomials through eight Radau nodes. What they do to the
+bodies is exact in modes, so only the forces have to be resolved. Between contacts the motion has a
+closed form and nothing is stepped.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..base import FloatArray
+from ..scene import Plan
+from .band import IntArray, narrow_order
+from .events import Events
+from .motion import DenseMotion
+
+__all__ = ["DenseRecorder", "adaptive_run"]
+
+# Columns of a row of the core's table (enum aoi_track).
+_START, _LENGTH, _CONTACTS = 0, 1, 3
+
+# Samples for curves: within each step of contact, and in free motion over the whole record.
+_PER_STEP = 8
+_IN_FREE_MOTION = 240
+
+# Curves of more values than these fill the memory, not the screen.
+_MOST_VALUES = 2e7
+
+
+class CoreJoint(NamedTuple):
+    """A contact as the core's adaptive run takes it; see :class:`Joint`."""
+
+    first: int
+    first_port: int
+    second: int
+    second_port: int
+    gap: float
+    law: tuple[Any, ...]
+
+
+class Touch(NamedTuple):
+    """One interval of a contact.
+
+    Attributes
+    ----------
+    impulse : float
+        N s.
+    pace : float
+        The rate at which it begins, times its length, relative to how deep it goes.
+    """
+
+    impulse: float
+    pace: float
+
+
+class _Found(NamedTuple):
+    """What the core found of a contact."""
+
+    peak_force: float
+    peak_time: float
+    impulse: float
+    intervals: list[tuple[float, float]]
+    touches: list[tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class DenseRecorder:
+    """An adaptive run as a :class:`Recorder`: exact at any time.
+
+    Attributes
+    ----------
+    plan : Plan
+        What was run.
+    rtol : float
+        The tolerance asked for.
+    bodies, joints : tuples
+        The scene, as the core takes it.
+    order : ndarray, shape (contacts,), or None
+        Which contact each of the joints is, where the core takes them in another order. All else
+        is by contacts.
+    events : tuple of Events
+        Of each contact; an interval that the record cuts off ends with it, one that would begin
+        there is none.
+    touches : tuple of lists of Touch
+        Of each contact, for each of its intervals.
+    steps, rejected : int
+        Steps of contact taken, and rejected.
+    table, places : bytes
+        The rows as the core wrote them, and where each begins.
+    x, v : bytes
+        The modes of all bodies, and their rates, where the last row ends.
+    """
+
+    plan: Plan
+    rtol: float
+    bodies: tuple[tuple[Any, ...], ...]
+    joints: tuple[CoreJoint, ...]
+    order: IntArray | None
+    events: tuple[Events, ...]
+    touches: tuple[list[Touch], ...]
+    steps: int
+    rejected: int
+    table: bytes
+    places: bytes
+    x: bytes
+    v: bytes
+    dense: ClassVar[bool] = True
+
+    @property
+    def solver(self) -> str:
+        return f"Adaptive(rtol={self.rtol:g}), {self.steps} steps in contact"
+
+    @property
+    def duration(self) -> float:
+        return self.plan.duration
+
+    # ------------------------------------------------------------------- times
+
+    @property
+    def marks(self) -> FloatArray:
+        start = self._column(_START)
+        return np.unique(np.append(_thinned(start, self._most_times), self.duration))
+
+    @property
+    def times(self) -> FloatArray:
+        """Times that draw smooth curves and hold the peaks and the ends of contacts."""
+        parts = [np.array([0.0, self.duration]), self._times_in_contact()]
+        parts += [np.array([event.peak_time]) for event in self.events]
+        for event in self.events:
+            parts.append(_thinned(np.array(event.contacts).ravel(), self._most_times))
+        known = np.unique(np.concatenate(parts))
+        wide = np.flatnonzero(np.diff(known) > self.duration / _IN_FREE_MOTION)
+        gaps = [
+            np.linspace(known[i], known[i + 1], 2 + int(_IN_FREE_MOTION * (gap / self.duration)))
+            for i in wide
+            if (gap := known[i + 1] - known[i])
+        ]
+        times = np.unique(np.concatenate([known, *gaps]))
+        return times[times <= self.duration]
+
+    def _times_in_contact(self) -> FloatArray:
+        """Times within the steps of contact."""
+        touching = self._column(_CONTACTS) > 0.0
+        begin, lasting = self._column(_START)[touching], self._column(_LENGTH)[touching]
+        per_step = min(_PER_STEP, max(1, self._most_times // max(1, len(begin))))
+        inside = np.add.outer(begin, np.zeros(per_step)) + np.outer(
+            lasting, np.arange(per_step) / per_step
+        )
+        return _thinned(inside.ravel(), self._most_times)
+
+    @property
+    def _most_times(self) -> int:
+        """Times of a curve, roughly, beyond which they are thinned out."""
+        return max(1000, int(_MOST_VALUES / self.plan.layout.rows))
+
+    def _column(self, column: int) -> FloatArray:
+        """One column of the core's rows."""
+        found: FloatArray = np.frombuffer(self.table)[
+            np.frombuffer(self.places, dtype=np.uintp) + column
+        ]
+        return found
+
+    # ------------------------------------------------------------------- values
+
+    def rows(self, times: FloatArray, energies: bool) -> FloatArray:
+        layout = self.plan.layout
+        record = np.zeros((layout.rows, len(times)))
+        _core.track_sample(*self._read_at(times), record, energies)
+        if self.order is not None:
+            contacts = layout.of_contacts(record)
+            contacts[self.order] = contacts.copy()
+        return record
+
+    def forces(self, times: FloatArray) -> FloatArray:
+        forces = np.zeros((len(self.joints), len(times)))
+        _core.track_forces(*self._read_at(times), forces)
+        if self.order is not None:
+            forces[self.order] = forces.copy()
+        return forces
+
+    def modes(self, times: FloatArray, body: int) -> tuple[FloatArray, FloatArray]:
+        """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
+        found = np.empty((len(times), 2, self.plan.modal[body].n))
+        _core.track_states(*self._read_at(times), body, found)
+        return found[:, 0].T, found[:, 1].T
+
+    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
+        modal, ours = self.plan.modal[body], slice(*self.plan.first_modes[body : body + 2])
+        x, v = (np.frombuffer(of)[ours] for of in (self.x, self.v))
+        return modal.coordinates(x), modal.coordinates(v)
+
+    def motion(self, body: int) -> DenseMotion:
+        return DenseMotion(self, body)
+
+    def _read_at(self, times: FloatArray) -> tuple[Any, Any, Any, Any, Any]:
+        """The arguments by which the core reads its rows at ascending times, s."""
+        wanted = np.ascontiguousarray(times, dtype=np.float64)
+        return self.bodies, self.joints, np.frombuffer(self.table), self.places, wanted
+
+
+def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> DenseRecorder:
+    """Run a scene to a tolerance.
+
+    Parameters
+    ----------
+    plan : Plan
+    rtol : float
+    most_steps : int, optional
+        The run is given up after about as many.
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance cannot be met; with the time.
+    """
+    order = _order(plan) if len(plan.joints) > 2 else None
+    bodies, joints = _for_core(plan, order)
+    table, places, x, v, contacts, steps, rejected = _core.adaptive(
+        bodies,
+        joints,
+        rtol,
+        plan.duration,
+        None if plan.rest is None else np.concatenate(plan.rest.modes),
+        tuple([body.moving for body in plan.modal]),
+        tuple(plan.velocities),
+        most_steps,
+    )
+    if order is not None:
+        contacts = tuple([contacts[i] for i in np.argsort(order)])
+    found = [_Found(*contact) for contact in contacts]
+    if len(found) > 1:
+        found = [_pressed(contact) for contact in found]
+    return DenseRecorder(
+        plan=plan,
+        rtol=rtol,
+        bodies=bodies,
+        joints=joints,
+        order=order,
+        events=tuple(
+            [Events(of.peak_force, of.peak_time, tuple(of.intervals), of.impulse) for of in found]
+        ),
+        touches=tuple([[Touch(*touch) for touch in of.touches] for of in found]),
+        steps=steps,
+        rejected=rejected,
+        table=table,
+        places=places,
+        x=x,
+        v=v,
+    )
+
+
+def _for_core(
+    plan: Plan, order: IntArray | None
+) -> tuple[tuple[tuple[Any, ...], ...], tuple[CoreJoint, ...]]:
+    """Bodies, and contacts in an order, as the core takes them."""
+    laws = {id(joint.law): joint.law.for_core() for joint in plan.joints}  # each of them once
+    bodies = [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(plan.modal)]
+    joints = [
+        CoreJoint(j.first, j.first_port, j.second, j.second_port, j.gap, laws[id(j.law)])
+        for j in plan.joints
+    ]
+    return tuple(bodies), tuple(joints if order is None else [joints[i] for i in order])
+
+
+def _pressed(contact: _Found) -> _Found:
+    """A contact without touches that no force came of: of bodies that part at once."""
+    felt = [i for i, touch in enumerate(contact.touches) if Touch(*touch).impulse != 0.0]
+    return contact._replace(
+        intervals=[contact.intervals[i] for i in felt], touches=[contact.touches[i] for i in felt]
+    )
+
+
+def _order(plan: Plan) -> IntArray | None:
+    """A better order of the contacts; a wall hands the force of none on to the others."""
+    couples = [body.residual is not None or bool(body.push.any()) for body in plan.modal]
+    return narrow_order([(joint.first, joint.second) for joint in plan.joints], couples)
+
+
+def _thinned(times: FloatArray, most: int) -> FloatArray:
+    """Every so many of the times, at most about so many."""
+    return times[:: 1 + len(times) // most]

@@ -1,0 +1,66 @@
+"""What is known of a method that solves (K + s²M) x = f: its name, needs, cost and abilities."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ..base import FloatArray
+from .pencil import Pencil
+
+__all__ = ["Inverse", "Method", "Solve"]
+
+Solve = Callable[[FloatArray], FloatArray]
+
+
+def _always() -> bool:
+    return True
+
+
+@dataclass(frozen=True)
+class Inverse:
+    """(K + s²M)⁻¹ as a method has set it up.
+
+    Attributes
+    ----------
+    solve : callable
+        f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f.
+    precondition : callable or None
+        About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates.
+    at : callable or None
+        s² ↦ the inverse at another shift, for less than setting up another one. There are factors
+        for one shift at a time: do not alternate.
+    """
+
+    solve: Solve
+    precondition: Solve | None = None
+    at: Callable[[float], Inverse] | None = None
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method of solution.
+
+    Attributes
+    ----------
+    name : str
+        What `solver=` calls it.
+    set_up : callable
+        Pencil ↦ Inverse. Raises SingularError.
+    memory : callable
+        Pencil ↦ bytes that it needs beside K and M, estimated.
+    seconds : callable
+        (Pencil, number of solutions) ↦ its time, estimated; infinite where it should not be taken.
+    direct : bool
+        Whether it factorises; else it iterates.
+    is_installed : callable
+        Whether its package is there.
+    """
+
+    name: str
+    set_up: Callable[[Pencil], Inverse]
+    memory: Callable[[Pencil], float]
+    seconds: Callable[[Pencil, int], float]
+    direct: bool = True
+    is_installed: Callable[[], Any] = _always

@@ -1,0 +1,136 @@
+"""What joins the bodies of a scene and what acts on them: contacts, loads and free motion."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ..base import FloatArray
+from ..laws import ContactLaw, PatchLaw, Tabulated
+from .rows import BodyRows
+
+__all__ = ["FreeMotion", "Joint", "Load", "OmittedMass", "Port", "normal_gap"]
+
+
+def normal_gap(gap: float) -> float:
+    """Return a gap, m; 0 for a subnormal one, which no time of approach can tell from 0."""
+    return gap if abs(gap) >= sys.float_info.min else 0.0
+
+
+class Port(NamedTuple):
+    """A place where a body may be touched.
+
+    Attributes
+    ----------
+    body, port : int
+        Number of the body in the scene, and of the place on it.
+    """
+
+    body: int
+    port: int
+
+
+class Joint(NamedTuple):
+    """A contact of two bodies.
+
+    Attributes
+    ----------
+    first, first_port, second, second_port : int
+        Numbers of the bodies in the plan, and of the places where they are touched; the indentation
+        is the first's coordinate minus the second's minus the gap.
+    law : ContactLaw
+        What acts between the models: without the indentation that their patches contain already.
+    gap : float
+        Distance at the start, m.
+    ends : tuple of (model, model)
+        The models or points that may have patches.
+    """
+
+    first: int
+    first_port: int
+    second: int
+    second_port: int
+    law: ContactLaw
+    gap: float
+    ends: tuple[Any, Any] = (None, None)
+
+    @property
+    def ports(self) -> tuple[Port, Port]:
+        """The two places that touch."""
+        return Port(self.first, self.first_port), Port(self.second, self.second_port)
+
+    @property
+    def patched(self) -> bool:
+        """Whether something has been taken out of the law, or it ends."""
+        return isinstance(self.law, (PatchLaw, Tabulated))
+
+    def port_of(self, body: int) -> int:
+        """Return where one of the two is touched."""
+        return self.first_port if body == self.first else self.second_port
+
+    def touches(self, body: int) -> bool:
+        """Return whether a body is one of the two."""
+        return body in (self.first, self.second)
+
+
+class Load(NamedTuple):
+    """A force on a port, linear between times and constant outside them.
+
+    Attributes
+    ----------
+    body, port : int
+        As in :class:`Port`.
+    times, forces : ndarrays, shape (m,)
+        s, ascending; N, along the direction of travel.
+    """
+
+    body: int
+    port: int
+    times: FloatArray
+    forces: FloatArray
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """The motion of a mass that nothing but gravity acts on.
+
+    Attributes
+    ----------
+    velocity, acceleration : float
+        At t = 0, m/s, and constant, m/s².
+    """
+
+    velocity: float
+    acceleration: float
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return displacement, m, and velocity, m/s, at `times`, s."""
+        displacement = times * (self.velocity + 0.5 * self.acceleration * times)
+        return displacement, self.velocity + self.acceleration * times
+
+
+@dataclass(frozen=True)
+class OmittedMass:
+    """Mass that a reduced body does not contain, since no contact excites its motion.
+
+    Attributes
+    ----------
+    share : float
+        Of its motion in that of the centre of mass.
+    mass : float
+        kg.
+    motion : FreeMotion
+    """
+
+    share: float
+    mass: float
+    motion: FreeMotion
+
+    def add_to(self, rows: BodyRows, times: FloatArray) -> None:
+        """Add its motion and energy to what was recorded of the body at `times`, s."""
+        displacement, velocity = self.motion.at(times)
+        rows.displacement[:] += self.share * displacement
+        rows.velocity[:] += self.share * velocity
+        rows.kinetic[:] += 0.5 * self.mass * velocity**2
+        rows.work[:] += self.mass * self.motion.acceleration * displacement

@@ -1,0 +1,95 @@
+/* When contacts begin and end, from the rows of a track. */
+#include "linear/vector.h"
+#include "law/law.h"
+#include "motion/polynomial.h"
+#include "motion/radau.h"
+#include "collocation/collocation.h"
+#include "adaptive/row.h"
+
+#include <math.h>
+
+/* A contact that is in no row any more at this share of the record has ended before. */
+static const double RECORD_END = 1.0 - 1e-14;
+
+/* What is found. Of each contact the interval under way, if it lasts; its end is where its last row ends. */
+typedef struct search {
+    double end;
+    aoi_interval *open;
+    size_t count, capacity;
+    aoi_interval *interval;
+} search;
+
+static void close_interval(search *found, aoi_interval *open, double end, int lasts)
+{
+    open->lasts = 0;
+    if (open->start >= found->end) {
+        return;
+    }
+    open->end = end;
+    open->pace = open->deepest > 0.0 ? open->rate * (end - open->start) / open->deepest : 0.0;
+    if (found->count < found->capacity) {
+        found->interval[found->count] = *open;
+        found->interval[found->count].lasts = lasts;
+    }
+    found->count++;
+}
+
+static void begin_interval(const double *row, const double *of, aoi_interval *open)
+{
+    double slope;
+    (void)aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, 0.0, &slope);
+    *open = (aoi_interval){.contact = (size_t)of[AOI_TRACK_CONTACT], .start = row[AOI_TRACK_START]};
+    open->rate = slope / row[AOI_TRACK_LENGTH];
+    open->lasts = 1;
+}
+
+/* What a contact does in one row. One that is in no row any more, or has slackened at the very start of this
+ * one, has ended where its last one did. */
+static void follow_contact(search *found, const double *row, const double *of)
+{
+    aoi_interval *open = &found->open[(size_t)of[AOI_TRACK_CONTACT]];
+    const int slack = of[AOI_TRACK_PIECE] == AOI_SLACK, begins = of[AOI_TRACK_BEGINS] != 0.0;
+    double slope;
+    if ((slack || begins) && open->lasts) {
+        close_interval(found, open, open->end, 0);
+    }
+    if (slack) {
+        return;
+    }
+    if (begins) {
+        begin_interval(row, of, open);
+    }
+    open->deepest = fmax(open->deepest, aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, 1.0,
+                                                              &slope));
+    open->impulse += row[AOI_TRACK_LENGTH] *
+                     aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[0], of + AOI_TRACK_FORCE);
+    open->end = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
+    if (of[AOI_TRACK_ENDS] != 0.0) { /* of the force: bodies may overlap for longer */
+        close_interval(found, open, open->end, 0);
+    }
+}
+
+size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
+                           aoi_interval *work, size_t capacity, aoi_interval *interval)
+{
+    search found = {end, work, 0, capacity, interval};
+    for (size_t c = 0; c < system->contact_count; c++) {
+        work[c] = (aoi_interval){.contact = c};
+    }
+    for (size_t r = 0; r < track->rows; r++) {
+        const double *row = track->values + track->row[r], *of = row + AOI_TRACK_FIXED;
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
+            of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[0]].n;
+        }
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++, of += AOI_TRACK_CONTACT_SIZE) {
+            follow_contact(&found, row, of);
+        }
+    }
+    for (size_t c = 0; c < system->contact_count; c++) {
+        const int lasts = work[c].end >= end * RECORD_END;
+        if (work[c].lasts) {
+            close_interval(&found, &work[c], lasts ? end : work[c].end, lasts);
+        }
+    }
+    return found.count;
+}

@@ -1,0 +1,126 @@
+/* A ball strikes the middle of a simply supported beam, computed twice: to a tolerance, and in fixed steps by
+ * Newmark's rule. First a ball against a rigid wall, where Hertz's contact is known in closed form.
+ *
+ *     make -C tests/c example       or by hand, from the repository:
+ *     cc -Iinclude examples/impact.c -L<where the library is> -laoimpact -lm
+ */
+#include "aoimpact.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { MODES = 20, ROWS = 4000, TIMES = 5 };
+
+static const double MASS = 0.1, SPEED = 1.0, STIFFNESS = 1e10; /* of the ball; of Hertz's law, N/m^1.5 */
+
+static void check(int status, const char *what)
+{
+    if (status != AOI_OK) {
+        fprintf(stderr, "%s: status %d\n", what, status);
+        exit(1);
+    }
+}
+
+/* Steel, 1 m x 50 mm x 20 mm, pinned at both ends; bending modes at midspan: every other one is zero there. */
+static void make_beam(double *omega, double *shape, double *centre, aoi_modes *beam)
+{
+    const double pi = acos(-1.0), length = 1.0, area = 0.05 * 0.02, inertia = 0.05 * 0.02 * 0.02 * 0.02 / 12.0;
+    const double line_mass = 7850.0 * area, bending = 210e9 * inertia;
+    for (int j = 0; j < MODES; j++) {
+        const int half_waves = 2 * j + 1;
+        const double wave_number = half_waves * pi / length, norm = sqrt(2.0 / (line_mass * length));
+        omega[j] = wave_number * wave_number * sqrt(bending / line_mass);
+        shape[j] = j % 2 ? -norm : norm;
+        centre[j] = norm * 2.0 / (half_waves * pi); /* the mean of the mode's shape */
+    }
+    *beam = (aoi_modes){.n = MODES, .ports = 1, .omega = omega, .shape = shape, .push = shape, .centre = centre};
+}
+
+/* To a tolerance: numbers of the contact, and the motion at some times. */
+static void run_adaptive(const aoi_system *system, const aoi_start *start, double end, double *peak,
+                         double *duration, double *rebound)
+{
+    const size_t room = aoi_adaptive_room(system), rows = aoi_record_rows(system);
+    aoi_track track = {.capacity = ROWS * room, .row_capacity = ROWS};
+    track.values = malloc(track.capacity * sizeof(double));
+    track.row = malloc(ROWS * sizeof(size_t));
+    aoi_adaptive *run = malloc(aoi_adaptive_size(system));
+    aoi_sampler *sampler = malloc(aoi_sampler_size(system));
+    aoi_interval work[1], contact[1];
+    double *column = malloc(rows * sizeof(double));
+    check(aoi_adaptive_start(run, system, start, 1e-8, end), "start");
+    check(aoi_adaptive_finish(run, &track), "adaptive run");
+    if (aoi_track_intervals(system, &track, end, work, 1, contact) == 0) {
+        check(AOI_ERROR_ARGUMENT, "no contact");
+    }
+    check(aoi_sampler_start(sampler, system, &track), "dense output");
+    printf("    t, us   force, N   ball, m/s\n");
+    for (int i = 0; i < TIMES; i++) {
+        const double time = contact->start + (contact->end - contact->start) * i / (TIMES - 1);
+        aoi_sampler_column(sampler, time, 1, column, 1);
+        *rebound = -column[aoi_record_body(system, 0) + AOI_BODY_CENTRE_VELOCITY] / SPEED;
+        printf("%9.2f%11.2f%12.5f\n", 1e6 * time, column[AOI_CONTACT_FORCE], -*rebound * SPEED);
+    }
+    *peak = aoi_adaptive_peak(run, 0).force;
+    *duration = contact->end - contact->start;
+    free(run), free(sampler), free(track.values), free(track.row), free(column);
+}
+
+/* In fixed steps: the largest force of the record. */
+static double run_newmark(const aoi_system *system, const aoi_start *start, double end, size_t steps)
+{
+    const aoi_rule rule = {end / (double)steps, 0.25, 0.5};
+    aoi_newmark *run = malloc(aoi_newmark_size(system));
+    double *record = malloc(aoi_record_rows(system) * (steps + 1) * sizeof(double)), peak = 0.0;
+    size_t done;
+    check(aoi_newmark_start(run, system, &rule, start, 1, record, steps + 1), "start");
+    check(aoi_newmark_run(run, steps, &done), "Newmark's rule");
+    for (size_t i = 0; i <= done; i++) {
+        peak = fmax(peak, record[(aoi_record_contact(system, 0) + AOI_CONTACT_FORCE) * (steps + 1) + i]);
+    }
+    free(run), free(record);
+    return peak;
+}
+
+/* The ball against a body, both ways; what the contact force comes to. */
+static void strike(const char *what, const aoi_modes *ball, const aoi_modes *target, const aoi_law *law,
+                   double *peak, double *duration, double *rebound)
+{
+    const aoi_modes bodies[] = {*ball, *target};
+    const aoi_contact contact = {{0, 1}, {0, 0}, 0.0, law};
+    aoi_system system = {.body_count = 2, .contact_count = 1, .body = bodies, .contact = &contact};
+    void *links = malloc(aoi_system_size(&system));
+    double v[1 + MODES] = {SPEED / ball->shape[0]}; /* of the ball's mode; the target is at rest */
+    const aoi_start start = {NULL, v, 0};
+    check(aoi_system_link(&system, links), "system");
+    printf("A ball against %s\n", what);
+    run_adaptive(&system, &start, 1e-3, peak, duration, rebound);
+    const double newmark = run_newmark(&system, &start, 1e-3, 20000);
+    printf("  peak %.3f N (Newmark %.3f N), duration %.3f us, restitution %.4f\n", *peak, newmark,
+           1e6 * *duration, *rebound);
+    check(fabs(newmark / *peak - 1.0) < 1e-3 ? AOI_OK : AOI_ERROR_TOLERANCE, "the two integrators differ");
+    free(links);
+}
+
+int main(void)
+{
+    const aoi_star rigid = {0, MASS, 0.0, NULL, NULL}, fixed = {0, HUGE_VAL, 0.0, NULL, NULL};
+    double omega[MODES], shape[MODES], centre[MODES], peak, duration, rebound;
+    void *ball_memory = malloc(aoi_star_modes_size(&rigid)), *wall_memory = malloc(aoi_star_modes_size(&fixed));
+    aoi_modes ball, wall, beam;
+    aoi_law hertz;
+    check(aoi_law_create(&hertz, "hertz", 1, &STIFFNESS), "law");
+    check(aoi_star_modes(&rigid, ball_memory, &ball), "ball");
+    check(aoi_star_modes(&fixed, wall_memory, &wall), "wall");
+    strike("a wall", &ball, &wall, &hertz, &peak, &duration, &rebound);
+    const double depth = pow(1.25 * MASS * SPEED * SPEED / STIFFNESS, 0.4);
+    const double force = STIFFNESS * pow(depth, 1.5), time = 2.943275 * depth / SPEED;
+    printf("  Hertz: %.3f N, %.3f us, 1\n", force, 1e6 * time);
+    check(fabs(peak / force - 1.0) < 1e-6 && fabs(duration / time - 1.0) < 1e-6 && fabs(rebound - 1.0) < 1e-6
+              ? AOI_OK : AOI_ERROR_TOLERANCE, "not Hertz's contact");
+    make_beam(omega, shape, centre, &beam);
+    strike("a beam", &ball, &beam, &hertz, &peak, &duration, &rebound);
+    free(ball_memory), free(wall_memory);
+    return 0;
+}

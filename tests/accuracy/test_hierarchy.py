@@ -1,0 +1,63 @@
+"""The models of a body of rising order: nested, from rigid to the whole."""
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.accuracy.hierarchy import AOHierarchy, KrylovHierarchy
+from aoimpact.base.errors import held_warnings
+
+from slender import rod
+
+
+def test_hierarchy_of_a_free_star():
+    hierarchy = AOHierarchy(ao.AOModel(m0=1.0, m=[1.0, 2.0], k=[1.0, 5.0]))
+    assert [hierarchy.model(order).label for order in range(4)] == [
+        "rigid",
+        "AO(1)",
+        "AO(2)",
+        "AO(2)",
+    ]
+    assert hierarchy.model(0).m0 == 4.0
+    assert not hierarchy.is_whole(1)
+    assert hierarchy.is_whole(2)
+
+
+def test_hierarchy_of_a_held_star_begins_with_a_wall():
+    hierarchy = AOHierarchy(ao.AOModel(m0=1.0, k0=3.0, m=[1.0], k=[1.0]))
+    assert [hierarchy.model(order).label for order in range(3)] == ["wall", "AO(0)", "AO(1)"]
+    assert AOHierarchy(ao.rigid(mass=np.inf)).model(5).label == "wall"
+
+
+def test_a_rigid_body_does_not_give_way_under_its_patch():
+    """So that nothing of the law is taken out for it."""
+    ball = ao.FEModel.from_mesh(
+        ao.sphere_mesh(0.01, 0.0035), ao.Material(E=210e9, nu=0.3, rho=7800)
+    )
+    with held_warnings():
+        tip = ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0.004)
+    hierarchy = KrylovHierarchy(tip, 7e-5, None)
+    assert hierarchy.model(1).origin.tip.patch is tip.patch is not None
+    assert hierarchy.model(0).origin.tip.patch is None
+    assert hierarchy.model(0).m0 == pytest.approx(ball.mass, rel=1e-6)
+
+
+def test_hierarchy_of_a_body_is_nested_and_ends():
+    K, M = rod(30, fixed=[0])
+    hierarchy = KrylovHierarchy(ao.FEModel(K=K, M=M).contact(dof=29), 0.3, None)
+    assert hierarchy.model(0).label == "wall"
+    assert hierarchy.model(4).label == "AO(3)"
+    assert hierarchy.model(4) is hierarchy.model(4)
+    assert hierarchy.reference_order(3) == 3
+    assert hierarchy.reference_order(4) == 30  # a small body: rather all of it
+    assert hierarchy.is_whole(30)
+    assert hierarchy.model(30).n == hierarchy.model(10**6).n == 29
+
+
+def test_slow_motion_is_fitted_where_the_body_has_any():
+    """A held rod's second natural mode, 3/4 Hz, after a blow of a fortieth of its period."""
+    K, M = rod(200, fixed=[0])
+    tip = ao.FEModel(K=K, M=M).contact(dof=199)
+    for duration, near in ((None, False), (1e3, True)):
+        star = KrylovHierarchy(tip, 0.03, duration).model(14)
+        assert (abs(star.natural_frequencies[1] / 0.75 - 1) < 1e-3) == near

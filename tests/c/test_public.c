@@ -1,0 +1,194 @@
+/* The public header by itself: an AO model as a body in modes, both integrators on one system, intervals of
+ * contact. */
+#include "aoimpact.h"
+#include "check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { SPRINGS = 3, ROWS = 400, STEPS = 20000 };
+
+/* At an angular frequency: what the star's coordinates do under a unit force, and what its modes say. */
+static void star_is_its_modes_at(const aoi_star *star, const aoi_modes *body, double w)
+{
+    double receptance, momentum, by_modes = 0.0, centre = 0.0;
+    aoi_star_receptance(star, 1, &w, &receptance);
+    momentum = star->m0 * receptance;
+    for (size_t i = 0; i < star->n; i++) {
+        const double own = star->k[i] / star->m[i];
+        momentum += star->m[i] * receptance * own / (own - w * w);
+    }
+    for (size_t j = 0; j < body->n; j++) {
+        const double swing = body->push[j] / (body->omega[j] * body->omega[j] - w * w);
+        by_modes += body->shape[j] * swing;
+        centre += body->centre[j] * swing;
+    }
+    by_modes += body->residual ? body->residual[0] : 0.0;
+    CHECK(near(by_modes, receptance, 1e-9), "w %g: %g, not %g", w, by_modes, receptance);
+    CHECK(near(centre * aoi_star_static_mass(star), momentum, 1e-8), "w %g: centre of mass", w);
+}
+
+static void a_star_is_a_body_in_its_modes(void)
+{
+    const double m[SPRINGS] = {0.5, 0.2, 0.1}, k[SPRINGS] = {1e4, 4e4, 1e5};
+    for (int i = 0; i < 4; i++) {
+        const aoi_star star = {SPRINGS, i % 2 ? 0.3 : 0.0, i / 2 ? 2e4 : 0.0, m, k};
+        void *memory = malloc(aoi_star_modes_size(&star));
+        aoi_modes body;
+        CHECK(aoi_star_modes(&star, memory, &body) == AOI_OK, "star %d", i);
+        CHECK(body.n == (i % 2 ? SPRINGS + 1 : SPRINGS) && body.ports == 1, "star %d: its modes", i);
+        for (double w = 37.0; w < 2000.0; w *= 1.7) {
+            star_is_its_modes_at(&star, &body, w);
+        }
+        free(memory);
+    }
+    const aoi_star nothing = {0, 0.0, 0.0, NULL, NULL};
+    double room[20];
+    aoi_modes body;
+    CHECK(aoi_star_modes_size(&nothing) <= sizeof room, "room for it");
+    CHECK(aoi_star_modes(&nothing, room, &body) != AOI_OK, "no mass at all");
+}
+
+/* A ball (not mass-normalised), pushed and under gravity, over a damped oscillator that is held. */
+typedef struct drop {
+    double zero, shape, mobility, mass, gravity, omega, decay, time[3], force[3], v[2];
+    aoi_modes body[2];
+    aoi_law law;
+    aoi_contact contact;
+    size_t links[20];
+    aoi_system system;
+    aoi_start start;
+} drop;
+
+static void make_drop(drop *d, double decay, double rise)
+{
+    const double k = 1e6;
+    *d = (drop){.shape = 1.0, .mobility = 2.0, .mass = 0.5, .gravity = 9.81, .omega = 900.0, .decay = decay,
+                .time = {0.0, 0.01, 0.02}, .force = {0.0, rise, 0.0}, .v = {1.0, 0.0}};
+    const aoi_modes ball = {.n = 1, .ports = 1, .omega = &d->zero, .shape = &d->shape, .push = &d->mobility,
+                            .gravity = &d->gravity, .inertia = &d->mass, .centre = &d->shape,
+                            .load = {3, d->time, d->force}};
+    const aoi_modes spring = {.n = 1, .ports = 1, .omega = &d->omega, .decay = &d->decay, .shape = &d->shape,
+                              .push = &d->shape, .centre = &d->shape};
+    d->body[0] = ball;
+    d->body[1] = spring;
+    CHECK(aoi_law_create(&d->law, "linear", 1, &k) == AOI_OK, "law");
+    d->contact = (aoi_contact){{0, 1}, {0, 0}, 1e-3, &d->law};
+    d->system = (aoi_system){.body_count = 2, .contact_count = 1, .body = d->body, .contact = &d->contact};
+    d->start = (aoi_start){NULL, d->v, 0};
+    CHECK(aoi_system_size(&d->system) <= sizeof d->links, "room");
+    CHECK(aoi_system_link(&d->system, d->links) == AOI_OK, "linked");
+}
+
+/* The last column of a run by Newmark's rule; the work on both bodies and what they and the law hold balance. */
+static void newmark_column(const drop *d, double end, double *column)
+{
+    const aoi_system *system = &d->system;
+    const aoi_rule rule = {end / STEPS, 0.25, 0.5};
+    const size_t rows = aoi_record_rows(system), columns = STEPS + 1;
+    double *record = malloc(rows * columns * sizeof(double));
+    aoi_newmark *run = malloc(aoi_newmark_size(system));
+    size_t done = 0;
+    memset(run, 0xA5, aoi_newmark_size(system));
+    CHECK(aoi_newmark_start(run, system, &rule, &d->start, 1, record, columns) == AOI_OK, "it starts");
+    for (size_t last = 0; last < columns; last += STEPS / 4) {
+        CHECK(aoi_newmark_run(run, last, &done) == AOI_OK && done == last, "in four parts");
+    }
+    CHECK(aoi_newmark_run(run, columns, &done) == AOI_ERROR_ARGUMENT, "no further than the record");
+    for (size_t i = 0; i < rows; i++) {
+        column[i] = record[i * columns + STEPS];
+    }
+    free(record);
+    free(run);
+}
+
+static void adaptive_column(const drop *d, double end, double *column)
+{
+    double values[ROWS * 60];
+    size_t row[ROWS];
+    aoi_track track = {.values = values, .row = row, .capacity = ROWS * 60, .row_capacity = ROWS};
+    aoi_adaptive *run = malloc(aoi_adaptive_size(&d->system));
+    aoi_sampler *sampler = malloc(aoi_sampler_size(&d->system));
+    memset(run, 0xA5, aoi_adaptive_size(&d->system));
+    CHECK(aoi_adaptive_start(run, &d->system, &d->start, 1e-9, end) == AOI_OK, "it starts");
+    CHECK(aoi_adaptive_finish(run, &track) == AOI_OK, "it runs");
+    CHECK(aoi_adaptive_progress(run).time == end, "to its end");
+    CHECK(aoi_sampler_start(sampler, &d->system, &track) == AOI_OK, "it is read");
+    aoi_sampler_column(sampler, end, 1, column, 1);
+    free(run);
+    free(sampler);
+}
+
+static double energy_of(const double *column)
+{
+    double sum = column[AOI_CONTACT_ELASTIC] + column[AOI_CONTACT_DISSIPATED];
+    for (size_t b = 0; b < 2; b++) {
+        const double *body = column + AOI_CONTACT_ROWS + b * (AOI_BODY_ROWS + AOI_PORT_ROWS);
+        sum += body[AOI_BODY_KINETIC] + body[AOI_BODY_ELASTIC] + body[AOI_BODY_DISSIPATED] - body[AOI_BODY_WORK];
+    }
+    return sum;
+}
+
+static void both_integrators_move_one_system_alike(void)
+{
+    const double end = 0.02;
+    double fixed[4 + 2 * 8], adaptive[4 + 2 * 8];
+    drop d;
+    make_drop(&d, 30.0, 200.0);
+    CHECK(aoi_record_rows(&d.system) == sizeof fixed / sizeof fixed[0], "rows");
+    newmark_column(&d, end, fixed);
+    adaptive_column(&d, end, adaptive);
+    CHECK(near(energy_of(fixed), 0.25, 1e-6) && near(energy_of(adaptive), 0.25, 1e-8), "m v^2 / 2: %.9g, %.9g",
+          energy_of(fixed), energy_of(adaptive));
+    for (size_t i = 0; i < sizeof fixed / sizeof fixed[0]; i++) {
+        CHECK(fabs(fixed[i] - adaptive[i]) <= 1e-4 * fabs(adaptive[i]) + 1e-9, "row %zu: %g and %g", i, fixed[i],
+              adaptive[i]);
+    }
+    CHECK(fabs(adaptive[AOI_CONTACT_ROWS + AOI_BODY_WORK]) > 0.01, "loads and gravity work");
+}
+
+/* A ball that bounces under gravity on a linear spring at rest: g downward is + here, and the wall is below. */
+static void intervals_of_a_bouncing_ball(void)
+{
+    const double k = 1e6, g = 9.81, v = 1.0, m = 0.5, w = sqrt(k / m), flown = 2.0 * v / g;
+    const double sag = g / (w * w), swing = 2.0 * (PI - atan2(v / w, sag)) / w; /* under gravity */
+    double values[ROWS * 60];
+    size_t row[ROWS];
+    aoi_track track = {.values = values, .row = row, .capacity = ROWS * 60, .row_capacity = ROWS};
+    drop d;
+    make_drop(&d, 0.0, 0.0);
+    d.mobility = 1.0 / m;
+    d.contact.gap = 0.0;
+    double still = 0.0;
+    d.body[1].push = &still; /* a wall */
+    d.body[1].omega = &still;
+    const double end = 2.0 * (flown + swing) + 0.3 * swing;
+    aoi_adaptive *run = malloc(aoi_adaptive_size(&d.system));
+    CHECK(aoi_adaptive_start(run, &d.system, &d.start, 1e-9, end) == AOI_OK, "it starts");
+    CHECK(aoi_adaptive_finish(run, &track) == AOI_OK, "it runs");
+    aoi_interval work[1], found[4];
+    CHECK(aoi_track_intervals(&d.system, &track, end, work, 0, NULL) == 3, "counted");
+    CHECK(aoi_track_intervals(&d.system, &track, end, work, 4, found) == 3, "found");
+    for (int i = 0; i < 3; i++) {
+        const double start = i * (flown + swing), stop = i < 2 ? start + swing : end;
+        CHECK(found[i].contact == 0 && found[i].lasts == (i == 2), "contact %d", i);
+        CHECK(fabs(found[i].start - start) < 1e-8 && fabs(found[i].end - stop) < 1e-8, "%d: %.9g to %.9g", i,
+              found[i].start, found[i].end);
+        CHECK(near(found[i].rate, v, 1e-6), "%d: touches at %g m/s", i, found[i].rate);
+        const double impulse = 2.0 * m * v + m * g * swing;
+        CHECK(i == 2 || near(found[i].impulse, impulse, 1e-8), "%d: impulse %g", i, found[i].impulse);
+        CHECK(near(found[i].pace, found[i].rate * (found[i].end - found[i].start) / found[i].deepest, 1e-14),
+              "%d: pace", i);
+        CHECK(found[i].deepest <= (sag + hypot(sag, v / w)) * (1.0 + 1e-9), "%d: depth", i);
+    }
+    CHECK(near(aoi_adaptive_peak(run, 0).force, k * (sag + hypot(sag, v / w)), 1e-8), "its peak");
+    free(run);
+}
+
+int main(void)
+{
+    a_star_is_a_body_in_its_modes();
+    both_integrators_move_one_system_alike();
+    intervals_of_a_bouncing_ball();
+    return check_report();
+}

@@ -1,0 +1,77 @@
+"""What shares out a tolerance: more costs more than it must, less breaks the tolerance."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.integrate import comparison, to_tolerance
+from aoimpact.integrate.dense import DenseRecorder
+
+MASS = 0.0327
+
+
+def chain() -> ao.Scene:
+    """Four balls before a body that rings: every touch passes the errors before on."""
+    scene = ao.Scene()
+    masses = (0.043798397509269636, 0.013447582716396483, 0.012992958465073874, 0.04501378386566669)
+    balls = [scene.add(ao.rigid(mass=m), velocity=float(i == 0)) for i, m in enumerate(masses)]
+    ringing = ao.AOModel(
+        m0=0.006767743045921313,
+        k0=15543.94530511359,
+        m=[0.00319483, 0.0035079],
+        k=[2348477.37070769, 267821.39966979],
+    )
+    gaps = (8.115818608370813e-06, 4.007804782682372e-06, 6.000031170602173e-06, 1e-05)
+    bodies = [*balls, scene.add(ringing)]
+    for (one, other), gap in zip(itertools.pairwise(bodies), gaps, strict=True):
+        scene.connect(one, other, ao.Hertz(k=2442677664.5938854), gap=gap)
+    return scene
+
+
+def bouncing() -> ao.Scene:
+    scene = ao.Scene(gravity=9.81)
+    ball, floor = scene.add(ao.rigid(mass=MASS), velocity=1.0), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(ball, floor, ao.Hertz(k=1e10))
+    return scene
+
+
+def run(scene: ao.Scene, duration: float, rtol: float) -> DenseRecorder:
+    done = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=rtol), energies=False)
+    assert isinstance(done.recorder, DenseRecorder)
+    return done.recorder
+
+
+def test_a_second_run_less_tight_may_be_wrong_and_one_more_tight_costs_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    exact = run(chain(), 3.47e-3, 1e-11)
+    errors, costs = [], []
+    for scatter in np.array([1.0 / 3.0, 1.0, 3.0]) * to_tolerance.SCATTER:
+        monkeypatch.setattr(to_tolerance, "SCATTER", scatter)
+        errors.append(comparison.difference(run(chain(), 3.47e-3, 1e-3), exact, 1.0) / 1e-3)
+        costs.append(run(bouncing(), 2.0, 1e-8).steps)
+    assert errors[0] > 1.0 > errors[1]
+    assert costs[2] > 1.05 * costs[1]
+
+
+@pytest.mark.parametrize(("share", "quiet"), [(0.001, True), (0.1, True), (0.0, False)])
+def test_starts_of_touches_from_rest_are_not_compared(
+    share: float, quiet: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Balls in a row before a wall: the wave presses them on each other from rest."""
+    monkeypatch.setattr(comparison, "SUDDEN", share)
+    scene = ao.Scene()
+    balls = [scene.add(ao.rigid(mass=0.03), velocity=float(i == 0)) for i in range(6)]
+    for one, other in itertools.pairwise(balls):
+        scene.connect(one, other, ao.Hertz(k=1e9))
+    scene.connect(balls[-1], scene.add(ao.rigid(mass=math.inf)), ao.Hertz(k=1e9), gap=1e-4)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=1e-8), energies=False)
+    assert (not said) == quiet
