@@ -8,6 +8,7 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from campaign.compare import apart
 from campaign.generate import case_of
 from campaign.judge import Verdict, judge
 from campaign.oracle import Oracle
+from campaign.package import faults_of
 from campaign.pool import each
 from campaign.shrink import shrink
 
@@ -145,6 +147,19 @@ def test_a_contact_beyond_its_patch_has_to_be_refused() -> None:
         verdict = judge(struck(radius))
         assert verdict.kind == "ok", verdict
         assert ("patch" in verdict.why) == (radius < just)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_peak_that_its_curve_has_not_is_a_fault(share: float) -> None:
+    case = Case((Body(1.0, velocity=1.0), WALL), (Contact(0, 1, HERTZ),), duration=2e-3)
+    done = case.build().simulate(duration=case.duration)
+    assert not faults_of(case, done)
+    names = ("force", "peak_force", "peak_time", "impulse", "intervals")
+    false = SimpleNamespace(**{name: getattr(done.contacts[0], name) for name in names})
+    false.peak_force *= share
+    parts = {"bodies": done.bodies, "error": done.error, "duration": 2e-3, "at": done.at}
+    (fault,) = faults_of(case, SimpleNamespace(contacts=[false], **parts))
+    assert fault.startswith("peak: contact 0")
 
 
 def test_cures_that_a_message_names_are_tried() -> None:
