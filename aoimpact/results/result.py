@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, checked, real
+from ..base import FloatArray, InputError, checked, real
 from ..integrate import Eventful, Events
 from ..laws import ContactLaw
 from . import plot
@@ -51,6 +51,8 @@ class Result(Eventful):
 
     def __post_init__(self) -> None:
         checked(self, run=(Run,), velocity=real, gap=real, law=(ContactLaw,))
+        if self.velocity == 0.0:
+            raise InputError("velocity is 0 m/s: no restitution is relative to it")
 
     # ------------------------------------------------------------------- histories
 
