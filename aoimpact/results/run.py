@@ -315,7 +315,7 @@ class Run:
         return any(events.contacts and events.contacts[-1][1] >= end for events in self.events)
 
     @property
-    def _driven(self) -> bool:
+    def _wall_moves(self) -> bool:
         """Whether a wall moves: it brings energy that is not counted."""
         return any(
             body.wall and of.port_velocities.any()
@@ -326,7 +326,7 @@ class Run:
     def error(self) -> ErrorEstimate:
         """What is known of the error."""
         energy = None
-        if self.energies and not self._driven:
+        if self.energies and not self._wall_moves:
             ledger = replace(self, asked=self.recorder.marks) if self.recorder.dense else self
             energy = energy_range(ledger.energy)
         if (of := self.chosen) is None:
