@@ -32,10 +32,7 @@ static const double SLIVER = 1e-6;
 /* After a failure steps are shorter by this at most and at least. */
 static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
 
-/* After a success they are longer by this at most. */
-static const double MOST_GROWTH = 8.0;
-
-/* And by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
+/* After a success they are longer by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
  * largest body. */
 static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
 
@@ -97,6 +94,7 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     run->flight[1] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
     run->scratch = aoi_memory_doubles(&memory, 2 * aoi_system_most_modes(system));
     run->port_force = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
+    run->port_slope = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
     run->collocation = aoi_memory_doubles(&memory, aoi_collocation_size(contacts, run->span));
     for (size_t b = 0; b < bodies; b++) {
         const size_t tables = tables_of(&system->body[b]);
@@ -396,7 +394,7 @@ static void coarsen(aoi_adaptive *run, double growth)
     if (growth < WORTH_IT) {
         return;
     }
-    const double longer = AOI_LEVELS * log2(fmin(growth, MOST_GROWTH));
+    const double longer = AOI_LEVELS * log2(fmin(growth, AOI_MOST_GROWTH));
     const int level = aoi_level_from(run, run->level - longer), rise = run->level - level;
     if (rise < LEAST_RISE || level < AOI_HIGHEST_LEVEL) {
         return;

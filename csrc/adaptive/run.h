@@ -80,6 +80,7 @@ struct aoi_adaptive {
     double horizon;         /* no contact between bodies in free motion before */
     int unbalanced;         /* something has happened to a contact since the last step */
     double *flight[2], *scratch, *port_force, *collocation;
+    double *port_slope; /* of the step's forces at its start, where a body has modes that ring: aoi_step_slopes */
     size_t steps, rejected, uses;
     size_t failed; /* contact in which an error came up */
 };
@@ -91,6 +92,9 @@ enum {
     AOI_HIGHEST_LEVEL = -40 * AOI_LEVELS,
     AOI_NO_LEVEL = 1000
 };
+
+/* After a step that was good enough the next is longer by this at most. */
+#define AOI_MOST_GROWTH 8.0
 
 /* The search for a touch looks at so many modes in all, some tenth of a second, before it hands over. */
 enum { AOI_MOST_LOOKS = 500000 };

@@ -188,8 +188,8 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
     guess(contact, h, run->indentation_scale, with_rates, shared, entry);
 }
 
-/* The step's forces on the ports of all bodies under force. */
-static void gather_forces(aoi_adaptive *run)
+/* The step's forces on the ports of all bodies under force, and their derivatives at its start. */
+static void gather_forces(aoi_adaptive *run, double h)
 {
     const aoi_system *system = run->system;
     for (size_t i = 0; i < run->engaged.count; i++) {
@@ -206,6 +206,10 @@ static void gather_forces(aoi_adaptive *run)
             aoi_nodes_add(side == 0 ? -1.0 : 1.0, run->entry[s].force,
                            run->port_force + port * AOI_NODES);
         }
+    }
+    for (size_t i = 0; i < run->engaged.count; i++) {
+        const size_t b = run->engaged.at[i], at = system->first_port[b] * AOI_NODES;
+        aoi_step_slopes(&system->body[b], run->port_force + at, h, run->port_slope + at);
     }
 }
 
@@ -255,7 +259,7 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
                               run->entry, run->collocation) != AOI_OK) {
         return;
     }
-    gather_forces(run);
+    gather_forces(run, h);
     run->force_scale = force_scale_of(run);
     attempt->growth = HUGE_VAL;
     for (size_t s = 0; s < run->closed_count; s++) {

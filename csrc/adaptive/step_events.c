@@ -100,8 +100,7 @@ static void line_up(double start, const double *nodes, double factor, double shi
     }
 }
 
-/* The piece of the law that a contact is on, or would be if it were not slack. */
-static int piece_of(const aoi_law *law, const aoi_contact_step *entry)
+int aoi_step_piece(const aoi_law *law, const aoi_contact_step *entry)
 {
     double low, high;
     return entry->piece != AOI_SLACK
@@ -124,7 +123,7 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
     const aoi_law *law = aoi_step_law(run, entry);
-    const int piece = piece_of(law, entry);
+    const int piece = aoi_step_piece(law, entry);
     double force[AOI_NODES], values[AOI_NODES + 1], largest = 0.0;
     aoi_law_value value;
     for (size_t i = 0; i < AOI_NODES; i++) {
