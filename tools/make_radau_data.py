@@ -209,6 +209,11 @@ def declare_moments(nodes: list[mp.mpf]) -> None:
     """What oscillators make of a polynomial force up to the nodes."""
     cardinal = cardinal_monomials(to_legendre(nodes))
     declare(
+        "Derivatives of l_j at the start, by columns.",
+        "at_start[AOI_STAGES][AOI_STAGES]",
+        [[mp.factorial(m) * a for m, a in enumerate(polynomial)] for polynomial in cardinal],
+    )
+    declare(
         "int_0^c (c-x)^(2m+1)/(2m+1)! l_j(x) dx, by m, node c and j.",
         "moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES]",
         moments(nodes, cardinal, 1),
@@ -292,6 +297,7 @@ def main() -> None:
     print("/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal")
     print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
     print('#include "motion/radau.h"')
+    print('#include "law/law.h"')
     for declare_part in (declare_series, declare_moments, declare_extra, declare_edges):
         declare_part(nodes)
 

@@ -86,17 +86,12 @@ class Response:
     def field(self, times: Any = None) -> Field:
         """See `BodyResult.field`."""
         wanted = self._times(self.peak_time if times is None else times)
-        coordinates, rates = self.motion.observed(None, wanted)
+        u, v = self.motion.observed(None, wanted)
         if self.recovery is not None:
-            coordinates = self.recovery.displacement(coordinates, self.motion.force(wanted))
-            rates = self.recovery.displacement(rates, self.motion.force_rate(wanted))
-        if self.static_deflection is not None:
-            coordinates = coordinates + self.static_deflection[:, None]
-        if self.omitted is not None:
-            way, speed = self.omitted.motion.at(wanted)
-            coordinates = coordinates + np.outer(self.omitted.shape, way)
-            rates = rates + np.outer(self.omitted.shape, speed)
-        moved, speeds = self._at_nodes(coordinates), self._at_nodes(rates)
+            u = self.recovery.displacement(u, self.motion.force(wanted))
+            v = self.recovery.displacement(v, self.motion.force_rate(wanted))
+        u, v = self._completed(None, u, v, wanted)
+        moved, speeds = self._at_nodes(u), self._at_nodes(v)
         return Field(self.body, wanted, moved, speeds, partial(self._error, wanted))
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
@@ -170,11 +165,18 @@ class Response:
             u, v = self.motion.observed(of_coordinates, times)
             u = u + of_forces @ self.motion.force(times)
             v = v + of_forces @ self.motion.force_rate(times)
+        return self._completed(rows, u, v, times)
+
+    def _completed(
+        self, rows: Any, u: FloatArray, v: FloatArray, times: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Add to rows @ X, or to X where rows is None, what neither model nor recovery contain."""
         if self.static_deflection is not None:
-            u = u + (rows @ self.static_deflection)[:, None]
+            at_rest = self.static_deflection if rows is None else rows @ self.static_deflection
+            u = u + at_rest[:, None]
         if self.omitted is not None:
             way, speed = self.omitted.motion.at(times)
-            moved = rows @ self.omitted.shape
+            moved = self.omitted.shape if rows is None else rows @ self.omitted.shape
             u, v = u + np.outer(moved, way), v + np.outer(moved, speed)
         return u, v
 

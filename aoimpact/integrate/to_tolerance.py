@@ -57,8 +57,8 @@ def _refuse_gain(plan: Plan, run: DenseRecorder) -> None:
     ConvergenceError
         With the shortest touch.
     """
-    driven = plan.gravity or plan.loads or plan.preload
-    if driven or any(isinstance(joint.law, UserLaw) for joint in plan.joints):
+    fed = plan.gravity or plan.loads or plan.preload
+    if fed or any(isinstance(joint.law, UserLaw) for joint in plan.joints):
         return
     bodies = [body.modal for body in plan.bodies]
     pairs = list(zip(bodies, plan.velocities, strict=True))

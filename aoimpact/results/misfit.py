@@ -8,7 +8,7 @@ how exact it is for that one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..base import quantity, warn
 from ..integrate import Events
@@ -46,7 +46,7 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
     names : sequence of str
         What to call the bodies.
     """
-    models: list[Any] = [getattr(body, "model", None) for body in plan.bodies]
+    models = [body.model for body in plan.bodies]
     if not any(map(fitted_time, models)):
         return
     said = set()
@@ -55,22 +55,24 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
             fitted = fitted_time(models[body])
             if fitted is None or body in said or not events.contacts:
                 continue
-            lasted = _lasting(events, run.duration, fitted)
-            if not knows(models[body], lasted, port):
+            contact_time = _contact_time(events, run.duration, fitted)
+            touched_for = _time_touched(plan, run, body)
+            if not knows(models[body], contact_time, port):
                 said.add(body)
                 warn(
                     f"{names[body]} was fitted to a contact of {quantity(fitted, 's')}, but the "
-                    f"one of the peak force lasts {quantity(lasted, 's')}: of that time scale the "
-                    "model knows too little for its force to be right; make it with contact_time="
-                    f"{lasted:.2g}, or give the finite-element body itself and rtol"
+                    f"one of the peak force lasts {quantity(contact_time, 's')}: at that time "
+                    "scale the model is not exact enough for its force to be right; make it with "
+                    f"contact_time={contact_time:.2g}, or give the finite-element body itself and "
+                    "rtol"
                 )
-            elif not knows(models[body], span := _span(plan, run, body), port, _BALANCED_AGAIN):
+            elif not knows(models[body], touched_for, port, _BALANCED_AGAIN):
                 said.add(body)
                 warn(
                     f"{names[body]} was fitted to a contact of {quantity(fitted, 's')}, but is "
-                    f"touched again and again for {quantity(span, 's')}: of what it does in "
-                    "between the model knows too little for the later forces, impulse and rebound "
-                    f"to be right; make it with duration={span:.2g} and some more oscillators, or "
+                    f"touched again and again for {quantity(touched_for, 's')}: its motion in "
+                    "between is not exact enough for the later forces, impulse and rebound to be "
+                    f"right; make it with duration={touched_for:.2g} and some more oscillators, or "
                     "give the finite-element body itself and rtol"
                 )
 
@@ -86,7 +88,7 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
     body : int
         Its number.
     """
-    model = getattr(plan.bodies[body], "model", None)
+    model = plan.bodies[body].model
     fitted, touches = fitted_time(model), _touches(plan, run, body)
     if fitted is None or not touches or not len(run.t):
         return
@@ -103,7 +105,7 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
         )
 
 
-def _lasting(events: Events, duration: float, fitted: float) -> float:
+def _contact_time(events: Events, duration: float, fitted: float) -> float:
     """How long the contact of the peak force lasts, s; as fitted if it is cut off before."""
     start, end = next(
         (of for of in events.contacts if of[0] <= events.peak_time <= of[1]), events.contacts[0]
@@ -111,7 +113,7 @@ def _lasting(events: Events, duration: float, fitted: float) -> float:
     return max(end - start, fitted) if end >= duration else end - start
 
 
-def _span(plan: Plan, run: Run, body: int) -> float:
+def _time_touched(plan: Plan, run: Run, body: int) -> float:
     """From a body's first touch to the end of its last, s; 0 if none begins after one has ended."""
     starts, ends = zip(*_touches(plan, run, body), strict=True)
     return max(ends) - min(starts) if max(starts) > min(ends) else 0.0

@@ -26,11 +26,6 @@ if TYPE_CHECKING:
 Curve = tuple[FloatArray, dict[str, Any]]
 
 
-def plot_force(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
-    """Draw the contact force over time (paper, Figs. 3 and 9)."""
-    return _draw(ax, (result.t, "time", "s"), "contact force", "N", [(result.force, {})], kwargs)
-
-
 def plot_indentation(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw the indentation over time."""
     curves: list[Curve] = [(result.indentation, {})]
@@ -38,7 +33,7 @@ def plot_indentation(result: Result, ax: Axes | None = None, **kwargs: Any) -> A
 
 
 def plot_energy(
-    result: Result | Run,
+    run: Run,
     ax: Axes | None = None,
     *,
     body: Literal["projectile", "target"] | None = None,
@@ -51,7 +46,7 @@ def plot_energy(
     InputError
         If `body` is another name, or the run recorded no energies.
     """
-    energy = result.energy
+    energy = run.energy
     share: Energy | BodyEnergy = energy
     if body is not None:
         name = choice("body", body, ("projectile", "target"))
@@ -65,7 +60,7 @@ def plot_energy(
         curves.append((energy.dissipated, {"label": "dissipated", "linestyle": "--"}))
     if body is None:
         curves.append((energy.total, {"label": "total", "linestyle": "-", "color": "0.6"}))
-    return _draw(ax, (result.t, "time", "s"), "energy", "J", curves, kwargs)
+    return _draw(ax, (run.t, "time", "s"), "energy", "J", curves, kwargs)
 
 
 def plot_displacement(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
@@ -101,7 +96,7 @@ def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> A
 
 
 def plot_forces(run: Run, ax: Axes | None = None, **kwargs: Any) -> Axes:
-    """Draw the force of each contact of a scene over time."""
+    """Draw the force of each contact over time (paper, Figs. 3 and 9)."""
     several = len(run.contacts) > 1
     curves: list[Curve] = [
         (contact.force, {"label": f"contact {i}"} if several else {})

@@ -212,7 +212,7 @@ class Result(Eventful):
 
     def plot_force(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
         """Draw the force over time; keywords go to ``Axes.plot``. Returns the axes."""
-        return plot.plot_force(self, ax, **kwargs)
+        return plot.plot_forces(self.run, ax, **kwargs)
 
     def plot_indentation(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
         """Draw the indentation over time. Returns the axes."""
@@ -226,7 +226,7 @@ class Result(Eventful):
         **kwargs: Any,
     ) -> Axes:
         """Draw the energies over time, of all or of one body (paper, Fig. 5). Returns the axes."""
-        return plot.plot_energy(self, ax, body=body, **kwargs)
+        return plot.plot_energy(self.run, ax, body=body, **kwargs)
 
     def plot_displacement(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
         """Draw contact points and centres of mass over time (paper, Fig. 10)."""

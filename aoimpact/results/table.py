@@ -18,21 +18,8 @@ if TYPE_CHECKING:
 
 def columns(result: Result) -> dict[str, FloatArray]:
     """Return every history by its heading, "name [unit]", in the order of the CSV file."""
-    table = {
-        "t [s]": result.t,
-        "force [N]": result.force,
-        "indentation [m]": result.indentation,
-        **_body_columns("projectile", result.projectile),
-        **_body_columns("target", result.target),
-    }
-    if result.projectile.energy is not None:
-        energy = result.energy
-        table |= {
-            "contact energy [J]": energy.contact,
-            "dissipated energy [J]": energy.dissipated,
-            "total energy [J]": energy.total,
-        }
-    return table
+    first = {"t [s]": result.t, "force [N]": result.force, "indentation [m]": result.indentation}
+    return first | _of_bodies(result.run, ("projectile", "target"))
 
 
 def run_columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
@@ -41,9 +28,15 @@ def run_columns(run: Run, names: Sequence[str] | None = None) -> dict[str, Float
     for i, contact in enumerate(run.contacts):
         table[f"contact {i} force [N]"] = contact.force
         table[f"contact {i} indentation [m]"] = contact.indentation
-    for name, body in zip(body_names(len(run.bodies), names), run.bodies, strict=True):
+    return table | _of_bodies(run, body_names(len(run.bodies), names))
+
+
+def _of_bodies(run: Run, names: Sequence[str]) -> dict[str, FloatArray]:
+    """The histories of the bodies, and the energies where they are recorded."""
+    table: dict[str, FloatArray] = {}
+    for name, body in zip(names, run.bodies, strict=True):
         table |= _body_columns(name, body)
-    if run.bodies[0].energy is not None:
+    if run.energies:
         table |= {
             "contact energy [J]": run.energy.contact,
             "dissipated energy [J]": run.energy.dissipated,

@@ -75,22 +75,45 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
     return most;
 }
 
-/* The compliance of both ports to a sudden force, 1/kg, and how far held bodies can swing by
- * themselves; infinite where they move freely. */
-static void mobility_of(const aoi_free_pair *pair, double *mobility, double *swing)
+/* The compliance of both ports to a sudden force, 1/kg. */
+static double mobility_of(const aoi_free_pair *pair)
 {
-    *mobility = *swing = 0.0;
+    double mobility = 0.0;
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = pair->body[side];
         for (size_t j = 0; j < body->n; j++) {
             const size_t at = pair->port[side] * body->n + j;
-            const double omega = body->omega[j], v = pair->v[side][j];
-            *mobility += body->shape[at] * body->push[at];
-            *swing += omega > 0.0
-                          ? fabs(body->shape[at]) * hypot(pair->x[side][j], v / omega)
-                          : (v != 0.0 ? HUGE_VAL : 0.0);
+            mobility += body->shape[at] * body->push[at];
         }
     }
+    return mobility;
+}
+
+/* How bodies approach each other without contact force: a rate and an acceleration that last, and how far and how fast
+ * the modes that turn back meanwhile may swing besides. */
+typedef struct approach {
+    double rate, acceleration, swing, swing_rate;
+} approach;
+
+/* The same for a time, from the rate and the acceleration of the moment. */
+static approach lasting(const aoi_free_pair *pair, approach now, double time)
+{
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair->body[side];
+        for (size_t j = body->n; j-- > 0 && body->omega[j] * time > 1.0;) {
+            const double shape = body->shape[pair->port[side] * body->n + j], sign = side == 0 ? 1.0 : -1.0;
+            const double omega = body->omega[j], x = pair->x[side][j], v = pair->v[side][j];
+            double load, slope;
+            aoi_modes_drive(body, j, pair->time, &load, &slope);
+            load -= omega * omega * x;
+            const double amplitude = fabs(shape) * hypot(load / (omega * omega), v / omega);
+            now.swing += amplitude;
+            now.swing_rate += omega * amplitude;
+            now.rate -= sign * shape * v;
+            now.acceleration -= sign * shape * (load - 2.0 * (body->decay ? body->decay[j] : 0.0) * v);
+        }
+    }
+    return now;
 }
 
 /* What a load that rises from nothing comes to while the contact takes it, as an acceleration: it and the
@@ -113,45 +136,30 @@ static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contac
     return fmax(jerk * time, 0.0);
 }
 
-/* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
- * that the first steps are rather too careful. */
-static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate,
-                            double acceleration)
+/* How deep that leads in the time left, and how long it takes. */
+static double reach_of(const aoi_adaptive_contact *contact, const aoi_law *law, const approach *by, double left)
 {
-    aoi_adaptive_contact *contact = &run->contact[c];
-    const aoi_law *law = run->system->contact[c].law;
-    double mobility, swing;
-    aoi_law_value value;
-    mobility_of(pair, &mobility, &swing);
-    contact->mobility = mobility;
-    rate = fmax(rate, 0.0);
-    acceleration = acceleration == 0.0 && mobility > 0.0 ? rising(run, contact, law, pair)
-                                                         : fmax(acceleration, 0.0);
-    if (!(mobility > 0.0) || !(rate + acceleration > 0.0)) {
-        return; /* what it will be the contacts beside it decide */
-    }
-    const double left = run->end - aoi_run_now(run);
-    double reach = deepest(law, contact->memory, 0.5 * rate * rate / mobility, acceleration / mobility,
-                           left * (rate + 0.5 * acceleration * left));
-    if (acceleration == 0.0) { /* under a soft law held bodies turn back by themselves */
-        reach = fmin(reach, swing);
-    }
-    const double time = reach / (rate + sqrt(acceleration * reach));
-    aoi_law_push(law, contact->memory, reach, rate, &value);
-    if (!(reach > 0.0) || !isfinite(3.0 * time) || !(time > 0.0) || !isfinite(value.force)) {
-        return;
-    }
-    contact->indentation_scale = fmax(contact->indentation_scale, reach);
-    /* A force below all numbers (a high power, a short record) is no scale: then what there is to stop. */
-    const double push = value.force > 0.0 ? value.force * time : HUGE_VAL;
-    contact->impulse_scale =
-        fmax(contact->impulse_scale, fmin((rate + acceleration * time) / mobility, push));
-    contact->rate_scale = fmax(contact->rate_scale, rate + acceleration * time);
+    const double rate = fmax(by->rate, 0.0), acceleration = fmax(by->acceleration, 0.0);
+    return rate + acceleration > 0.0
+               ? by->swing + deepest(law, contact->memory, 0.5 * rate * rate / contact->mobility,
+                                     acceleration / contact->mobility,
+                                     left * (rate + 0.5 * acceleration * left))
+               : by->swing;
+}
+
+static double time_of(const approach *by, double reach)
+{
+    return reach / (fmax(by->rate, 0.0) + sqrt(fmax(by->acceleration, 0.0) * reach));
+}
+
+/* The first step of a run, and what counts as fine enough for this contact: the motion starts like t + t^(7/2), which
+ * the first step resolves to rtol. */
+static void first_level(aoi_adaptive *run, size_t c, double time)
+{
     if (run->base == 0.0) {
         run->base = 3.0 * time;
         run->level = AOI_HIGHEST_LEVEL;
     }
-    /* The motion starts like t + t^(7/2): the first step resolves that to rtol. */
     const double first = time * (aoi_system_residual(run->system, c) > 0.0
                                      ? BENT_START * pow(run->rtol, 1.0 / 3.5)
                                      : fmin(EDGE_START * pow(run->rtol, 1.0 / 3.5), MOST_START));
@@ -159,6 +167,51 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     if (fabs(levels) < AOI_DEEPEST_LEVEL && aoi_level_from(run, levels) > run->level) {
         run->level = aoi_level_from(run, levels);
     }
+}
+
+/* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
+ * that the first steps are rather too careful. What rings meanwhile brings the bodies no nearer than it swings,
+ * however fast it is now. None, where the contacts beside it decide what it will be. */
+static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate,
+                            double acceleration)
+{
+    aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_law *law = run->system->contact[c].law;
+    const double left = run->end - aoi_run_now(run);
+    aoi_law_value value;
+    contact->mobility = mobility_of(pair);
+    if (!(contact->mobility > 0.0)) {
+        return;
+    }
+    const approach now = {rate, acceleration != 0.0 ? acceleration : rising(run, contact, law, pair),
+                          0.0, 0.0};
+    approach by = now, slow = now;
+    double reach = reach_of(contact, law, &by, left), time = time_of(&by, reach);
+    for (int i = 0; i < RISES; i++) {
+        slow = lasting(pair, now, time);
+        const double less = slow.swing > 0.0 ? reach_of(contact, law, &slow, left) : reach;
+        if (!(less < reach)) {
+            break;
+        }
+        by = slow.rate > 0.0 || slow.acceleration > 0.0 ? slow : now;
+        reach = less;
+        time = fmax(time, time_of(&by, reach));
+    }
+    if (now.acceleration < 0.0 && slow.swing_rate > slow.rate) { /* a crest that may be drawn back at once */
+        reach = fmin(reach, 0.5 * rate * rate / -now.acceleration);
+        time = fmin(time, rate / -now.acceleration);
+    }
+    aoi_law_push(law, contact->memory, reach, fmax(rate, 0.0), &value);
+    if (!(reach > 0.0) || !(time > 0.0) || !isfinite(3.0 * time) || !isfinite(value.force)) {
+        return;
+    }
+    const double pace = fmax(rate, 0.0) + fmax(by.acceleration, 0.0) * time;
+    const double stop = pace / contact->mobility, push = value.force * time;
+    contact->indentation_scale = fmax(contact->indentation_scale, reach);
+    contact->rate_scale = fmax(contact->rate_scale, pace);
+    /* A force below all numbers (a high power, a short record) is no scale. */
+    contact->impulse_scale = fmax(contact->impulse_scale, push > 0.0 ? fmin(stop, push) : stop);
+    first_level(run, c, time);
 }
 
 /* Lists it among the closed ones, which stay in order. */
@@ -188,25 +241,29 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
     here -= aoi_contact_bent(run, c, 0);
     rate -= aoi_contact_bent(run, c, 1);
+    const int bends = aoi_system_residual(run->system, c) > 0.0;
     run->unbalanced = 1;
     contact->begins = 1;
     contact->slack = 0.0;
 
-    contact->start = fmax(here, rest); /* exactly: what is left off here would add up */
+    /* Exactly: what is left off here would add up. What has no mass is where the forces say. */
+    contact->start = bends ? here : fmax(here, rest);
     contact->start_rate = rate;
     contact->last_length = contact->since_touch = contact->edge = 0.0;
     contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
                                    &contact->low, &contact->high);
-    aoi_law_force(of->law, contact->memory, contact->piece, contact->start, rate, &value);
+    aoi_law_force(of->law, contact->memory, contact->piece, fmax(here, rest), rate, &value);
     contact->force = value.force;
-    if (value.damping > 0.0 && aoi_system_residual(run->system, c) > 0.0) {
+    if (value.damping > 0.0 && bends) {
         contact->start_rate = contact->force = 0.0; /* a damper stops what has no mass */
     }
     if (contact->force < 0.0 && !of->law->pulls) { /* within rounding of a touch to come, but still parting */
         contact->piece = AOI_SLACK;
         contact->force = 0.0;
     }
-    aoi_contact_note_peak(run, c);
+    if (!bends) { /* else the step says what it begins with */
+        aoi_contact_note_peak(run, c);
+    }
     estimate_scales(run, c, &pair, rate, acceleration);
     run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
     run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);

@@ -91,6 +91,21 @@ void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, 
 /* A contact at rounding from a touch: within so much of it nothing happens. */
 double aoi_touch_tolerance(aoi_adaptive *run, const aoi_contact_step *entry);
 
+/* Derivatives at the start, with respect to the share of a step of length h, of the forces on a body's ports: nodes
+ * in, as many out; not for a body of which no mode rings in the step. */
+void aoi_step_slopes(const aoi_modes *body, const double *force, double h, double *slopes);
+
+/* Where the polynomial begins along which the step's forces, and if asked the loads and gravity, move mode j of a
+ * body, and its velocity there. For modes that ring; returns whether anything moves it. */
+int aoi_step_path(const aoi_adaptive *run, size_t b, size_t j, double h, int loaded, double *x, double *v);
+
+/* By how much the step could be longer, up to a growth, until what free oscillations about these polynomials make of
+ * a closed contact's force, and no step of that length would see, may come to most, N. Below 1: too long as it is. */
+double aoi_step_ring_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double growth, double most);
+
+/* The piece of its law that a closed contact is on, or would be if it were not slack. */
+int aoi_step_piece(const aoi_law *law, const aoi_contact_step *entry);
+
 /* Whether an open contact beside closed ones touches; closes it where that is at the start. */
 void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attempt *attempt);
 

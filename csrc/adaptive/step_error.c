@@ -4,7 +4,8 @@
  * well the polynomial follows the motion within the step, so the peak; the integrated defect of the
  * force between the nodes says what the step hands on, so impulse, velocities and later times. Radau
  * nodes make the second far smaller than the first, except at the beginning and end of a contact,
- * where the force starts like d^(3/2). */
+ * where the force starts like d^(3/2). Both are samples, which modes that turn many times in the step may
+ * fool; what these make of the force is bounded in step_ring.c, and is kept below rtol, too. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"
@@ -103,9 +104,13 @@ static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *
     return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->peak_force;
 }
 
-/* The errors of a step as shares of what they may be. No step can do better than rounding. */
-static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, double *within,
-                  double *handed_on)
+/* The errors of a step as shares of what they may be, and what may be missed of a force that rings, N. */
+typedef struct errors {
+    double within, handed_on, ripple;
+} errors;
+
+/* No step can do better than rounding. */
+static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, errors *of)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
     const double largest = aoi_step_indentation(entry), scale = aoi_step_scale(run, entry, largest);
@@ -118,7 +123,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     const double step_share = STEP_SHARE * end_share * run->rtol;
     aoi_collocation_error error;
     aoi_collocation_estimate(run->system, run->response, h, entry, &error);
-    *within = steepness_of(run, entry, largest) * error.tail / (tail_share * scale);
+    of->within = steepness_of(run, entry, largest) * error.tail / (tail_share * scale);
     const aoi_law *law = aoi_step_law(run, entry);
     if (law->depends_on_rate && (bent || aoi_step_may_peak(contact, entry))) {
         const double wrong = entry->edge == AOI_EDGE_NONE
@@ -126,9 +131,10 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
                                  : edge_force_error(law, entry, error.tail);
         const double size = fmax(force_scale(run, entry, impulse_scale, scale),
                                  bent && !may_top(contact, entry, wrong) ? impulse_scale / h : 0.0);
-        *within = fmax(*within, wrong / (tail_share * size));
+        of->within = fmax(of->within, wrong / (tail_share * size));
     }
-    *handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
+    of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * force_scale(run, entry, impulse_scale, scale);
+    of->handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
 
@@ -155,28 +161,32 @@ static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entr
 
 /* At an edge errors grow like the powers of time that a polynomial misses: d^(3/2) makes t^(7/2) of the
  * motion, t^(5/2) of the impulse. */
-double aoi_step_growth(aoi_adaptive *run, aoi_contact_step *entry, double h)
+static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *entry, double h, const errors *of)
 {
     const int at_edge = entry->edge != AOI_EDGE_NONE;
-    double within, handed_on;
-    find_errors(run, entry, h, &within, &handed_on);
-    if (entry->piece == AOI_SLACK) {
-        return slack_growth(run, entry, h, within);
-    }
-    if (isnan(within + handed_on)) {
-        return 0.0;
-    }
     const double by_tail = at_edge ? 3.5 : AOI_NODES + 1, by_impulse = at_edge ? 2.5 : 2 * AOI_NODES;
-    double growth = CAUTION * pow(within, -1.0 / by_tail);
-    if (within > 1.0 || handed_on > within * within) { /* else the first is the least */
-        growth = fmin(growth, CAUTION * pow(handed_on, -1.0 / by_impulse));
+    double growth = CAUTION * pow(of->within, -1.0 / by_tail);
+    if (of->within > 1.0 || of->handed_on > of->within * of->within) { /* else the first is the least */
+        growth = fmin(growth, CAUTION * pow(of->handed_on, -1.0 / by_impulse));
     }
-    if (within > 1.0 || handed_on > 1.0) {
+    if (of->within > 1.0 || of->handed_on > 1.0) {
         return fmin(growth, CAUTION);
     }
     if (at_edge) {
-        run->contact[entry->contact].edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
+        contact->edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
         return EDGE_GROWTH;
     }
     return fmax(growth, 1.0);
+}
+
+double aoi_step_growth(aoi_adaptive *run, aoi_contact_step *entry, double h)
+{
+    errors of;
+    find_errors(run, entry, h, &of);
+    if (isnan(of.within + of.handed_on)) {
+        return 0.0;
+    }
+    const double growth = entry->piece == AOI_SLACK ? slack_growth(run, entry, h, of.within)
+                                                    : growth_of(&run->contact[entry->contact], entry, h, &of);
+    return aoi_step_ring_growth(run, entry, h, growth, of.ripple);
 }

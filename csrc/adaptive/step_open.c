@@ -6,30 +6,12 @@
 #include "law/law.h"
 #include "motion/free.h"
 #include "motion/path.h"
-#include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
 #include "motion/nodes.h"
 #include "collocation/collocation.h"
 
 #include <math.h>
-
-/* The forces that a mode feels, by Legendre coefficients; returns whether there are any. */
-static int forces_on(const aoi_adaptive *run, size_t b, size_t j, double *legendre)
-{
-    const aoi_modes *body = &run->system->body[b];
-    double sum[AOI_NODES] = {0.0};
-    int some = 0;
-    for (size_t p = 0; p < body->ports; p++) {
-        const double push = body->push[p * body->n + j];
-        aoi_nodes_add(push, run->port_force + (run->system->first_port[b] + p) * AOI_NODES, sum);
-        some |= push != 0.0;
-    }
-    for (size_t k = 0; k < AOI_NODES && some; k++) {
-        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], sum);
-    }
-    return some;
-}
 
 /* Takes the oscillations that the forces set off in fast modes out of the values of a displacement at the start
  * and the nodes, and adds them to the modes' free motion x, v. */
@@ -38,18 +20,16 @@ static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sig
 {
     const aoi_modes *body = &run->system->body[b];
     const aoi_response *response = &run->response[b];
-    double force[AOI_NODES], along[AOI_NODES];
     for (size_t j = body->n; j-- > 0 && body->omega[j] * h > AOI_PATH_FAST;) {
         const double share = sign * body->shape[port * body->n + j];
         const double squared = body->omega[j] * body->omega[j];
         const double decay = body->decay ? body->decay[j] : 0.0;
         const size_t at = j * AOI_NODES;
-        if (share == 0.0 || decay > body->omega[j] || !forces_on(run, b, j, force)) {
+        double here, rate;
+        if (share == 0.0 || !aoi_path_rings(body->omega[j], decay, h) ||
+            !aoi_step_path(run, b, j, h, 0, &here, &rate)) {
             continue;
         }
-        double slope;
-        aoi_path_follow(body->omega[j], decay, h, force, along);
-        const double here = aoi_legendre_evaluate(AOI_NODES, along, 0.0, &slope), rate = slope / h;
         x[j] -= here;
         v[j] -= rate;
         values[0] += share * here;
@@ -128,6 +108,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
     if (aoi_is_at_start(run, after, attempt->h) ||
         (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_contact_has_residual(run, entry->contact))) {
         attempt->closed = 1;
+        contact->event = AOI_EVENT_TOUCH;
         aoi_contact_close(run, entry->contact);
         return;
     }

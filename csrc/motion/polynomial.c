@@ -122,7 +122,7 @@ static void slopes_of(size_t count, const double *coefficient, double *slope)
 
 int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value)
 {
-    double slope[AOI_NODES + 1], before = 0.0, rest = 0.0;
+    double slope[AOI_NODES + 1], bend[AOI_NODES + 1], derived[AOI_NODES + 1], ignored, rest = 0.0;
     int found = 0;
     for (size_t k = 2; k < count; k++) { /* |P_k'| <= k (k+1) on [0, 1] */
         rest += fabs(coefficient[k]) * 0.5 * (double)(k * (k + 1));
@@ -131,18 +131,29 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
         return 0; /* it only rises or only falls */
     }
     slopes_of(count, coefficient, slope);
+    aoi_legendre_derive(count, coefficient, derived);
+    slopes_of(count, derived, bend);
     for (size_t i = 0; i < AOI_NODES; i++) {
-        if (slope[i] > 0.0 && slope[i + 1] <= 0.0) {
-            const double at = zero_between(count, coefficient, 1, 0.0, before, aoi_radau_node[i]);
-            double level;
-            const double here = aoi_legendre_evaluate(count, coefficient, at, &level);
+        double from = i > 0 ? aoi_radau_node[i - 1] : 0.0, to = aoi_radau_node[i];
+        int rises = slope[i] > 0.0, falls = slope[i + 1] <= 0.0;
+        if (rises != falls && (bend[i] > 0.0) == falls && (bend[i + 1] > 0.0) == rises) {
+            /* The slope comes nearest to the other sign in between: there may be a top with a bottom beside it. */
+            const double middle = zero_between(count, derived, 1, 0.0, from, to);
+            const int up = aoi_legendre_evaluate(count, derived, middle, &ignored) > 0.0;
+            from = up ? middle : from;
+            to = up ? to : middle;
+            rises = rises || up;
+            falls = falls || !up;
+        }
+        if (rises && falls) {
+            const double at = zero_between(count, coefficient, 1, 0.0, from, to);
+            const double here = aoi_legendre_evaluate(count, coefficient, at, &ignored);
             if (!found || here > *value) {
                 *value = here;
                 *place = at;
                 found = 1;
             }
         }
-        before = aoi_radau_node[i];
     }
     return found;
 }

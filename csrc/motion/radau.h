@@ -11,6 +11,7 @@ extern const double aoi_radau_to_legendre[AOI_NODES][AOI_NODES];
 extern const double aoi_radau_to_legendre_0[AOI_NODES + 1][AOI_NODES + 1];
 extern const double aoi_radau_legendre_beyond[AOI_NODES + 1][AOI_NODES];
 extern const double aoi_radau_legendre_slope[AOI_NODES + 1][AOI_NODES];
+extern const double aoi_radau_at_start[AOI_NODES][AOI_NODES];
 extern const double aoi_radau_moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES];
 extern const double aoi_radau_rate_moment[AOI_RADAU_MOMENTS][AOI_NODES][AOI_NODES];
 extern const double aoi_radau_shrink[AOI_NODES][AOI_NODES][AOI_NODES];

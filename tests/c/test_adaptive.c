@@ -1185,6 +1185,132 @@ static void a_patch_has_its_limit(void)
     }
 }
 
+/* A ball on a free body that rings, on a spring k from the touch on: in closed form, as long as it lasts. What rings
+ * presses them together at the touch, with an acceleration far beyond what the contact will see. */
+typedef struct rung {
+    double root[2], cosine[2], sine[2]; /* the indentation is sum cosine cos root t + sine sin root t */
+} rung;
+
+enum { BALL = 1, FREE = 10, FELT = 1 }; /* kg: the ball, the body, and what rings of it */
+
+static rung ring_on(double k, double omega, double amplitude)
+{
+    /* y: ball less rigid motion less gap, x: what rings; y'' = -a (y - x), x'' = -omega^2 x + b (y - x) */
+    const double a = k * (1.0 / BALL + 1.0 / FREE), b = k / FELT, c = omega * omega + b;
+    const double half = 0.5 * (c - a), split = hypot(half, sqrt(a * b));
+    const double high = 0.5 * (c + a) + split, low = a * omega * omega / high;
+    const double y[2] = {amplitude, 1.0}, x[2] = {amplitude, 0.0}; /* displacement and velocity at the start */
+    const double square[2] = {low, high};
+    double share[2][2];
+    /* In each mode y - x is d, with y = a d / square: two equations for the two shares d of either. */
+    for (int i = 0; i < 2; i++) {
+        const double all = y[i] - x[i];
+        share[i][0] = (y[i] - a / high * all) / (a / low - a / high);
+        share[i][1] = all - share[i][0];
+    }
+    rung of;
+    for (int m = 0; m < 2; m++) {
+        of.root[m] = sqrt(square[m]);
+        of.cosine[m] = share[0][m];
+        of.sine[m] = share[1][m] / of.root[m];
+    }
+    return of;
+}
+
+static double rung_at(const rung *of, double time)
+{
+    double sum = 0.0;
+    for (int m = 0; m < 2; m++) {
+        sum += of->cosine[m] * cos(of->root[m] * time) + of->sine[m] * sin(of->root[m] * time);
+    }
+    return sum;
+}
+
+/* The integral from the start. */
+static double rung_sum(const rung *of, double time)
+{
+    double sum = 0.0;
+    for (int m = 0; m < 2; m++) {
+        sum += (of->cosine[m] * sin(of->root[m] * time) + of->sine[m] * (1.0 - cos(of->root[m] * time))) / of->root[m];
+    }
+    return sum;
+}
+
+/* Its largest value, by looks thirty times a period of the fast mode and a parabola; and where it is back at zero. */
+static double rung_top(const rung *of, double *end)
+{
+    const double stride = 2.0 * PI / (30.0 * of->root[1]);
+    double top = 0.0, time = stride, before = 0.0, here = rung_at(of, time);
+    while (here > 0.0) {
+        const double next = rung_at(of, time + stride), bend = before - 2.0 * here + next;
+        if (here >= before && here >= next) {
+            const double at = time + 0.5 * stride * (before - next) / bend;
+            const double slope = (rung_at(of, at + 0.1 * stride) - rung_at(of, at - 0.1 * stride)) / (0.2 * stride);
+            top = fmax(top, rung_at(of, at - slope * stride * stride / bend));
+        }
+        before = here;
+        here = next;
+        time += stride;
+    }
+    double low = time - stride, high = time;
+    while (high - low > 1e-15 * time) {
+        const double middle = 0.5 * (low + high);
+        *(rung_at(of, middle) > 0.0 ? &low : &high) = middle;
+    }
+    *end = low;
+    return top;
+}
+
+static plant rung_plant(const aoi_law *law, double omega, double amplitude)
+{
+    plant p = {.bodies = 0};
+    add_rigid(&p, BALL, 1.0);
+    part *body = add_rigid(&p, FREE, 0.0);
+    body->n = 2;
+    body->omega[1] = omega;
+    body->shape[1] = 1.0;
+    body->push[1] = 1.0 / FELT;
+    body->inertia[1] = FELT;
+    body->x[1] = amplitude;
+    join_rigid(&p, 0, 1, -amplitude, law); /* they touch */
+    return p;
+}
+
+/* However often it turns in a step that the rest of the motion would allow, what rings is in the force as far as the
+ * tolerance goes, and a limit between the smooth top and the true one is seen. */
+static void what_rings_in_a_contact_is_in_its_force(void)
+{
+    const double k = 1.6e7, depth = sqrt(10.0 / 11.0 / k);
+    for (double turns = 30.0; turns < 4e4; turns *= 1.5) {
+        for (double share = 1e-6; share < 0.2; share *= 3.0) {
+            const double omega = turns * sqrt(1.1 * k), amplitude = share * depth;
+            if (share * turns > 0.5) {
+                continue; /* it would touch again after the end */
+            }
+            const rung of = ring_on(k, omega, amplitude);
+            double end;
+            const double top = rung_top(&of, &end), impulse = k * rung_sum(&of, end);
+            for (double rtol = 1e-3; rtol > 5e-10; rtol *= 0.1) {
+                aoi_law law = linear(k);
+                plant p = rung_plant(&law, omega, amplitude);
+                must_go(&p, rtol, 1.05 * end);
+                const double off[] = {p.run->contact[0].peak_force / (k * top) - 1.0, p.run->contact[0].impulse / impulse - 1.0,
+                                      moment_of(&p, 0, AOI_TRACK_ENDS) / end - 1.0};
+                for (int i = 0; i < 3; i++) {
+                    CHECK(fabs(off[i]) < 2.0 * rtol, "%g turns of %g, rtol %g: quantity %d off by %g", turns, share,
+                          rtol, i, off[i]);
+                }
+                release(&p);
+                law.limit = top * (1.0 - 3.0 * rtol);
+                plant deep = rung_plant(&law, omega, amplitude);
+                CHECK(go(&deep, rtol, end) == AOI_ERROR_PATCH, "%g turns of %g, rtol %g: past the limit", turns,
+                      share, rtol);
+                release(&deep);
+            }
+        }
+    }
+}
+
 /* However little room there is for each piece, the track has the same bits. */
 static void a_run_in_pieces_is_the_run(void)
 {
@@ -1377,6 +1503,7 @@ int main(void)
     a_law_that_fails_is_named();
     a_body_of_any_mass_runs_up_the_law();
     a_patch_has_its_limit();
+    what_rings_in_a_contact_is_in_its_force();
     a_run_in_pieces_is_the_run();
     bodies_of_one_model_move_as_copies_do();
     stiffness_alone_costs_nothing();

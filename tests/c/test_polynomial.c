@@ -140,6 +140,38 @@ static void the_first_fall_and_the_highest_top_count(void)
           "zero at the start is no fall: %.17g", place);
 }
 
+/* A slope that oscillates, by up to half a period from node to node: its tops may have a bottom right beside them. */
+static void no_top_lies_hidden_between_nodes(void)
+{
+    uint64_t seed = 5;
+    int hidden = 0;
+    for (int i = 0; i < 20000; i++) {
+        const double turns = 2.0 + 7.0 * uniform(&seed), phase = 2.0 * PI * uniform(&seed);
+        const double rise = (2.0 * uniform(&seed) - 1.0) * turns;
+        double values[COUNT] = {cos(phase)}, c[COUNT], place, value = -HUGE_VAL, most = -HUGE_VAL;
+        for (size_t k = 0; k < AOI_NODES; k++) {
+            values[k + 1] = cos(turns * aoi_radau_node[k] + phase) + rise * aoi_radau_node[k];
+        }
+        aoi_legendre_fit(values, c);
+        for (int at = 1; at < 1000; at++) {
+            double before, here;
+            (void)aoi_legendre_evaluate(COUNT, c, 1e-3 * (at - 1), &before);
+            const double there = aoi_legendre_evaluate(COUNT, c, 1e-3 * at, &here);
+            most = before > 0.0 && here <= 0.0 && there > most ? there : most;
+        }
+        const int found = aoi_legendre_top(COUNT, c, &place, &value);
+        CHECK(most == -HUGE_VAL || (found && value >= most - 1e-12), "%.9g rad: a top of %.12g, found %.12g", turns,
+              most, value);
+        for (size_t k = 1; found && k < AOI_NODES; k++) { /* the slope rises at the nodes on both sides, or falls */
+            double left, right;
+            (void)aoi_legendre_evaluate(COUNT, c, aoi_radau_node[k - 1], &left);
+            (void)aoi_legendre_evaluate(COUNT, c, aoi_radau_node[k], &right);
+            hidden += place > aoi_radau_node[k - 1] && place < aoi_radau_node[k] && left * right > 0.0;
+        }
+    }
+    CHECK(hidden > 10, "%d tops were hidden", hidden);
+}
+
 int main(void)
 {
     nodes_are_those_of_radau();
@@ -149,5 +181,6 @@ int main(void)
     a_dip_between_nodes_is_seen();
     what_rises_has_neither();
     the_first_fall_and_the_highest_top_count();
+    no_top_lies_hidden_between_nodes();
     return check_report();
 }

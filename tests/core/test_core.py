@@ -957,7 +957,7 @@ def test_python_runs_on_while_the_core_does() -> None:
             pause, last = max(pause, now - last), now
 
     thread = threading.Thread(target=watch)
-    arguments = scene_arguments(star(5000), star(5000, velocity=-1.0), steps=5000)
+    arguments = scene_arguments(star(3000), star(3000, velocity=-1.0), steps=3000)
     thread.start()
     start = time.perf_counter()
     _core.newmark_scene(*arguments)

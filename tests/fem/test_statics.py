@@ -11,7 +11,7 @@ import aoimpact as ao
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
 
-@pytest.mark.parametrize("solver", ["superlu", "multigrid"])
+@pytest.mark.parametrize("solver", ["superlu", pytest.param("multigrid", marks=pytest.mark.slow)])
 def test_a_thin_beam_on_two_supports_that_is_free_to_slide_sideways(solver: str) -> None:
     """48 EI/L³, whatever slow bending there is beside the motion that nothing resists."""
     h = 0.002

@@ -71,7 +71,7 @@ def test_a_right_force_and_a_wrong_stress_afterwards_is_said(n: int) -> None:
     true, said = wrong(hit)
     assert true[-1] > 0.4
     assert said.max() > 0.4
-    # Never much less than what it is, and during the blow not much more either.
+    # Never much less than what it is, and during contact not much more either.
     assert (said > true / 2.0).all()
     assert (said[:2] < 5.0 * true[:2] + 1e-3).all()
     with pytest.warns(ao.AOImpactWarning, match="the stress may be wrong by"):
@@ -110,7 +110,7 @@ def plate() -> tuple[ao.ContactPoint, float]:
 
 @pytest.mark.parametrize("make", [held_beam, plate])
 def test_the_error_said_is_no_less_than_half_the_true_one_at_any_time(make: Any) -> None:
-    """Of models that give the force to some percent, over the blow and long after it."""
+    """Of models that give the force to some percent, over the contact and long after it."""
     tip, duration = make()
     times = np.union1d(np.linspace(0.0, 2e-4, 11)[1:], np.linspace(0.0, duration, 13)[1:])
     every = ao.antioscillators(tip)

@@ -119,7 +119,7 @@ def beam_tip() -> ao.ContactPoint:
 MIDSPAN = [(0.5, 0.01, 0.0), (0.5, 0.01, 0.02)]  # opposite the sphere, and under it
 
 
-@pytest.mark.parametrize("many", [28, 60])
+@pytest.mark.parametrize("many", [pytest.param(28, marks=pytest.mark.slow), 60])
 def test_stress_at_midspan_of_the_papers_beam(many: int) -> None:
     times = np.linspace(0.0, 250e-6, 126)
     exact = full_beam().target.probe(MIDSPAN, times=times).stress["xx"]
@@ -131,7 +131,7 @@ def test_stress_at_midspan_of_the_papers_beam(many: int) -> None:
         assert (np.abs(found - exact).max(axis=0) < 0.01 * largest).all()
 
 
-def test_five_oscillators_fitted_to_the_blow_give_the_whole_beam_at_the_peak() -> None:
+def test_five_oscillators_fitted_to_the_contact_give_the_whole_beam_at_the_peak() -> None:
     exact = full_beam().target.field().stress().components
     star = ao.antioscillators(beam_tip(), 5, method="krylov", contact_time=90e-6)
     hit = paper_impact(star)
@@ -152,7 +152,7 @@ def test_under_the_sphere_the_correction_gains_a_factor() -> None:
 
 
 def test_a_free_body_struck_off_its_centre_flies_turns_and_bends_as_the_full_one() -> None:
-    # The projectile is the bar: its star knows neither its turning before nor all of its flight.
+    # The projectile is the bar: its AO model contains neither its turning nor all its free motion.
     tip = cantilever(fixed=())
     law, wall = ao.Hertz(k=5e8), ao.AOModel(m0=0.2, k0=1e6)
     runs = [
@@ -199,8 +199,8 @@ def test_a_beam_let_go_under_its_own_weight_and_a_load() -> None:
         run = scene.simulate(duration=4e-3, solver=solver)
         return run[held].probe(nodes=clamp, times=times).stress["xx"]
 
-    exact = let_go(cantilever(), ao.Newmark(dt=2e-6, estimate=False))
-    for solver in (ao.Adaptive(), ao.Newmark(dt=2e-6, estimate=False)):
+    exact = let_go(cantilever(), ao.Newmark(dt=8e-6, estimate=False))
+    for solver in (ao.Adaptive(), ao.Newmark(dt=8e-6, estimate=False)):
         found = let_go(ao.antioscillators(cantilever(), 5), solver)
         assert np.abs(found - exact).max() < 0.01 * np.abs(exact).max()
 
@@ -250,7 +250,7 @@ def test_damped_bodies_too(damping: Any) -> None:
     full, few = (
         impact(target, solver).target.probe(nodes=clamp, times=times).stress["xx"]
         for target, solver in (
-            (tip, ao.Newmark(dt=5e-7, estimate=False)),
+            (tip, ao.Newmark(dt=2e-6, estimate=False)),
             (ao.antioscillators(tip, 8), ao.Adaptive()),
         )
     )

@@ -211,8 +211,8 @@ def test_results_that_were_looked_at_survive_pickling(solver: str) -> None:
 
 
 @pytest.mark.parametrize("solver", [ao.Adaptive(), ao.Newmark(dt=1e-6, estimate=False)])
-def test_at_rest_under_its_weight_a_body_bears_what_statics_says(solver: Any) -> None:
-    """Few shapes fitted to a blow miss a part of the weight's; at rest none are needed."""
+def test_at_rest_under_its_weight_a_body_carries_the_static_stress(solver: Any) -> None:
+    """Few shapes fitted to a contact miss a part of the deflection; at rest none are needed."""
     held = body()
     tips = [held.contact(point=(x, 0.01, 0.02), direction=(0, 0, -1)) for x in (LENGTH, 0.1)]
     star = ao.antioscillators(tips[0], 4, method="krylov", contact_time=1e-4)

@@ -422,7 +422,7 @@ def test_hundreds_of_contacts_with_a_ringing_body_keep_the_tolerance():
 
 def test_grazing_touches_are_found_and_misses_are_not_touches():
     """A ringing mass approaches a wall-bound ball to just more, or just less, than nothing."""
-    # The star vibrates with amplitude 1 mm on a static spring after the first blow; the second
+    # The star vibrates with amplitude 1 mm on a static spring after the first impact; the second
     # body waits at a gap that the crest of the motion just reaches.
     omega, v = 1e3, 1.0
     swing = ao.AOModel(m0=1.0, k0=omega**2)

@@ -37,7 +37,7 @@ def of_ball(ball):
     return lowest(ball.K, ball.M, 16, known=ball.rigid_modes)[0]
 
 
-@pytest.mark.parametrize("n", [8, 16])
+@pytest.mark.parametrize("n", [8, pytest.param(16, marks=pytest.mark.slow)])
 def test_modes_of_a_free_ball_come_in_fives_and_threes(ball, of_ball, n):
     """A ball's lowest modes: five of one frequency, then five of another."""
     omega2, modes = by_multigrid(ball, n)

@@ -189,6 +189,7 @@ def test_beam_frequencies(beam: paper_beam.BeamStudy) -> None:
     assert quadratic == pytest.approx(paper_beam.bending_frequency(1), rel=5e-3)
 
 
+@pytest.mark.slow
 def test_beam_oscillators(beam: paper_beam.BeamStudy) -> None:
     rows = paper_beam.oscillator_table(beam)
     assert rows["static mass"].verdict == "agrees"

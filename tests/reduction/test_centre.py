@@ -2,6 +2,7 @@
 
 import json
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -98,6 +99,7 @@ def test_in_a_scene_the_centre_is_not_known_either():
     assert np.isfinite(run[bar].velocity).all()
 
 
+@cache
 def held_column():
     """A beam held at one end; the same by its matrices alone."""
     frame = ao.FEModel.from_mesh(MESH, STEEL, fixed=[("xmin", "xyz")])

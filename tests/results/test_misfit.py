@@ -1,4 +1,4 @@
-"""Models fitted to one blow and met by another: said where it matters, and only there."""
+"""Models fitted to one impact and met by another: warned of where it matters, and only there."""
 
 import warnings
 from functools import partial
@@ -16,7 +16,7 @@ from aoimpact.reduction.validity import unbalanced
 from twelve import ALUMINIUM, FLOOR, IMPACTS, STEEL, block, cube, law
 
 # Two impacts: on the paper's beam, which has modes of all periods, for 90 µs; and of two compact
-# blocks, whose slowest modes are faster than the blow of 130 µs.
+# blocks, whose slowest modes are faster than the impact of 130 µs.
 BALL = ao.rigid(mass=BALL_MASS)
 
 
@@ -71,7 +71,7 @@ def test_a_contact_cut_off_is_no_short_one(tip):
 
 
 def test_what_does_not_matter_is_not_said():
-    """A compact body answers a slow blow by its static mode: far off, the force is right."""
+    """A compact body responds to a slow impact by its static mode: far off, the force is right."""
     hits = [
         ao.simulate(
             projectile=fitted(cube(STEEL, 0.02), contact_time, 4),
@@ -121,7 +121,7 @@ def test_many_impacts_at_once_are_looked_at_too(tip):
 
 
 def cantilever(n, **fit):
-    """A ball on the tip of a cantilever: 82 µs of contact, and another blow after 340 µs."""
+    """A ball on the tip of a cantilever: 82 µs of contact, and another impact after 340 µs."""
     ball, tip, between, velocity, _ = IMPACTS["tip of a cantilever, for long"]()
     star = (
         ao.antioscillators(tip) if n is None else ao.antioscillators(tip, n, method="krylov", **fit)

@@ -90,8 +90,10 @@ def patched():
     return ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.004), 1)
 
 
-@pytest.mark.parametrize("law", [ao.Hertz.between(STEEL, 0.01, STEEL, 0.01), ao.Linear(k=1e8)])
-@pytest.mark.parametrize("massless", [False, True])
+@pytest.mark.parametrize(
+    ("law", "massless"),
+    [(ao.Hertz.between(STEEL, 0.01, STEEL, 0.01), False), (ao.Linear(k=1e8), True)],
+)
 def test_of_patched_bodies_both_methods_take_what_is_left_of_the_law(patched, law, massless):
     """F = law(δ + c F) of the patch on both sides; a massless contact has its own compliance."""
     table = study(

@@ -18,7 +18,14 @@ from .case import Body, Case, Contact, Frame, Law, Load
 # Of the fastest frequency times the record: some 500 periods.
 MOST_RADIANS = 3000.0
 
-FAMILIES = {"pair": 0.18, "crowd": 0.42, "chain": 0.14, "pressed": 0.18, "ringing": 0.08}
+FAMILIES = {
+    "pair": 0.16,
+    "crowd": 0.42,
+    "chain": 0.12,
+    "pressed": 0.16,
+    "ringing": 0.06,
+    "rung": 0.08,
+}
 
 
 @dataclass(frozen=True)
@@ -352,6 +359,39 @@ def _ringing(rng: np.random.Generator, scales: _Scales) -> Case:
     return Case(bodies, contacts)
 
 
+def _rung(rng: np.random.Generator, scales: _Scales) -> Case:
+    """A body that rings, by any share of the depth, in the long contact at the very place.
+
+    A load has let go of it at once, or something small and hard strikes it, before the contact or
+    in it.
+    """
+    m0 = _rounded(scales.mass * _decades(rng, -2.0, 0.5))
+    m = _rounded(scales.mass * _decades(rng, 0.0, 1.0))
+    swings = 2.0 * math.pi / scales.time * _decades(rng, 1.0, 3.5)
+    omega = min(swings, MOST_RADIANS / scales.duration)
+    k = _rounded(omega**2 * m0 * m / (m0 + m))
+    damping = ("ModalDamping", _rounded(_decades(rng, -4.0, -1.0))) if rng.random() < 0.4 else None
+    star = Body(m0, 0.0, (m,), (k,), damping)
+    amplitude = scales.depth * _decades(rng, -7.0, -0.5)
+    ball = replace(_rigid(rng, scales), velocity=_speed(rng, scales))
+    gap = _rounded(ball.velocity * rng.uniform(1.0, 20.0) / omega)
+    long = Contact(1, 0, _law(rng, scales), gap)
+    if rng.random() < 0.5:
+        force, end = _rounded(amplitude * m0 * omega**2), 1.0 / omega
+        pulse = Load(0, (0.0, _rounded(end), _rounded(1.01 * end)), (force, force, 0.0))
+        return Case((star, ball), (long,), (pulse,))
+    tap = _rounded(m0 * _decades(rng, -2.0, -0.3))
+    later = rng.random() < 0.4
+    # A slower one would meet what the tolerance leaves of the long contact's velocities.
+    least = 0.1 * scales.speed if later else 0.0
+    speed = _rounded(max(amplitude * omega * (m0 + tap) / (2.0 * tap), least))
+    short = rng.uniform(0.1, 1.0) / omega
+    hard = Law("Hertz", {"k": _rounded(tap * speed / short / (speed * short) ** 1.5)})
+    wait = _rounded(speed * scales.time * rng.uniform(0.0, 1.0)) if later else 0.0
+    bodies = (star, ball, Body(tap, velocity=speed))
+    return Case(bodies, (long, Contact(2, 0, hard, wait)))
+
+
 Function = tuple[tuple[float, ...], tuple[float, ...]]
 
 
@@ -400,4 +440,5 @@ _MAKERS: dict[str, Callable[[np.random.Generator, _Scales], Case]] = {
     "chain": _chain,
     "pressed": _pressed,
     "ringing": _ringing,
+    "rung": _rung,
 }

@@ -1,0 +1,120 @@
+/* Modes that turn many times within a step. The step's forces move such a mode along a polynomial, and it rings about
+ * that from the state in which the step begins. Both are known from the state and the forces: nothing need be
+ * sampled to tell what ringing between the nodes makes of a contact's force. */
+#include "adaptive/run.h"
+#include "adaptive/run.h"
+#include "adaptive/step.h"
+#include "law/law.h"
+#include "model/system.h"
+#include "motion/modes.h"
+#include "motion/path.h"
+#include "motion/radau.h"
+#include "motion/nodes.h"
+
+#include <math.h>
+
+/* A mode that turns by more than this in a step (rad) is lost between its nodes: what they see of it may be anything
+ * from nothing to all. Of one that turns less, the last coefficients of the series through start and nodes hold as
+ * much as those left out: 3 |j_7(6)| for 19 |j_9(6)|, spherical Bessel functions of half the angle. */
+static const double LOST = 12.0;
+
+static double decay_of(const aoi_modes *body, size_t j) { return body->decay ? body->decay[j] : 0.0; }
+
+void aoi_step_slopes(const aoi_modes *body, const double *force, double h, double *slopes)
+{
+    const int some = body->n > 0 && body->omega[body->n - 1] * h > AOI_PATH_FAST;
+    for (size_t p = 0; p < body->ports && some; p++) {
+        aoi_nodes_multiply(&aoi_radau_at_start[0][0], force + p * AOI_NODES, slopes + p * AOI_NODES);
+    }
+}
+
+int aoi_step_path(const aoi_adaptive *run, size_t b, size_t j, double h, int loaded, double *x, double *v)
+{
+    const aoi_modes *body = &run->system->body[b];
+    const double *slopes = run->port_slope + run->system->first_port[b] * AOI_NODES;
+    double force[AOI_NODES] = {0.0};
+    *x = *v = 0.0;
+    if (loaded && (body->gravity || body->load.count > 0)) {
+        aoi_modes_drive(body, j, aoi_run_now(run), &force[0], &force[1]);
+        force[1] *= h;
+    }
+    int moved = force[0] != 0.0 || force[1] != 0.0;
+    for (size_t p = 0; p < body->ports; p++) {
+        const double push = body->push[p * body->n + j];
+        aoi_nodes_add(push, slopes + p * AOI_NODES, force);
+        moved = moved || push != 0.0;
+    }
+    if (moved) {
+        aoi_path_start(body->omega[j], decay_of(body, j), h, force, x, v);
+    }
+    return moved;
+}
+
+/* The amplitude with which a mode rings at a port: damping only takes from its energy. */
+static double amplitude_of(const aoi_adaptive *run, size_t b, size_t port, size_t j, double h)
+{
+    const aoi_modes *body = &run->system->body[b];
+    const double share = fabs(body->shape[port * body->n + j]), omega = body->omega[j];
+    const size_t at = run->system->first[b] + j;
+    double x, v;
+    if (share == 0.0 || !aoi_path_rings(omega, decay_of(body, j), h)) {
+        return 0.0;
+    }
+    (void)aoi_step_path(run, b, j, h, 1, &x, &v);
+    x -= run->x[at];
+    v = (v - run->v[at]) / omega;
+    return share * sqrt(x * x + v * v);
+}
+
+/* What a small oscillation of the indentation makes of a contact's force, by its law at the deepest node; and how far
+ * the fast modes of both bodies themselves give way to that, which makes it less. */
+typedef struct reaction {
+    double stiffness, damping, compliance;
+} reaction;
+
+static reaction reaction_of(const aoi_adaptive *run, const aoi_contact_step *entry, double h)
+{
+    const aoi_contact *contact = &run->system->contact[entry->contact];
+    aoi_law_value value;
+    aoi_law_force(contact->law, entry->memory, aoi_step_piece(contact->law, entry), aoi_step_indentation(entry),
+                  entry->start_rate, &value);
+    reaction of = {value.stiffness, value.damping, aoi_system_residual(run->system, entry->contact)};
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = &run->system->body[contact->body[side]];
+        for (size_t j = body->n; j-- > 0 && body->omega[j] * h > AOI_PATH_FAST;) {
+            const size_t at = contact->port[side] * body->n + j;
+            of.compliance += body->shape[at] * body->push[at] / (body->omega[j] * body->omega[j]);
+        }
+    }
+    return of;
+}
+
+/* The force that an oscillation of that amplitude and frequency makes. */
+static double force_of(const reaction *of, double amplitude, double omega)
+{
+    const double viscous = of->damping * omega, lag = viscous * of->compliance;
+    const double stiffer = 1.0 + fabs(of->stiffness) * of->compliance;
+    return amplitude * sqrt((of->stiffness * of->stiffness + viscous * viscous) / (stiffer * stiffer + lag * lag));
+}
+
+double aoi_step_ring_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double growth, double most)
+{
+    const aoi_contact *contact = &run->system->contact[entry->contact];
+    const double longest = h * fmin(growth, AOI_MOST_GROWTH);
+    reaction of = {0.0, 0.0, -1.0};
+    for (int side = 0; side < 2; side++) {
+        const size_t b = contact->body[side];
+        const aoi_modes *body = &run->system->body[b];
+        double sum = 0.0;
+        for (size_t j = body->n; j-- > 0 && body->omega[j] * longest > LOST;) {
+            const double amplitude = amplitude_of(run, b, contact->port[side], j, h);
+            of = of.compliance < 0.0 && amplitude > 0.0 ? reaction_of(run, entry, h) : of;
+            sum += force_of(&of, amplitude, body->omega[j]);
+            if (!(sum <= 0.5 * most)) {
+                growth = fmin(growth, LOST / (body->omega[j] * h));
+                break;
+            }
+        }
+    }
+    return growth;
+}
