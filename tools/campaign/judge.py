@@ -14,7 +14,7 @@ from .case import Case
 from .compare import Apart, apart, from_newmark, largest_apart
 from .oracle import GaveUpError, Oracle
 from .outcome import Outcome
-from .package import Answer, newmark, run
+from .package import Answer, as_settled, newmark, run
 from .rest import NoRestError
 
 TIMES = cures.TIMES
@@ -133,7 +133,7 @@ def _third(case: Case, true: Outcome, verdict: Verdict) -> Verdict:
     second = newmark(case, _FAR / _SURE, _CHEAP)
     if second is None or not second.error < _FAR / _SURE:
         return verdict
-    off = from_newmark(case, second, true)
+    off = as_settled(second, true)
     return replace(verdict, kind="apart", why=f"Newmark by {off:.2g}") if off > _FAR else verdict
 
 

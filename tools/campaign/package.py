@@ -184,7 +184,7 @@ def newmark(case: Case, wanted: float, longest: float = 2.0) -> Extrapolated | N
         if answer.outcome is None:
             return None
         of = answer.outcome
-        rows.append(np.concatenate([of.peaks, of.impulses, of.velocities]))
+        rows.append(_row(of))
         if len(rows) > 1:
             tables.append(rows[-1] + (rows[-1] - rows[-2]) / 3.0)
         if len(tables) > 1:
@@ -204,6 +204,15 @@ def newmark(case: Case, wanted: float, longest: float = 2.0) -> Extrapolated | N
         last[2 * contacts : 2 * contacts + bodies],
         error,
     )
+
+
+def as_settled(found: Extrapolated, true: Outcome) -> float:
+    """How far Newmark's rule is off, as it says how far it has settled: relative to the largest."""
+    return _apart(_row(found), _row(true), len(found.peaks))
+
+
+def _row(of: Outcome | Extrapolated) -> FloatArray:
+    return np.concatenate([of.peaks, of.impulses, of.velocities])
 
 
 def _apart(one: FloatArray, other: FloatArray, contacts: int) -> float:
