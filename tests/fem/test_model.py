@@ -87,6 +87,7 @@ def sphere_ratios(model: FEModel, radius: float) -> FloatArray:
 SPHERE = np.array([2.50113, 2.64622])
 
 
+@pytest.mark.slow
 def test_coarse_sphere_has_both_multiplets() -> None:
     model = FEModel.from_mesh(sphere_mesh(0.01, 0.004), STEEL)
     assert sphere_ratios(model, 0.01) == pytest.approx(np.outer(SPHERE, np.ones(5)), rel=5e-3)

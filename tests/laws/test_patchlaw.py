@@ -227,6 +227,7 @@ def test_a_contact_wider_than_the_only_patch_is_refused_too() -> None:
     assert by_number.limit == pytest.approx(own - by_number.compliance * law.k * own**1.5)
 
 
+@pytest.mark.slow
 def test_the_radius_told_beside_a_body_without_a_patch_will_do() -> None:
     law = Hertz.between(STEEL, 0.5, STEEL, float("inf"))
 

@@ -176,6 +176,7 @@ def test_equal_eigenvalues_by_the_hundred_take_no_call_of_arpack_each() -> None:
     assert time.perf_counter() - start < 5.0
 
 
+@pytest.mark.slow
 def test_frequencies_close_together_do_not_keep_arpack_for_ever() -> None:
     """K and M of a chain with places changed: ω_j² = 1/(1 - cos(jπ/601)), closest when low."""
     n = 600

@@ -83,6 +83,7 @@ def test_at_most_20_iterations_on_every_kind_of_element(name):
         assert solved(pencil_of(body, 0.0), load_on(body)) <= 20
 
 
+@pytest.mark.slow
 def test_a_thin_plate_held_at_one_side_takes_little_more():
     """Aggregates do not bend: three levels of them took 101 iterations where two take 28."""
     plate = held_bar((60, 60, 2), "hexahedron", lengths=(0.5, 0.5, 0.01))
@@ -90,6 +91,7 @@ def test_a_thin_plate_held_at_one_side_takes_little_more():
     assert solved(pencil_of(plate, 0.0), load_on(plate)) <= 30
 
 
+@pytest.mark.slow
 def test_iterations_do_not_grow_with_the_mesh():
     counts = [
         solved(pencil_of(body, SHIFT), load_on(body)) for body in map(ball, (5e-3, 3e-3, 2.2e-3))
@@ -157,6 +159,7 @@ def test_the_solution_is_that_of_a_factorisation(name):
     np.testing.assert_array_equal(multigrid.solve(loads[:, 0]), x[:, 0])  # the same bits
 
 
+@pytest.mark.slow
 def test_oscillators_by_multigrid_are_those_of_factors():
     body = held_bar((12, 2, 2))
     tip = body.contact(point=(0.4, 0.01, 0.02), direction=(0, 0, 1))

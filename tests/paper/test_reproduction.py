@@ -325,6 +325,7 @@ def test_modal_series_is_slow_to_converge(spheres: paper_sphere.SphereStudy) -> 
 # --------------------------------------------------------------------- all of it
 
 
+@pytest.mark.slow
 def test_figures_have_labels_with_units(
     spheres: paper_sphere.SphereStudy, beam: paper_beam.BeamStudy
 ) -> None:

@@ -69,6 +69,7 @@ def test_the_oracle_has_the_closed_form_of_springs_on_a_massless_coordinate() ->
     assert outcome.impulses[0] == pytest.approx(1.0 - math.cos(omega * 1e-3), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_dashpots_on_a_massless_coordinate_are_the_limit_of_small_masses() -> None:
     law = Law("HuntCrossley", {"k": 1e9, "damping": 0.5, "n": 1.5})
     bodies = (Body(0.0, m=(1.0,), k=(1e7,)), Body(1.0, velocity=1.0), Body(2.0, velocity=-0.5))
@@ -109,6 +110,7 @@ def _sleeps(seconds: float) -> float:
     return seconds
 
 
+@pytest.mark.slow
 def test_work_that_hangs_is_ended() -> None:
     begin = time.monotonic()
     found = {item: state for item, state, _ in each(_sleeps, [0.0, 60.0], workers=2, limit=1.0)}

@@ -18,7 +18,16 @@ PACKAGE = Path(str(ao.__file__)).parents[1]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a process's memory")
 
 
-@pytest.mark.parametrize(("kind", "count"), [("mesh", 300), ("matrix", 150), ("scene", 60)])
+@pytest.mark.parametrize(
+    ("kind", "count"),
+    [
+        ("mesh", 200),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (("matrix", 600), ("scene", 300))
+        ),
+    ],
+)
 def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
     command = [sys.executable, "-m", "campaign.inputs", "--kind", kind, "--count", str(count)]
     done = subprocess.run(
