@@ -193,14 +193,14 @@ enum { IS_SLACK, FOLLOWS, HOLDS };
 static aoi_law_value answer(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int over)
 {
     const aoi_contact_state *of = &run->balanced[i];
+    const double own = e->compliance[i * (2 * e->band + 1) + e->band];
+    const double enough = time_of_contacts(run, e->count) / own; /* to keep it meanwhile */
     aoi_law_value still, value;
-    if (of->at[1] == HOLDS) {
-        const double own = e->compliance[i * (2 * e->band + 1) + e->band];
-        const double damping = time_of_contacts(run, e->count) / own;
-        return (aoi_law_value){e->force[i] + damping * e->rate_free[i], 0.0, damping};
-    }
     ask(run, of, e->indentation[i], 0.0, &still);
     ask(run, of, e->indentation[i], e->rate[i], &value);
+    if (of->at[1] == HOLDS || (over && of->at[1] == FOLLOWS && value.damping > enough)) {
+        return (aoi_law_value){e->force[i] + enough * e->rate_free[i], 0.0, enough};
+    }
     const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
     const double way = over ? 0.0 : by_place * e->rate_free[i];
     const double force = value.force + damping * (e->rate_free[i] - e->rate[i]) + way;

@@ -409,12 +409,22 @@ static void coarsen(aoi_adaptive *run, double growth)
     }
 }
 
+/* What has been noted of the step happens later, if at all; but contacts have been closed. */
+static void forget_events(aoi_adaptive *run)
+{
+    for (size_t s = 0; s < run->entry_count; s++) {
+        aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
+        contact->event = contact->event == AOI_EVENT_TOUCH ? AOI_EVENT_TOUCH : AOI_EVENT_NONE;
+    }
+}
+
 /* What to do after a step that cannot be taken: events at its start, an earlier end, a finer level. */
 static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, int *trims,
                    double *limit)
 {
     double growth = attempt->growth;
     if (attempt->closed) {
+        forget_events(run);
         return prepare(run, limit);
     }
     if (growth > TRUSTED && attempt->place < 1.0) {
