@@ -1281,7 +1281,7 @@ static plant rung_plant(const aoi_law *law, double omega, double amplitude)
 static void what_rings_in_a_contact_is_in_its_force(void)
 {
     const double k = 1.6e7, depth = sqrt(10.0 / 11.0 / k);
-    for (double turns = 30.0; turns < 4e4; turns *= 1.5) {
+    for (double turns = 30.0; turns < 4e4; turns *= 2.5) {
         for (double share = 1e-6; share < 0.2; share *= 3.0) {
             const double omega = turns * sqrt(1.1 * k), amplitude = share * depth;
             if (share * turns > 0.5) {
@@ -1308,6 +1308,65 @@ static void what_rings_in_a_contact_is_in_its_force(void)
                 release(&deep);
             }
         }
+    }
+}
+
+/* Nor is it a matter of luck, where so little rings that a step may look good enough. */
+static void no_step_passes_by_chance(void)
+{
+    const double k = 1.6e7, depth = sqrt(10.0 / 11.0 / k);
+    uint64_t seed = 7;
+    for (int i = 0; i < 800; i++) {
+        const double turns = 300.0 * pow(30.0, uniform(&seed)), rtol = pow(10.0, -4.0 - 3.0 * uniform(&seed));
+        const double share = rtol * (2.0 + 4.0 * uniform(&seed)), omega = turns * sqrt(1.1 * k);
+        const rung of = ring_on(k, omega, share * depth);
+        const aoi_law law = linear(k);
+        double end;
+        const double top = rung_top(&of, &end), impulse = k * rung_sum(&of, end);
+        plant p = rung_plant(&law, omega, share * depth);
+        must_go(&p, rtol, 1.05 * end);
+        const double off = fmax(fabs(p.run->contact[0].peak_force / (k * top) - 1.0),
+                                fabs(p.run->contact[0].impulse / impulse - 1.0));
+        CHECK(off < rtol, "%g turns of %g, rtol %g: off by %g", turns, share, rtol, off);
+        release(&p);
+    }
+}
+
+/* How deep a crest of what rings would go into a ball that goes on as if there were no contact. */
+static double crest_at(double omega, double amplitude, double parting, double gap, double time)
+{
+    return -amplitude * cos(omega * time) - parting * time - gap;
+}
+
+/* What rings touches a ball once, with a crest, so softly that nothing heeds the force; the bodies themselves approach
+ * or part more slowly. */
+static void a_crest_that_is_drawn_back_has_its_own_scale(void)
+{
+    const double omega = 1e6, amplitude = 2e-4, k = 10.0, speed = 9.5, parting = 20.0;
+    const double crest = PI / omega, gap = crest_at(omega, amplitude, parting, 0.0, crest) - 0.1 * amplitude;
+    double from = 0.5 * crest, to = 1.5 * crest, left = crest, right = crest, impulse = 0.0, top = 0.0;
+    for (int i = 0; i < 60; i++) {
+        const double a = 0.5 * (from + left), b = 0.5 * (to + right);
+        *(crest_at(omega, amplitude, parting, gap, a) > 0.0 ? &left : &from) = a;
+        *(crest_at(omega, amplitude, parting, gap, b) > 0.0 ? &right : &to) = b;
+    }
+    for (int i = 0; i < 4000; i++) { /* in an angle that takes the ends' roots away */
+        const double angle = PI * (i + 0.5) / 4000.0, half = 0.5 * (right - left);
+        const double deep = crest_at(omega, amplitude, parting, gap, left + half * (1.0 + cos(angle)));
+        impulse += PI / 4000.0 * half * sin(angle) * pow(fmax(deep, 0.0), 1.5);
+        top = fmax(top, deep);
+    }
+    for (double rtol = 1e-3; rtol > 5e-7; rtol *= 0.1) {
+        const aoi_law law = hertz(k);
+        plant p = rung_plant(&law, omega, amplitude);
+        p.part[0].v[0] = speed;
+        p.part[1].v[0] = speed + parting;
+        p.contact[0].gap = gap;
+        must_go(&p, rtol, 1e3 / omega);
+        CHECK(near(p.run->contact[0].impulse, k * impulse, 2.0 * rtol), "rtol %g: %.12g, not %.12g", rtol,
+              p.run->contact[0].impulse, k * impulse);
+        CHECK(near(p.run->contact[0].peak_force, k * pow(top, 1.5), 2.0 * rtol), "rtol %g: the peak", rtol);
+        release(&p);
     }
 }
 
@@ -1504,6 +1563,8 @@ int main(void)
     a_body_of_any_mass_runs_up_the_law();
     a_patch_has_its_limit();
     what_rings_in_a_contact_is_in_its_force();
+    no_step_passes_by_chance();
+    a_crest_that_is_drawn_back_has_its_own_scale();
     a_run_in_pieces_is_the_run();
     bodies_of_one_model_move_as_copies_do();
     stiffness_alone_costs_nothing();

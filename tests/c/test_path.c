@@ -5,8 +5,11 @@
 #include "law/law.h"
 #include "motion/energy.h"
 #include "motion/modes.h"
+#include "motion/path.h"
+#include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
+#include "motion/nodes.h"
 
 /* One mode under a force on its port. */
 static part *add_mode(plant *p, double omega, double decay)
@@ -150,10 +153,33 @@ static void losses_grow_and_the_balance_closes(void)
     }
 }
 
+/* By the derivatives of the force at the start as by its series. */
+static void a_path_begins_where_it_does(void)
+{
+    uint64_t seed = 31;
+    for (int i = 0; i < 200; i++) {
+        const double h = 1e-3, omega = (8.0 + 100.0 * uniform(&seed)) / h, decay = uniform(&seed) * omega;
+        double force[AOI_NODES], series[AOI_NODES], slopes[AOI_NODES], path[AOI_NODES], x, v, slope;
+        for (size_t k = 0; k < AOI_NODES; k++) {
+            force[k] = cos(0.01 * i + aoi_radau_node[k]);
+        }
+        for (size_t k = 0; k < AOI_NODES; k++) {
+            series[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], force);
+        }
+        aoi_nodes_multiply(&aoi_radau_at_start[0][0], force, slopes);
+        aoi_path_start(omega, decay, h, slopes, &x, &v);
+        aoi_path_follow(omega, decay, h, series, path);
+        const double here = aoi_legendre_evaluate(AOI_NODES, path, 0.0, &slope), size = 1.0 / (omega * omega);
+        CHECK(fabs(x - here) < 1e-9 * size, "omega h %g: at %g, not %g", omega * h, x, here);
+        CHECK(fabs(v * h - slope) < 1e-7 * size, "omega h %g: %g, not %g", omega * h, v * h, slope);
+    }
+}
+
 int main(void)
 {
     damping_takes_its_power_along_the_motion();
     a_rising_load_works_over_many_periods();
     losses_grow_and_the_balance_closes();
+    a_path_begins_where_it_does();
     return check_report();
 }
