@@ -137,13 +137,13 @@ static void force_events(aoi_adaptive *run, const aoi_stage *stage, aoi_attempt 
         line_up(fmax(stage->start_force, 0.0), force, 1.0, 0.0, values);
     }
     if (aoi_joint_bends(run, stage->joint)) {
-        /* A rate may jump there, and the force with it: the nodes say where it comes from. It has fallen already, to
-         * the error of the step before. */
-        values[0] = aoi_stages_at_start(values + 1);
+        /* A rate may jump there, and the force with it: it has fallen already, to the error of the step before, or
+         * the nodes say where it comes from. */
         if (values[1] < -tolerance && values[0] <= run->rtol * fmax(run->force_scale, largest)) {
             aoi_step_note_event(0.0, kind, contact, attempt);
             return;
         }
+        values[0] = values[1] < -tolerance ? values[0] : aoi_stages_at_start(values + 1);
     }
     leaves(values, tolerance, kind, contact, attempt);
 }
