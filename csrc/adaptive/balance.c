@@ -18,19 +18,16 @@
 #include <float.h>
 #include <math.h>
 
-/* Of the largest rate: at such a change Newton's method has settled, laws being all but linear in rates; and so much
- * is left to their rounding. */
-enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
+/* Shares of the time that contacts take. What happens at once is an implicit step of the first: places change over it
+ * by a thousandth of the least error that a step may make (rtol 1e-10), and rates by rounding / 1e-13, which no place
+ * feels. Rates just after follow from steps of the second, whose length is extrapolated to zero: rounding / 1e-7. A
+ * dashpot that comes to rest in less counts as none. */
+static const double AT_ONCE = 1e-13, SOON = 1e-7;
+
+/* The error that leaves in rates, as a share of the largest; and Newton's method on them, of laws that are all but
+ * linear in rates, has settled. Two steps bring places, which all but balance before, to rounding. */
 static const double RATE_ERROR = 1e-8;
-
-/* Of the time that the contacts take, about: what happens at once is an implicit step so long, over which
- * places change by less than rounding of what they are (2e-16 / 1e-13 of the rates is noise, and stays in
- * the forces only where dashpots press against each other). */
-static const double AT_ONCE = 1e-13;
-
-/* Also of that time: a dashpot that comes to rest in less counts as none. A rate's error is about this, or
- * rounding by this. */
-static const double SOON = 1e-7;
+enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
 
 /* What the force of one contact takes from the indentation of another by the residual compliance, m/N. */
 static double compliance_between(const aoi_system *system, size_t c, size_t by)
@@ -188,13 +185,13 @@ static void ask(const aoi_adaptive *run, const aoi_contact_state *of, double ind
  * it is, as a dashpot does into which a place snaps, however weak it is at the touch. */
 enum { IS_SLACK, FOLLOWS, HOLDS };
 
-/* How the force of a contact answers to its rate over a time, what it would be at the rate it has, and that. over:
- * places are those after it, and roles are given; else those before, and a law that would pull does nothing. */
+/* The force of a contact after a time at its bodies' own rate, and in place of the damping what it gains with its rate.
+ * over: places are those after it, and roles are given; else those before, and a law that would pull does nothing. */
 static aoi_law_value answer(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int over)
 {
     const aoi_contact_state *of = &run->balanced[i];
     const double own = e->compliance[i * (2 * e->band + 1) + e->band];
-    const double enough = time_of_contacts(run, e->count) / own; /* to keep it meanwhile */
+    const double enough = time / (over ? AT_ONCE : SOON) / own; /* of a dashpot to keep the place meanwhile */
     aoi_law_value still, value;
     ask(run, of, e->indentation[i], 0.0, &still);
     ask(run, of, e->indentation[i], e->rate[i], &value);
@@ -321,9 +318,6 @@ static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled
  * less is the error of the step before, in which events have been found. */
 static const double COMES = 10.0;
 
-/* And a rate that parts bodies is more than this share of that at which they met. */
-static const double DRAWN = 1e-3;
-
 static double comes(const aoi_adaptive *run, size_t count)
 {
     double largest = run->force_scale;
@@ -340,12 +334,14 @@ static int lets_go(const aoi_adaptive_contact *contact, const aoi_law *law, doub
            force < -least;
 }
 
-/* Whether a contact that has just touched parts again, since others move what has no mass there. */
-static int is_drawn_away(const aoi_adaptive *run, const aoi_contact_state *from, double least)
+/* Whether a contact that has just touched parts again, since others move what has no mass there. One that the step has
+ * found comes on, if not at once. */
+static int is_drawn_away(const aoi_adaptive *run, const aoi_contact_state *from, double least, double error)
 {
     const aoi_adaptive_contact *contact = &run->contact[from->at[0]];
-    return contact->begins && contact->event != AOI_EVENT_TOUCH && contact->start <= aoi_law_rest(from->law, contact->memory) &&
-           from->force <= least && from->rate < -DRAWN * contact->rate_scale;
+    return contact->begins && contact->event != AOI_EVENT_TOUCH &&
+           contact->start <= aoi_law_rest(from->law, contact->memory) && from->force <= least &&
+           from->rate < -error;
 }
 
 /* A law that remembers has turned, or turns now. */
@@ -454,53 +450,63 @@ static void set_role(const aoi_adaptive *run, int snaps, double least, aoi_conta
     }
 }
 
-void aoi_balance_at_once(aoi_adaptive *run, int snaps)
+/* Forces and what they hold, from now on. */
+static void hold(aoi_adaptive *run, const aoi_coupled *e)
+{
+    for (size_t i = 0; i < e->count; i++) {
+        run->contact[run->balanced[i].at[0]].bending = e->force[i];
+    }
+    for (size_t i = 0; i < e->count; i++) {
+        const size_t c = run->balanced[i].at[0];
+        run->contact[c].start = aoi_contact_place(run, c);
+    }
+}
+
+/* Rates at those places, and what contacts do at them; all as it is where no rates are found: then the step begins with
+ * a worse guess. */
+static void go_on(aoi_adaptive *run, double time, double least, const aoi_coupled *e)
 {
     aoi_contact_state *of = run->balanced;
-    aoi_law_value value;
+    for (size_t i = 0; i < e->count; i++) {
+        e->rate[i] = of[i].rate;
+    }
+    const double error = RATE_ERROR * find_rates(run, time, e);
+    for (size_t i = 0; i < e->count && !isnan(error); i++) {
+        aoi_law_value value;
+        ask(run, &of[i], e->indentation[i], of[i].rate, &value);
+        of[i].force = of[i].at[1] == HOLDS ? e->force[i] : value.force;
+        const double certain = least + value.damping * error;
+        if (is_drawn_away(run, &of[i], certain, error)) {
+            leave(run, of[i].at[0]);
+        } else {
+            take(run, &of[i], certain);
+        }
+    }
+}
+
+void aoi_balance_at_once(aoi_adaptive *run, int snaps)
+{
     const size_t count = list_all(run, snaps);
     if (count == 0) {
         return;
     }
-    const double time = time_of_contacts(run, count);
+    const double time = time_of_contacts(run, count), least = comes(run, count);
     aoi_coupled e = lay_out(run, count);
     set_equations(run, AT_ONCE * time, &e);
-    if (snaps && aoi_coupled_solve(&e, of) != AOI_OK) {
+    if (snaps && aoi_coupled_solve(&e, run->balanced) != AOI_OK) {
         return;
     }
-    const double least = comes(run, count);
     for (size_t i = 0; i < count; i++) {
-        set_role(run, snaps, least, &of[i], &e.force[i]);
+        set_role(run, snaps, least, &run->balanced[i], &e.force[i]);
     }
     if (!find_places(run, AT_ONCE * time, &e)) {
         return;
     }
     if (snaps) {
         meet(run, &e);
-        return;
-    }
-    for (size_t i = 0; i < count; i++) {
-        e.rate[i] = of[i].rate;
-    }
-    const double error = RATE_ERROR * find_rates(run, SOON * time, &e);
-    if (isnan(error)) {
-        return; /* all is as it was: the step itself begins with a worse guess */
-    }
-    for (size_t i = 0; i < count; i++) {
-        run->contact[of[i].at[0]].bending = e.force[i];
-    }
-    for (size_t i = 0; i < count; i++) {
-        run->contact[of[i].at[0]].start = aoi_contact_place(run, of[i].at[0]);
-        ask(run, &of[i], e.indentation[i], of[i].rate, &value);
-        of[i].force = of[i].at[1] == HOLDS ? e.force[i] : value.force;
-        of[i].work = least + value.damping * error; /* that a force is above or below zero is certain from here on */
-    }
-    for (size_t i = 0; i < count; i++) {
-        if (is_drawn_away(run, &of[i], of[i].work)) {
-            leave(run, of[i].at[0]);
-        } else {
-            take(run, &of[i], of[i].work);
-        }
+    } else {
+        hold(run, &e);
+        go_on(run, SOON * time, least, &e);
     }
 }
 

@@ -135,13 +135,13 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
         line_up(fmax(entry->start_force, 0.0), force, 1.0, 0.0, values);
     }
     if (aoi_contact_has_residual(run, entry->contact)) {
-        /* A rate may jump there, and the force with it: the nodes say where it comes from. It has fallen already, to
-         * the error of the step before. */
-        values[0] = aoi_nodes_at_start(values + 1);
+        /* A rate may jump there, and the force with it: it has fallen already, to the error of the step before, or
+         * the nodes say where it comes from. */
         if (values[1] < -tolerance && values[0] <= run->rtol * fmax(run->force_scale, largest)) {
             aoi_step_note_event(0.0, kind, contact, attempt);
             return;
         }
+        values[0] = values[1] < -tolerance ? values[0] : aoi_nodes_at_start(values + 1);
     }
     leaves(values, tolerance, kind, contact, attempt);
 }
