@@ -6,13 +6,14 @@ For what runs impacts and what reads their results: `impact`, `batch`, `scenefil
 from .choice import checked_linear_solver, choose_models
 from .hierarchy import Hierarchy, Models, model_hierarchy
 from .interest import impact_quantity, scene_quantity
-from .keep import Keep, Named, keeper
+from .keep import CONTROLLED, Keep, Named, keeper
 from .order import first_guess
 from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
 from .solve import TimeSolver, solve
 
 __all__ = [
     "COLUMNS",
+    "CONTROLLED",
     "QUANTITIES",
     "SCENE_CHOICES",
     "Hierarchy",

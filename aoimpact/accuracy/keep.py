@@ -15,7 +15,10 @@ from ..integrate import Eventful
 from ..results import Result
 from .quantities import QUANTITIES
 
-__all__ = ["Keep", "Named", "keeper"]
+__all__ = ["CONTROLLED", "Keep", "Named", "keeper"]
+
+# Ends the name of a column that says which numbers of another were controlled.
+CONTROLLED = "_controlled"
 
 _NAME = re.compile(r"[A-Za-z_]\w*(\.\w+)*")
 
@@ -27,12 +30,17 @@ class Named:
     names: tuple[str, ...]
 
     def __call__(self, result: Any) -> dict[str, float]:
-        """Return them, each followed by its error, name + "_error", where models were chosen."""
+        """Return them; where models were chosen, with their errors and what was controlled.
+
+        These are called name + "_error" and name + "_controlled": 1 if the error is below the
+        tolerance, else 0.
+        """
         kept = {}
         for name in self.names:
             kept[name] = _number(name, _look_up(result, name))
             if name in result.error.numbers:
                 kept[f"{name}_error"] = result.error.numbers[name]
+                kept[f"{name}{CONTROLLED}"] = float(result.error.controls(name))
         return kept
 
 

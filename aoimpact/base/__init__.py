@@ -43,6 +43,7 @@ from .errors import (
     warn,
 )
 from .frozen import Frozen, checked
+from .heard import heard
 from .memory import available, require
 from .progress import bar
 from .units import Scale, quantity, scale_for, scale_of
@@ -76,6 +77,7 @@ __all__ = [
     "file_path",
     "finite_array",
     "given_axes",
+    "heard",
     "held_warnings",
     "html_table",
     "instance",

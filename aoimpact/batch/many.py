@@ -53,9 +53,10 @@ def simulate_many(
     keep : names or function, optional
         What to keep of each case instead of its result, which holds whole histories: names of
         numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
-        its error, such as "impulse_error", where models are chosen (`ErrorEstimate.numbers`); or
-        a function of the result, which other processes must be able to import. Impacts of two AO
-        models of which only named numbers are kept run many in one call of the core.
+        its error, such as "impulse_error" (`ErrorEstimate.numbers`), and "impulse_controlled",
+        where models are chosen; or a function of the result, which other processes must be able
+        to import. Impacts of two AO models of which only named numbers are kept run many in one
+        call of the core.
     checkpoint : path, optional
         A file that keeps finished cases: the same call resumes where an earlier one was stopped or
         killed. Cases are recognised by their content; one that has changed is computed again. The

@@ -45,8 +45,9 @@ def sweep(
         Values of each parameter; the last one varies fastest.
     keep : names or function, optional
         Quantities for the columns, as of `simulate_many`, with columns such as "restitution_error"
-        beside them where models are chosen; a function returns a number, or a dict of numbers with
-        the same names for each result.
+        and "restitution_controlled" beside them where models are chosen: 1 where that error is
+        within the tolerance, 0 where nobody controlled it. A function returns a number, or a
+        dict of numbers with the same names for each result.
     workers, checkpoint, progress : optional
         As of `simulate_many`. Cases are made in this process, one after the other.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..accuracy import Named, keeper, quantity_unit
+from ..accuracy import CONTROLLED, Named, keeper, quantity_unit
 from ..base import (
     AOImpactError,
     Frozen,
@@ -39,6 +39,9 @@ __all__ = ["SweepTable", "sweep_table"]
 
 # Rows that a printed table shows, and lines of a plot that a legend can name.
 _SHOWN, _MOST_LINES = 10, 12
+
+# Stands behind a number in a printed table that no tolerance controlled.
+_MARK = "*"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,15 +183,23 @@ class SweepTable(Frozen):
         return [_message(self.errors.get(i)) for i in range(len(self))]
 
     def _shown(self) -> list[list[str]]:
-        """Headings, then the rows that are printed."""
-        rows = [[_cell(value) for value in row.item()] for row in self.data[:_SHOWN]]
-        return [[_heading(name) for name in self.columns], *rows]
+        """Headings, then the rows that are printed: numbers nobody controlled are marked."""
+        names = [name for name in self.columns if not name.endswith(CONTROLLED)]
+        rows = []
+        for of in self.data[:_SHOWN]:
+            row = dict(zip(self.columns, of.item(), strict=True))
+            marks = [_MARK if row.get(name + CONTROLLED) == 0.0 else "" for name in names]
+            rows.append([_cell(row[name]) + mark for name, mark in zip(names, marks, strict=True)])
+        return [[_heading(name) for name in names], *rows]
 
     def _note(self) -> str:
         text = f"{len(self)} cases"
         if self.errors:
             first = min(self.errors)
             text += f", {len(self.errors)} failed; row {first}: {_message(self.errors[first])}"
+        controlled = [self.data[name] for name in self.columns if name.endswith(CONTROLLED)]
+        if any((column == 0.0).any() for column in controlled):
+            text += f"; {_MARK} not controlled by the tolerance: see its error"
         return text
 
     def __repr__(self) -> str:

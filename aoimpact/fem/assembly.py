@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, bar
+from ..base import FloatArray, bar, heard
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
 from .material import Material
 
@@ -70,7 +70,7 @@ def stiffness_mass(mesh: Mesh, material: Material) -> tuple[sp.csr_array, sp.csr
         N/m and kg. Exactly symmetric, column indices sorted.
     """
     element = reference_element(mesh.kind)
-    pattern = _pattern(mesh)
+    pattern = heard(lambda: _pattern(mesh))
     stiffness = np.zeros((len(_PAIRS), pattern.n_pairs))
     mass = np.zeros(pattern.n_pairs)
     with bar("assembly", mesh.n_cells, unit="element") as progress:
@@ -81,7 +81,7 @@ def stiffness_mass(mesh: Mesh, material: Material) -> tuple[sp.csr_array, sp.csr
                 np.add.at(block, places, values.reshape(-1))
             np.add.at(mass, places, material.rho * _mass(element, nodes).reshape(-1))
             progress.update(len(nodes))
-    return _expand_stiffness(pattern, stiffness), _expand_mass(pattern, mass)
+    return heard(lambda: (_expand_stiffness(pattern, stiffness), _expand_mass(pattern, mass)))
 
 
 def _batches(mesh: Mesh, element: ReferenceElement) -> Iterator[slice]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, choice, integer, warn
+from ..base import FloatArray, InputError, choice, heard, integer, warn
 from ..fem import Body, Material
 from ..mesh import Mesh
 from . import deformed, vtu
@@ -121,7 +121,7 @@ class Field:
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
         evaluate = nodal_stress if place == "nodes" else gauss_stress
-        return evaluate(mesh, material, self.displacement)
+        return heard(lambda: evaluate(mesh, material, self.displacement))
 
     def to_vtu(self, path: str | os.PathLike[str]) -> Path:
         """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.

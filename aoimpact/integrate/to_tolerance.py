@@ -44,7 +44,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | N
     touches = most_touches(run)
     if touches > 1:
         run, error = _confirmed(plan, run, rule.rtol, touches)
-    return replace(run, rtol=rule.rtol), error
+    return run if run.rtol == rule.rtol else replace(run, rtol=rule.rtol), error
 
 
 def _refuse_gain(plan: Plan, run: DenseRecorder) -> None:

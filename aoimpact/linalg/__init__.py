@@ -1,5 +1,6 @@
 """Linear algebra of K and K + s²M: solvers behind one interface, and eigenpairs."""
 
+from .dense import dense_modes
 from .matrices import (
     LARGEST,
     LEAST,
@@ -38,6 +39,7 @@ __all__ = [
     "check_stiffness",
     "checked_solver",
     "core_rows",
+    "dense_modes",
     "factorize",
     "linear_solver",
     "lowest",

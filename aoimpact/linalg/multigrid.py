@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import ConvergenceError, FloatArray, SingularError, bar
+from ..base import ConvergenceError, FloatArray, SingularError, bar, heard
 from ..mesh import reference_element, rigid_motions
 from .coarsening import aggregated, corner_interpolation
 from .matrices import check_entries
@@ -112,16 +113,16 @@ class Multigrid:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
         self._levels: list[_Level] = []
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
-            A, candidates, self._place = _finest(pencil)
+            A, candidates, self._place = heard(lambda: _finest(pencil))
             self._scale = float(A.diagonal().max())
             self._length = A.shape[0]
             self.sizes = [self._length]
             if pencil.mesh is not None and _is_quadratic(pencil.mesh.kind):
-                A, candidates = self._to_corners(A)
+                A, candidates = heard(partial(self._to_corners, A))
                 progress.update()
             affordable = _most_in_coarsest(pencil.K.nnz)
             while A.shape[0] > _DENSE and estimated_entries(A) > affordable:
-                A, candidates = self._to_aggregates(A, candidates)
+                A, candidates = heard(partial(self._to_aggregates, A, candidates))
                 progress.update()
             self._coarsest = factorize(A / self._scale, what=pencil.what)
 

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ConvergenceError, FloatArray
+from ..base import ConvergenceError, FloatArray, heard
 from .davidson import davidson
+from .dense import dense_modes
 from .pencil import Pencil
 from .solvers import LinearSolver, linear_solver
 
@@ -178,7 +179,7 @@ def lowest(
 
 
 def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:
-    omega2, modes = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=[0, n - 1])
+    omega2, modes = heard(lambda: dense_modes(K.toarray(order="F"), M.toarray(order="F"), n))
     count = rigid.shape[1]
     omega2[:count] = 0.0
     modes[:, :count] = rigid

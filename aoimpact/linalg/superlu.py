@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import FloatArray, SingularError
+from ..base import FloatArray, SingularError, heard
 from .fill import direct_seconds, factor_entries, graph_width
 from .method import Inverse, Method
 from .pencil import Pencil
@@ -32,6 +32,9 @@ _SINGULAR = 2e-15
 # By how much one inverse iteration may fall short of 1/condition, over √n: far more than a random
 # start is at right angles to the softest motion.
 _UNLUCKY = 100.0
+
+# Entries of a matrix whose factors take hundredths of a second at most.
+_SHORT = 20_000
 
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
 CHECKED_DOFS = 10_000
@@ -64,16 +67,19 @@ class Factorization:
 
     def negative_pivots(self) -> int:
         """Return how many eigenvalues are negative: as many as pivots are (Sylvester's law)."""
-        return int(np.count_nonzero(self._lu.U.diagonal() <= 0.0))
+        return heard(lambda: int(np.count_nonzero(self._lu.U.diagonal() <= 0.0)))
+
+    def _lower_and_pivots(self) -> tuple[Any, FloatArray]:
+        lower = sp.tril(self._lu.L, k=-1, format="csc")
+        lower.sort_indices()
+        return lower, np.ascontiguousarray(self._lu.U.diagonal())
 
     def for_core(self) -> tuple[Any, ...]:
         """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
         place = self._lu.perm_r.astype(np.int32)
         if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
             raise SingularError("the matrix needed pivoting, so it is not positive definite")
-        lower = sp.tril(self._lu.L, k=-1, format="csc")
-        lower.sort_indices()
-        pivots = np.ascontiguousarray(self._lu.U.diagonal())
+        lower, pivots = heard(self._lower_and_pivots)
         start, rows = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
         panel = np.empty(len(start), dtype=np.int32)
         count = _core.factors_find_panels(start, rows, panel)
@@ -101,12 +107,7 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
     """
     csc = sp.csc_matrix(matrix)
     try:
-        lu = sp.linalg.splu(
-            csc,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        lu = heard(lambda: _factors(csc)) if csc.nnz > _SHORT else _factors(csc)
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         raise SingularError(f"{what} is singular ({error})") from None
     factors = Factorization(csc, lu)
@@ -116,6 +117,15 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
     if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
         raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")
     return factors
+
+
+def _factors(matrix: Any) -> Any:
+    return sp.linalg.splu(
+        matrix,
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
 
 
 def check_condition(

@@ -1,8 +1,8 @@
 """Bounds for meshio's readers, which allocate what a file's counts say and read on at its end.
 
 While a file is read, its readers see NumPy and `open` through this module: arrays larger than a
-file of that size can stand for, and reads that go on beyond its end, are errors. Outside
-`bounded` both are NumPy's and Python's own.
+file of that size can stand for, and reads that go on beyond its end, are errors. Other threads'
+readers have no bounds, and after the last file meshio's modules are as they were.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import builtins
 import io
 import math
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -37,12 +38,13 @@ _left: ContextVar[list[float] | None] = ContextVar("aoimpact_mesh_bytes_left", d
 @contextmanager
 def bounded(file_size: int) -> Iterator[None]:
     """Bound what meshio's readers, called in this context, take for a file of so many bytes."""
-    _bind()
+    _bindings.begin()
     token = _left.set([float(_FOR_ALL + _PER_BYTE * file_size)])
     try:
         yield
     finally:
         _left.reset(token)
+        _bindings.end()
 
 
 def _take(n_bytes: float) -> None:
@@ -134,11 +136,14 @@ def _linspace(start: Any, stop: Any, num: Any = 50, **keywords: Any) -> Any:
 def _fromfile(
     file: Any, dtype: Any = float, count: Any = -1, sep: str = "", **keywords: Any
 ) -> Any:
-    kind = np.dtype(dtype)
-    _take(float(kind.itemsize) * max(0.0, float(count)))
-    found = np.fromfile(file, dtype, count, sep, **keywords)
-    if kind == np.uint64 and count == 4 and len(found):
-        # The header of a section of Gmsh 4: first the number of blocks, of which a list is made.
+    _take(float(np.dtype(dtype).itemsize) * max(0.0, float(count)))
+    return np.fromfile(file, dtype, count, sep, **keywords)
+
+
+def _fromfile_of_gmsh(file: Any, *args: Any, **keywords: Any) -> Any:
+    """A section of Gmsh 4.1 begins with four counts, of which the first becomes a list's length."""
+    found = _fromfile(file, *args, **keywords)
+    if found.shape == (4,) and found.dtype == np.uint64:
         _take(8.0 * float(found[0]))
     return found
 
@@ -156,25 +161,52 @@ def _add_outer(one: Any, other: Any, **keywords: Any) -> Any:
 class _Numpy(ModuleType):
     """NumPy with bounds on what makes an array of a size that is a number in the file."""
 
-    def __init__(self) -> None:
+    def __init__(self, fromfile: Callable[..., Any] = _fromfile) -> None:
         super().__init__("numpy")
         for name in ("empty", "zeros", "ones", "full"):
             setattr(self, name, _by_shape(getattr(np, name)))
         self.arange, self.linspace, self.mgrid = _arange, _linspace, _Grids()
-        self.fromfile, self.fromiter = _fromfile, _fromiter
+        self.fromfile, self.fromiter = fromfile, _fromiter
         self.add = SimpleNamespace(outer=_add_outer)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(np, name)
 
 
-_NUMPY = _Numpy()
+_NUMPY, _NUMPY_OF_GMSH = _Numpy(), _Numpy(_fromfile_of_gmsh)
 
 
-def _bind() -> None:
-    """Let meshio's modules see NumPy and `open` through this one."""
-    for name, module in tuple(sys.modules.items()):
-        if name.startswith("meshio.") and getattr(module, "np", None) is np:
-            module.np = _NUMPY  # type: ignore[attr-defined]
-        if name.startswith("meshio."):
-            module.open = _open  # type: ignore[attr-defined]
+class _Bindings:
+    """Lets meshio's modules see NumPy and `open` through this one while files are read."""
+
+    def __init__(self) -> None:
+        self._lock, self._files = threading.Lock(), 0
+        self._before: list[tuple[ModuleType, str, Any]] = []
+
+    def begin(self) -> None:
+        with self._lock:
+            self._files += 1
+            for name, module in tuple(sys.modules.items()):
+                if name.startswith("meshio."):
+                    if getattr(module, "np", None) is np:
+                        ours = _NUMPY_OF_GMSH if name.startswith("meshio.gmsh.") else _NUMPY
+                        self._put(module, "np", ours)
+                    if vars(module).get("open") is not _open:
+                        self._put(module, "open", _open)
+
+    def _put(self, module: ModuleType, name: str, value: Any) -> None:
+        self._before.append((module, name, vars(module).get(name)))
+        setattr(module, name, value)
+
+    def end(self) -> None:
+        with self._lock:
+            self._files -= 1
+            while self._before and not self._files:
+                module, name, value = self._before.pop()
+                if value is None:  # it saw Python's own
+                    delattr(module, name)
+                else:
+                    setattr(module, name, value)
+
+
+_bindings = _Bindings()

@@ -11,9 +11,18 @@ import numpy.typing as npt
 import scipy
 
 from .. import _core
-from ..base import FloatArray, InputError, InputTypeError, SingularError, choice, integer, warn
+from ..base import (
+    FloatArray,
+    InputError,
+    InputTypeError,
+    SingularError,
+    choice,
+    heard,
+    integer,
+    warn,
+)
 from ..fem import ContactPoint, StaticMode, refuse_mechanism, static_mode
-from ..linalg import EQUAL, Solver, SolverBook, checked_solver, lowest_sparse, shifted
+from ..linalg import EQUAL, Solver, SolverBook, checked_solver, dense_modes, lowest_sparse, shifted
 from .krylov import KrylovSpace
 from .origin import origin_of
 from .star import AOModel
@@ -72,7 +81,11 @@ def _oscillators(
 
 
 def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:
-    """All constraint modes by LAPACK: a reflection turns bᵀφ = 0 into "first entry zero"."""
+    return heard(lambda: _oscillators(tip, static, *_all_constraint_modes(tip)))
+
+
+def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
+    """By LAPACK: a reflection turns bᵀφ = 0 into "first entry zero"."""
     n = tip.body.n_dofs
     h, work = np.empty(n), np.empty(n)
     _core.constraint_reflector(tip.b, h)
@@ -81,10 +94,10 @@ def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:
         dense = np.ascontiguousarray(matrix.toarray())
         _core.constraint_congruence(h, dense, work)
         pencil.append(dense[1:, 1:])
-    omega2, y = scipy.linalg.eigh(pencil[0], pencil[1], overwrite_a=True, overwrite_b=True)
+    omega2, y = dense_modes(pencil[0], pencil[1])
     phi = np.vstack([np.zeros(n - 1), y])
     phi -= np.outer(h, h @ phi)
-    return _oscillators(tip, static, omega2, phi)
+    return omega2, phi
 
 
 def _lowest_oscillators(

@@ -280,12 +280,16 @@ class ErrorEstimate:
     rtol: float | None = None
     numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
 
+    def controls(self, name: str) -> bool:
+        """Whether a number's error is known to be within the tolerance."""
+        return self.rtol is not None and self.numbers.get(name, math.nan) <= self.rtol
+
     def told(self, name: str) -> str:
         """Return a number's error in words, for summaries; empty where models were given."""
         error = self.numbers.get(name, math.nan)
         if self.rtol is None or math.isnan(error):
             return ""
-        if error <= self.rtol:
+        if self.controls(name):
             return f" (to {100.0 * error:.2g} %)" if error > 0.0 else ""
         by = f": may be {100.0 * error:.2g} % off" if math.isfinite(error) else ""
         return f" (not controlled{by})"

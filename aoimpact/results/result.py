@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, checked, real
+from ..base import FloatArray
 from ..integrate import Eventful, Events
-from ..laws import ContactLaw
 from . import plot
 from .motion import BodyResult, Energy, ErrorEstimate
 from .run import Run
@@ -48,9 +47,6 @@ class Result(Eventful):
     velocity: float
     gap: float
     law: Any
-
-    def __post_init__(self) -> None:
-        checked(self, run=(Run,), velocity=real, gap=real, law=(ContactLaw,))
 
     # ------------------------------------------------------------------- histories
 

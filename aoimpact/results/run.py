@@ -93,13 +93,6 @@ class Chosen:
     numbers: Mapping[str, float]
 
 
-def _recorder(name: str, value: Any) -> Recorder:
-    if not callable(getattr(type(value), "rows", None)):
-        raise InputTypeError(f"{name} must be a solver's record, got {value!r}")
-    recorder: Recorder = value
-    return recorder
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
     """A scene over time; curves are computed when they are asked for.
@@ -125,12 +118,6 @@ class Run:
     time_error: float | None
     chosen: Chosen | None = None
     asked: FloatArray | None = None
-
-    def __post_init__(self) -> None:
-        checked(self, plan=(Plan,), chosen=(Chosen, type(None)))
-        checked(self, time_error=(float, type(None)), recorder=_recorder)
-        if self.asked is not None:
-            checked(self, asked=partial(finite_array, ndim=1, unit="s"))
 
     def __getstate__(self) -> dict[str, Any]:
         """What has been computed on the way does not travel."""

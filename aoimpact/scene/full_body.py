@@ -40,7 +40,8 @@ _MODAL_MOST = 3000
 class FullBody(SceneBody):
     """A finite-element body, touched in one place or more.
 
-    At the start it translates where it may, else it moves in φ_st of the first place.
+    At the start it translates where it may, or is touched in several places, whose modes know no
+    other way to move as a whole; else it moves in φ_st.
     """
 
     model: tuple[ContactPoint, ...]
@@ -106,8 +107,9 @@ class FullBody(SceneBody):
         """The velocities of all dofs."""
         if self.velocity == 0.0:
             return np.zeros(self.tip.body.n_dofs)
-        if self.tip.direction is not None and translates(self.tip):
-            return self.velocity * self.tip.body.translation(self.tip.direction)
+        along = self.tip.direction
+        if along is not None and (self.ports > 1 or translates(self.tip)):
+            return self.velocity * self.tip.body.translation(along)
         return self.velocity * static_mode(self.tip).phi
 
     @cached_property

@@ -1,8 +1,10 @@
 /* The forces on places without mass balance at every instant. Where a contact begins or ends there, those
  * beside it take up the change at once: rates jump, and with them the forces that depend on rates.
  *
- * Displacements are continuous. What happens at once is one very short implicit step, which is the contact
- * equations of coupled.c: a law of the rate keeps its place meanwhile, one without follows the others. */
+ * With C the residual compliances, F the forces and z the indentations without them, d = z - C F. What the
+ * forces hold is the state there: d stays as it is in an event where a law depends on the rate, and is
+ * where forces balance where none does. The rates follow from the derivative of that, d' = z' - C F', with
+ * F' = K d' for a law without rate; dashpots find theirs from the balance itself, F = f(d, d'). */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/work.h"
@@ -13,11 +15,22 @@
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 
+#include <float.h>
 #include <math.h>
 
-/* How short that step is, as a share of the next one of the run: first for indentations, which events leave off
- * by their tolerance, then for rates, which are right to about as many digits. */
-static const double AT_ONCE = 1e-14, SOON = 1e-6;
+/* Of the largest rate: at such a change Newton's method has settled, laws being all but linear in rates; and so much
+ * is left to their rounding. */
+enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
+static const double RATE_ERROR = 1e-8;
+
+/* Of the time that the contacts take, about: what happens at once is an implicit step so long, over which
+ * places change by less than rounding of what they are (2e-16 / 1e-13 of the rates is noise, and stays in
+ * the forces only where dashpots press against each other). */
+static const double AT_ONCE = 1e-13;
+
+/* Also of that time: a dashpot that comes to rest in less counts as none. A rate's error is about this, or
+ * rounding by this. */
+static const double SOON = 1e-7;
 
 /* What the force of one contact takes from the indentation of another by the residual compliance, m/N. */
 static double compliance_between(const aoi_system *system, size_t c, size_t by)
@@ -61,8 +74,8 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
         aoi_free_pair pair;
         aoi_pair_now(run, contact->at[0], &pair);
         aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
-        e->free[i] = here + time * rate;
-        e->rate_free[i] = time > 0.0 ? (e->free[i] - contact->indentation) / time : 0.0;
+        e->free[i] = here;
+        e->rate_free[i] = time > 0.0 ? rate + (here - contact->indentation) / time : 0.0;
         for (size_t k = 0; k < width; k++) {
             const size_t j = i + k - e->band; /* wraps round below the first */
             e->compliance[i * width + k] =
@@ -134,6 +147,176 @@ int aoi_balance_at_start(aoi_adaptive *run)
     return status;
 }
 
+/* About the time that contacts take. */
+static double time_of_contacts(const aoi_adaptive *run, size_t count)
+{
+    const double left = run->end - aoi_run_now(run);
+    double depth = 0.0, rate = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].at[0]];
+        depth = fmax(depth, contact->indentation_scale);
+        rate = fmax(rate, contact->rate_scale);
+    }
+    return depth > 0.0 && depth < rate * left ? depth / rate : left;
+}
+
+/* What a law that may not pull is cut to. */
+static double cut(const aoi_law *law, double force) { return law->pulls ? force : fmax(force, 0.0); }
+
+/* The piece of the law that a contact is on; that of its place where it is slack, or something has moved it beyond an
+ * end by more than events are off. */
+static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate)
+{
+    const aoi_adaptive_contact *contact = &run->contact[of->at[0]];
+    const double off = run->rtol * contact->indentation_scale;
+    double low, high;
+    if (contact->closed && contact->piece != AOI_SLACK && indentation >= contact->low - off &&
+        indentation <= contact->high + off) {
+        return contact->piece;
+    }
+    return aoi_law_piece(of->law, of->memory, indentation, rate > 0.0, &low, &high);
+}
+
+/* The law's own force, which is not cut. */
+static void ask(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate,
+                aoi_law_value *value)
+{
+    aoi_law_force(of->law, of->memory, piece_at(run, of, indentation, rate), indentation, rate, value);
+}
+
+/* What a law does meanwhile, at[1] of a contact that is listed: nothing; its force follows it; or it keeps the place where
+ * it is, as a dashpot does into which a place snaps, however weak it is at the touch. */
+enum { IS_SLACK, FOLLOWS, HOLDS };
+
+/* How the force of a contact answers to its rate over a time, what it would be at the rate it has, and that. over:
+ * places are those after it, and roles are given; else those before, and a law that would pull does nothing. */
+static aoi_law_value answer(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int over)
+{
+    const aoi_contact_state *of = &run->balanced[i];
+    aoi_law_value still, value;
+    if (of->at[1] == HOLDS) {
+        const double own = e->compliance[i * (2 * e->band + 1) + e->band];
+        const double damping = time_of_contacts(run, e->count) / own;
+        return (aoi_law_value){e->force[i] + damping * e->rate_free[i], 0.0, damping};
+    }
+    ask(run, of, e->indentation[i], 0.0, &still);
+    ask(run, of, e->indentation[i], e->rate[i], &value);
+    const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
+    const double way = over ? 0.0 : by_place * e->rate_free[i];
+    const double force = value.force + damping * (e->rate_free[i] - e->rate[i]) + way;
+    const int cuts = of->law->depends_on_rate && !of->law->pulls;
+    if (over ? of->at[1] == IS_SLACK
+             : cuts && !(value.force + by_place * e->rate[i] > 0.0)) {
+        return (aoi_law_value){0.0, 0.0, 0.0};
+    }
+    return (aoi_law_value){force, 0.0, damping + by_place};
+}
+
+/* The equations of the changes of forces in a short time, (1 + W C / time) change = force - held, with W by answer,
+ * as the force is at the rates without changes. */
+static void set_changes(const aoi_adaptive *run, double time, int over, const aoi_coupled *e, double *change)
+{
+    const size_t width = 2 * e->band + 1;
+    for (size_t i = 0; i < e->count; i++) {
+        const aoi_law_value value = answer(run, e, i, time, over);
+        for (size_t k = 0; k < width; k++) {
+            e->rate_compliance[i * width + k] = value.damping * e->compliance[i * width + k] / time;
+        }
+        e->rate_compliance[i * width + e->band] += 1.0;
+        change[i] = value.force - e->force[i];
+    }
+}
+
+/* Rates by the changes of forces, and the largest. Returns the largest change of one. */
+static double set_rates(double time, const aoi_coupled *e, const double *change, double *largest)
+{
+    double most = 0.0;
+    *largest = 0.0;
+    for (size_t i = 0; i < e->count; i++) {
+        const double *row = e->compliance + i * (2 * e->band + 1);
+        double sum = 0.0;
+        for (size_t k = 0; k <= 2 * e->band; k++) {
+            const size_t j = i + k - e->band; /* wraps round below the first */
+            sum += j < e->count ? row[k] * change[j] : 0.0;
+        }
+        const double rate = e->rate_free[i] - sum / time;
+        most = fmax(most, fabs(rate - e->rate[i]));
+        *largest = fmax(*largest, fmax(fabs(rate), fabs(e->rate_free[i])));
+        e->rate[i] = rate;
+    }
+    return most;
+}
+
+/* Places that the forces make, and the rates of the bodies alone. */
+static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
+{
+    const size_t width = 2 * e->band + 1;
+    for (size_t i = 0; i < e->count; i++) {
+        double acceleration;
+        aoi_free_pair pair;
+        aoi_pair_now(run, run->balanced[i].at[0], &pair);
+        aoi_free_pair_indentation(&pair, &e->indentation[i], &e->rate_free[i], &acceleration);
+        for (size_t k = 0; k < width; k++) {
+            const size_t j = i + k - e->band; /* wraps round below the first */
+            e->indentation[i] -= j < e->count ? e->compliance[i * width + k] * e->force[j] : 0.0;
+        }
+    }
+}
+
+/* Forces that balance, and places, by Newton's method from some that all but do: what dashpots hold stays where it
+ * was, and laws without go on below the touch, which is hit to a tolerance. */
+static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *e)
+{
+    double *change = e->free, largest = 0.0;
+    for (int k = 0; k < PLACE_LOOPS && isfinite(largest); k++) {
+        set_motion(run, e);
+        for (size_t i = 0; i < e->count; i++) {
+            e->rate_free[i] += (e->indentation[i] - run->balanced[i].indentation) / time;
+            e->rate[i] = e->rate_free[i];
+        }
+        set_changes(run, time, 1, e, change);
+        if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
+            return 0;
+        }
+        (void)set_rates(time, e, change, &largest);
+        for (size_t i = 0; i < e->count; i++) {
+            e->force[i] += change[i];
+        }
+    }
+    set_motion(run, e);
+    return isfinite(largest);
+}
+
+/* Newton's method on rates a short time after what happens at once, from places and forces then. Returns the
+ * largest, m/s; NaN where they are not found. */
+static double rates_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
+{
+    double *change = e->free, largest;
+    for (int i = 0; i < MOST_LOOPS; i++) {
+        set_changes(run, time, 0, e, change);
+        if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
+            break;
+        }
+        if (set_rates(time, e, change, &largest) <= RATE_ERROR * largest) {
+            return largest;
+        }
+    }
+    return (double)NAN;
+}
+
+/* Rates at that time, which dashpots change on the way: by those after once and twice as long. Returns the largest. */
+static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled *e)
+{
+    double largest = 0.0;
+    for (int k = 2; k > 0 && !isnan(largest); k--) {
+        largest = rates_after(run, k * time, e);
+        for (size_t i = 0; i < e->count; i++) {
+            run->balanced[i].rate = k == 2 ? e->rate[i] : 2.0 * e->rate[i] - run->balanced[i].rate;
+        }
+    }
+    return largest;
+}
+
 /* A force that comes or goes at once does so by more than this, as a share of rtol and of the largest force:
  * less is the error of the step before, in which events have been found. */
 static const double COMES = 10.0;
@@ -150,22 +333,18 @@ static double comes(const aoi_adaptive *run, size_t count)
     return COMES * run->rtol * largest;
 }
 
-/* Whether a law that may not pull lets go at once, or its force comes back. */
-static int lets_go(const aoi_adaptive_contact *contact, const aoi_law *law, double least)
+/* Whether a law that may not pull lets go at once. */
+static int lets_go(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
 {
-    aoi_law_value value;
-    if (contact->piece == AOI_SLACK || contact->begins || !law->depends_on_rate || law->pulls) {
-        return 0;
-    }
-    aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
-    return value.force < -least;
+    return contact->piece != AOI_SLACK && !contact->begins && law->depends_on_rate && !law->pulls &&
+           force < -least;
 }
 
 /* Whether a contact that has just touched parts again, since others move what has no mass there. */
 static int is_drawn_away(const aoi_adaptive *run, const aoi_contact_state *from, double least)
 {
     const aoi_adaptive_contact *contact = &run->contact[from->at[0]];
-    return contact->begins && contact->start <= aoi_law_rest(from->law, contact->memory) &&
+    return contact->begins && contact->event != AOI_EVENT_TOUCH && contact->start <= aoi_law_rest(from->law, contact->memory) &&
            from->force <= least && from->rate < -DRAWN * contact->rate_scale;
 }
 
@@ -187,79 +366,140 @@ static void take(aoi_adaptive *run, const aoi_contact_state *from, double least)
     aoi_adaptive_contact *contact = &run->contact[from->at[0]];
     const aoi_law *law = from->law;
     const double before = contact->start_rate;
-    aoi_law_value value;
-    contact->start = contact->begins && law->depends_on_rate
-                         ? fmax(contact->start, aoi_law_rest(law, contact->memory))
-                         : from->indentation;
     contact->start_rate = from->rate;
     if (law->turns && contact->piece != AOI_SLACK) {
         turn(law, before, contact);
     }
-    if (contact->piece == AOI_SLACK && from->force > least) {
+    if (contact->piece != AOI_SLACK &&
+        piece_at(run, from, contact->start, from->rate) != contact->piece) {
+        contact->piece = aoi_law_piece(law, contact->memory, contact->start, from->rate > 0.0,
+                                       &contact->low, &contact->high);
+        contact->last_length = 0.0;
+    }
+    /* What the step has just found is not undone: it knows more digits. */
+    const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
+    if (!found && contact->piece == AOI_SLACK && from->force > least) {
         contact->begins = 1;
         contact->last_length = 0.0;
         contact->piece = aoi_law_piece(law, contact->memory, contact->start, from->rate > 0.0,
                                        &contact->low, &contact->high);
-    } else if (lets_go(contact, law, least)) {
+    } else if (!found && lets_go(contact, law, from->force, least)) {
         contact->piece = AOI_SLACK;
     }
-    contact->force = 0.0;
-    if (contact->piece != AOI_SLACK) {
-        aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
-        contact->force = law->pulls ? value.force : fmax(value.force, 0.0);
-    }
-    aoi_contact_note_peak(run, from->at[0]);
+    contact->force = contact->piece != AOI_SLACK ? cut(law, from->force) : 0.0;
 }
 
-/* One such step of all that are listed: from their indentations. Rates by those, since a rate that follows from
- * forces is a small difference of large ones. */
-static int step(const aoi_adaptive *run, double time, aoi_coupled *e)
+/* A contact opens; whatever was known of its touch no longer holds. */
+static void leave(aoi_adaptive *run, size_t c)
 {
-    set_equations(run, time, e);
-    const int status = aoi_coupled_solve(e, run->balanced);
-    for (size_t i = 0; i < e->count && status == AOI_OK; i++) {
-        e->rate[i] = (e->indentation[i] - run->balanced[i].indentation) / time;
-    }
-    if (e->count == 1 && e->force[0] != 0.0 && run->balanced[0].law->depends_on_rate) {
-        e->force[0] = (e->free[0] - e->indentation[0]) / e->compliance[0];
-    }
-    return status;
+    aoi_contact_open(run, c);
+    run->contact[c].touches = 0;
+    run->contact[c].free_until = aoi_run_now(run);
+    aoi_watch_add(run, c);
 }
 
-void aoi_balance_at_once(aoi_adaptive *run, double within)
+/* What snaps back is held by the forces found: it has left contacts behind, and met others. Rates are found when all
+ * are listed. */
+static void meet(aoi_adaptive *run, const aoi_coupled *e)
 {
-    aoi_contact_state *of = run->balanced;
+    for (size_t i = 0; i < e->count; i++) {
+        run->contact[run->balanced[i].at[0]].bending = run->balanced[i].at[1] != IS_SLACK ? e->force[i] : 0.0;
+    }
+    for (size_t i = 0; i < e->count; i++) {
+        const aoi_contact_state *of = &run->balanced[i];
+        const size_t c = of->at[0];
+        aoi_adaptive_contact *contact = &run->contact[c];
+        const double tolerance = aoi_event_tolerance(run, contact->indentation_scale);
+        contact->start = aoi_contact_place(run, c);
+        const int touches = contact->start >= aoi_law_rest(of->law, of->memory) - tolerance;
+        if (contact->closed && !touches) {
+            leave(run, c);
+        } else if (!contact->closed && touches && of->at[1] != IS_SLACK) {
+            aoi_contact_close(run, c);
+        } else if (!contact->closed) {
+            contact->bending = 0.0;
+        }
+    }
+}
+
+/* Contacts that take part: closed ones; or with those beside them, which a place that snaps back may meet. */
+static size_t list_all(aoi_adaptive *run, int snaps)
+{
     size_t count = 0;
-    for (size_t i = 0; i < run->closed.count; i++) {
+    for (size_t i = 0; i < run->closed.count && !snaps; i++) {
         count = list(run, run->closed.at[i], count);
     }
+    for (size_t c = 0; c < run->system->contact_count && snaps; c++) {
+        const aoi_adaptive_contact *contact = &run->contact[c];
+        if (contact->closed || (!aoi_watch_has(run, c) && contact->event != AOI_EVENT_OPEN)) {
+            count = list(run, c, count);
+        }
+    }
+    return count;
+}
+
+/* What a listed contact does, and the force that it begins with: as it does, or, where a place snaps back, as found. */
+static void set_role(const aoi_adaptive *run, int snaps, double least, aoi_contact_state *of, double *force)
+{
+    const aoi_adaptive_contact *contact = &run->contact[of->at[0]];
+    const int follows = snaps ? *force != 0.0 : contact->piece != AOI_SLACK;
+    const double off = contact->start - aoi_law_rest(of->law, of->memory);
+    const int is_met = snaps ? !contact->closed
+                             : contact->begins && contact->bending > least &&
+                                   off <= aoi_event_tolerance(run, contact->indentation_scale);
+    *force = snaps ? *force : contact->bending;
+    of->at[1] = follows && is_met && of->law->depends_on_rate ? HOLDS : follows ? FOLLOWS : IS_SLACK;
+    if (!contact->closed) {
+        of->indentation = aoi_law_rest(of->law, of->memory);
+    }
+}
+
+void aoi_balance_at_once(aoi_adaptive *run, int snaps)
+{
+    aoi_contact_state *of = run->balanced;
+    aoi_law_value value;
+    const size_t count = list_all(run, snaps);
     if (count == 0) {
         return;
     }
+    const double time = time_of_contacts(run, count);
     aoi_coupled e = lay_out(run, count);
-    if (step(run, AT_ONCE * within, &e) != AOI_OK) {
-        return; /* the step itself begins with a worse guess */
-    }
-    for (size_t i = 0; i < count; i++) {
-        of[i].indentation = e.indentation[i];
-        run->contact[of[i].at[0]].bending = e.force[i];
-    }
-    for (int k = 2; k > 0; k--) { /* over twice the time, then once: what is at its start by extrapolation */
-        if (step(run, k * SOON * within, &e) != AOI_OK) {
-            return;
-        }
-        for (size_t i = 0; i < count; i++) {
-            of[i].force = k == 2 ? e.force[i] : 2.0 * e.force[i] - of[i].force;
-            of[i].rate = k == 2 ? e.rate[i] : 2.0 * e.rate[i] - of[i].rate;
-        }
+    set_equations(run, AT_ONCE * time, &e);
+    if (snaps && aoi_coupled_solve(&e, of) != AOI_OK) {
+        return;
     }
     const double least = comes(run, count);
     for (size_t i = 0; i < count; i++) {
-        if (is_drawn_away(run, &of[i], least)) {
-            aoi_contact_open(run, of[i].at[0]);
-            aoi_watch_add(run, of[i].at[0]);
+        set_role(run, snaps, least, &of[i], &e.force[i]);
+    }
+    if (!find_places(run, AT_ONCE * time, &e)) {
+        return;
+    }
+    if (snaps) {
+        meet(run, &e);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        e.rate[i] = of[i].rate;
+    }
+    const double error = RATE_ERROR * find_rates(run, SOON * time, &e);
+    if (isnan(error)) {
+        return; /* all is as it was: the step itself begins with a worse guess */
+    }
+    for (size_t i = 0; i < count; i++) {
+        run->contact[of[i].at[0]].bending = e.force[i];
+    }
+    for (size_t i = 0; i < count; i++) {
+        run->contact[of[i].at[0]].start = aoi_contact_place(run, of[i].at[0]);
+        ask(run, &of[i], e.indentation[i], of[i].rate, &value);
+        of[i].force = of[i].at[1] == HOLDS ? e.force[i] : value.force;
+        of[i].work = least + value.damping * error; /* that a force is above or below zero is certain from here on */
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (is_drawn_away(run, &of[i], of[i].work)) {
+            leave(run, of[i].at[0]);
         } else {
-            take(run, &of[i], least);
+            take(run, &of[i], of[i].work);
         }
     }
 }

@@ -241,25 +241,29 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
     here -= aoi_contact_bent(run, c, 0);
     rate -= aoi_contact_bent(run, c, 1);
+    const int bends = aoi_system_residual(run->system, c) > 0.0;
     run->unbalanced = 1;
     contact->begins = 1;
     contact->slack = 0.0;
 
-    contact->start = fmax(here, rest); /* exactly: what is left off here would add up */
+    /* Exactly: what is left off here would add up. What has no mass is where the forces say. */
+    contact->start = bends ? here : fmax(here, rest);
     contact->start_rate = rate;
     contact->last_length = contact->since_touch = contact->edge = 0.0;
     contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
                                    &contact->low, &contact->high);
-    aoi_law_force(of->law, contact->memory, contact->piece, contact->start, rate, &value);
+    aoi_law_force(of->law, contact->memory, contact->piece, fmax(here, rest), rate, &value);
     contact->force = value.force;
-    if (value.damping > 0.0 && aoi_system_residual(run->system, c) > 0.0) {
+    if (value.damping > 0.0 && bends) {
         contact->start_rate = contact->force = 0.0; /* a damper stops what has no mass */
     }
     if (contact->force < 0.0 && !of->law->pulls) { /* within rounding of a touch to come, but still parting */
         contact->piece = AOI_SLACK;
         contact->force = 0.0;
     }
-    aoi_contact_note_peak(run, c);
+    if (!bends) { /* else the step says what it begins with */
+        aoi_contact_note_peak(run, c);
+    }
     estimate_scales(run, c, &pair, rate, acceleration);
     run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
     run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);

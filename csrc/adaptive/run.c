@@ -32,8 +32,11 @@ static const double SLIVER = 1e-6;
 /* After a failure steps are shorter by this at most and at least. */
 static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
 
-/* After a success they are longer by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps for each mode of the
- * largest body. */
+/* And by this at least where the event that a step was cut short for was none. */
+static const double NOT_THERE = 0.5;
+
+/* After a success they are longer by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps
+ * for each mode of the largest body. */
 static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
 
 /* A step worse than this is so far off that its events are not to be trusted. */
@@ -362,7 +365,7 @@ static int prepare(aoi_adaptive *run, double *limit)
             return status;
         }
         if (run->unbalanced) {
-            aoi_balance_at_once(run, fmin(step_of_level(run), run->end - aoi_run_now(run)));
+            aoi_balance_at_once(run, 0);
             run->unbalanced = 0;
         }
     } while (run->closed_count != run->closed.count);
@@ -492,7 +495,7 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             }
             return status;
         }
-        doubted = attempt.growth < 1.0 ? h * fmax(attempt.growth, LEAST_SHRINKAGE) : doubted;
+        doubted = h * fmax(fmin(attempt.growth, NOT_THERE), LEAST_SHRINKAGE);
         status = go_back(run, &attempt, &trim, &trims, &limit);
     }
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;

@@ -154,6 +154,9 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
  * its rate, as they went on so far, m/s. */
 double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates);
 
+/* A contact's indentation now, by the places of its bodies and the forces that bend them. */
+double aoi_contact_place(const aoi_adaptive *run, size_t c);
+
 /* Takes note of a contact's force now, which may be its largest. */
 void aoi_contact_note_peak(aoi_adaptive *run, size_t c);
 
@@ -162,9 +165,10 @@ void aoi_contact_note_peak(aoi_adaptive *run, size_t c);
  * aoi_coupled_solve. */
 int aoi_balance_at_start(aoi_adaptive *run);
 
-/* Finds rates and forces of such contacts after something has happened to one of them; within: a time in which
- * little happens. One that has only just touched opens again where the others draw it away. */
-void aoi_balance_at_once(aoi_adaptive *run, double within);
+/* Finds places, rates and forces of such contacts after something has happened to one of them, or leaves all as it
+ * is. One that has only just touched opens again where the others draw it away. snaps: a place snaps back, as one that
+ * was pulled is let go; only places and forces are found, and those of the step that it meets close. */
+void aoi_balance_at_once(aoi_adaptive *run, int snaps);
 
 /* The energy in residual compliances and in the laws of contacts at them, J; the work on each of these contacts
  * takes note of its law's share: with sign -1 before something happens at once, with 1 after it. */
@@ -206,6 +210,8 @@ void aoi_watch_begin(aoi_adaptive *run);
 /* Watches an open contact, if it is not watched yet, by its free_until and touches, which are not to change
  * until it is removed. */
 void aoi_watch_add(aoi_adaptive *run, size_t c);
+
+int aoi_watch_has(const aoi_adaptive *run, size_t c);
 
 /* Returns whether it was watched. */
 int aoi_watch_remove(aoi_adaptive *run, size_t c);

@@ -74,28 +74,46 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
     return sum;
 }
 
-/* What contact forces take from an indentation at the start by residual compliances, m: by the bodies' places,
- * since a force that has just begun is known only roughly. */
-static double bent_at_start(const aoi_adaptive *run, const aoi_contact_step *entry)
+/* Takes off what the forces that places without mass follow do in the step if they stay as they are. */
+static void add_constant_forces(const aoi_adaptive *run, aoi_contact_step *entry, int with_rates)
+{
+    const aoi_system *system = run->system;
+    const aoi_contact *of = &system->contact[entry->contact];
+    for (int side = 0; side < 2; side++) {
+        const size_t b = of->body[side], ports = system->body[b].ports;
+        for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
+            const aoi_contact *by = &system->contact[system->contact_of[i]];
+            const double force = run->contact[system->contact_of[i]].bending;
+            const int other = by->body[1] == b;
+            const size_t pair = of->port[side] * ports + by->port[other];
+            const size_t at = pair * AOI_NODES * AOI_NODES;
+            for (size_t q = 0; q < AOI_NODES && force != 0.0; q++) {
+                const double sign = side == other ? -force : force;
+                const size_t column = at + q * AOI_NODES;
+                aoi_nodes_add(sign, run->response[b].influence + column, entry->homogeneous);
+                if (with_rates) {
+                    aoi_nodes_add(sign, run->response[b].influence_rate + column, entry->homogeneous_rate);
+                }
+            }
+        }
+    }
+}
+
+double aoi_contact_place(const aoi_adaptive *run, size_t c)
 {
     double without_forces, rate, acceleration;
     aoi_free_pair pair;
-    if (!aoi_contact_has_residual(run, entry->contact)) {
-        return 0.0;
-    }
-    aoi_pair_now(run, entry->contact, &pair);
+    aoi_pair_now(run, c, &pair);
     aoi_free_pair_indentation(&pair, &without_forces, &rate, &acceleration);
-    return without_forces - entry->start;
+    return without_forces - aoi_contact_bent(run, c, 0);
 }
 
-static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, double h, int with_rates)
+static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rates)
 {
     const aoi_contact *contact = &run->system->contact[entry->contact];
-    const double bent = bent_at_start(run, entry);
     for (size_t i = 0; i < AOI_NODES; i++) {
-        entry->homogeneous[i] = entry->start + bent;
-        entry->homogeneous_rate[i] =
-            with_rates ? -bent / h * aoi_radau_slope_at_node[0][i] : 0.0;
+        entry->homogeneous[i] = entry->start;
+        entry->homogeneous_rate[i] = 0.0;
     }
     for (int side = 0; side < 2; side++) {
         const size_t b = contact->body[side], at = run->system->first[b];
@@ -103,6 +121,7 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, double h, in
                                  side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
                                  entry->homogeneous, with_rates ? entry->homogeneous_rate : NULL);
     }
+    add_constant_forces(run, entry, with_rates);
 }
 
 /* The last step's polynomial at the nodes of a step of length h behind it, and its slope there. */
@@ -176,14 +195,18 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
 {
     aoi_contact_step *entry = &run->entry[s];
-    const aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    if (aoi_contact_has_residual(run, entry->contact)) {
+        contact->start = aoi_contact_place(run, entry->contact);
+    }
+    entry->constant = contact->bending;
     entry->memory = contact->memory;
     entry->piece = contact->piece;
     entry->edge = edge_of(run, entry->contact, h);
     entry->start_force = contact->force;
     entry->start = contact->start;
     entry->start_rate = contact->start_rate;
-    homogeneous(run, entry, h, with_rates);
+    homogeneous(run, entry, with_rates);
     const int shared = run->closed_count > 1 && aoi_contact_has_residual(run, entry->contact);
     guess(contact, h, run->indentation_scale, with_rates, shared, entry);
 }
@@ -258,6 +281,11 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
     if (aoi_collocation_solve(run->system, run->response, h, run->closed_count, span_of(run),
                               run->entry, run->collocation) != AOI_OK) {
         return;
+    }
+    for (size_t s = 0; s < run->closed_count && with_rates; s++) {
+        if (aoi_contact_has_residual(run, run->entry[s].contact)) {
+            run->entry[s].start_rate = aoi_nodes_at_start(run->entry[s].rate);
+        }
     }
     gather_forces(run, h);
     run->force_scale = force_scale_of(run);

@@ -48,6 +48,9 @@ static void note_peak(const aoi_adaptive *run, const aoi_contact_step *entry, do
         return;
     }
     const double place = top_of(law, entry);
+    if (aoi_contact_has_residual(run, entry->contact)) { /* it may have come at once */
+        take_peak(run, aoi_nodes_at_start(entry->force), 0.0, contact);
+    }
     if (law->depends_on_rate) {
         for (size_t i = 0; i < AOI_NODES; i++) {
             rates[i + 1] = entry->rate[i];
@@ -209,7 +212,9 @@ void aoi_contact_open(aoi_adaptive *run, size_t c)
     for (; at < run->closed.count; at++) {
         run->closed.at[at] = run->closed.at[at + 1];
     }
-    run->contact[c].closed = 0;
+    aoi_adaptive_contact *contact = &run->contact[c];
+    contact->closed = 0;
+    contact->force = contact->bending = contact->force_rate = 0.0;
 }
 
 static void apply_event(aoi_adaptive *run, size_t c, double now)
@@ -220,7 +225,6 @@ static void apply_event(aoi_adaptive *run, size_t c, double now)
     switch (contact->event) {
     case AOI_EVENT_OPEN:
         aoi_contact_open(run, c);
-        contact->force = contact->bending = contact->force_rate = 0.0;
         contact->touches = 0;
         contact->free_until = now;
         break;
@@ -253,7 +257,7 @@ static void apply_event(aoi_adaptive *run, size_t c, double now)
  * opens in the first look at it, or leaves its piece by the end that it moves away from. */
 static int goes_back(const aoi_adaptive_contact *contact)
 {
-    return (contact->event == AOI_EVENT_OPEN && contact->begins) ||
+    return (contact->event == AOI_EVENT_OPEN && contact->begins && contact->event_place > 0.0) ||
            (contact->event == AOI_EVENT_ABOVE && contact->start_rate < 0.0) ||
            (contact->event == AOI_EVENT_BELOW && contact->start_rate > 0.0);
 }
@@ -264,6 +268,7 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
     for (size_t s = 0; s < run->closed_count; s++) {
         aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
         if (contact->event_place > place) {
+            contact->event = AOI_EVENT_NONE; /* not yet */
             continue;
         }
         if (goes_back(contact)) {
@@ -335,9 +340,15 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
         events(run, later);
         return AOI_OK;
     }
+    for (size_t k = run->closed_count; k < run->entry_count; k++) {
+        const aoi_contact *beside = &run->system->contact[run->entry[k].contact];
+        aoi_body_engage(run, beside->body[0], 1);
+        aoi_body_engage(run, beside->body[1], 1);
+        run->contact[run->entry[k].contact].start = aoi_contact_place(run, run->entry[k].contact);
+    }
     const double before = aoi_balance_book(run, -1.0);
     events(run, later);
-    aoi_balance_at_once(run, h);
+    aoi_balance_at_once(run, 1);
     const double lost = before - aoi_balance_book(run, 1.0);
     run->contact[run->entry[s].contact].work += lost;
     row[*size - (run->closed_count - s) * AOI_TRACK_CONTACT_SIZE + AOI_TRACK_LOST] = lost;

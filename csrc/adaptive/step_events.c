@@ -18,6 +18,10 @@ static const double EVENT_SHARE = 0.01, PLACE_ROUNDING = 8.0;
 /* A contact is skipped within this share of what it counts again at. */
 static const double DOZING = 0.1;
 
+/* In steps over which bodies come no further than this share of their deepest, what does not touch at once does not
+ * touch. */
+static const double SHORTEST = 1e-2;
+
 double aoi_event_tolerance(const aoi_adaptive *run, double scale)
 {
     return fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) * scale;
@@ -108,16 +112,6 @@ int aoi_step_piece(const aoi_law *law, const aoi_contact_step *entry)
                : aoi_law_piece(law, entry->memory, entry->start, entry->start_rate > 0.0, &low, &high);
 }
 
-/* The polynomial through the nodes at the start. */
-static double at_start_by_nodes(const double *nodes)
-{
-    double sum = 0.0;
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        sum += (k % 2 == 0 ? 1.0 : -1.0) * aoi_nodes_dot(aoi_radau_to_legendre[k], nodes);
-    }
-    return sum;
-}
-
 /* Where the law's own force, which is cut at zero, changes its sign. */
 static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
@@ -141,13 +135,13 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
         line_up(fmax(entry->start_force, 0.0), force, 1.0, 0.0, values);
     }
     if (aoi_contact_has_residual(run, entry->contact)) {
-        /* A rate may jump there, and the force with it: it has fallen already, to the error of the step before, or
-         * the nodes say where it comes from. */
+        /* A rate may jump there, and the force with it: the nodes say where it comes from. It has fallen already, to
+         * the error of the step before. */
+        values[0] = aoi_nodes_at_start(values + 1);
         if (values[1] < -tolerance && values[0] <= run->rtol * fmax(run->force_scale, largest)) {
             aoi_step_note_event(0.0, kind, contact, attempt);
             return;
         }
-        values[0] = values[1] < -tolerance ? values[0] : at_start_by_nodes(values + 1);
     }
     leaves(values, tolerance, kind, contact, attempt);
 }
@@ -171,19 +165,35 @@ static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, doubl
     const double least = aoi_event_tolerance(run, aoi_step_force_scale(run, entry, 0.0));
     return aoi_contact_has_residual(run, entry->contact) && !contact->begins && entry->start - rest <= tolerance &&
            entry->start_rate < 0.0 && entry->indentation[0] - rest < entry->start - rest &&
-           fabs(entry->start_force) <= least;
+           fmax(fabs(entry->start_force), aoi_step_force(entry)) <= least;
+}
+
+/* Whether a contact that has just touched a place without mass is none: others move that away from the first, as the
+ * shortest steps show. reach: how far the bodies come in the step. */
+static int is_none(const aoi_adaptive *run, const aoi_contact_step *entry, double reach, double scale)
+{
+    return run->contact[entry->contact].begins && aoi_contact_has_residual(run, entry->contact) &&
+           entry->indentation[0] < entry->start && entry->indentation[AOI_NODES - 1] < entry->start &&
+           entry->start_force <= 0.0 && reach <= SHORTEST * scale;
 }
 
 void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
     const aoi_law *law = aoi_step_law(run, entry);
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
-    const double rest = aoi_law_rest(law, entry->memory);
+    const double touch = aoi_law_rest(law, entry->memory); /* or, to its tolerance, where it began */
+    const double rest = contact->begins ? fmin(touch, entry->start) : touch;
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double tolerance = aoi_event_tolerance(run, scale);
     double values[AOI_NODES + 1];
     line_up(entry->start, entry->indentation, 1.0, -rest, values);
     if (is_over(run, entry, rest, tolerance)) {
+        contact->slack = tolerance; /* or it would touch again where it is */
+        aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
+        return;
+    }
+    if (entry->start - touch <= tolerance && is_none(run, entry, attempt->h * contact->rate_scale, scale)) {
+        contact->slack = tolerance;
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
     }
@@ -199,7 +209,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
         line_up(entry->start, entry->indentation, 1.0, -contact->low, values);
         leaves(values, tolerance, AOI_EVENT_BELOW, contact, attempt);
     }
-    if (law->turns && entry->piece != AOI_SLACK && entry->start_rate > 0.0) {
+    if (law->turns && entry->piece != AOI_SLACK && contact->start_rate > 0.0) {
         const double slow = EVENT_SHARE * run->rtol * contact->rate_scale;
         line_up(entry->start_rate, entry->rate, 1.0, 0.0, values);
         leaves(values, slow, AOI_EVENT_TURN, contact, attempt);

@@ -108,6 +108,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
     if (aoi_is_at_start(run, after, attempt->h) ||
         (start_rate > 0.0 && start + slack >= -2.0 * tolerance && !aoi_contact_has_residual(run, entry->contact))) {
         attempt->closed = 1;
+        contact->event = AOI_EVENT_TOUCH;
         aoi_contact_close(run, entry->contact);
         return;
     }

@@ -53,6 +53,8 @@ void aoi_watch_begin(aoi_adaptive *run)
     }
 }
 
+int aoi_watch_has(const aoi_adaptive *run, size_t c) { return run->contact[c].place != NOWHERE; }
+
 void aoi_watch_add(aoi_adaptive *run, size_t c)
 {
     aoi_list *heap = &run->watched[run->contact[c].touches != 0];

@@ -14,14 +14,16 @@ enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
 
 /* One contact during a step. The caller sets the first block: the piece of the law and its memory; which
  * edge of the contact the step has; indentation, rate and force at the start of the step; what counts as
- * large for the indentation; the motion without contact forces, and a guess of the indentation and its
- * rate. */
+ * large for the indentation; a constant force, the motion under that of every contact, and a guess of the
+ * indentation and its rate. Where a place without mass follows the forces, that constant is the force at the
+ * start: rates are then found from what forces change within the step, however short it is. */
 typedef struct aoi_contact_step {
     size_t contact;
     const double *memory;
     int piece;
     enum aoi_edge edge;
     double start, start_rate, start_force, scale;
+    double constant;
     double homogeneous[AOI_NODES], homogeneous_rate[AOI_NODES];
     double indentation[AOI_NODES], rate[AOI_NODES];
 

@@ -225,7 +225,8 @@ static void add_block(enum aoi_edge edge, const double *by, const double *block,
 }
 
 /* Newton's equations for the forces, (1 + stiffness A + damping B) F = f + stiffness (delta_h - delta) +
- * damping (rate_h - rate), and later for their changes: the same matrix, with f - F on the right. */
+ * damping (rate_h - rate), all without the constant
+ * forces, and later for their changes: the same matrix, with f - F on the right. */
 typedef struct equations {
     size_t n, half, stride, size;
     double *storage, *matrix; /* element (i, j) is matrix[i * stride + j] */
@@ -284,8 +285,8 @@ void aoi_collocation_aim(const aoi_contact_step *entry, int first, int with_rate
     if (entry->edge != AOI_EDGE_NONE) {
         aoi_edge_project(entry->edge, law->force, law->force);
     }
-    for (size_t i = 0; i < AOI_NODES && !first; i++) {
-        law->force[i] -= entry->force[i];
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        law->force[i] -= first ? entry->constant : entry->force[i];
     }
 }
 
@@ -324,7 +325,7 @@ static void answer_of(const couplings *of, const double *values, size_t s, const
     }
 }
 
-/* From changes of the forces (the first: from nothing) to those of indentations and rates. Returns the
+/* From changes of the forces (the first: from the constant ones) to those of indentations and rates. Returns the
  * largest relative to scale. */
 static double update(const couplings *of, const double *by, int first, aoi_contact_step *entry)
 {
@@ -338,7 +339,7 @@ static double update(const couplings *of, const double *by, int first, aoi_conta
             const double change = fabs(next - here->indentation[i]) * inverse;
             largest = change <= largest ? largest : change; /* NaN, too, is large */
             here->indentation[i] = next;
-            here->force[i] = (first ? 0.0 : here->force[i]) + by[s * AOI_NODES + i];
+            here->force[i] = (first ? here->constant : here->force[i]) + by[s * AOI_NODES + i];
         }
         if (of->rate) {
             answer_of(of, of->rate, s, by, answer);

@@ -72,7 +72,7 @@ static void renew(const aoi_contact_step *entry, const aoi_law_values *law, sing
     aoi_nodes_invert(of->inverse); /* pivots as in many.c; the inverse has columns likewise */
 }
 
-/* From a change of the forces (the first: from nothing) to that of indentation and rate. Returns the
+/* From a change of the forces (the first: from the constant one) to that of indentation and rate. Returns the
  * largest relative to scale. */
 static double move(const single *of, const double *by, int first, aoi_contact_step *entry)
 {
@@ -84,7 +84,7 @@ static double move(const single *of, const double *by, int first, aoi_contact_st
         const double change = fabs(next - entry->indentation[i]) * inverse;
         largest = change <= largest ? largest : change; /* NaN, too, is large */
         entry->indentation[i] = next;
-        entry->force[i] = first ? by[i] : entry->force[i] + by[i];
+        entry->force[i] = (first ? entry->constant : entry->force[i]) + by[i];
     }
     if (of->with_rates) {
         aoi_nodes_multiply(of->rate, by, answer);

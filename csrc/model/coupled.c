@@ -44,6 +44,7 @@ typedef struct newton {
     const aoi_contact_state *contact;
     size_t width;
     double deepest; /* without forces */
+    double ended;   /* contacts that pull let go that were no deeper before the step */
     double rounding; /* relative error at which an equation counts as solved */
     iterate now, trial;
     double *size, *rate_size;
@@ -160,9 +161,12 @@ static int solve_one(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
     const aoi_contact_state *contact = &s->contact[i];
+    /* A law that pulls goes on until it ends: where both are solutions, by where it was. */
+    const double pulled = contact->indentation > s->ended ? contact->indentation
+                                                          : aoi_law_rest(contact->law, contact->memory);
     const aoi_contact_equation equation = {
         at->seen[i], own(e, e->compliance, i), at->seen_rate[i], own(e, e->rate_compliance, i),
-        contact->law->pulls ? contact->indentation : at->indentation[i]};
+        contact->law->pulls ? pulled : at->indentation[i]};
     const int status = aoi_contact_solve(contact->law, contact->memory, &equation, &at->force[i],
                                          &at->indentation[i]);
     if (status == AOI_OK) {
@@ -246,30 +250,29 @@ static void fill_matrix(const newton *s)
     }
 }
 
-/* Elimination within the band, no pivoting; 0 where a pivot is not positive. */
-static int eliminate(const newton *s)
+int aoi_coupled_eliminate(size_t n, size_t band, double *matrix, double *x)
 {
-    const size_t n = s->e->count, band = s->e->band, width = s->width;
+    const size_t width = 2 * band + 1;
     for (size_t p = 0; p < n; p++) {
-        const double *row = s->matrix + p * width;
+        const double *row = matrix + p * width;
         if (!(row[band] > 0.0) || !isfinite(row[band])) {
             return 0;
         }
-        for (size_t i = p + 1; i < last_of(s->e, p); i++) {
-            double *other = s->matrix + i * width + (p + band - i); /* column p of row i */
+        for (size_t i = p + 1; i < n && i <= p + band; i++) {
+            double *other = matrix + i * width + (p + band - i); /* column p of row i */
             const double factor = other[0] / row[band];
             for (size_t j = 1; factor != 0.0 && j <= band; j++) {
                 other[j] -= factor * row[band + j];
             }
-            s->change[i] -= factor * s->change[p];
+            x[i] -= factor * x[p];
         }
     }
     for (size_t p = n; p-- > 0;) {
-        const double *row = row_of(s->e, s->matrix, p);
-        for (size_t j = p + 1; j < last_of(s->e, p); j++) {
-            s->change[p] -= row[j] * s->change[j];
+        const double *row = matrix + p * width + band;
+        for (size_t j = 1; j <= band && p + j < n; j++) {
+            x[p] -= row[j] * x[p + j];
         }
-        s->change[p] /= row[p];
+        x[p] /= row[0];
     }
     return 1;
 }
@@ -321,7 +324,7 @@ static int newton_step(newton *s, double *merit, int *nearer)
     double share = 1.0, after;
     *nearer = 0;
     fill_matrix(s);
-    if (!eliminate(s)) {
+    if (!aoi_coupled_eliminate(s->e->count, s->e->band, s->matrix, s->change)) {
         return AOI_OK;
     }
     find_moves(s);
@@ -377,19 +380,44 @@ static int solve_from_here(newton *s, int most_steps)
     return status == AOI_OK && !(merit == 0.0) ? AOI_ERROR_NOT_FINITE : status;
 }
 
+/* A contact that pulls ends by a jump of its force: next to others that answer to that, it may neither go on by itself
+ * nor let go of what it sees then, though all together are at rest with it open. The next to end does; 0: none is left. */
+static int end_next(newton *s)
+{
+    double next = HUGE_VAL;
+    for (size_t i = 0; i < s->e->count; i++) {
+        const aoi_contact_state *contact = &s->contact[i];
+        if (contact->law->pulls && contact->indentation > s->ended &&
+            contact->indentation > aoi_law_rest(contact->law, contact->memory)) {
+            next = fmin(next, contact->indentation);
+        }
+    }
+    s->ended = next < HUGE_VAL ? next : s->ended;
+    return next < HUGE_VAL;
+}
+
+static int has_failed(int status) { return status == AOI_ERROR_NO_CONVERGENCE || status == AOI_ERROR_NOT_FINITE; }
+
+/* From bodies that do not touch, as well as rounding leaves it. */
+static int solve_from_apart(newton *s, double rounding)
+{
+    const aoi_coupled *e = s->e;
+    for (size_t i = 0; i < e->count; i++) {
+        e->indentation[i] = e->free[i];
+        e->force[i] = 0.0;
+    }
+    s->rounding = rounding;
+    return solve_from_here(s, MOST_STEPS);
+}
+
 static int solve_all(newton *s)
 {
     const aoi_coupled *e = s->e;
     int status = solve_from_here(s, FIRST_STEPS);
-    for (int attempt = 0; attempt < 2 && (status == AOI_ERROR_NO_CONVERGENCE ||
-                                          status == AOI_ERROR_NOT_FINITE); attempt++) {
-        /* The guess has led astray: once more from bodies that do not touch. */
-        for (size_t i = 0; i < e->count; i++) {
-            e->indentation[i] = e->free[i];
-            e->force[i] = 0.0;
-        }
-        s->rounding = attempt == 0 ? ROUNDING : ROUGH;
-        status = solve_from_here(s, MOST_STEPS);
+    status = has_failed(status) ? solve_from_apart(s, ROUNDING) : status; /* the guess has led astray */
+    status = has_failed(status) ? solve_from_apart(s, ROUGH) : status;
+    while (has_failed(status) && end_next(s)) {
+        status = solve_from_apart(s, ROUNDING);
     }
     for (size_t i = 0; i < e->count; i++) {
         e->rate[i] = s->now.seen_rate[i] - own(e, e->rate_compliance, i) * e->force[i];
@@ -503,6 +531,7 @@ static int solve_segment(const aoi_coupled *e, const aoi_contact_state *contact,
     newton s;
     lay_out(&s, &part, contact + low, work);
     s.deepest = deepest;
+    s.ended = -HUGE_VAL;
     s.rounding = ROUNDING;
     return solve_all(&s);
 }

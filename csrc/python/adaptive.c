@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Bytes copied between looks for signals: a hundredth of a second at most. */
+#define AT_ONCE ((size_t)1 << 22)
+
 /* ----------------------------------------------------------------------- bodies and contacts */
 
 /* A system and all that it is made of. */
@@ -249,6 +252,21 @@ static PyObject *contacts_of(const aoi_adaptive *run, const aoi_system *system, 
     return result;
 }
 
+/* A record may fill GiB: signals are heard while it is copied. */
+static PyObject *bytes_of(const void *record, size_t size)
+{
+    PyObject *bytes = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)size);
+    for (size_t done = 0; bytes && done < size; done += AT_ONCE) {
+        const size_t left = size - done;
+        memcpy(PyBytes_AsString(bytes) + done, (const char *)record + done,
+               left < AT_ONCE ? left : AT_ONCE);
+        if (PyErr_CheckSignals() != 0) {
+            Py_CLEAR(bytes);
+        }
+    }
+    return bytes;
+}
+
 /* (track, index, x, v, contacts, steps, rejected) */
 static PyObject *adaptive_result(const aoi_adaptive *run, const aoi_system *system,
                                  const aoi_track *track, double end)
@@ -256,14 +274,15 @@ static PyObject *adaptive_result(const aoi_adaptive *run, const aoi_system *syst
     const Py_ssize_t state = (Py_ssize_t)(system->first[system->body_count] * sizeof(double));
     const aoi_progress at = aoi_adaptive_progress(run);
     PyObject *contacts = contacts_of(run, system, track, end);
-    if (!contacts) {
+    PyObject *rows = contacts ? bytes_of(track->values, track->used * sizeof(double)) : NULL;
+    PyObject *index = rows ? bytes_of(track->row, track->rows * sizeof(size_t)) : NULL;
+    if (!index) {
+        Py_XDECREF(contacts);
+        Py_XDECREF(rows);
         return NULL;
     }
-    return Py_BuildValue("y#y#y#y#Nnn", (const char *)track->values,
-                         (Py_ssize_t)(track->used * sizeof(double)), (const char *)track->row,
-                         (Py_ssize_t)(track->rows * sizeof(size_t)), (const char *)at.x, state,
-                         (const char *)at.v, state, contacts, (Py_ssize_t)at.steps,
-                         (Py_ssize_t)at.rejected);
+    return Py_BuildValue("NNy#y#Nnn", rows, index, (const char *)at.x, state, (const char *)at.v, state,
+                         contacts, (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
 }
 
 /* What one call of adaptive() has to release. */

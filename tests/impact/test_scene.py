@@ -232,6 +232,20 @@ def test_a_body_struck_in_three_places_is_all_of_its_modes():
 # ---------------------------------------------------------------------- many contacts
 
 
+def test_a_held_body_of_several_places_starts_alike_by_both_ways():
+    K = np.diag([0.0, 1e6, 1e6, 3e5, 1e6, 1e6])
+    K[np.ix_([0, 3], [0, 3])] += 1e6 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    body = ao.FEModel(K=K, M=np.eye(6), nodes=[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    ends = [body.contact(point=(x, 0.0, 0.0), direction=(1, 0, 0)) for x in (0.0, 1.0)]
+    for solver in (ao.Adaptive(), ao.Newmark(dt=1e-6)):
+        scene = ao.Scene()
+        moving, wall = scene.add(ends, velocity=4.0), scene.add(WALL)
+        scene.connect(moving.port(0), wall, HERTZ, gap=1.0)
+        run = scene.simulate(duration=1e-4, solver=solver)
+        np.testing.assert_allclose(run[moving].centre_velocity[0], 4.0, rtol=1e-12)
+        np.testing.assert_allclose(run[moving].port_displacements[:, -1], [4e-4, 4e-4], rtol=1e-2)
+
+
 def squeezed(ratio):
     """A ball of mass 1 at rest between a wall and one `ratio` times as heavy that moves in."""
     scene = ao.Scene()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import pickle
+import sys
 import tracemalloc
 import warnings
 from pathlib import Path
@@ -510,3 +511,22 @@ def test_too_little_memory_is_said_with_the_file(
     file.write_text("$MeshFormat")
     with pytest.raises(MemoryLimitError, match=r"a\.msh.* more memory than there is"):
         read_mesh(file)
+
+
+def test_reading_leaves_meshio_as_it_was(tmp_path: Path) -> None:
+    def seen() -> dict[str, tuple[object, object]]:
+        return {
+            name: (vars(module).get("np"), vars(module).get("open"))
+            for name, module in sys.modules.items()
+            if name.startswith("meshio.")
+        }
+
+    meshio.Mesh([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [("tetra", [[0, 1, 2, 3]])]).write(
+        tmp_path / "one.vtk"
+    )
+    before = seen()
+    assert read_mesh(tmp_path / "one.vtk").n_cells == 1
+    (tmp_path / "two.msh").write_text("$MeshFormat\n4.1 0 8\n", encoding="utf-8")
+    with pytest.raises(MeshError):
+        read_mesh(tmp_path / "two.msh")
+    assert before == {name: of for name, of in seen().items() if name in before}

@@ -407,10 +407,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "Handle": (ao.Handle, {"body": 0, "at": 0, "name": "a", "scene": "b"}),
     "Handle.port": (ao.Handle(0).port, {"at": 0}),
-    "Run": _again(HIT.run),
     "Run.at": (HIT.run.at, {"times": [1e-4]}),
     "Run.to_csv": (HIT.run.to_csv, {"path": "run.csv", "names": None}),
-    "Result": _again(HIT),
     "SweepTable": _again(SWEEP),
     "SweepTable.to_csv": (SWEEP.to_csv, {"path": None}),
     "Comparison": _again(COMPARED),
@@ -562,9 +560,18 @@ def test_every_argument_takes_odd_values_or_names_them(
     assert not wrong, "\n".join(wrong)
 
 
+# Made by every run and by nobody else: to check what the package itself has made would cost a plain
+# impact a tenth of its time.
+ONLY_RETURNED = {"Result", "Run"}
+
+
 def test_everything_public_is_tried_with_each_argument() -> None:
     tried: dict[str, set[str]] = {}
     for name, (_, given) in CALLS.items():
         tried.setdefault(name.partition(" ")[0], set()).update(given)
-    untried = {name: left for name, given in public() if (left := given - tried.get(name, set()))}
+    untried = {
+        name: left
+        for name, given in public()
+        if name not in ONLY_RETURNED and (left := given - tried.get(name, set()))
+    }
     assert not untried

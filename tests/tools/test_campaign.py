@@ -8,16 +8,21 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
+from campaign import cures
+from campaign.__main__ import main
 from campaign.case import Body, Case, Contact, Frame, Law, Load
+from campaign.compare import apart
 from campaign.generate import case_of
-from campaign.judge import judge
+from campaign.judge import Verdict, judge
 from campaign.oracle import Oracle
+from campaign.package import faults_of
 from campaign.pool import each
 from campaign.shrink import shrink
 
@@ -76,6 +81,22 @@ def test_dashpots_on_a_massless_coordinate_are_the_limit_of_small_masses() -> No
     assert np.abs(apart).max() < 2e-3
 
 
+def test_the_oracle_s_peak_is_the_largest_force_on_its_curve() -> None:
+    # The second contact makes a kink in the force of the first, beside its top.
+    frame = Frame((2.736, 5.153, 0.2668, 3.794), (1.411e12, 1.265e9, 1.16e8), (1.635e8, 0, 0, 0))
+    bodies = (frame, Body(0.55, velocity=10.0), Body(2.1, velocity=8.3))
+    contacts = (
+        Contact(1, 0, Law("Linear", {"k": 5.4e9}), 0.0, (0, 2)),
+        Contact(2, 0, Law("Hertz", {"k": 1.35e13}), 2.84e-4, (0, 2)),
+    )
+    outcome = Oracle(Case(bodies, contacts, duration=6e-5), rtol=1e-9).run()
+    assert outcome.force_at is not None
+    for c, (peak, when) in enumerate(zip(outcome.peaks, outcome.peak_times, strict=True)):
+        times = np.linspace(max(0.0, when - 1e-6), min(6e-5, when + 1e-6), 400)
+        largest = max(outcome.force_at(c, float(t)) for t in times)
+        assert largest <= peak * (1.0 + 1e-9)
+
+
 def test_shrinking_leaves_what_fails() -> None:
     case = next(case_of(seed) for seed in range(500) if len(case_of(seed).contacts) == 8)
     small = shrink(case, lambda one: any(contact.a == 0 for contact in one.contacts))
@@ -103,6 +124,78 @@ def test_a_wrong_answer_is_seen() -> None:
     assert judge(case).kind == "ok"
     loaded = replace(case, loads=(Load(1, (0.0, 1e-3), (0.0, 500.0)),), preload=False)
     assert judge(loaded).kind == "ok"
+
+
+def test_damped_frames_and_patches_have_the_package_s_answer() -> None:
+    patched = replace(HERTZ, patch=(1e-9, 2e-3, 1e-2))
+    for damping in (("Rayleigh", 10.0, 1e-6), ("ModalDamping", 0.05)):
+        frame = Frame((0.3, 0.5), (1e6,), (0.0, 1e5), damping=damping)
+        bodies = (Body(1.0, velocity=1.0), frame)
+        case = Case(bodies, (Contact(0, 1, patched, 0.0, (0, 0)),), duration=2e-3, rtol=1e-8)
+        assert Case.from_json(case.to_json()) == case
+        verdict = judge(case)
+        assert verdict.kind == "ok", verdict
+
+
+def test_a_contact_beyond_its_patch_has_to_be_refused() -> None:
+    def struck(radius: float) -> Case:
+        law = replace(HERTZ, patch=(1e-9, radius, 1e-2))
+        bodies = (Body(1.0, velocity=1.0), WALL)
+        return Case(bodies, (Contact(0, 1, law),), duration=2e-3, rtol=1e-8)
+
+    deepest = Oracle(struck(1e-2)).run().peaks[0]
+    just = (deepest / HERTZ.arguments["k"]) ** (1.0 / 3.0) * 0.1
+    for radius in (0.9 * just, just * (1.0 - 1e-6), just * (1.0 + 1e-6), 1.1 * just):
+        verdict = judge(struck(radius))
+        assert verdict.kind == "ok", verdict
+        assert ("patch" in verdict.why) == (radius < just)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_peak_that_its_curve_has_not_is_a_fault(share: float) -> None:
+    case = Case((Body(1.0, velocity=1.0), WALL), (Contact(0, 1, HERTZ),), duration=2e-3)
+    done = case.build().simulate(duration=case.duration)
+    assert not faults_of(case, done)
+    names = ("force", "peak_force", "peak_time", "impulse", "intervals")
+    false = SimpleNamespace(**{name: getattr(done.contacts[0], name) for name in names})
+    false.peak_force *= share
+    parts = {"bodies": done.bodies, "error": done.error, "duration": 2e-3, "at": done.at}
+    (fault,) = faults_of(case, SimpleNamespace(contacts=[false], **parts))
+    assert fault.startswith("peak: contact 0")
+
+
+def test_cures_that_a_message_names_are_tried() -> None:
+    case = Case((Body(1.0, velocity=1.0), Body(2.0)), (Contact(0, 1, HERTZ),), duration=2e-3)
+    true = Oracle(case).run()
+    said = "take a larger rtol, give dt, or a softer law"
+    assert cures.tried(case, said, true) == {"a larger rtol": "", "dt": "", "a softer law": ""}
+    false = replace(true, peaks=1.5 * true.peaks)
+    assert all(cures.tried(case, "take a larger rtol or Newmark(dt=...)", false).values())
+    assert cures.tried(case, "nothing helps", true) == {}
+
+
+def test_a_velocity_is_not_excused_by_a_long_record() -> None:
+    case = Case((Body(1.0, velocity=1.0), WALL), (Contact(0, 1, HERTZ),), duration=2e-3)
+    true = Oracle(case).run()
+    true = replace(true, accelerations=np.array([1e3, 0.0]))
+    late = replace(true, velocities=true.velocities + np.array([1e-3, 0.0]))
+    for duration in (2e-3, 2e3):
+        worst = max(one.off for one in apart(replace(case, duration=duration), late, true, 1e-6))
+        assert worst == pytest.approx(1e-3 / (1.0 + 1e3 * true.touches[0][0].end), rel=1e-3)
+
+
+def test_refusals_count_in_the_exit_status(monkeypatch: pytest.MonkeyPatch) -> None:
+    kinds = ["ok"] * 99 + ["refused"]
+
+    def verdicts(*_: object, **__: object) -> object:
+        return ((i, "done", Verdict(kind)) for i, kind in enumerate(kinds))
+
+    monkeypatch.setattr("campaign.__main__.each", verdicts)
+    assert main(["scenes", "--seeds", "0:1"]) == 0
+    kinds[0] = "refused"
+    assert main(["scenes", "--seeds", "0:1"]) == 1
+    kinds[:] = ["ok"] * 99 + ["helpless"]
+    assert main(["scenes", "--seeds", "0:1"]) == 1
 
 
 # Kinds of scenes of which all are right today, and how many of each: half a minute.

@@ -14,13 +14,26 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Law:
-    """A contact law by its public name and its arguments."""
+    """A contact law by its public name and its arguments.
+
+    patch: None, or what is taken out of it, m/N, and the radii of patch and surface, m.
+    """
 
     kind: str
     arguments: dict[str, Any]
+    patch: tuple[float, float, float] | None = None
+
+    @property
+    def deepest(self) -> float:
+        """The law's own indentation where the contact is as wide as the patch, m."""
+        return math.inf if self.patch is None else self.patch[1] ** 2 / self.patch[2]
 
     @property
     def expression(self) -> str:
+        if self.patch is not None:
+            compliance, radius, curvature = self.patch
+            within = f"{compliance!r}, radius={radius!r}, relative_radius={curvature!r}"
+            return f"{replace(self, patch=None).expression}.within_patch({within})"
         if self.kind == "UserLaw":
             k, n, c = (self.arguments[key] for key in ("k", "n", "c"))
             return f"ao.UserLaw(lambda d, rate: {k!r} * d**{n!r} * (1.0 + {c!r} * rate))"
@@ -71,12 +84,15 @@ class Body:
             parts.append(f"k0={self.k0!r}")
         if self.m:
             parts += [f"m={list(self.m)!r}", f"k={list(self.k)!r}"]
-        if self.damping and self.damping[0] == "Rayleigh":
-            alpha, beta = self.damping[1:]
-            parts.append(f"damping=ao.Rayleigh(alpha={alpha!r}, beta={beta!r})")
-        elif self.damping:
-            parts.append(f"damping=ao.ModalDamping({self.damping[1]!r})")
+        if self.damping:
+            parts.append(f"damping={_damping_text(self.damping)}")
         return f"ao.AOModel({', '.join(parts)})"
+
+
+def _damping_text(damping: tuple[Any, ...]) -> str:
+    if damping[0] == "Rayleigh":
+        return f"ao.Rayleigh(alpha={damping[1]!r}, beta={damping[2]!r})"
+    return f"ao.ModalDamping({damping[1]!r})"
 
 
 @dataclass(frozen=True)
@@ -90,10 +106,10 @@ class Frame:
     k: tuple[float, ...]
     k0: tuple[float, ...]
     velocity: float = 0.0
+    damping: tuple[Any, ...] | None = None
 
     wall = False
     massless = False
-    damping = None
 
     @property
     def ports(self) -> int:
@@ -109,12 +125,13 @@ class Frame:
 
     @property
     def expression(self) -> str:
-        return f"frame({list(self.m)!r}, {list(self.k)!r}, {list(self.k0)!r})"
+        damped = f", {_damping_text(self.damping)}" if self.damping else ""
+        return f"frame({list(self.m)!r}, {list(self.k)!r}, {list(self.k0)!r}{damped})"
 
 
 # What a script with such a body begins with.
 FRAME = """
-def frame(m, k, k0):
+def frame(m, k, k0, damping=None):
     n = len(m)
     K, M = np.zeros((3 * n, 3 * n)), np.diag(np.repeat(m, 3))
     across = [i for i in range(3 * n) if i % 3]
@@ -124,7 +141,7 @@ def frame(m, k, k0):
     for i in range(n - 1):
         ends = np.ix_([3 * i, 3 * i + 3], [3 * i, 3 * i + 3])
         K[ends] += k[i] * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    body = ao.FEModel(K=K, M=M, nodes=[[float(i), 0.0, 0.0] for i in range(n)])
+    body = ao.FEModel(K=K, M=M, nodes=[[float(i), 0.0, 0.0] for i in range(n)], damping=damping)
     along = dict(direction=(1, 0, 0), radius=0)
     return [body.contact(point=(float(i), 0.0, 0.0), **along) for i in range(n)]
 """
@@ -243,7 +260,7 @@ class Case:
         of = json.loads(text)
         of["bodies"] = tuple(_body(body) for body in of["bodies"])
         of["contacts"] = tuple(
-            Contact(c["a"], c["b"], Law(**c["law"]), c["gap"], tuple(c["at"]))
+            Contact(c["a"], c["b"], _law(c["law"]), c["gap"], tuple(c["at"]))
             for c in of["contacts"]
         )
         of["loads"] = tuple(
@@ -251,6 +268,10 @@ class Case:
             for one in of["loads"]
         )
         return cls(**of)
+
+
+def _law(of: dict[str, Any]) -> Law:
+    return Law(of["kind"], of["arguments"], tuple(of["patch"]) if of["patch"] else None)
 
 
 def _body(of: dict[str, Any]) -> Body | Frame:

@@ -50,7 +50,7 @@ def apart(case: Case, found: Outcome, true: Outcome, limit: float) -> list[Apart
     return [
         *_lesser("peak force", found.peaks, true.peaks),
         *_lesser("impulse", found.impulses, true.impulses),
-        *_velocities(case, found.velocities, true, limit),
+        *_velocities(case, found.velocities, true),
         *_peak_times(case, found, true, limit),
         *(one for c in range(len(case.contacts)) for one in _times(case, found, true, c, limit)),
     ]
@@ -83,12 +83,13 @@ def _speed(case: Case, impulses: FloatArray, *velocities: FloatArray) -> float:
     return max([*starts, rest, *(float(np.abs(v).max(initial=0.0)) for v in velocities)])
 
 
-def _velocities(case: Case, found: FloatArray, true: Outcome, limit: float) -> list[Apart]:
+def _velocities(case: Case, found: FloatArray, true: Outcome) -> list[Apart]:
     speed = _speed(case, true.impulses, true.velocities)
+    # At a given time velocities suffer from the error of when the last touch was as well.
+    last = max((touch.end for touches in true.touches for touch in touches), default=0.0)
     result = []
     for i, (f, t) in enumerate(zip(found, true.velocities, strict=True)):
-        # At a given time velocities suffer from the error of that time as well.
-        moved = abs(true.accelerations[i]) * case.duration if len(true.accelerations) else 0.0
+        moved = abs(true.accelerations[i]) * last if len(true.accelerations) else 0.0
         size = speed + moved
         result.append(Apart(f"velocity {i}", abs(f - t) / size if size > 0.0 else 0.0, f, t))
     return result

@@ -202,6 +202,48 @@ class Table(Formula):
         return float(self.work(d))
 
 
+@dataclass
+class Patched(Formula):
+    """F = k D^1.5 with D = d + c F: Hertz's law without what a patch shows.
+
+    Beyond where it holds, it goes on straight.
+    """
+
+    k: float = 0.0
+    compliance: float = 0.0
+    deepest: float = 0.0
+
+    @property
+    def _reach(self) -> float:
+        return self.deepest - self.compliance * self.k * self.deepest**1.5
+
+    def _own(self, d: float) -> float:
+        """The law's own indentation at d > 0: d = D - c k D^1.5, by Newton's method from below."""
+        own = d
+        for _ in range(60):
+            root = math.sqrt(own)
+            left = d - own * (1.0 - self.compliance * self.k * root)
+            step = left / (1.0 - 1.5 * self.compliance * self.k * root)
+            own += step
+            if step <= 1e-16 * own:
+                break
+        return own
+
+    def at(self, d: float) -> Value:
+        if d <= 0.0:
+            return 0.0, 0.0, 0.0
+        own = self._own(min(d, self._reach))
+        force, slope = self.k * own**1.5, 1.5 * self.k * math.sqrt(own)
+        slope /= 1.0 - self.compliance * slope
+        return force + slope * max(d - self._reach, 0.0), slope, 0.0
+
+    def taken(self, d: float) -> float:
+        own, past = self._own(min(d, self._reach)), max(d - self._reach, 0.0)
+        within = 0.4 * self.k * own**2.5 - 0.5 * self.compliance * (self.k * own**1.5) ** 2
+        force, slope, _ = self.at(self._reach)
+        return within + (force + 0.5 * slope * past) * past
+
+
 def _chi(kind: str, e: float, v: float) -> float:
     if kind == "LankaraniNikravesh":
         return 0.75 * (1.0 - e * e) / v
@@ -219,6 +261,9 @@ def _chi(kind: str, e: float, v: float) -> float:
 def formula(law: Law) -> Formula:
     """Return the law as the oracle takes it; new for every contact, since some remember."""
     of: dict[str, Any] = law.arguments
+    if law.kind == "Hertz" and law.patch is not None:
+        # A little beyond the limit it is still the law: a peak there is found as it is.
+        return Patched(k=of["k"], compliance=law.patch[0], deepest=1.2 * law.deepest)
     if law.kind == "Hertz":
         return Power(k=of["k"])
     if law.kind == "Linear":

@@ -76,7 +76,7 @@ _HOW_LONG = [0.15, 0.3, 0.3, 0.15, 0.1]
 # ------------------------------------------------------------------- laws
 
 
-def _law(rng: np.random.Generator, scales: _Scales, *, plain: bool = False) -> Law:
+def _law(rng: np.random.Generator, scales: _Scales) -> Law:
     """A law that has about the scene's force at its depth, give or take a decade, seldom more."""
     spread = 1.0 if rng.random() < 0.85 else 3.0
     k = _rounded(scales.force / scales.depth**1.5 * _decades(rng, -spread, spread))
@@ -86,8 +86,9 @@ def _law(rng: np.random.Generator, scales: _Scales, *, plain: bool = False) -> L
         "HuntCrossley", "LankaraniNikravesh", "Flores", "Gonthier", "HerbertMcWhannell", "LeeWang",
         "Tsuji", "KuwabaraKono", "KelvinVoigt", "KelvinVoigt",
     ]  # fmt: skip
-    if plain or rng.random() < 0.35:
-        return Law("Hertz", {"k": k})
+    if rng.random() < 0.35:
+        law = Law("Hertz", {"k": k})
+        return _in_patch(rng, scales, law) if rng.random() < 0.25 else law
     kind = str(rng.choice(kinds if rng.random() < 0.5 else viscous))
     e, n = _rounded(rng.uniform(0.2, 0.95)), float(rng.choice([1.0, 1.5, 2.0, 2.5]))
     power = _rounded(k * scales.depth ** (1.5 - n))
@@ -118,6 +119,14 @@ def _law(rng: np.random.Generator, scales: _Scales, *, plain: bool = False) -> L
         end = "force" if rng.random() < 0.6 else "indentation"
         return Law(kind, {"k": linear, "c": c, "end": end})
     return Law(kind, {"k": power, "restitution": e, "velocity": _rounded(scales.speed), "n": n})
+
+
+def _in_patch(rng: np.random.Generator, scales: _Scales, law: Law) -> Law:
+    """Hertz's law with part of it taken out, up to an indentation that is seldom exceeded."""
+    curvature = _rounded(scales.depth * _decades(rng, 1.0, 3.0))
+    radius = _rounded(math.sqrt(curvature * scales.depth * _decades(rng, 0.0, 2.0)))
+    steepest = 1.5 * law.arguments["k"] * radius / math.sqrt(curvature)
+    return replace(law, patch=(_rounded(_decades(rng, -2.0, -0.1) / steepest), radius, curvature))
 
 
 # ------------------------------------------------------------------- bodies
@@ -186,7 +195,7 @@ def _frame(rng: np.random.Generator, scales: _Scales) -> Frame:
     if rng.random() < 0.5:
         at = int(rng.integers(count))
         k0[at] = _rounded(m[at] * min(_decades(rng, -1.0, 0.5) / scales.time, top) ** 2)
-    return Frame(m, k, tuple(k0))
+    return Frame(m, k, tuple(k0), damping=_damping(rng, scales, math.log10(top * scales.time)))
 
 
 def _rigid(rng: np.random.Generator, scales: _Scales) -> Body:

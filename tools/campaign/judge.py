@@ -1,25 +1,23 @@
-"""The verdict on a scene: the package's answer against the plain formulation, and Newmark's
-between them.
-"""
+"""The verdict on a scene: the package's answer against the plain formulation and Newmark's rule."""
 
 from __future__ import annotations
 
 import time as clock
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 import aoimpact as ao
 
+from . import cures
 from .case import Case
-from .compare import apart, from_newmark, largest_apart
+from .compare import Apart, apart, from_newmark, largest_apart
 from .oracle import GaveUpError, Oracle
 from .outcome import Outcome
-from .package import Answer, newmark, run
+from .package import Answer, as_settled, newmark, run
 from .rest import NoRestError
 
-# How many times its tolerance an answer may be off.
-TIMES = 10.0
+TIMES = cures.TIMES
 
 # A difference is the oracle's own, or the scene's, if a tighter or a nudged run of it moves by
 # that share.
@@ -28,14 +26,23 @@ _SHARE = 0.2
 # Relative nudge of all coordinates and velocities at the start.
 _NUDGE = 1e-12
 
-CLASSES = ("ok", "warned", "refused", "wrong", "faulty", "chaotic", "undecided", "bare", "hangs")
+# s for Newmark's rule where answer and oracle agree, and the difference from both that is noted: if
+# its own estimate is that many times smaller.
+_CHEAP, _FAR, _SURE = 0.5, 1e-3, 30.0
+
+CLASSES = (
+    "ok", "warned", "refused", "apart", "wrong", "faulty", "helpless", "chaotic", "undecided",
+    "bare", "hangs",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Verdict:
     """What came of a scene.
 
-    kind: one of CLASSES. why: what was off, or the message. off: the largest relative error.
+    kind: one of CLASSES; "apart": Newmark's rule is far from answer and oracle, which agree;
+    "helpless": refused, and no cure that the message names works. why: what was off, or the
+    message. off: the largest relative error.
     """
 
     kind: str
@@ -46,7 +53,7 @@ class Verdict:
 
     @property
     def failed(self) -> bool:
-        return self.kind in ("wrong", "faulty", "bare", "hangs")
+        return self.kind in ("wrong", "faulty", "helpless", "bare", "hangs")
 
 
 def oracle_tolerance(case: Case) -> float:
@@ -68,7 +75,7 @@ def judge(case: Case, *, longest: float = 20.0, way: str = "adaptive") -> Verdic
 
 def _judged(case: Case, answer: Answer, longest: float, way: str) -> Verdict:
     if answer.outcome is None:
-        return Verdict("bare" if answer.bare else "refused", answer.error)
+        return Verdict("bare", answer.error) if answer.bare else _refused(case, answer, longest)
     if way == "adaptive" and answer.faults and not answer.warned:
         return Verdict("faulty", "; ".join(answer.faults))
     tolerance = oracle_tolerance(case)
@@ -76,13 +83,58 @@ def _judged(case: Case, answer: Answer, longest: float, way: str) -> Verdict:
         true = Oracle(case, rtol=tolerance, longest=longest).run()
     except (GaveUpError, NoRestError) as error:
         return _by_newmark(case, answer.outcome, f"oracle: {error}")
-    found = _worst(case, answer.outcome, true, way)
     limit = TIMES * case.rtol
+    if (over := _beyond_patch(case, true)) > limit:
+        return Verdict("wrong", f"patch: the force exceeds it by {over:.2g}", over)
+    found = _worst(case, answer.outcome, true, way)
     if found.off <= limit:
-        return Verdict("ok", str(found), found.off)
+        return _third(case, true, Verdict("ok", str(found), found.off))
     if answer.warned:
-        return Verdict("warned", f"{found}; {answer.warned[0]}", found.off)
+        return _warned(case, answer, true, found, longest, way)
     return _suspected(case, answer.outcome, true, longest, way)
+
+
+def _refused(case: Case, answer: Answer, longest: float) -> Verdict:
+    """Whether one of the cures that a refusal names works."""
+    try:
+        true = Oracle(case, rtol=oracle_tolerance(case), longest=longest).run()
+    except (GaveUpError, NoRestError):
+        true = None
+    said = answer.error
+    if said.startswith("LawLimitError") and true is not None:
+        over = _beyond_patch(case, true)
+        rightly = over > -TIMES * case.rtol
+        return Verdict("ok" if rightly else "wrong", f"patch: by {over:.2g}; {said}", abs(over))
+    failing = cures.tried(case, said, true)
+    works = [name for name, failure in failing.items() if not failure]
+    details = {f"cure: {name}": failure or "works" for name, failure in failing.items()}
+    return Verdict("refused" if works else "helpless", said, 0.0, 0.0, details)
+
+
+def _beyond_patch(case: Case, true: Outcome) -> float:
+    """By how much the largest force exceeds what a contact as wide as its patch has, relative."""
+    laws = [contact.law for contact in case.contacts]
+    most = [law.arguments["k"] * law.deepest**1.5 if law.patch else np.inf for law in laws]
+    return float((true.peaks / np.array(most)).max(initial=0.0)) - 1.0
+
+
+def _warned(
+    case: Case, answer: Answer, true: Outcome, found: Apart, longest: float, way: str
+) -> Verdict:
+    """Whether what a warning says of the error is true: of first contacts it says nothing."""
+    said = answer.warned[0]
+    if answer.claimed is not None and found.off > TIMES * max(answer.claimed, case.rtol):
+        return _suspected(case, answer.outcome, true, longest, way)
+    return Verdict("warned", f"{found}; {said}", found.off)
+
+
+def _third(case: Case, true: Outcome, verdict: Verdict) -> Verdict:
+    """Newmark's rule beside an answer and an oracle that agree, where it settles at once."""
+    second = newmark(case, _FAR / _SURE, _CHEAP)
+    if second is None or not second.error < _FAR / _SURE:
+        return verdict
+    off = as_settled(second, true)
+    return replace(verdict, kind="apart", why=f"Newmark by {off:.2g}") if off > _FAR else verdict
 
 
 def _worst(case: Case, outcome: Outcome, true: Outcome, way: str):
@@ -100,8 +152,9 @@ def _by_newmark(case: Case, outcome: Outcome, why: str) -> Verdict:
     second = newmark(case, TIMES * case.rtol)
     if second is not None:
         off = from_newmark(case, outcome, second)
-        if off <= max(TIMES * case.rtol, 3.0 * second.error) and second.error < 1e-3:
+        if off <= TIMES * case.rtol:
             return Verdict("ok", f"by Newmark alone; {why}", off)
+        why += f"; {off:.2g} from Newmark, which settled to {second.error:.2g}"
     return Verdict("undecided", why)
 
 

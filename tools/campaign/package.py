@@ -21,6 +21,9 @@ FloatArray = npt.NDArray[np.float64]
 # Warnings that say nothing of how right an answer is.
 _NEUTRAL = ("gravity has no effect",)
 
+# How far beside its time a peak's force is looked for, as a share of the record.
+_BESIDE = 1e-12
+
 # Newmark's steps over the record: at first, and at most.
 _FIRST_STEPS, _MOST_STEPS = 1000, 2_000_000
 
@@ -54,7 +57,7 @@ def run(case: Case, solver: Any = None) -> Answer:
                 preload=case.preload,
                 solver=solver or ao.Adaptive(rtol=case.rtol),
             )
-            outcome, faults = _outcome(case, done), _faults(case, done)
+            outcome, faults = _outcome(case, done), faults_of(case, done)
             claimed = done.error.time
         except ao.AOImpactError as error:
             return Answer(
@@ -80,7 +83,7 @@ def _outcome(case: Case, done: Any) -> Outcome:
     )
 
 
-def _faults(case: Case, done: Any) -> tuple[str, ...]:
+def faults_of(case: Case, done: Any) -> tuple[str, ...]:
     """What a run shows to be wrong by itself: its ledger, momentum, signs and order."""
     faults = []
     limit = 10.0 * max(case.rtol, 1e-12)
@@ -103,6 +106,12 @@ def _faults(case: Case, done: Any) -> tuple[str, ...]:
                 f"peak: contact {c} has {float(contact.force.max()):.6g} N on its curve and "
                 f"{contact.peak_force:.6g} N as its peak"
             )
+        there = _force_about(case, done, c)
+        if contact.peak_force > there + limit * largest:
+            faults.append(
+                f"peak: contact {c} has {contact.peak_force:.6g} N as its peak and {there:.6g} N "
+                "on its curve there"
+            )
         ends = np.array(contact.intervals).ravel()
         if (
             (np.diff(ends) < -1e-14 * done.duration).any()
@@ -111,6 +120,17 @@ def _faults(case: Case, done: Any) -> tuple[str, ...]:
         ):
             faults.append(f"order: contact {c} has intervals {contact.intervals[:3]}")
     return tuple(faults)
+
+
+def _force_about(case: Case, done: Any, c: int) -> float:
+    """Largest force of the curve at a contact's peak, or just beside it where it jumps."""
+    try:
+        when = done.contacts[c].peak_time
+        beside = when + _BESIDE * case.duration * np.array([-1.0, 0.0, 1.0])
+        times = np.unique(np.clip(beside, 0.0, case.duration))
+        return float(done.at(times).contacts[c].force.max())
+    except ao.InputError:  # fixed steps are known at their times only
+        return math.inf
 
 
 def _momentum(case: Case, done: Any, i: int, impulses: FloatArray) -> float | None:
@@ -164,7 +184,7 @@ def newmark(case: Case, wanted: float, longest: float = 2.0) -> Extrapolated | N
         if answer.outcome is None:
             return None
         of = answer.outcome
-        rows.append(np.concatenate([of.peaks, of.impulses, of.velocities]))
+        rows.append(_row(of))
         if len(rows) > 1:
             tables.append(rows[-1] + (rows[-1] - rows[-2]) / 3.0)
         if len(tables) > 1:
@@ -184,6 +204,15 @@ def newmark(case: Case, wanted: float, longest: float = 2.0) -> Extrapolated | N
         last[2 * contacts : 2 * contacts + bodies],
         error,
     )
+
+
+def as_settled(found: Extrapolated, true: Outcome) -> float:
+    """How far Newmark's rule is off, as it says how far it has settled: relative to the largest."""
+    return _apart(_row(found), _row(true), len(found.peaks))
+
+
+def _row(of: Outcome | Extrapolated) -> FloatArray:
+    return np.concatenate([of.peaks, of.impulses, of.velocities])
 
 
 def _apart(one: FloatArray, other: FloatArray, contacts: int) -> float:

@@ -4,21 +4,24 @@ them.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import chebyshev
 
 from .motion import At, Dense, Motion, Phase
 from .outcome import Outcome, Touch
 
 FloatArray = npt.NDArray[np.float64]
 
-# Samples of the force within a step, and the share of the largest at the ends of steps from which a
-# step is looked into.
-_SAMPLES, _LOOKED_INTO = 6, 0.5
+# A step is looked into if its start, middle or end has this share of the largest force.
+_LOOKED_INTO = 0.5
+
+# Within a step nothing begins or ends, so the force is smooth: its polynomial of one of these
+# degrees is it but for this share, or that of a part of the step of at least that share.
+_DEGREES, _EXACT, _SHORTEST = (8, 16), 1e-9, 1.0 / 64.0
 
 
 @dataclass
@@ -85,36 +88,54 @@ class Readout:
         )
 
     def _peaks(self) -> tuple[FloatArray, FloatArray]:
-        """Largest force of each contact, and when."""
+        """Largest force of each contact, and when: of every step's ends and tops within it."""
         count = self.motion.count
-        middle = np.array([at.force for at in self.middles]).reshape(-1, count)
-        largest = middle.max(axis=0, initial=0.0)
-        peaks, times, around = np.zeros(count), np.zeros(count), np.zeros(count)
+        rough = np.array([self._rough(i) for i in range(len(self.steps))]).reshape(-1, count)
+        least = _LOOKED_INTO * rough.max(axis=0, initial=0.0)
+        peaks, times = np.zeros(count), np.zeros(count)
         for i, step in enumerate(self.steps):
-            wanted = [
+            looked = [
                 c
                 for c in range(count)
-                if step.phase.closed[c] and middle[i, c] >= _LOOKED_INTO * largest[c]
+                if step.phase.closed[c] and (rough[i, c] >= least[c] or self._at_edge(i, c))
             ]
-            # The first and last step of a touch may have its peak at one end.
-            edge = [c for c in range(count) if step.phase.closed[c] and self._at_edge(i, c)]
-            if not wanted and not edge:
-                continue
-            h = step.end - step.start
-            for share in np.linspace(0.0, 1.0, _SAMPLES + 1):
-                t = step.start + share * h
+            for t in self._tops(step, looked) if looked else ():
                 force = self.look(step, t).force
                 for c in np.flatnonzero(force > peaks):
-                    peaks[c], times[c], around[c] = force[c], t, h / _SAMPLES
-        for c in np.flatnonzero(peaks > 0.0):
-            low = max(times[c] - 2.0 * around[c], 0.0)
-            high = min(times[c] + 2.0 * around[c], self.motion.case.duration)
-            when, top = _largest(lambda t, i=int(c): self.force_at(i, t), low, high)
-            if top > peaks[c]:
-                peaks[c], times[c] = top, when
+                    peaks[c], times[c] = force[c], t
         return peaks, times
 
+    def _rough(self, i: int) -> FloatArray:
+        step = self.steps[i]
+        ends = [self.look(step, t).force for t in (step.start, step.end)]
+        return np.maximum(self.middles[i].force, np.maximum(*ends))
+
+    def _tops(self, step: Step, looked: list[int]) -> list[float]:
+        """Times of the ends of a step, and of where a force is largest within it."""
+        times, parts = [step.start, step.end], [(step.start, step.end)]
+        while parts:
+            low, high = parts.pop()
+            middle, half = 0.5 * (low + high), 0.5 * (high - low)
+            for degree in _DEGREES:
+                x = np.cos(np.pi * np.arange(degree + 1) / degree)
+                force = np.array([self.look(step, middle + half * one).force[looked] for one in x])
+                of = chebyshev.chebfit(x, force, degree)
+                smooth = np.abs(of[-2:]).max(axis=0) <= _EXACT * np.abs(force).max(axis=0)
+                if smooth.all():
+                    break
+            else:
+                if high - low > _SHORTEST * (step.end - step.start):
+                    parts += [(low, middle), (middle, high)]
+                    continue
+            for column in of.T:
+                roots = chebyshev.chebroots(chebyshev.chebder(column))
+                inside = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) < 1.0)]
+                times += list(middle + half * inside)
+            times.append(high)
+        return times
+
     def _at_edge(self, i: int, c: int) -> bool:
+        """Whether a touch begins or ends beside a step."""
         neighbours = [j for j in (i - 1, i + 1) if 0 <= j < len(self.steps)]
         return len(neighbours) < 2 or any(not self.steps[j].phase.closed[c] for j in neighbours)
 
@@ -155,21 +176,3 @@ class Readout:
         first = int(np.searchsorted(self.starts, start, side="left"))
         last = max(int(np.searchsorted(self.starts, end, side="left")), first + 1)
         return [float(at.depth[c]) for at in self.middles[first:last]]
-
-
-def _largest(value: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Where a function with one top between two ends is largest, and how large: golden section."""
-    share = 0.5 * (math.sqrt(5.0) - 1.0)
-    a, b = high - share * (high - low), low + share * (high - low)
-    at_a, at_b = value(a), value(b)
-    for _ in range(40):
-        if at_a > at_b:
-            high, b, at_b = b, a, at_a
-            a = high - share * (high - low)
-            at_a = value(a)
-        else:
-            low, a, at_a = a, b, at_b
-            b = low + share * (high - low)
-            at_b = value(b)
-    top, when = max((value(low), low), (value(high), high), (at_a, a), (at_b, b))
-    return when, top

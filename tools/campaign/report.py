@@ -52,7 +52,7 @@ def reasons(found: dict[int, Verdict]) -> str:
     """Return why scenes were refused, with how often and the first seeds."""
     seeds: dict[str, list[int]] = {}
     for seed, verdict in sorted(found.items()):
-        if verdict.kind in ("refused", "bare", "hangs"):
+        if verdict.kind in ("refused", "helpless", "bare", "hangs"):
             seeds.setdefault(f"{verdict.kind}: {_reason(verdict.why)}", []).append(seed)
     ordered = sorted(seeds.items(), key=lambda one: -len(one[1]))
     return "\n".join(f"{len(of):5} {text} e.g. {of[:5]}" for text, of in ordered)

@@ -51,6 +51,8 @@ def _smaller(case: Case) -> Iterator[Case]:
         yield replace(case, preload=False)
     for i, body in enumerate(case.bodies):
         if isinstance(body, Frame):
+            if body.damping:
+                yield replace(case, bodies=_put(case.bodies, i, replace(body, damping=None)))
             continue
         for plainer in _plainer(body):
             yield replace(case, bodies=_put(case.bodies, i, plainer))
@@ -115,6 +117,8 @@ def _simpler(contact: Contact) -> Iterator[Contact]:
             yield replace(contact, law=Law("Hertz", {"k": k}))
             if given.get("n", 1.5) != 1.5 and contact.law.kind != "PowerLaw":
                 yield replace(contact, law=Law(contact.law.kind, {**given, "n": 1.5}))
+    if contact.law.patch:
+        yield replace(contact, law=replace(contact.law, patch=None))
     if contact.gap:
         yield replace(contact, gap=0.0)
 
@@ -145,7 +149,7 @@ def _rounder(case: Case) -> Iterator[Case]:
                 name: _short(v, digits) if isinstance(v, float) else v
                 for name, v in contact.law.arguments.items()
             }
-            law = Law(contact.law.kind, given)
+            law = replace(contact.law, arguments=given)
             yield replace(
                 case,
                 contacts=_put(

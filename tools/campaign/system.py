@@ -59,18 +59,18 @@ def _row(body: Frame) -> Star:
     mass, stiffness = np.array(body.m), np.diag(np.array(body.k0))
     for i, k in enumerate(body.k):
         stiffness[i : i + 2, i : i + 2] += k * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    nothing = np.zeros_like(stiffness)
-    return Star(mass, stiffness, nothing, np.eye(len(mass)), 0.0, mass / mass.sum())
+    damping = _damping(body, mass, stiffness)
+    return Star(mass, stiffness, damping, np.eye(len(mass)), 0.0, mass / mass.sum())
 
 
-def _damping(body: Body, mass: FloatArray, stiffness: FloatArray) -> FloatArray:
+def _damping(body: Body | Frame, mass: FloatArray, stiffness: FloatArray) -> FloatArray:
     if body.damping is None:
         return np.zeros_like(stiffness)
     if body.damping[0] == "Rayleigh":
         return body.damping[1] * np.diag(mass) + body.damping[2] * stiffness
     omega2, modes = scipy.linalg.eigh(stiffness, np.diag(mass))
     omega = np.sqrt(np.maximum(omega2, 0.0))
-    if body.k0 == 0.0:
+    if not body.held:
         omega[0] = 0.0
     shapes = mass[:, None] * modes
     damping: FloatArray = (shapes * (2.0 * body.damping[1] * omega)) @ shapes.T

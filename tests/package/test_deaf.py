@@ -1,0 +1,77 @@
+"""No call is deaf to Ctrl-C for more than a tenth of a second."""
+
+import signal
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a timer that interrupts")
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+
+
+def bar(divisions: tuple[int, int, int]) -> ao.ContactPoint:
+    mesh = ao.box_mesh((0.2, 0.05, 0.05), divisions, kind="hexahedron20")
+    return ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.1, 0, 0), direction=(0, 0, 1))
+
+
+def all_modes() -> Callable[[], Any]:
+    tip = bar((12, 3, 3))
+    return lambda: ao.simulate(
+        projectile=ao.rigid(1.0),
+        target=tip,
+        law=ao.Hertz(1e9),
+        velocity=1.0,
+        duration=1e-5,
+        solver=ao.Adaptive(rtol=1e-3),
+    )
+
+
+def all_oscillators() -> Callable[[], Any]:
+    tip = bar((12, 3, 3))
+    return lambda: ao.antioscillators(tip, 500)
+
+
+def factors() -> Callable[[], Any]:
+    tip = bar((16, 6, 6))
+    return lambda: ao.antioscillators(tip, 2, method="krylov", contact_time=1e-4, solver="superlu")
+
+
+def stress() -> Callable[[], Any]:
+    tip = ao.antioscillators(bar((16, 4, 4)), 2, method="krylov", contact_time=1e-3)
+    hit = ao.simulate(
+        projectile=ao.rigid(1.0), target=tip, law=ao.Hertz(1e5), velocity=1.0, duration=1e-4
+    )
+    return lambda: hit.target.field(times=np.linspace(0.0, 1e-4, 100)).stress()
+
+
+def load() -> Callable[[], Any]:
+    times = np.linspace(0.0, 1.0, 3_000_000)
+    scene = ao.Scene()
+    ball, wall = scene.add(ao.rigid(1.0)), scene.add(ao.rigid(np.inf))
+    scene.connect(ball, wall, ao.Hertz(1e8))
+    scene.apply(ball, force=(times, 100.0 + np.sin(40.0 * times)))
+    return lambda: scene.simulate(duration=1.0, preload=True, solver=ao.Newmark(dt=1e-3))
+
+
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+@pytest.mark.parametrize("make", [all_modes, all_oscillators, factors, stress, load])
+def test_signals_are_heard(make: Callable[[], Callable[[], Any]]) -> None:
+    """By the time that this thread computed meanwhile: others may have the processor."""
+    call = make()
+    heard = [time.thread_time()]
+    before = signal.signal(signal.SIGALRM, lambda *_: heard.append(time.thread_time()))
+    signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
+    try:
+        call()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    heard.append(time.thread_time())
+    assert np.diff(heard).max() < 0.1

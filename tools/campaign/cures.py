@@ -1,0 +1,128 @@
+"""What a message says would help, tried: a refusal is honest if one of its cures works."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import aoimpact as ao
+
+from .case import Body, Case
+from .compare import apart, from_newmark, largest_apart
+from .outcome import Outcome
+from .package import Answer, run
+
+# Tolerances to try where a larger one is named, and Newmark's steps over the record.
+_LARGER, _STEPS = (1e-6, 1e-4, 1e-2), (20_000, 200_000)
+
+# s for one run.
+_LONGEST = 6.0
+
+# A small m0 as a share of the body's other masses, and how far off it may put an answer; so may a
+# step of Newmark's that somebody chose.
+_SMALL, _ABOUT = 1e-6, 1e-2
+
+# How many times its tolerance an answer may be off.
+TIMES = 10.0
+
+
+@dataclass(frozen=True)
+class Cure:
+    """Another run: what is done, the scene and the solver, and how far off its answer may be.
+
+    within: None where it is another scene, of which no answer is known.
+    """
+
+    name: str
+    case: Case
+    solver: Any = None
+    within: float | None = None
+
+
+def named(case: Case, message: str) -> dict[str, list[Cure]]:
+    """Return the cures that a message names, each with the ways to try it."""
+    found: dict[str, list[Cure]] = {}
+    if "larger rtol" in message:
+        found["a larger rtol"] = [
+            Cure(f"rtol={rtol:g}", case.with_tolerance(rtol), None, TIMES * rtol)
+            for rtol in _LARGER
+            if rtol > case.rtol
+        ]
+    if "m0" in message:
+        found["m0"] = [Cure("another m0", _heavier(case), None, _ABOUT)]
+    if "dt" in message:
+        steps = (case.duration / steps for steps in _STEPS)
+        found["dt"] = [Cure(f"dt={dt:g}", case, ao.Newmark(dt=dt), _ABOUT) for dt in steps]
+    if "softer law" in message:
+        found["a softer law"] = [Cure("k/100", _softer(case))]
+    if "shorter duration" in message:
+        found["a shorter duration"] = [Cure("a tenth", replace(case, duration=0.1 * case.duration))]
+    return found
+
+
+def _heavier(case: Case) -> Case:
+    bodies = [
+        replace(body, m0=_SMALL * body.mass) if isinstance(body, Body) and body.massless else body
+        for body in case.bodies
+    ]
+    return replace(case, bodies=tuple(bodies))
+
+
+def _softer(case: Case) -> Case:
+    contacts = []
+    for contact in case.contacts:
+        given = contact.law.arguments
+        softer = {name: v / 100.0 if name == "k" else v for name, v in given.items()}
+        contacts.append(replace(contact, law=replace(contact.law, arguments=softer)))
+    return replace(case, contacts=tuple(contacts))
+
+
+def tried(case: Case, message: str, true: Outcome | None) -> dict[str, str]:
+    """Return of each cure that a message names how it works: empty if it does.
+
+    Parameters
+    ----------
+    true : Outcome or None
+        Of the scene, if it is known.
+    """
+    found = {}
+    for name, ways in named(case, message).items():
+        failures = []
+        for failure in _failures(ways, true):
+            failures.append(failure)
+            if not failure:
+                break
+        found[name] = " and ".join(failures) if all(failures) else ""
+    return found
+
+
+def _in_time(cure: Cure) -> Answer | None:
+    """The run of a cure, interrupted when it takes too long."""
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.setitimer(signal.ITIMER_REAL, _LONGEST)
+    try:
+        return run(cure.case, cure.solver)
+    except KeyboardInterrupt:
+        return None
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def _failures(ways: list[Cure], true: Outcome | None) -> Iterator[str]:
+    for cure in ways:
+        answer = _in_time(cure)
+        if answer is None:
+            yield f"{cure.name} does not end in {_LONGEST:g} s"
+        elif answer.outcome is None:
+            yield f"{cure.name} is refused"
+        elif cure.within is None or true is None:
+            yield ""
+        elif cure.solver is not None:
+            off = from_newmark(cure.case, answer.outcome, true)
+            yield "" if off <= cure.within else f"{cure.name} is off by {off:.2g}"
+        else:
+            worst = largest_apart(apart(cure.case, answer.outcome, true, cure.within))
+            yield "" if worst.off <= cure.within or answer.warned else f"{cure.name}: {worst}"
