@@ -101,7 +101,7 @@ def test_ports_that_move_alike_are_one():
     middle = body.contact(dof=19)
     twice = ao.interface([middle, middle], 8, contact_time=0.1)
     once = ao.interface([middle], 8, contact_time=0.1)
-    np.testing.assert_allclose(twice.omega, once.omega, rtol=1e-7)
+    np.testing.assert_allclose(twice.omega, once.omega, rtol=1e-8)
     np.testing.assert_allclose(twice.participation[0], twice.participation[1])
 
 
