@@ -890,6 +890,70 @@ static void a_pull_ends_beside_what_presses(void)
     }
 }
 
+/* One of five laws that take a ball of mass m at 1 m/s some ten microns deep. */
+static aoi_law law_of_five(int which, double m)
+{
+    const double k = 1e10 * m;
+    switch (which) {
+    case 0:
+        return hertz(k * 1e2);
+    case 1:
+        return linear(k);
+    case 2:
+        return law_named("hunt_crossley", 3, k * 1e2, 0.5, 1.5);
+    case 3:
+        return law_named("tsuji", 2, k * 1e2, 0.3 * sqrt(m * k * 1e2), 0.0);
+    default:
+        return law_named("kelvin_voigt_pulling", 2, k, 0.3 * sqrt(m * k), 0.0);
+    }
+}
+
+/* Balls of any mass that push a massless place from both sides, one after the other. */
+static void strike_massless(plant *p, uint64_t seed, aoi_law *law, double rtol)
+{
+    *p = (plant){.bodies = 0};
+    part *platform = add_rigid(p, 1.0, 0.0);
+    platform->massless = 1;
+    platform->residual[0] = 1e-10 * pow(10.0, 2.0 * uniform(&seed));
+    for (size_t c = 0; c < 4; c++) {
+        const double mass = pow(10.0, 2.0 * uniform(&seed) - 1.0);
+        const double speed = 0.3 + uniform(&seed), gap = 1e-5 * floor(3.0 * uniform(&seed));
+        law[c] = law_of_five((int)(5.0 * uniform(&seed)), mass);
+        const int from_above = uniform(&seed) < 0.5;
+        add_rigid(p, mass, from_above ? -speed : speed);
+        if (from_above) {
+            join(p, 0, 0, c + 1, 0, gap, &law[c]);
+        } else {
+            join(p, c + 1, 0, 0, 0, gap, &law[c]);
+        }
+    }
+    must_go(p, rtol, 1e-4);
+}
+
+/* The same contacts at tolerances that differ in all events; what has gone from the motion is in the contacts' work. */
+static void a_crowd_on_a_massless_place(void)
+{
+    for (uint64_t seed = 100; seed < 220; seed++) {
+        double peak[4], impulse[4], largest = 0.0;
+        for (int run = 0; run < 3; run++) {
+            aoi_law law[4];
+            plant p;
+            strike_massless(&p, seed, law, run == 0 ? 1e-9 : run == 1 ? 1e-6 : 1e-4);
+            for (size_t c = 0; c < p.joints; c++) {
+                const aoi_contact_state *of = &p.contact[c];
+                peak[c] = run == 0 ? of->peak_force : peak[c];
+                impulse[c] = run == 0 ? of->impulse : impulse[c];
+                largest = fmax(largest, run == 0 ? of->peak_force : 0.0);
+                CHECK(fabs(of->peak_force - peak[c]) <= 3e-3 * largest, "seed %d, run %d: peak %zu is %.9g, not %.9g",
+                      (int)seed, run, c, of->peak_force, peak[c]);
+                CHECK(fabs(of->impulse - impulse[c]) <= 3e-3 * fmax(fabs(impulse[c]), 0.1),
+                      "seed %d, run %d: impulse %zu is %.9g, not %.9g", (int)seed, run, c, of->impulse, impulse[c]);
+            }
+            release(&p);
+        }
+    }
+}
+
 /* Ringing, damped bodies with two ports, loads and gravity; contacts come and go. */
 static void a_row_of_ringing_bodies(void)
 {
@@ -1371,6 +1435,7 @@ int main(void)
     a_faster_one_takes_all_the_force();
     a_massless_place_between_two_contacts_moves_evenly();
     a_pull_ends_beside_what_presses();
+    a_crowd_on_a_massless_place();
     a_row_of_ringing_bodies();
     contacts_meet_by_any_mode();
     three_touch_at_once();

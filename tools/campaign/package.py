@@ -103,6 +103,12 @@ def _faults(case: Case, done: Any) -> tuple[str, ...]:
                 f"peak: contact {c} has {float(contact.force.max()):.6g} N on its curve and "
                 f"{contact.peak_force:.6g} N as its peak"
             )
+        off = _off_its_curve(done, c, largest)
+        if off > limit:
+            faults.append(
+                f"peak: contact {c} has {contact.peak_force:.6g} N as its peak, and "
+                f"{contact.peak_force - off * largest:.6g} N on its curve then"
+            )
         ends = np.array(contact.intervals).ravel()
         if (
             (np.diff(ends) < -1e-14 * done.duration).any()
@@ -111,6 +117,17 @@ def _faults(case: Case, done: Any) -> tuple[str, ...]:
         ):
             faults.append(f"order: contact {c} has intervals {contact.intervals[:3]}")
     return tuple(faults)
+
+
+def _off_its_curve(done: Any, c: int, largest: float) -> float:
+    """By how much a contact's peak is above the force at its time, or just before or after."""
+    contact = done.contacts[c]
+    if contact.peak_force <= 0.0:
+        return 0.0
+    beside = contact.peak_time * (1.0 + np.array([-1.0, 0.0, 1.0]) * 1e-12)
+    times = np.unique(np.clip(beside, 0.0, done.duration))
+    force = float(done.at(times).contacts[c].force.max())
+    return (contact.peak_force - max(force, float(contact.force.max(initial=0.0)))) / largest
 
 
 def _momentum(case: Case, done: Any, i: int, impulses: FloatArray) -> float | None:
