@@ -129,8 +129,8 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     6: (ConvergenceError, "the linear solver failed"),
     7: (
         ConvergenceError,
-        "even the shortest step does not meet the tolerance; take a larger rtol, or, where a "
-        "contact without mass (m0 = 0) meets a strongly damped law, a small m0",
+        "even the shortest step does not meet the tolerance; take another rtol, or, where contacts "
+        "act on a point without mass (m0 = 0), a small m0 or Newmark(dt=...)",
     ),
     8: (
         ConvergenceError,

@@ -24,6 +24,9 @@
  * dashpot that comes to rest in less counts as none. */
 static const double AT_ONCE = 1e-13, SOON = 1e-7;
 
+/* A dashpot so much slower than such a step counts as no faster: its place moves by rounding alone. */
+static const double MUCH = 1e13;
+
 /* The error that leaves in rates, as a share of the largest; and Newton's method on them, of laws that are all but
  * linear in rates, has settled. Two steps bring places, which all but balance before, to rounding. */
 static const double RATE_ERROR = 1e-8;
@@ -88,13 +91,17 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
 static size_t list(aoi_adaptive *run, size_t c, size_t count)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
+    const aoi_law *law = run->system->contact[c].law;
     if (!(aoi_system_residual(run->system, c) > 0.0)) {
         return count;
     }
-    run->balanced[count] = (aoi_contact_state){.law = run->system->contact[c].law,
+    /* On its way to a contact that is open a place meets nothing. */
+    const double rest = aoi_law_rest(law, contact->memory);
+    const double from = contact->closed ? contact->start : fmax(contact->start, rest);
+    run->balanced[count] = (aoi_contact_state){.law = law,
                                          .force = contact->force,
-                                         .indentation = contact->start,
-                                         .last_indentation = contact->start,
+                                         .indentation = from,
+                                         .last_indentation = from,
                                          .rate = contact->start_rate};
     run->balanced[count].at[0] = c;
     for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
@@ -181,9 +188,8 @@ static void ask(const aoi_adaptive *run, const aoi_contact_state *of, double ind
     aoi_law_force(of->law, of->memory, piece_at(run, of, indentation, rate), indentation, rate, value);
 }
 
-/* What a law does meanwhile, at[1] of a contact that is listed: nothing; its force follows it; or it keeps the place where
- * it is, as a dashpot does into which a place snaps, however weak it is at the touch. */
-enum { IS_SLACK, FOLLOWS, HOLDS };
+/* at[1] of a contact that is listed: whether it presses, or pulls, when places are found. */
+enum { IS_SLACK, ACTS };
 
 /* The force of a contact after a time at its bodies' own rate, and in place of the damping what it gains with its rate.
  * over: places are those after it, and roles are given; else those before, and a law that would pull does nothing. */
@@ -191,11 +197,11 @@ static aoi_law_value answer(const aoi_adaptive *run, const aoi_coupled *e, size_
 {
     const aoi_contact_state *of = &run->balanced[i];
     const double own = e->compliance[i * (2 * e->band + 1) + e->band];
-    const double enough = time / (over ? AT_ONCE : SOON) / own; /* of a dashpot to keep the place meanwhile */
+    const double enough = MUCH * time / own; /* of a dashpot to keep the place where it is meanwhile */
     aoi_law_value still, value;
     ask(run, of, e->indentation[i], 0.0, &still);
     ask(run, of, e->indentation[i], e->rate[i], &value);
-    if (of->at[1] == HOLDS || (over && of->at[1] == FOLLOWS && value.damping > enough)) {
+    if (over && of->at[1] == ACTS && value.damping > enough) {
         return (aoi_law_value){e->force[i] + enough * e->rate_free[i], 0.0, enough};
     }
     const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
@@ -434,22 +440,6 @@ static size_t list_all(aoi_adaptive *run, int snaps)
     return count;
 }
 
-/* What a listed contact does, and the force that it begins with: as it does, or, where a place snaps back, as found. */
-static void set_role(const aoi_adaptive *run, int snaps, double least, aoi_contact_state *of, double *force)
-{
-    const aoi_adaptive_contact *contact = &run->contact[of->at[0]];
-    const int follows = snaps ? *force != 0.0 : contact->piece != AOI_SLACK;
-    const double off = contact->start - aoi_law_rest(of->law, of->memory);
-    const int is_met = snaps ? !contact->closed
-                             : contact->begins && contact->bending > least &&
-                                   off <= aoi_event_tolerance(run, contact->indentation_scale);
-    *force = snaps ? *force : contact->bending;
-    of->at[1] = follows && is_met && of->law->depends_on_rate ? HOLDS : follows ? FOLLOWS : IS_SLACK;
-    if (!contact->closed) {
-        of->indentation = aoi_law_rest(of->law, of->memory);
-    }
-}
-
 /* Forces and what they hold, from now on. */
 static void hold(aoi_adaptive *run, const aoi_coupled *e)
 {
@@ -463,10 +453,11 @@ static void hold(aoi_adaptive *run, const aoi_coupled *e)
 }
 
 /* Rates at those places, and what contacts do at them; all as it is where no rates are found: then the step begins with
- * a worse guess. */
-static void go_on(aoi_adaptive *run, double time, double least, const aoi_coupled *e)
+ * a worse guess. Returns whether one has left. */
+static int go_on(aoi_adaptive *run, double time, double least, const aoi_coupled *e)
 {
     aoi_contact_state *of = run->balanced;
+    int some = 0;
     for (size_t i = 0; i < e->count; i++) {
         e->rate[i] = of[i].rate;
     }
@@ -474,39 +465,52 @@ static void go_on(aoi_adaptive *run, double time, double least, const aoi_couple
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
         ask(run, &of[i], e->indentation[i], of[i].rate, &value);
-        of[i].force = of[i].at[1] == HOLDS ? e->force[i] : value.force;
+        of[i].force = value.force;
         const double certain = least + value.damping * error;
         if (is_drawn_away(run, &of[i], certain, error)) {
             leave(run, of[i].at[0]);
+            some = 1;
         } else {
             take(run, &of[i], certain);
         }
     }
+    return some;
+}
+
+/* Returns whether all is to be done again, without a contact that has left. */
+static int balance(aoi_adaptive *run, int snaps)
+{
+    const size_t count = list_all(run, snaps);
+    if (count == 0) {
+        return 0;
+    }
+    const double time = time_of_contacts(run, count);
+    const double at_once = snaps ? aoi_event_tolerance(run, time) : AT_ONCE * time;
+    aoi_coupled e = lay_out(run, count);
+    set_equations(run, at_once, &e);
+    if (snaps && aoi_coupled_solve(&e, run->balanced) != AOI_OK) {
+        return 0;
+    }
+    for (size_t i = 0; i < count; i++) {
+        const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].at[0]];
+        const int acts = snaps ? e.force[i] != 0.0 : contact->piece != AOI_SLACK;
+        run->balanced[i].at[1] = acts ? ACTS : IS_SLACK;
+        e.force[i] = snaps ? e.force[i] : contact->bending;
+    }
+    if (!find_places(run, at_once, &e)) {
+        return 0;
+    }
+    if (snaps) {
+        meet(run, &e);
+        return 0;
+    }
+    hold(run, &e);
+    return go_on(run, SOON * time, comes(run, count), &e);
 }
 
 void aoi_balance_at_once(aoi_adaptive *run, int snaps)
 {
-    const size_t count = list_all(run, snaps);
-    if (count == 0) {
-        return;
-    }
-    const double time = time_of_contacts(run, count), least = comes(run, count);
-    aoi_coupled e = lay_out(run, count);
-    set_equations(run, AT_ONCE * time, &e);
-    if (snaps && aoi_coupled_solve(&e, run->balanced) != AOI_OK) {
-        return;
-    }
-    for (size_t i = 0; i < count; i++) {
-        set_role(run, snaps, least, &run->balanced[i], &e.force[i]);
-    }
-    if (!find_places(run, AT_ONCE * time, &e)) {
-        return;
-    }
-    if (snaps) {
-        meet(run, &e);
-    } else {
-        hold(run, &e);
-        go_on(run, SOON * time, least, &e);
+    while (balance(run, snaps)) { /* fewer each time */
     }
 }
 
