@@ -224,3 +224,171 @@ def test_a_pull_that_ends_beside_a_contact():
     assert [run.error.energy < 1e-7 for run in runs] == [True, True]
     for one, other in zip(runs[0].events, runs[1].events, strict=True):
         assert one.impulse == pytest.approx(other.impulse, rel=1e-5)
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A mass, kg, that moves at a velocity, m/s, and meets the point under a law across a gap."""
+
+    law: ao.ContactLaw
+    mass: float
+    velocity: float
+    gap: float = 0.0
+
+
+def crowd(point: ao.AOModel, balls: tuple[Ball, ...]) -> ao.Scene:
+    """Balls that move up meet the point from below, others from above."""
+    scene = ao.Scene()
+    body = scene.add(point)
+    for ball in balls:
+        other = scene.add(ao.rigid(mass=ball.mass), velocity=ball.velocity)
+        pair = (other, body) if ball.velocity > 0.0 else (body, other)
+        scene.connect(*pair, ball.law, gap=ball.gap)
+    return scene
+
+
+def held(k0: float) -> ao.AOModel:
+    return ao.AOModel(m0=0.0, k0=k0, m=[1.0, 1.0], k=[1e8, 1e8])
+
+
+HERTZ, TSUJI = ao.Hertz(1e10), ao.Tsuji(1e10, 0.3, mass=1.0)
+FLORES, LINEAR = ao.Flores(1e10, 0.6, 1.0), ao.Linear(1e8)
+DEPTHS = np.linspace(0.0, 3e-3, 200)[1:]
+TABLE = ao.Tabulated(DEPTHS, 1e10 * DEPTHS**1.5)
+
+# Point, balls, duration, tolerances.
+CROWDS = {
+    "a damped and an elastic law, one on each side": (
+        held(2269774.351382341),
+        (
+            Ball(TSUJI, 0.39928371894592163, -1.2931889285004041, 1e-4),
+            Ball(HERTZ, 1.3498766285874342, 0.9149725886995592, 1e-4),
+        ),
+        6e-4,
+        (1e-9, 1e-7, 1e-4),
+    ),
+    "three laws": (
+        held(36062434.05447693),
+        (
+            Ball(TABLE, 1.3793786351804636, 1.1092453238815896, 1e-5),
+            Ball(LINEAR, 2.7482138175573816, 0.9644442683614951, 1e-4),
+            Ball(FLORES, 0.9293363888563042, -1.0520741333905, 3e-4),
+        ),
+        6e-4,
+        (1e-9, 3e-9, 1e-6),
+    ),
+    "a run that did not end": (
+        held(1891000.0),
+        (Ball(FLORES, 0.6791, 1.438), Ball(LINEAR, 0.5878, 1.45, 1e-4)),
+        6e-4,
+        (1e-9, 1e-8),
+    ),
+    "light and quick": (
+        held(1137000.0),
+        (Ball(TSUJI, 0.1543, 0.9564, 1e-5), Ball(HERTZ, 0.1165, -1.312, 1e-5)),
+        6e-4,
+        (1e-9, 1e-10, 1e-5),
+    ),
+    "a turn that is noted while another touches": (
+        ao.AOModel(m0=0.0, k0=37985.0548392012, m=[0.6857587936900075], k=[12590.532762472649]),
+        (
+            Ball(ao.Thornton(20326531.56824582, 320.30619617593436), 0.88475799634, 2.749467887294, 0.0015981912),
+            Ball(ao.Linear(5071719.278567715), 0.5564037266511, 1.60544027840929, 0.0015981912),
+            Ball(ao.LeeWang(3349439314.5724, 0.2294882987614, 2.87151831455697, n=2.0), 1.139244596, -0.65863088530773, 0.00479457360580),
+        ),
+        0.010018198905,
+        (1e-6, 1e-4),
+    ),
+}  # fmt: skip
+
+
+def held_to_its_curve(run) -> None:
+    """No peak is above the force at its time, nor below the curve."""
+    largest = max(contact.peak_force for contact in run.contacts)
+    for i, contact in enumerate(run.contacts):
+        beside = np.array([contact.peak_time * (1.0 + shift) for shift in (-1e-12, 0.0, 1e-12)])
+        there = run.at(np.unique(beside.clip(0.0, run.duration))).contacts[i].force.max()
+        most = max(float(there), float(contact.force.max()))
+        assert contact.peak_force == pytest.approx(most, abs=1e-4 * largest)
+
+
+def all_alike(runs) -> None:
+    """Peaks and impulses, relative to the largest."""
+    for what in ("peak_force", "impulse"):
+        rows = np.array([[getattr(contact, what) for contact in run.contacts] for run in runs])
+        np.testing.assert_allclose(
+            rows[1:], rows[:1].repeat(len(rows) - 1, 0), atol=3e-4 * rows.max()
+        )
+
+
+@pytest.mark.parametrize("name", CROWDS)
+def test_contacts_on_one_massless_point_at_any_tolerance(name):
+    point, balls, duration, tolerances = CROWDS[name]
+    runs = []
+    for rtol in tolerances:
+        run = crowd(point, balls).simulate(duration=duration, solver=ao.Adaptive(rtol=rtol))
+        held_to_its_curve(run)
+        assert run.error.energy < max(1e-4, 100.0 * rtol)
+        runs.append(run)
+    all_alike(runs)
+
+
+def drawn(seed: int) -> ao.Scene:
+    """Four balls of .1 to 10 kg under laws that take them some ten microns deep."""
+    rng = np.random.default_rng(seed)
+    point = ao.AOModel(m0=0.0, m=[1.0], k=[1e10 * 10.0 ** -rng.uniform(0.0, 2.0)])
+    balls = []
+    for _ in range(4):
+        mass = 10.0 ** rng.uniform(-1.0, 1.0)
+        k, hertz, c = 1e10 * mass, 1e12 * mass, 0.3e5 * mass
+        laws = [
+            ao.Hertz(hertz), ao.Linear(k), ao.HuntCrossley(hertz, 0.5), ao.Flores(hertz, 0.6, 1.0),
+            ao.Tsuji(hertz, 0.3, mass=mass), ao.KelvinVoigt(k, c), ao.KelvinVoigt(k, c, end="indentation"),
+        ]  # fmt: skip
+        velocity = rng.uniform(0.3, 1.3) * rng.choice([-1.0, 1.0])
+        balls.append(Ball(laws[rng.integers(7)], mass, velocity, 1e-5 * rng.integers(3)))
+    return crowd(point, tuple(balls))
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_drawn_contacts_on_one_massless_point(seed):
+    runs = [
+        drawn(seed).simulate(duration=1e-4, solver=ao.Adaptive(rtol=rtol))
+        for rtol in (1e-9, 1e-6, 1e-4)
+    ]
+    for run in runs:
+        held_to_its_curve(run)
+    all_alike(runs)
+
+
+@pytest.mark.parametrize("law", [ao.HuntCrossley(1e10, 0.5), ao.KelvinVoigt(1e8, 1e3)])
+def test_a_place_that_snaps_back_meets_what_lies_in_its_way(law):
+    """A dashpot that pulls lets go of a point, which comes back to a wall."""
+    runs = []
+    for m0, rtol in ((1e-8, 1e-7), (0.0, 1e-4), (0.0, 1e-9)):
+        scene = ao.Scene()
+        point = scene.add(ao.AOModel(m0=m0, k0=1e8, m=[1.0], k=[1e6]))
+        ball = scene.add(ao.rigid(mass=1.0), velocity=-1.0)
+        scene.connect(point, ball, ao.KelvinVoigt(1e8, 2e4, end="indentation"))
+        scene.connect(scene.add(ao.rigid(mass=math.inf)), point, law, gap=5e-6)
+        runs.append(scene.simulate(duration=6e-4, solver=ao.Adaptive(rtol=rtol)))
+    for run in runs[1:]:
+        held_to_its_curve(run)
+        for one, other in zip(run.events, runs[0].events, strict=True):
+            assert one.impulse == pytest.approx(other.impulse, rel=3e-4)
+
+
+@pytest.mark.parametrize("dt", [1e-6, 5e-8])
+def test_newmark_lets_a_pull_on_a_massless_point_end(dt):
+    point = ao.AOModel(m0=0.0, m=[1.0, 0.1], k=[3e7, 1e7])
+    balls = (
+        Ball(ao.KelvinVoigt(1e8, 3e2, end="indentation"), 0.5, 0.9),
+        Ball(LINEAR, 1.2, 0.6, 1e-5),
+        Ball(TABLE, 0.4, -0.8, 1e-5),
+    )
+    runs = [
+        crowd(point, balls).simulate(duration=6e-4, solver=solver)
+        for solver in (ao.Adaptive(rtol=1e-7), ao.Newmark(dt=dt, estimate=False))
+    ]
+    for one, other in zip(runs[0].contacts, runs[1].contacts, strict=True):
+        assert other.peak_force == pytest.approx(one.peak_force, rel=max(5e-3, 3e4 * dt))
