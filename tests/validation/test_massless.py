@@ -292,14 +292,24 @@ CROWDS = {
     "a turn that is noted while another touches": (
         ao.AOModel(m0=0.0, k0=37985.0548392012, m=[0.6857587936900075], k=[12590.532762472649]),
         (
-            Ball(ao.Thornton(20326531.56824582, 320.30619617593436), 0.88475799634, 2.749467887294, 0.0015981912),
+            Ball(
+                ao.Thornton(20326531.56824582, 320.30619617593436),
+                0.88475799634,
+                2.749467887294,
+                0.0015981912,
+            ),
             Ball(ao.Linear(5071719.278567715), 0.5564037266511, 1.60544027840929, 0.0015981912),
-            Ball(ao.LeeWang(3349439314.5724, 0.2294882987614, 2.87151831455697, n=2.0), 1.139244596, -0.65863088530773, 0.00479457360580),
+            Ball(
+                ao.LeeWang(3349439314.5724, 0.2294882987614, 2.87151831455697, n=2.0),
+                1.139244596,
+                -0.65863088530773,
+                0.00479457360580,
+            ),
         ),
         0.010018198905,
         (1e-6, 1e-4),
     ),
-}  # fmt: skip
+}
 
 
 def held_to_its_curve(run) -> None:
@@ -342,9 +352,14 @@ def drawn(seed: int) -> ao.Scene:
         mass = 10.0 ** rng.uniform(-1.0, 1.0)
         k, hertz, c = 1e10 * mass, 1e12 * mass, 0.3e5 * mass
         laws = [
-            ao.Hertz(hertz), ao.Linear(k), ao.HuntCrossley(hertz, 0.5), ao.Flores(hertz, 0.6, 1.0),
-            ao.Tsuji(hertz, 0.3, mass=mass), ao.KelvinVoigt(k, c), ao.KelvinVoigt(k, c, end="indentation"),
-        ]  # fmt: skip
+            ao.Hertz(hertz),
+            ao.Linear(k),
+            ao.HuntCrossley(hertz, 0.5),
+            ao.Flores(hertz, 0.6, 1.0),
+            ao.Tsuji(hertz, 0.3, mass=mass),
+            ao.KelvinVoigt(k, c),
+            ao.KelvinVoigt(k, c, end="indentation"),
+        ]
         velocity = rng.uniform(0.3, 1.3) * rng.choice([-1.0, 1.0])
         balls.append(Ball(laws[rng.integers(7)], mass, velocity, 1e-5 * rng.integers(3)))
     return crowd(point, tuple(balls))
