@@ -183,8 +183,10 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
         contact->start_rate = end_slope(entry->legendre) / h;
     }
     contact->force = force_at_end(law, entry);
-    contact->bending = entry->force[end];
-    contact->force_rate = aoi_contact_has_residual(run, entry->contact) ? force_slope(entry) / h : 0.0;
+    if (aoi_contact_has_residual(run, entry->contact)) {
+        contact->bending = entry->force[end];
+        contact->force_rate = force_slope(entry) / h;
+    }
     contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));
     if (entry->piece != AOI_SLACK) {
         aoi_law_remember(law, contact->start, contact->start_rate, contact->memory);
