@@ -1,7 +1,8 @@
 """Reduced models of a body at its contact: anti-oscillators, modes, several places."""
 
+from .contacttime import own_contact_time, shortest_contact_time
 from .interface import InterfaceModel, InterfaceSpace, checked_ports, interface, whole_interface
-from .krylov import KrylovSpace, own_contact_time, shortest_contact_time
+from .krylov import KrylovSpace
 from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
 from .origin import Origin

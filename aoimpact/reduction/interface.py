@@ -29,8 +29,9 @@ from ..base import (
 )
 from ..fem import FASTEST, Body, ContactPoint, Damping, translates
 from ..linalg import Solver
-from .krylov import SHIFT_TIMES_DURATION, Subspace, fitted_shifts, highest_shift
+from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
 from .modes import LARGEST, ascending, modal
+from .subspace import Subspace
 
 __all__ = [
     "InterfaceModel",

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from .contacttime import SHIFT_TIMES_DURATION
 from .interface import InterfaceModel
-from .krylov import SHIFT_TIMES_DURATION
 from .star import AOModel
 
 __all__ = ["fitted_time", "fitted_times", "knows", "unbalanced"]

@@ -12,7 +12,7 @@ from aoimpact.linalg.solvers import METHODS
 from aoimpact.mesh.generate import box_mesh
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper.sphere import BALL_MASS
-from aoimpact.reduction.krylov import Subspace
+from aoimpact.reduction.subspace import Subspace
 
 from slender import beam, in_a_row, rod
 

@@ -9,7 +9,7 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.mesh.generate import box_mesh
-from aoimpact.reduction.contactstiffness import contact_stiffness
+from aoimpact.reduction.contacttime import contact_stiffness
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
