@@ -40,11 +40,11 @@ DIRECT_MOST = {"superlu": 4.1e4, "pardiso": 1e5}
 def body_of(shape: str, dofs: float) -> tuple[ao.FEModel, ao.ContactPoint]:
     if shape == "sphere":
         body = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, SPHERES[dofs]), STEEL)
-        return body, body.contact(point=(0.01, 0, 0), direction=(1, 0, 0))
+        return body, body.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0)
     along, across = BARS[dofs]
     mesh = ao.box_mesh((1.0, 0.05, 0.05), (along, across, across), kind="tetra10")
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    return body, body.contact(point=(1.0, 0.0, 0.05), direction=(0, 0, -1))
+    return body, body.contact(point=(1.0, 0.0, 0.05), direction=(0, 0, -1), radius=0)
 
 
 def timed(call: Callable[[], object]) -> tuple[object, float, float]:

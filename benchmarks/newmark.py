@@ -163,7 +163,7 @@ def contact_force(free: float, compliance: float) -> float:
 
 def measure_full() -> list[Line]:
     model = beam_model()
-    tip = model.contact(point=(0.5, 0.01, 0.02), direction=(0.0, 0.0, -1.0))
+    tip = model.contact(point=(0.5, 0.01, 0.02), direction=(0.0, 0.0, -1.0), radius=0)
     steps = 200
     lean, rich = (core_run(FullBody((tip,), 0.0), steps, energies) for energies in (False, True))
     factors = factorize(model.M + 0.25 * DT**2 * model.K).for_core()

@@ -50,13 +50,13 @@ def yardstick(tip: ao.ContactPoint, solves: int, solver: str = "auto") -> None:
 
 def sphere(size: float) -> ao.ContactPoint:
     body = ao.FEModel.from_mesh(ao.sphere_mesh(RADIUS, size), STEEL)
-    return body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0))
+    return body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0), radius=0)
 
 
 def bar(along: int) -> ao.ContactPoint:
     mesh = ao.box_mesh((1.0, 0.05, 0.05), (along, 4, 4), kind="tetra10")
     body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
-    return body.contact(point=(0.5, 0.025, 0.05), direction=(0, 0, -1))
+    return body.contact(point=(0.5, 0.025, 0.05), direction=(0, 0, -1), radius=0)
 
 
 def against_solutions(tip: ao.ContactPoint) -> None:
@@ -74,7 +74,7 @@ def clamped(
 ) -> ao.ContactPoint:
     mesh = ao.box_mesh(size, divisions, kind=kind)
     body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
-    return body.contact(point=(size[0] / 2, size[1] / 2, size[2]), direction=(0, 0, -1))
+    return body.contact(point=(size[0] / 2, size[1] / 2, size[2]), direction=(0, 0, -1), radius=0)
 
 
 def without_mesh(tip: ao.ContactPoint) -> ao.ContactPoint:

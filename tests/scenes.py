@@ -35,7 +35,7 @@ fixed = [
     { nodes = "xmin", hold = "xyz" },
     { nodes = [4, 5], hold = "z" },
 ]
-contact = { point = [0.1, 0.0, 0.0], direction = [0, 0, 1] }
+contact = { point = [0.1, 0.0, 0.0], direction = [0, 0, 1], radius = 0 }
 model = { type = "antioscillators", n = 2 }
 
 [bodies.ball]

@@ -20,7 +20,7 @@ def box(material: ao.Material, size: Any, cells: Any, place: Any, fixed: Any = N
     """A box struck from above, or striking downward, at a place given in shares of its size."""
     body = ao.FEModel.from_mesh(box_mesh(size, cells), material, fixed=fixed)
     point = [share * length for share, length in zip(place, size, strict=True)]
-    return body.contact(point=point, direction=(0, 0, -1))
+    return body.contact(point=point, direction=(0, 0, -1), radius=0)
 
 
 def cube(material: ao.Material, edge: float) -> Any:

@@ -7,7 +7,7 @@ inside a face, by that face's shape functions, or a patch of the surface under H
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Protocol
 
@@ -20,6 +20,7 @@ from ..base import (
     InputError,
     InputTypeError,
     IntArray,
+    boolean,
     checked,
     choice,
     finite_array,
@@ -37,7 +38,7 @@ from .damping import Damping
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
-from .touch import Touch, automatic_radius, check_pressing, touched, warn_if_coarse
+from .touch import Touch, automatic_radius, pressed_normal, touched, warn_if_coarse
 
 __all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
 
@@ -109,6 +110,13 @@ class ContactPoint(Frozen):
         The node touched; None where the contact is spread over several.
     patch : Patch or None
         The disc that carries the contact; None for a node or a point.
+    normal : ndarray, shape (3,), or None
+        The surface's outward normal; None on an edge, and for a body without a mesh.
+    directed : bool
+        Whether the direction was given. One that was not turns round where the body is the
+        projectile: see `reversed`.
+    automatic : bool
+        Whether the radius of the patch was left to be chosen.
 
     Raises
     ------
@@ -122,6 +130,9 @@ class ContactPoint(Frozen):
     point: FloatArray | None = None
     node: int | None = None
     patch: Patch | None = None
+    normal: FloatArray | None = None
+    directed: bool = True
+    automatic: bool = False
 
     def __post_init__(self) -> None:
         if not callable(getattr(type(self.body), "com_functional", None)):
@@ -137,6 +148,9 @@ class ContactPoint(Frozen):
         if self.node is not None:
             nodes = 0 if self.body.nodes is None else len(self.body.nodes)
             checked(self, node=partial(integer, low=0, high=nodes - 1))
+        if self.normal is not None:
+            checked(self, normal=partial(finite_array, shape=(3,)))
+        checked(self, directed=boolean, automatic=boolean)
         super().__post_init__()
 
     def _functional(self, name: str, value: Any) -> FloatArray:
@@ -147,6 +161,11 @@ class ContactPoint(Frozen):
                 f"{name} must have entries of about 1, not all zero: the largest is {size:g}"
             )
         return b
+
+    def reversed(self) -> ContactPoint:
+        """The same place with the direction of travel the other way round."""
+        opposite = None if self.direction is None else -self.direction
+        return replace(self, b=-self.b, direction=opposite)
 
     @property
     def resultant(self) -> FloatArray:
@@ -198,7 +217,7 @@ def contact_point(
     point: npt.ArrayLike | None = None,
     direction: npt.ArrayLike | None = None,
     dof: int | None = None,
-    radius: float | str = 0.0,
+    radius: float | str = "auto",
     expected: float | None = None,
 ) -> ContactPoint:
     """Return the functional of a place on a body, or of a single dof; see `FEModel.contact`."""
@@ -213,7 +232,7 @@ def contact_point(
     if dof is not None:
         if point is not None or direction is not None:
             raise InputError("give either dof, or point and direction, not both")
-        if radius != 0.0:
+        if radius not in ("auto", 0.0):
             raise InputError(f"radius={radius}: a single dof has no patch; give point, or radius=0")
         return _at_dof(body, integer("dof", dof, low=0, high=body.n_dofs - 1))
     if point is None:
@@ -228,14 +247,16 @@ def contact_point(
         return _without_faces(body, where, along, radius)
     node, gap = _closest(body.nodes, where)
     if along is not None and radius == 0.0 and _at_a_node(body.nodes, gap):
-        check_pressing(body.surface, body.nodes[node], along)
-        return _at_node(body, node, along)
+        normal = pressed_normal(body.surface, body.nodes[node], along)
+        return replace(_at_node(body, node, along), normal=normal)
     if isinstance(radius, str):
-        radius = automatic_radius(body.surface, where, expected)
+        chosen = automatic_radius(body.surface, where, expected)
+        tip = _at_touch(body, touched(body.surface, body.material, where, along, chosen))
+        return replace(tip, directed=along is not None, automatic=True)
     touch = touched(body.surface, body.material, where, along, radius)
     if touch.patch is not None:
         warn_if_coarse(body.surface, touch.patch)
-    return _at_touch(body, touch)
+    return replace(_at_touch(body, touch), directed=along is not None)
 
 
 def contact_at(tip: ContactPoint, radius: float) -> ContactPoint:
@@ -244,14 +265,15 @@ def contact_at(tip: ContactPoint, radius: float) -> ContactPoint:
     assert body.surface is not None
     assert body.material is not None
     assert tip.point is not None
-    return _at_touch(body, touched(body.surface, body.material, tip.point, tip.direction, radius))
+    touch = touched(body.surface, body.material, tip.point, tip.direction, radius)
+    return replace(_at_touch(body, touch), directed=tip.directed, automatic=tip.automatic)
 
 
 def _without_faces(
     body: Body, point: FloatArray, along: FloatArray | None, radius: float | str
 ) -> ContactPoint:
     assert body.nodes is not None
-    if radius != 0.0:
+    if radius not in ("auto", 0.0):
         raise InputError(
             f"radius={radius}: a patch needs the faces of a mesh; make the body with "
             "FEModel.from_mesh(mesh, material), or give radius=0"
@@ -300,7 +322,9 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
             "choose another point or direction, a smaller radius, or release the nodes in fixed"
         )
     node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - _AT_NODE else None
-    return ContactPoint(body, b, touch.direction, touch.point, node, touch.patch)
+    return ContactPoint(
+        body, b, touch.direction, touch.point, node, touch.patch, normal=touch.normal
+    )
 
 
 def _closest(nodes: FloatArray, point: FloatArray) -> tuple[int, float]:

@@ -6,19 +6,14 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from ..base import InputError, InputTypeError, checked, finite_array, positive, real, warn
+from ..base import InputError, InputTypeError, checked, finite_array, positive, real
 from .contact import ContactPoint, contact_at
 from .statics import elastic_compliance
-from .touch import Room, room
 
-__all__ = ["PatchCheck", "check_patch", "warn_of_room"]
+__all__ = ["PatchCheck", "check_patch"]
 
 # A patch is compared with one so much larger, or smaller if the surface has no room for it.
 _LARGER = 1.25
-
-# A body thinner than two radii, or that ends 1.25 radii from the point, is computed with elements:
-# a plate's compliance then moves by 3 % of the patch's part and more when r grows by a quarter.
-_THIN, _NEAR = 2.0, 1.25
 
 
 @dataclass(frozen=True)
@@ -89,30 +84,3 @@ def check_patch(tip: ContactPoint, *, expected: float | None = None) -> PatchChe
     there = elastic_compliance(other, invert=invert) - other.patch.compliance
     share = abs(there - here) * 4.0 * patch.modulus * contact / 3.0
     return PatchCheck((patch.radius, other.patch.radius), (here, there), share)
-
-
-def warn_of_room(tip: ContactPoint, expected: float | None) -> None:
-    """Warn where the body is too thin, or the point too near an edge, for a half-space."""
-    assert tip.patch is not None
-    assert tip.point is not None
-    assert tip.body.surface is not None
-    radius = tip.patch.radius
-    about = room(tip.body.surface, tip.point, _NEAR * radius)
-    found = _narrow(about, radius)
-    if not found:
-        return
-    check = check_patch(tip, expected=expected)
-    warn(
-        f"radius={radius:.3g} m: {found}, so the body about the patch is no half-space; with "
-        f"{check.radii[1]:.3g} m instead the body's part of the indentation moves by "
-        f"{check.share:.1%}: take a finer mesh and a smaller radius if that is too much"
-    )
-
-
-def _narrow(about: Room, radius: float) -> str:
-    found = []
-    if about.depth < _THIN * radius:
-        found.append(f"the body is only {about.depth:.3g} m thick there")
-    if about.free < _NEAR * radius:
-        found.append(f"the surface ends or turns {about.free:.3g} m from the point")
-    return " and ".join(found)

@@ -50,7 +50,6 @@ from ..mesh import (
 from .assembly import stiffness_mass
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
-from .halfspace import warn_of_room
 from .material import Material
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
@@ -317,7 +316,7 @@ class FEModel(Frozen):
         point: npt.ArrayLike | None = None,
         direction: npt.ArrayLike | None = None,
         dof: int | None = None,
-        radius: float | str = 0.0,
+        radius: float | str = "auto",
         expected: float | None = None,
     ) -> ContactPoint:
         """Return the place where this body is touched: a point, a patch, or a single dof.
@@ -330,15 +329,16 @@ class FEModel(Frozen):
             between nodes there.
         direction : array_like, shape (3,), optional
             The projectile's direction of travel, for the projectile and for the target, any length
-            but zero. By default the surface's inward normal, which suits a target; a projectile
-            travels outward.
+            but zero. By default the surface's inward normal, or, where the body turns out to be the
+            projectile, the outward one.
         dof : int, optional
             Row of K, in place of `point` and `direction`.
         radius : float or "auto", optional
-            Of the patch that carries the contact under Hertz's pressure, m. 0 is a single point,
-            with which the force follows the mesh; with a patch that the mesh resolves, it does not.
-            "auto" takes twice the `expected` contact radius, or what the mesh resolves if that is
-            more.
+            Of the patch that carries the contact under Hertz's pressure, m. "auto" takes twice the
+            `expected` contact radius, or what the mesh resolves well if that is more; `simulate`
+            chooses it anew from the impact, as far as the errors of mesh and half-space are least.
+            0 is a single point, with which the force follows the mesh. Bodies without a mesh have
+            no patch.
         expected : float, optional
             For "auto": the largest radius of the contact itself, m; √(Rδ) for Hertz's law.
 
@@ -355,15 +355,11 @@ class FEModel(Frozen):
         Warns
         -----
         AOImpactWarning
-            If the point taken is not the one given; if the mesh is too coarse for the patch; with
-            "auto", if the body is too small about the patch for a half-space.
+            If the point taken is not the one given, or the mesh is too coarse for the radius given.
         """
-        tip = contact_point(
+        return contact_point(
             self, point=point, direction=direction, dof=dof, radius=radius, expected=expected
         )
-        if radius == "auto":
-            warn_of_room(tip, expected)
-        return tip
 
     @cached_property
     def surface(self) -> Surface | None:

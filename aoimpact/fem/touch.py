@@ -15,7 +15,7 @@ __all__ = [
     "Room",
     "Touch",
     "automatic_radius",
-    "check_pressing",
+    "pressed_normal",
     "room",
     "touched",
     "warn_if_coarse",
@@ -61,13 +61,16 @@ class Touch:
     direction : ndarray, shape (3,)
     weights : ndarray, shape (n_nodes,)
         Shares of the nodes; their sum is 1.
+    normal : ndarray, shape (3,), or None
+        Outward; None on a sharp edge.
     patch : Patch or None
     """
 
     point: FloatArray
     direction: FloatArray
     weights: FloatArray
-    patch: Patch | None
+    normal: FloatArray | None = None
+    patch: Patch | None = None
 
 
 def touched(
@@ -96,7 +99,7 @@ def touched(
         weights = np.zeros(surface.mesh.n_nodes)
         cells = surface.mesh.cells[surface.cell[here.face]]
         np.add.at(weights, cells, surface.shape(here.face, here.uv))
-        return Touch(here.x[0], _pressing(surface, places, along), weights, None)
+        return Touch(here.x[0], _pressing(surface, places, along), weights, normal)
     if normal is None:
         raise _on_edge(point, "a point farther from the edge than radius")
     if radius >= 0.5 * surface.mesh.size:
@@ -114,7 +117,7 @@ def touched(
         faces=len(on.faces),
         edges=float(surface.edges(on.faces).mean()),
     )
-    return Touch(here.x[0], direction, on.weights, patch)
+    return Touch(here.x[0], direction, on.weights, on.normal, patch)
 
 
 def automatic_radius(surface: Surface, point: FloatArray, expected: float | None) -> float:
@@ -126,7 +129,7 @@ def automatic_radius(surface: Surface, point: FloatArray, expected: float | None
     places = _places(surface, point)
     normal = _normal(surface, places)
     if normal is None:
-        raise _on_edge(point, "a point farther from the edge")
+        raise _on_edge(point, "a point farther from the edge, or radius=0 for the edge itself")
     face = np.concatenate([place.face for place in places])
     radius = _WELL_RESOLVED * _resolved(surface) * float(surface.edges(face).mean())
     if expected is not None:
@@ -227,9 +230,14 @@ def _on_edge(point: FloatArray, cure: str) -> InputError:
     )
 
 
-def check_pressing(surface: Surface, point: FloatArray, along: FloatArray) -> None:
-    """Refuse a place that is not on the surface, and a direction that does not press on it."""
-    _pressing(surface, _places(surface, point), along)
+def pressed_normal(surface: Surface, point: FloatArray, along: FloatArray) -> FloatArray | None:
+    """Return the outward normal at a place on the surface; None on a sharp edge.
+
+    A place that is not on the surface, and a direction that does not press on it, are refused.
+    """
+    places = _places(surface, point)
+    _pressing(surface, places, along)
+    return _normal(surface, places)
 
 
 def _pressing(surface: Surface, places: list[Place], along: FloatArray | None) -> FloatArray:

@@ -87,7 +87,7 @@ class BeamStudy:
     def tip(self) -> ContactPoint:
         """The centre of the top surface; also the full finite-element model."""
         top = (0.5 * LENGTH, 0.5 * WIDTH, WIDTH)
-        return self.body.contact(point=top, direction=(0.0, 0.0, -1.0))
+        return self.body.contact(point=top, direction=(0.0, 0.0, -1.0), radius=0)
 
     @cached_property
     def modes(self) -> ModalModel:

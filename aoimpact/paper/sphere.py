@@ -85,7 +85,7 @@ class SphereStudy:
     def tip(self) -> ContactPoint:
         """The point of the sphere that is touched; also the full finite-element model."""
         body = FEModel.from_mesh(paper_sphere_mesh(), STEEL)
-        return body.contact(point=(RADIUS, 0.0, 0.0), direction=(1.0, 0.0, 0.0))
+        return body.contact(point=(RADIUS, 0.0, 0.0), direction=(1.0, 0.0, 0.0), radius=0)
 
     @cached_property
     def frequencies(self) -> FloatArray:
@@ -180,7 +180,7 @@ class MeshCase:
 def mesh_case(study: SphereStudy, size: float) -> MeshCase:
     """Return the paper's impact, one anti-oscillator each, on a mesh with elements of `size` m."""
     body = FEModel.from_mesh(sphere_mesh(RADIUS, size), STEEL)
-    model = antioscillators(body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0)), n=1)
+    model = antioscillators(body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0), radius=0), n=1)
     hit = study.pair(model)
     assert body.nodes is not None
     return MeshCase(len(body.nodes), float(model.k[0]), hit.peak_force, hit.contact_duration)

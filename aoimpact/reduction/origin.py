@@ -77,6 +77,16 @@ class Origin:
         """The same without the vectors."""
         return replace(self, static=self.static_mode, oscillators=self.shapes, vectors=None)
 
+    def reversed(self) -> Origin:
+        """The same with the direction of travel the other way round."""
+        return replace(
+            self,
+            tip=self.tip.reversed(),
+            static=-self.static,
+            oscillators=-self.oscillators,
+            centre=-self.centre,
+        )
+
     def observed_by(self, functional: FloatArray) -> tuple[float, FloatArray]:
         """functionalᵀφ_st and functionalᵀΨ_i, for a functional of shape (n_dofs,)."""
         on = functional if self.vectors is None else functional @ self.vectors()

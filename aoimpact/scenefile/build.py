@@ -307,7 +307,8 @@ def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint
         raise InputError(
             f"body: {name!r} has a model already; leave the model out to have one chosen"
         )
-    return contact_point(tip.body, point=wanted["point"], direction=wanted["direction"])
+    place, along = wanted["point"], wanted["direction"]
+    return contact_point(tip.body, point=place, direction=along, radius=0.0)
 
 
 def _scene_quantity(

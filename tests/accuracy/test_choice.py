@@ -33,7 +33,9 @@ def whole(body):
 
 @functools.cache
 def paper_beam():
-    return beam_model().contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+    return beam_model().contact(
+        point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1), radius=0
+    )
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +103,7 @@ SCENES = IMPACTS | {
 @functools.cache
 def paper_sphere():
     body = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), SPHERE_STEEL)
-    return body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0))
+    return body.contact(point=(RADIUS, 0, 0), direction=(1, 0, 0), radius=0)
 
 
 class Scene:
@@ -251,7 +253,7 @@ def test_a_compact_block_may_be_a_rigid_wall():
 def test_a_named_point():
     """A quarter of the beam's length from the blow, for five contact times."""
     target = beam(ENDS)
-    point = target.body.contact(point=(0.15 / 2, 0.01, 0.02), direction=(0, 0, -1))
+    point = target.body.contact(point=(0.15 / 2, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     run = functools.partial(
         ao.simulate,
         projectile=ao.rigid(mass=0.06),
@@ -330,15 +332,15 @@ def test_a_point_of_another_body_is_refused(paper):
 def test_a_point_of_a_model_that_is_both_bodies_is_refused_and_a_copy_tells_them_apart():
     """Of two cubes that collide the struck one's back stays behind the point of the blow."""
     tip = cube(STEEL, 0.02)
-    point = tip.body.contact(point=(0.01, 0.01, 0.02), direction=(0, 0, -1))
+    point = tip.body.contact(point=(0.01, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     run = functools.partial(
         ao.simulate, law=law(STEEL, 0.01, STEEL), velocity=1.0, duration=1e-4, rtol=1e-2
     )
     with pytest.raises(ao.InputError, match=r"both projectile and target.*copy\.copy"):
         run(projectile=tip, target=tip, quantity=point)
     own = copy.copy(tip.body)
-    struck = own.contact(point=(0.01, 0.01, 0.0), direction=(0, 0, -1))
-    back = own.contact(point=point.point, direction=(0, 0, -1))
+    struck = own.contact(point=(0.01, 0.01, 0.0), direction=(0, 0, -1), radius=0)
+    back = own.contact(point=point.point, direction=(0, 0, -1), radius=0)
     hits = [run(projectile=tip, target=struck, quantity=where) for where in (point, back)]
     moved = [hits[0].projectile.displacement_of(point.b, np.array([2e-5]))]
     moved.append(hits[1].target.displacement_of(back.b, np.array([2e-5])))

@@ -21,7 +21,7 @@ def beam(divisions=(10, 1, 1), kind="hexahedron20", ends=("xmin", "xmax")):
 
 
 def tips_of(body, places=PLACES):
-    return [body.contact(point=(x, 0.01, 0.02), direction=DOWN) for x in places]
+    return [body.contact(point=(x, 0.01, 0.02), direction=DOWN, radius=0) for x in places]
 
 
 def struck_in_three_places(tips):
@@ -73,7 +73,7 @@ def test_displacement_of_one_of_the_places(three, rtol):
 def test_displacement_of_a_point_that_nothing_touches(three):
     scene, struck, full = three
     body = full[struck]._responding.body
-    point = body.contact(point=(0.21, 0.0, 0.0), direction=DOWN)
+    point = body.contact(point=(0.21, 0.0, 0.0), direction=DOWN, radius=0)
     run = scene.simulate(duration=DURATION, quantity=point, rtol=1e-2)
     times = np.linspace(0.0, DURATION, 100)
     mine = run[struck].displacement_of(point.b, times)
@@ -117,7 +117,7 @@ def test_a_full_body_in_three_places_is_its_modes():
 
 
 def test_the_scene_of_two_is_an_impact():
-    tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN)
+    tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN, radius=0)
     ball = ao.AOModel(m0=1e-3, m=[0.02, 0.005], k=[2e8, 9e8])
     hit = ao.simulate(
         projectile=ball, target=tip, law=HERTZ, velocity=1.0, duration=DURATION, rtol=1e-2
@@ -152,7 +152,7 @@ def test_a_patch_gives_way_in_the_law_of_the_models_that_do():
 
 def test_what_is_there_twice_is_reduced_alike():
     """A ball between two beams that are one and the same model."""
-    tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN)
+    tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN, radius=0)
     scene = ao.Scene()
     upper, ball, lower = scene.add(tip), scene.add(ao.rigid(mass=0.02), velocity=1.0), None
     lower = scene.add(tip)

@@ -22,7 +22,7 @@ def body() -> ao.FEModel:
 
 
 def tip(along: float = 0.04) -> ao.ContactPoint:
-    return body().contact(point=(along, 0.01, 0.02), direction=(0, 0, -1))
+    return body().contact(point=(along, 0.01, 0.02), direction=(0, 0, -1), radius=0)
 
 
 def table() -> ao.SweepTable:
@@ -73,7 +73,7 @@ def test_the_caller_s_arrays_stay_writable() -> None:
         np.array([0, 0, -1.0]),
     )
     ao.AOModel(m0=0.1, m=m, k=k)
-    body().contact(point=point, direction=direction)
+    body().contact(point=point, direction=direction, radius=0)
     nodes, cells = np.array(body().nodes), np.array(body().mesh.cells)
     ao.Mesh(nodes, cells, "hexahedron")
     assert all(array.flags.writeable for array in (m, k, point, direction, nodes, cells))

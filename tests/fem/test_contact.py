@@ -34,7 +34,7 @@ SLANTED = np.array([0.48, -0.6, 0.64])
 def test_a_node_s_own_place_is_taken_as_it_is(error: float) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        tip = FREE.contact(point=(0.02 + error, 0.01, 0.02), direction=DOWN)
+        tip = FREE.contact(point=(0.02 + error, 0.01, 0.02), direction=DOWN, radius=0)
     assert tip.point is not None
     np.testing.assert_allclose(tip.point, (0.02, 0.01, 0.02), rtol=1e-15)
     assert np.count_nonzero(tip.b) == 1
@@ -42,30 +42,30 @@ def test_a_node_s_own_place_is_taken_as_it_is(error: float) -> None:
 
 def test_of_a_body_without_a_mesh_the_nearest_node_is_taken_and_said() -> None:
     said = r"\(0\.023, 0\.01, 0\.02\) m is no node.* {} at \(0\.02, 0\.01, 0\.02\) m, 0\.003 m off"
-    node = BARE.contact(point=(0.02, 0.01, 0.02), direction=DOWN).node
+    node = BARE.contact(point=(0.02, 0.01, 0.02), direction=DOWN, radius=0).node
     with pytest.warns(AOImpactWarning, match=said.format(node)) as caught:
-        tip = BARE.contact(point=(0.023, 0.01, 0.02), direction=DOWN)
+        tip = BARE.contact(point=(0.023, 0.01, 0.02), direction=DOWN, radius=0)
     assert tip.node == node
     assert caught[0].filename == __file__
 
 
 def test_of_a_body_without_a_mesh_a_point_off_the_nodes_is_refused() -> None:
     with pytest.raises(InputError, match=r"\(23, 10, 20\) m is .* from the nearest .*in metres"):
-        BARE.contact(point=(23.0, 10.0, 20.0), direction=DOWN)
+        BARE.contact(point=(23.0, 10.0, 20.0), direction=DOWN, radius=0)
 
 
 def test_a_node_that_is_held_is_refused_with_the_cure() -> None:
     words = r"point \(0, 0, 0\.02\) m with direction \(0, 0, -1\): .* is held .*; choose another"
     with pytest.raises(InputError, match=words):
-        HELD.contact(point=(0.0, 0.0, 0.02), direction=DOWN)
-    assert HELD.contact(point=(0.0, 0.0, 0.02), direction=(0.0, 1.0, 0.0)).b.sum() == 1.0
+        HELD.contact(point=(0.0, 0.0, 0.02), direction=DOWN, radius=0)
+    assert HELD.contact(point=(0.0, 0.0, 0.02), direction=(0.0, 1.0, 0.0), radius=0).b.sum() == 1.0
 
 
 # ------------------------------------------------------------------------- points of faces
 
 
 def test_a_point_of_a_face_has_the_shares_of_its_shape_functions() -> None:
-    tip = FREE.contact(point=(0.023, 0.014, 0.02), direction=DOWN)
+    tip = FREE.contact(point=(0.023, 0.014, 0.02), direction=DOWN, radius=0)
     assert tip.node is None
     assert FREE.nodes is not None
     forces = np.zeros(3 * len(FREE.nodes))
@@ -102,8 +102,8 @@ def test_a_contact_sees_rigid_motions_as_its_point_does(kind: str, radius: float
 
 
 def test_a_point_at_a_node_is_that_node_along_the_surface_s_own_normal() -> None:
-    tip = FREE.contact(point=(0.02, 0.01, 0.02))
-    assert tip.node == FREE.contact(point=(0.02, 0.01, 0.02), direction=DOWN).node
+    tip = FREE.contact(point=(0.02, 0.01, 0.02), radius=0)
+    assert tip.node == FREE.contact(point=(0.02, 0.01, 0.02), direction=DOWN, radius=0).node
     np.testing.assert_array_equal(tip.direction, DOWN)
 
 
@@ -125,7 +125,7 @@ def test_an_oblique_force_on_a_ball_turns_it_by_the_patch_s_depth_only() -> None
 def test_a_point_a_little_off_a_coarse_surface_is_put_on_it_and_said() -> None:
     body = FEModel.from_mesh(box_mesh((0.04, 0.02, 0.02), (4, 2, 2)), STEEL)
     with pytest.warns(AOImpactWarning, match=r"0\.0005 m off the surface.*\(0\.023, 0\.014, 0\.02"):
-        tip = body.contact(point=(0.023, 0.014, 0.0205), direction=DOWN)
+        tip = body.contact(point=(0.023, 0.014, 0.0205), direction=DOWN, radius=0)
     np.testing.assert_allclose(tip.point, (0.023, 0.014, 0.02), rtol=1e-12)
 
 
@@ -139,7 +139,7 @@ def test_a_patch_is_remembered() -> None:
     assert tip.patch.modulus == pytest.approx(210e9 / 0.91)
     assert tip.patch.compliance == pytest.approx(0.6 / (0.008 * 210e9 / 0.91))
     assert f"patch of radius 0.008 m on {tip.patch.faces} faces" in repr(tip)
-    assert PLATE.contact(point=(0.021, 0.019, 0.01)).patch is None
+    assert PLATE.contact(point=(0.021, 0.019, 0.01), radius=0).patch is None
 
 
 def test_automatic_radius_is_twice_the_contact_s_where_the_mesh_resolves_that() -> None:
@@ -174,12 +174,15 @@ def test_a_patch_too_small_for_the_mesh_is_said() -> None:
         ({"point": (0.02, 0.02, 0.01), "radius": 0.05}, "larger than the body, which is 0.04 m"),
         ({"point": (0.02, 0.02, 0.01), "radius": -1.0}, "radius must not be negative"),
         ({"point": (0.02, 0.02, 0.01), "radius": "aut"}, "did you mean 'auto'"),
-        ({"point": (0.02, 0.02, 0.01), "expected": 1e-3}, 'expected is for radius="auto"'),
+        (
+            {"point": (0.02, 0.02, 0.01), "radius": 0, "expected": 1e-3},
+            'expected is for radius="auto"',
+        ),
         ({"point": (0.02, 0.02, 0.01), "radius": "auto", "expected": 0.0}, "expected must be pos"),
         ({"point": (0.01, 0.02, 0.01), "radius": 0.012}, r"the surface ends.* 0.01\d* m from"),
         ({"point": (0.018, 0.02, 0.005)}, r"is inside the body, 0.005 m from .*a point on the"),
         ({"point": (0.02, 0.02, 0.02), "radius": 0.004}, r"is off the body, 0.01 m from the near"),
-        ({"point": (0.02, 0.0, 0.01)}, "sharp edge or corner.* or give direction"),
+        ({"point": (0.02, 0.0, 0.01), "radius": 0}, "sharp edge or corner.* or give direction"),
         ({"point": (0.02, 0.0, 0.01), "radius": 0.004}, "sharp edge or corner.*choose a point in"),
         ({"point": (0.02, 0.0, 0.01), "radius": "auto"}, "sharp edge or corner.*choose a point fa"),
         (
@@ -203,7 +206,7 @@ def test_a_direction_along_the_surface_at_a_node_is_refused(direction: tuple[flo
     with pytest.raises(
         InputError, match=r"is tangent to the surface at point \(0.02, 0.01, 0.02\)"
     ):
-        FREE.contact(point=(0.02, 0.01, 0.02), direction=direction)
+        FREE.contact(point=(0.02, 0.01, 0.02), direction=direction, radius=0)
 
 
 @pytest.mark.parametrize("x", [0.02, 0.023])  # a node, and none
@@ -211,15 +214,15 @@ def test_an_edge_is_struck_in_any_direction_but_along_it(x: float) -> None:
     place = (x, 0.0, 0.02)
     words = r"direction \(1, 0, 0\) runs along the edge .* \(0, -1, 0\), \(0, 0, 1\) meet"
     with pytest.raises(InputError, match=words):
-        FREE.contact(point=place, direction=(1, 0, 0))
+        FREE.contact(point=place, direction=(1, 0, 0), radius=0)
     for direction in (DOWN, (0, 1, 0), (0, 1, -1), (2, 1, 0)):
-        tip = FREE.contact(point=place, direction=direction)
+        tip = FREE.contact(point=place, direction=direction, radius=0)
         np.testing.assert_allclose(tip.resultant, direction / np.linalg.norm(direction), atol=1e-13)
 
 
 def test_a_node_inside_the_body_is_refused() -> None:
     with pytest.raises(InputError, match=r"\(0.02, 0.01, 0.01\) m is inside the body, 0.01 m from"):
-        FREE.contact(point=(0.02, 0.01, 0.01), direction=DOWN)
+        FREE.contact(point=(0.02, 0.01, 0.01), direction=DOWN, radius=0)
 
 
 def test_a_patch_on_a_support_is_refused() -> None:
@@ -232,6 +235,6 @@ def test_a_body_without_a_mesh_has_neither_patches_nor_normals() -> None:
     with pytest.raises(InputError, match=r"radius=0.004: a patch needs the faces of a mesh"):
         BARE.contact(point=(0.02, 0.01, 0.02), direction=DOWN, radius=0.004)
     with pytest.raises(InputTypeError, match="a body without a mesh has no normal"):
-        BARE.contact(point=(0.02, 0.01, 0.02))
+        BARE.contact(point=(0.02, 0.01, 0.02), radius=0)
     with pytest.raises(InputError, match="a resultant needs nodes"):
         FEModel(K=FREE.K, M=FREE.M).contact(dof=3).resultant  # noqa: B018

@@ -64,7 +64,7 @@ def test_a_smaller_patch_is_compared_where_there_is_no_room_for_a_larger() -> No
 
 def test_a_contact_without_a_patch_cannot_be_checked() -> None:
     with pytest.raises(InputError, match=r"has no patch; make it with radius="):
-        check_patch(BALL.contact(point=(0.01, 0, 0)))
+        check_patch(BALL.contact(point=(0.01, 0, 0), radius=0))
 
 
 def test_room_is_the_thickness_and_the_way_to_the_edge() -> None:
@@ -75,18 +75,6 @@ def test_room_is_the_thickness_and_the_way_to_the_edge() -> None:
     assert room(PLATE.surface, np.array([0.02, 0.02, 0.008]), 0.01).free == np.inf
     assert BALL.surface is not None
     assert room(BALL.surface, np.array([0.01, 0, 0]), 0.002).depth == pytest.approx(0.02)
-
-
-def test_automatic_radius_tells_of_a_thin_body_and_by_how_much_the_answer_moves() -> None:
-    with pytest.warns(AOImpactWarning, match=r"only 0\.008 m thick there, .* moves by \d\.\d%"):
-        PLATE.contact(point=(0.02, 0.02, 0.008), radius="auto")
-
-
-def test_automatic_radius_tells_of_an_edge() -> None:
-    with pytest.warns(
-        AOImpactWarning, match=r"the surface ends or turns 0\.00\d* m from the point"
-    ):
-        PLATE.contact(point=(0.0055, 0.02, 0.008), radius="auto")
 
 
 def test_automatic_radius_says_nothing_where_there_is_room() -> None:

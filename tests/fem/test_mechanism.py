@@ -104,7 +104,7 @@ def test_a_hinge_of_rounded_coordinates_is_one(digits: int) -> None:
     nodes = np.vectorize(lambda x: float(f"{x:.{digits}g}"))(mesh.nodes @ turn.T)
     body = ao.FEModel.from_mesh(ao.Mesh(nodes, mesh.cells, mesh.kind), STEEL)
     corner = nodes[mesh.nodes.sum(axis=1).argmax()]
-    tip = body.contact(point=corner, direction=turn @ [0, -0.3, -1])
+    tip = body.contact(point=corner, direction=turn @ [0, -0.3, -1], radius=0)
     with pytest.raises(ao.SingularError, match="mechanism"):
         ao.antioscillators(tip, 3, method="krylov")
 
@@ -127,7 +127,7 @@ def test_a_mechanism_that_the_contact_moves_is_named(
     """However few oscillators are asked for, with the joint where it is."""
     mesh = blocks(SHAPES[shape], "hexahedron20")
     tip = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed).contact(
-        point=mesh.nodes.max(axis=0), direction=(0, -0.3, -1)
+        point=mesh.nodes.max(axis=0), direction=(0, -0.3, -1), radius=0
     )
     with pytest.raises(ao.SingularError, match=r"mechanism .* 2 of 4 elements, .* near \(0\.02, 0"):
         ao.antioscillators(tip, **settings)
@@ -135,8 +135,8 @@ def test_a_mechanism_that_the_contact_moves_is_named(
 
 def test_several_ports_are_looked_at_each() -> None:
     body = ao.FEModel.from_mesh(blocks(SHAPES["two by an edge"]), STEEL)
-    top = body.contact(point=(2 * D, 0, 2 * D), direction=(0, 0, -1))
-    along = body.contact(point=(2 * D, 0, 2 * D), direction=(0, 1, 0))
+    top = body.contact(point=(2 * D, 0, 2 * D), direction=(0, 0, -1), radius=0)
+    along = body.contact(point=(2 * D, 0, 2 * D), direction=(0, 1, 0), radius=0)
     with pytest.raises(ao.SingularError, match="mechanism"):
         ao.interface([along, top], 12)
     with pytest.raises(ao.SingularError, match="mechanism"):
@@ -153,7 +153,7 @@ def test_several_ports_are_looked_at_each() -> None:
 def test_a_mechanism_that_the_contact_does_not_move_does_no_harm() -> None:
     """Struck along the hinge and in its plane of symmetry, two blocks are what they are welded."""
     swinging = ao.FEModel.from_mesh(blocks(SHAPES["two by an edge"], "hexahedron20"), STEEL)
-    tip = swinging.contact(point=(D, 0, D), direction=(0, 1, 0))
+    tip = swinging.contact(point=(D, 0, D), direction=(0, 1, 0), radius=0)
     assert swinging.mechanism is not None
     assert not swinging.mechanism.moved_by(tip.b)
     few = ao.antioscillators(tip, 8, method="krylov", contact_time=2e-5)
@@ -180,7 +180,7 @@ def test_nodes_without_a_mesh(shape: str, fine: bool, fixed: Any) -> None:
     # It is one of those that the mesh has.
     part = whole.mechanism.motions.T @ (body.M @ body.mechanism.motions[:, 0])
     assert np.linalg.norm(part) == pytest.approx(1.0, rel=1e-6)
-    tip = body.contact(point=mesh.nodes.max(axis=0), direction=(0, -0.3, -1))
+    tip = body.contact(point=mesh.nodes.max(axis=0), direction=(0, -0.3, -1), radius=0)
     for method in ("eigen", "krylov"):
         with pytest.raises(ao.SingularError, match=r"mechanism .* see body.mechanism.motions"):
             ao.antioscillators(tip, 3, method=method)

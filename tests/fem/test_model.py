@@ -590,7 +590,7 @@ def test_model_is_frozen_pickles_and_says_what_it_is() -> None:
 
 def test_contact_is_a_place_on_the_body() -> None:
     body = FEModel.from_mesh(BLOCK, STEEL)
-    tip = body.contact(point=(0.05, 0.03, 0.02), direction=(0, 0, -2))
+    tip = body.contact(point=(0.05, 0.03, 0.02), direction=(0, 0, -2), radius=0)
     assert tip.body is body
     assert tip.b @ body.translation((0, 0, -1)) == pytest.approx(1.0, rel=1e-15)
     assert body.contact(dof=5).b[5] == 1.0

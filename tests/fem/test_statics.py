@@ -24,7 +24,7 @@ def test_a_thin_beam_on_two_supports_that_is_free_to_slide_sideways(solver: str)
         ],
     )
     assert beam.rigid_modes.shape[1] == 1
-    tip = beam.contact(point=(0.5, h, h), direction=(0, 0, -1))
+    tip = beam.contact(point=(0.5, h, h), direction=(0, 0, -1), radius=0)
     star = ao.antioscillators(tip, 2, method="krylov", contact_time=1e-3, solver=solver)
     assert star.k0 == pytest.approx(48.0 * STEEL.E * h**4 / 12.0, rel=2e-3)
 
@@ -42,7 +42,7 @@ def test_a_block_on_soft_springs_is_a_lever(spring: float, method: str) -> None:
     assert len(below) == 4
     body = ao.FEModel(K=block.K + sp.diags_array(springs), M=block.M, nodes=mesh.nodes)
     struck = (0.05, 0.08 / 3.0, 0.06)
-    tip = body.contact(point=struck, direction=(0, 0, -1))
+    tip = body.contact(point=struck, direction=(0, 0, -1), radius=0)
     out_of_middle = 0.04 - struck[1]
     lever = 1.0 / (1.0 / (4.0 * spring) + out_of_middle**2 / (4.0 * spring * 0.04**2))
     assert ao.antioscillators(tip, 2, method=method).k0 == pytest.approx(lever, rel=1e-4)
@@ -54,6 +54,6 @@ def test_a_needle_under_a_blow_that_is_short_for_it_is_no_mechanism(n: int) -> N
     h = 0.002
     mesh = ao.box_mesh((1.0, h, h), (60, 1, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    tip = body.contact(point=(1.0, h, h), direction=(0, 0, -1))
+    tip = body.contact(point=(1.0, h, h), direction=(0, 0, -1), radius=0)
     star = ao.antioscillators(tip, n, method="krylov", contact_time=2e-5)
     assert star.k0 == pytest.approx(3.0 * STEEL.E * h**4 / 12.0, rel=5e-3)

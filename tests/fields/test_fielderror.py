@@ -21,7 +21,7 @@ TIMES = np.array([3e-5, 5e-5, 1e-4, 3e-4, 1e-3, 2e-3])
 def cantilever() -> ao.ContactPoint:
     mesh = ao.box_mesh((0.5, 0.02, 0.02), (16, 1, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz")])
-    return body.contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1))
+    return body.contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1), radius=0)
 
 
 def struck(target: Any, duration: float = 2e-3) -> ao.Result:
@@ -99,13 +99,13 @@ def test_a_good_model_is_not_called_a_bad_one() -> None:
 def held_beam() -> tuple[ao.ContactPoint, float]:
     mesh = ao.box_mesh((1.0, 0.02, 0.02), (24, 1, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
-    return body.contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1)), 2e-3
+    return body.contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1), radius=0), 2e-3
 
 
 def plate() -> tuple[ao.ContactPoint, float]:
     mesh = ao.box_mesh((0.2, 0.2, 0.004), (5, 5, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
-    return body.contact(point=(0.08, 0.08, 0.004), direction=(0, 0, -1)), 1.2e-3
+    return body.contact(point=(0.08, 0.08, 0.004), direction=(0, 0, -1), radius=0), 1.2e-3
 
 
 @pytest.mark.parametrize("make", [held_beam, plate])
@@ -130,7 +130,9 @@ def test_the_error_said_is_no_less_than_half_the_true_one_at_any_time(make: Any)
 
 def test_a_model_that_cannot_bend_has_no_part_of_a_right_field() -> None:
     mesh = ao.box_mesh((0.4, 0.02, 0.02), (14, 1, 1), kind="hexahedron20")
-    tip = ao.FEModel.from_mesh(mesh, ALU).contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1))
+    tip = ao.FEModel.from_mesh(mesh, ALU).contact(
+        point=(0.2, 0.01, 0.02), direction=(0, 0, -1), radius=0
+    )
     error = struck(ao.modal(tip, 5), 1e-3).target.field(np.linspace(1e-4, 1e-3, 5)).error
     assert error == pytest.approx(1.0, abs=0.5)
 

@@ -35,7 +35,7 @@ SLOW = 1.0
 def tip_of(fixed: Any) -> ao.ContactPoint:
     mesh = ao.box_mesh((0.2, 0.02, 0.02), (6, 1, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, MATERIAL, fixed=fixed)
-    return body.contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1))
+    return body.contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1), radius=0)
 
 
 @cache
@@ -85,7 +85,7 @@ def test_growth_at_its_own_pace_is_exact_with_any_model(fixed: Any, model: Any, 
 @pytest.mark.parametrize("fixed", SUPPORTS)
 def test_growth_under_several_forces_is_exact_with_few_modes(fixed: Any) -> None:
     tip, s = tip_of(fixed), 5e4
-    other = tip.body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1))
+    other = tip.body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     model = ao.interface([tip, other], 10, contact_time=1e-4)
     forces = np.array([[1e3], [-400.0]])
     coordinates = model.participation.T @ forces / (model.omega**2 + s**2)[:, None]
@@ -168,7 +168,7 @@ def test_it_survives_pickling() -> None:
 @cache
 def reduced_models() -> list[Reduced]:
     end = tip_of(SUPPORTS[0])
-    both = [end, end.body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1))]
+    both = [end, end.body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1), radius=0)]
     return [
         reduced_star(ao.antioscillators(end, 5), gravity=9.81),
         reduced_star(ao.antioscillators(end, 4, method="krylov", contact_time=1e-4)),

@@ -25,7 +25,7 @@ BALL = ao.rigid(mass=0.05)
 def cantilever(fixed: Any = (("xmin", "xyz"),)) -> ao.ContactPoint:
     mesh = ao.box_mesh((LENGTH, WIDTH, WIDTH), (10, 1, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALU, fixed=list(fixed))
-    return body.contact(point=(LENGTH, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+    return body.contact(point=(LENGTH, WIDTH / 2, WIDTH), direction=(0, 0, -1), radius=0)
 
 
 def impact(target: Any, solver: Any = None, duration: float = 9.5e-4) -> ao.Result:
@@ -113,7 +113,7 @@ def paper_impact(target: Any, solver: Any = None) -> ao.Result:
 
 @cache
 def beam_tip() -> ao.ContactPoint:
-    return beam_model().contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1))
+    return beam_model().contact(point=(0.5, 0.01, 0.02), direction=(0, 0, -1), radius=0)
 
 
 MIDSPAN = [(0.5, 0.01, 0.0), (0.5, 0.01, 0.02)]  # opposite the sphere, and under it
@@ -222,7 +222,7 @@ def test_a_free_bar_falls_and_turns_with_its_field() -> None:
 
 def test_a_body_touched_in_two_places_is_recovered_from_few_modes() -> None:
     tip = cantilever()
-    middle = tip.body.contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+    middle = tip.body.contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1), radius=0)
     times = np.linspace(0.0, 4e-4, 41)
 
     def struck_twice(n: int, solver: Any) -> ao.Probe:
@@ -245,7 +245,7 @@ def test_a_body_touched_in_two_places_is_recovered_from_few_modes() -> None:
 def test_damped_bodies_too(damping: Any) -> None:
     mesh = ao.box_mesh((LENGTH, WIDTH, WIDTH), (10, 1, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALU, fixed=[("xmin", "xyz")], damping=damping)
-    tip = body.contact(point=(LENGTH, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+    tip = body.contact(point=(LENGTH, WIDTH / 2, WIDTH), direction=(0, 0, -1), radius=0)
     times = np.linspace(0.0, 9.5e-4, 96)
     full, few = (
         impact(target, solver).target.probe(nodes=clamp, times=times).stress["xx"]

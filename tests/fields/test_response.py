@@ -24,7 +24,9 @@ def body(fixed: Any = (("xmin", "xyz"),)) -> ao.FEModel:
 
 @cache
 def impact(solver: str = "adaptive", kind: str = "ao", held: bool = True) -> ao.Result:
-    tip = body((("xmin", "xyz"),) if held else ()).contact(point=TIP, direction=(0, 0, -1))
+    tip = body((("xmin", "xyz"),) if held else ()).contact(
+        point=TIP, direction=(0, 0, -1), radius=0
+    )
     target: Any = {"ao": lambda: ao.antioscillators(tip, 6), "modal": lambda: ao.modal(tip, 12)}[
         kind
     ]()
@@ -127,7 +129,7 @@ def test_dense_output_probes_at_its_own_times() -> None:
 def test_a_body_of_matrices_and_nodes_has_displacements_but_no_stress() -> None:
     solid = body()
     bare = ao.FEModel(K=solid.K, M=solid.M, nodes=solid.nodes, free=solid.free)
-    target = ao.antioscillators(bare.contact(point=TIP, direction=(0, 0, -1)), 6)
+    target = ao.antioscillators(bare.contact(point=TIP, direction=(0, 0, -1), radius=0), 6)
     hit = ao.simulate(
         projectile=ao.rigid(mass=0.05),
         target=target,
@@ -214,7 +216,9 @@ def test_results_that_were_looked_at_survive_pickling(solver: str) -> None:
 def test_at_rest_under_its_weight_a_body_carries_the_static_stress(solver: Any) -> None:
     """Few shapes fitted to a contact miss a part of the deflection; at rest none are needed."""
     held = body()
-    tips = [held.contact(point=(x, 0.01, 0.02), direction=(0, 0, -1)) for x in (LENGTH, 0.1)]
+    tips = [
+        held.contact(point=(x, 0.01, 0.02), direction=(0, 0, -1), radius=0) for x in (LENGTH, 0.1)
+    ]
     star = ao.antioscillators(tips[0], 4, method="krylov", contact_time=1e-4)
 
     def at_rest(model: Any, rule: Any) -> npt.NDArray[np.float64]:

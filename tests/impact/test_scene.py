@@ -176,7 +176,7 @@ def slender_body(ends=("xmin", "xmax")):
 
 
 def midspan(body):
-    return body.contact(point=(0.15, 0.01, 0.02), direction=(0.0, 0.0, -1.0))
+    return body.contact(point=(0.15, 0.01, 0.02), direction=(0.0, 0.0, -1.0), radius=0)
 
 
 def test_a_ball_on_a_ball_on_a_beam_under_gravity():
@@ -198,7 +198,10 @@ def test_a_ball_on_a_ball_on_a_beam_under_gravity():
 
 def test_a_body_struck_in_three_places_is_all_of_its_modes():
     body = slender_body()
-    tips = [body.contact(point=(x, 0.01, 0.02), direction=(0, 0, -1)) for x in (0.1, 0.15, 0.25)]
+    tips = [
+        body.contact(point=(x, 0.01, 0.02), direction=(0, 0, -1), radius=0)
+        for x in (0.1, 0.15, 0.25)
+    ]
     speeds, gaps, duration = (1.0, 0.5, 0.8), (0.0, 1e-5, 5e-6), 2.5e-4
     balls = [ao.rigid(mass=0.02)] * 3
     omega2, modes = scipy.linalg.eigh(body.K.toarray(), body.M.toarray())
@@ -236,7 +239,7 @@ def test_a_held_body_of_several_places_starts_alike_by_both_ways():
     K = np.diag([0.0, 1e6, 1e6, 3e5, 1e6, 1e6])
     K[np.ix_([0, 3], [0, 3])] += 1e6 * np.array([[1.0, -1.0], [-1.0, 1.0]])
     body = ao.FEModel(K=K, M=np.eye(6), nodes=[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    ends = [body.contact(point=(x, 0.0, 0.0), direction=(1, 0, 0)) for x in (0.0, 1.0)]
+    ends = [body.contact(point=(x, 0.0, 0.0), direction=(1, 0, 0), radius=0) for x in (0.0, 1.0)]
     for solver in (ao.Adaptive(), ao.Newmark(dt=1e-6)):
         scene = ao.Scene()
         moving, wall = scene.add(ends, velocity=4.0), scene.add(WALL)
@@ -402,14 +405,14 @@ def test_a_free_mass_under_a_force_of_straight_pieces():
 
 def test_a_held_body_sags_under_gravity_and_a_free_one_falls():
     held, free = slender_body(("xmin",)), slender_body(())
-    tip = held.contact(point=(0.3, 0.01, 0.02), direction=(0.0, 0.0, 1.0))
+    tip = held.contact(point=(0.3, 0.01, 0.02), direction=(0.0, 0.0, 1.0), radius=0)
     weight = free.M @ free.translation((0.0, 0.0, 1.0)) * -EARTH
     pull = weight[np.repeat(free.nodes[:, 0] > 0.0, 3)]
     sag = tip.b @ scipy.sparse.linalg.spsolve(held.K.tocsc(), pull)
     scene = ao.Scene(gravity=-EARTH)
     beam = scene.add(ao.antioscillators(tip))
     loose = scene.add(
-        ao.antioscillators(free.contact(point=(0.3, 0.01, 0.02), direction=(0, 0, 1)))
+        ao.antioscillators(free.contact(point=(0.3, 0.01, 0.02), direction=(0, 0, 1), radius=0))
     )
     run = scene.simulate(duration=1e-2, solver=ao.Adaptive(rtol=1e-9))
     assert run[loose].centre_velocity[-1] == pytest.approx(-EARTH * 1e-2, rel=1e-9)

@@ -37,7 +37,7 @@ def interface() -> ao.InterfaceModel:
     mesh = ao.box_mesh((0.4, 0.02, 0.02), (4, 1, 1), kind="hexahedron20")
     alu = ao.Material(E=70e9, nu=0.3, rho=2700)
     body = ao.FEModel.from_mesh(mesh, alu, fixed=[("xmin", "xyz")])
-    tips = [body.contact(point=(x, 0.01, 0.02), direction=(0, 0, -1)) for x in (0.4, 0.2)]
+    tips = [body.contact(point=(x, 0.01, 0.02), direction=(0, 0, -1), radius=0) for x in (0.4, 0.2)]
     return ao.interface(tips, 8, contact_time=1e-3)
 
 

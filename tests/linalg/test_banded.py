@@ -67,6 +67,6 @@ def test_a_mechanism_is_named_there_too() -> None:
         cells[~left] = np.where(cells[~left] == old, new, cells[~left])
     mesh = ao.Mesh(np.vstack([nodes, nodes[at_joint]]), cells, "hexahedron")
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[(lambda x: x[:, 0] == 0.0, "xyz")])
-    tip = body.contact(point=(0.5, 0.0, 0.0), direction=(0, 0, 1))
+    tip = body.contact(point=(0.5, 0.0, 0.0), direction=(0, 0, 1), radius=0)
     with pytest.raises(ao.SingularError, match="mechanism"):
         ao.antioscillators(tip, 3, method="krylov", contact_time=9e-5, solver="banded")

@@ -162,7 +162,7 @@ def test_the_solution_is_that_of_a_factorisation(name):
 @pytest.mark.slow
 def test_oscillators_by_multigrid_are_those_of_factors():
     body = held_bar((12, 2, 2))
-    tip = body.contact(point=(0.4, 0.01, 0.02), direction=(0, 0, 1))
+    tip = body.contact(point=(0.4, 0.01, 0.02), direction=(0, 0, 1), radius=0)
     direct = ao.antioscillators(tip, 3, order="frequency", solver="superlu")
     star = ao.antioscillators(tip, 3, order="frequency", solver="multigrid")
     assert star.origin.solver == "multigrid"

@@ -66,7 +66,7 @@ def test_every_solver_solves_the_same_systems(solved, solver):
 def factorised(block, bar):
     """Points of contact, and their stars by SuperLU."""
     tips = [
-        body.contact(point=point, direction=(1, 0, 0))
+        body.contact(point=point, direction=(1, 0, 0), radius=0)
         for body, point in ((block, (0, 0.01, 0.01)), (bar, (0.3, 0, 0)))
     ]
     return [(t, ao.antioscillators(t, 3, order="frequency", solver="superlu")) for t in tips]
@@ -320,7 +320,7 @@ def test_k_plus_s2m_has_the_pattern_of_k():
 
 
 def test_what_is_no_solver_is_refused(bar):
-    tip = bar.contact(point=(0.3, 0, 0), direction=(1, 0, 0))
+    tip = bar.contact(point=(0.3, 0, 0), direction=(1, 0, 0), radius=0)
     with pytest.raises(ao.InputError, match="did you mean 'pardiso'"):
         ao.antioscillators(tip, 1, solver="pardisso")
     with pytest.raises(ao.InputTypeError, match="solver must be one of"):

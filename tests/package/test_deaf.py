@@ -18,7 +18,9 @@ STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
 def bar(divisions: tuple[int, int, int]) -> ao.ContactPoint:
     mesh = ao.box_mesh((0.2, 0.05, 0.05), divisions, kind="hexahedron20")
-    return ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.1, 0, 0), direction=(0, 0, 1))
+    return ao.FEModel.from_mesh(mesh, STEEL).contact(
+        point=(0.1, 0, 0), direction=(0, 0, 1), radius=0
+    )
 
 
 def all_modes() -> Callable[[], Any]:

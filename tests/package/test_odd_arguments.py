@@ -74,7 +74,7 @@ BALL = ao.rigid(0.03)
 STAR = ao.AOModel(m0=0.1, k0=1e4, m=[0.2], k=[1e6])
 BOX = ao.box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
 BAR = ao.FEModel.from_mesh(BOX, STEEL)
-TIP = BAR.contact(point=(0.1, 0.0, 0.0), direction=(-1.0, 0.0, 0.0))
+TIP = BAR.contact(point=(0.1, 0.0, 0.0), direction=(-1.0, 0.0, 0.0), radius=0)
 BLOCK = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.1, 0.1), (2, 8, 8)), STEEL)
 PATCH = BLOCK.contact(point=(0.1, 0.05, 0.05), direction=(-1.0, 0.0, 0.0), radius=0.035)
 STRIKE: dict[str, Any] = {

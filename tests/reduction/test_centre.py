@@ -108,7 +108,7 @@ def held_column():
 
 def test_a_held_target_needs_no_centre(recwarn):
     frame, bare = held_column()
-    tip = frame.contact(point=OFF, direction=(0, 0, 1))
+    tip = frame.contact(point=OFF, direction=(0, 0, 1), radius=0)
     other = bare.contact(dof=int(np.argmax(tip.b)))
     ball = ao.rigid(mass=0.05)
     hits = [

@@ -18,7 +18,7 @@ def struck(nu: float, kind: str = "hexahedron20", *, fixed: Any = None) -> ao.Co
     mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind=kind)
     rubber = ao.Material(E=5e6, nu=nu, rho=1000)
     return ao.FEModel.from_mesh(mesh, rubber, fixed=fixed).contact(
-        point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0)
+        point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0), radius=0
     )
 
 

@@ -19,8 +19,8 @@ def block_tips(fixed=None):
     mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed)
     return [
-        body.contact(point=(0.03, 0.02, 0.02 / 3), direction=(1, 0, 0)),
-        body.contact(point=(0.0, 0.02 / 3, 0.02 / 3), direction=(1, 0, 0)),
+        body.contact(point=(0.03, 0.02, 0.02 / 3), direction=(1, 0, 0), radius=0),
+        body.contact(point=(0.0, 0.02 / 3, 0.02 / 3), direction=(1, 0, 0), radius=0),
     ]
 
 

@@ -42,7 +42,7 @@ def star_at(star, s):
 
 @pytest.fixture(scope="module")
 def paper_beam():
-    tip = beam_model().contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+    tip = beam_model().contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1), radius=0)
     return tip, beam_force(ao.antioscillators(tip))
 
 
@@ -85,7 +85,7 @@ def test_contact_time_need_not_be_known_well(paper_beam):
 @pytest.mark.slow
 def test_one_antioscillator_gives_the_force_of_the_papers_spheres():
     body = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), STEEL)
-    tip = body.contact(point=(0.01, 0, 0), direction=(1, 0, 0))
+    tip = body.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0)
     law = ao.Hertz.between(STEEL, 0.01, STEEL, 0.01)
 
     def force(star):
@@ -105,7 +105,7 @@ def block():
     """A free block struck off its centre line."""
     mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, STEEL)
-    return body.contact(point=(0.03, 0.02, 0.02 / 3), direction=(1, 0, 0))
+    return body.contact(point=(0.03, 0.02, 0.02 / 3), direction=(1, 0, 0), radius=0)
 
 
 def test_a_free_body_keeps_its_mass_and_the_motion_of_its_centre(block):
@@ -162,7 +162,7 @@ def test_more_than_one_solve_is_taken_only_where_nothing_is_left_to_gain():
     """A cantilever of 540 dofs, struck symmetrically: rounding comes in when the model is right."""
     mesh = box_mesh((0.2, 0.02, 0.02), (20, 2, 2))
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    tip = body.contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1))
+    tip = body.contact(point=(0.2, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     T = 5e-5
     space = ao.KrylovSpace(tip, contact_time=T)
     n = 6
@@ -265,7 +265,7 @@ def test_a_partly_free_body_keeps_its_static_mode():
     ends += [(lambda x: (x[:, 0] > 0.2 - 1e-9) & (x[:, 2] < 1e-9), "z")]
     body = ao.FEModel.from_mesh(box_mesh((0.2, 0.02, 0.02), (10, 2, 2)), STEEL, fixed=ends)
     assert body.rigid_modes.shape[1] == 1
-    tip = body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1))
+    tip = body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     exact = ao.antioscillators(tip, 0)
     for contact_time in (2e-5, 1e-3):  # by the factors of K, and by those of K + s²M
         star = ao.antioscillators(tip, 3, method="krylov", contact_time=contact_time)
@@ -330,7 +330,9 @@ def test_no_more_oscillators_than_asked_for():
     """Rounding's modes come several at a time; those of the least mass join the contact mass."""
     mesh = ao.sphere_mesh(0.01, 0.005)
     ball = ao.FEModel.from_mesh(mesh, ao.Material(E=210e9, nu=0.3, rho=7800))
-    space = ao.KrylovSpace(ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0)), contact_time=3e-5)
+    space = ao.KrylovSpace(
+        ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0), contact_time=3e-5
+    )
     few = space.antioscillators(10)
     omega = 2.0 * np.pi * np.linspace(1e3, 5e4, 7)
     for n in (16, 23, 24, 30):
@@ -382,7 +384,7 @@ def test_nearly_incompressible_material(block):
     mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
     rubber = ao.Material(E=5e6, nu=0.4999, rho=1000)
     tip = ao.FEModel.from_mesh(mesh, rubber, fixed=[("xmin", "xyz")]).contact(
-        point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0)
+        point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0), radius=0
     )
     T = 2e-3
     star = ao.antioscillators(tip, 12, method="krylov", contact_time=T)
@@ -421,7 +423,7 @@ def test_a_contact_time_far_off_is_refused_or_harmless(block):
     # Much longer ones give the same first oscillators: those of the slow motion.
     mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
     held = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    tip = held.contact(point=(0.03, 0.02, 0.02 / 3), direction=(-1, 0, 0))
+    tip = held.contact(point=(0.03, 0.02, 0.02 / 3), direction=(-1, 0, 0), radius=0)
     for body in (block, tip):
         exact = ao.antioscillators(body, order="frequency")
         for contact_time in (1e-2, 1.0):
@@ -432,7 +434,7 @@ def test_a_contact_time_far_off_is_refused_or_harmless(block):
 
 
 def test_two_functionals_share_one_subspace(block):
-    other = block.body.contact(point=(0, 0, 0), direction=(0, 1, 0))
+    other = block.body.contact(point=(0, 0, 0), direction=(0, 1, 0), radius=0)
     B = np.stack([block.b, other.b])
     s = 5e5
     omega2, modes = Subspace([block, other], [s]).ritz(12)
@@ -498,7 +500,7 @@ def test_constrained_bodies_keep_their_static_stiffness(name, solver):
     """With any solver, compact or slender; larger models ask for factors of K + s²M again."""
     size, divisions, kind, contact_time = CONSTRAINED[name]
     body = ao.FEModel.from_mesh(box_mesh(size, divisions, kind=kind), STEEL, fixed=ENDS)
-    tip = body.contact(point=(size[0] / 2, size[1] / 2, size[2]), direction=(0, 0, -1))
+    tip = body.contact(point=(size[0] / 2, size[1] / 2, size[2]), direction=(0, 0, -1), radius=0)
     exact = 1.0 / (tip.b @ body.inverse(0.0).solve(tip.b))
     space = ao.KrylovSpace(tip, contact_time=contact_time, solver=solver)
     for n in (1, 4, 12):
@@ -525,7 +527,7 @@ def test_a_mechanism_that_the_force_does_not_move_is_named():
     mesh = ao.Mesh(nodes[first], number.ravel()[cells], "hexahedron20")
     fixed = [(lambda x: x[:, 0] < 1e-6, "xyz"), (lambda x: x[:, 0] > 0.5 - 1e-6, "xyz")]
     tip = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed).contact(
-        point=(0.125, 0.01, 0.02), direction=(0, 0, -1)
+        point=(0.125, 0.01, 0.02), direction=(0, 0, -1), radius=0
     )
     with pytest.raises(ao.SingularError, match="mechanism"):
         ao.antioscillators(tip, 6, method="krylov", contact_time=9e-5)
@@ -539,7 +541,7 @@ def test_one_factorisation_and_a_solve_a_vector_by_the_users_own_solver(block, o
     # Held: the static mode of a compact body takes solves with the same factors.
     mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind="hexahedron20")
     held = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
-    tip = held.contact(point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0))
+    tip = held.contact(point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0), radius=0)
     ao.antioscillators(tip, 4, **settings)
     assert len(own_solver.calls) == 2
     assert 4 < own_solver.solutions - 4 <= 4 + 10

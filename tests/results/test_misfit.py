@@ -22,7 +22,9 @@ BALL = ao.rigid(mass=BALL_MASS)
 
 @pytest.fixture(scope="module")
 def tip():
-    return beam_model().contact(point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1))
+    return beam_model().contact(
+        point=(LENGTH / 2, WIDTH / 2, WIDTH), direction=(0, 0, -1), radius=0
+    )
 
 
 def fitted(tip, contact_time, n=6):

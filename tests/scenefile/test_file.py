@@ -59,7 +59,7 @@ def test_a_meshed_body(tmp_path: Path) -> None:
         ao.Material(E=70e9, nu=0.3, rho=2700),
         fixed=[("xmin", "xyz"), ([4, 5], "z")],
     )
-    same = ao.antioscillators(bar.contact(point=(0.1, 0, 0), direction=(0, 0, 1)), n=2)
+    same = ao.antioscillators(bar.contact(point=(0.1, 0, 0), direction=(0, 0, 1), radius=0), n=2)
     assert np.array_equal(target.m, same.m)
     assert np.array_equal(target.k, same.k)
 
@@ -161,7 +161,9 @@ def test_the_example_is_the_paper_s_impact() -> None:
     assert scene.reported == ("peak_force", "contact_duration", "rebound_velocity")
     # The sphere's star and the beam's, by the functions of the package.
     sphere = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), ao.Material(210e9, 0.3, 7800))
-    star = ao.antioscillators(sphere.contact(point=(0.01, 0, 0), direction=(1, 0, 0)), n=1)
+    star = ao.antioscillators(
+        sphere.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0), n=1
+    )
     again = ao.simulate(**scene.case() | {"projectile": star})
     assert hit.peak_force == again.peak_force
 
@@ -202,8 +204,8 @@ def test_a_scene_may_start_from_rest(tmp_path: Path) -> None:
 
 
 def test_a_body_touched_in_several_places(tmp_path: Path) -> None:
-    contact = "contact = { point = [0.1, 0.0, 0.0], direction = [0, 0, 1] }"
-    other = "{ point = [0.05, 0.0, 0.0], direction = [0, 0, 1] }"
+    contact = "contact = { point = [0.1, 0.0, 0.0], direction = [0, 0, 1], radius = 0 }"
+    other = "{ point = [0.05, 0.0, 0.0], direction = [0, 0, 1], radius = 0 }"
     scene = """
 [scene]
 duration = 1e-3
@@ -426,8 +428,8 @@ WRONG = {
         ("n = 2", "n = -2", "model", "n must be from 0"),
         ("fixed = [", "damping = {}\nfixed = [", "damping", "either ratio.* or alpha and beta"),
         ("fixed = [", "damping = { ratio = -1.0 }\nfixed = [", "damping", "ratio must not be neg"),
-        ("[0, 0, 1] }", '[0, 0, 1], radius = "aut" }', "contact", "did you mean 'auto'"),
-        ("[0, 0, 1] }", "[0, 0, 1], expected = 1e-3 }", "contact", "expected is for radius"),
+        ("radius = 0 }", 'radius = "aut" }', "contact", "did you mean 'auto'"),
+        ("radius = 0 }", "radius = 0, expected = 1e-3 }", "contact", "expected is for radius"),
         ('type = "Linear"', 'type = "Tsuji"', "law", "one of 'alpha', 'restitution' is missing"),
         ("n = 2", "m = 2", "model", "unknown name 'm'"),
         ("n = 2", 'n = 2, solver = "pardso"', "model", "did you mean 'pardiso'"),

@@ -88,7 +88,7 @@ def seeds(folder: Path) -> list[dict[str, Any]]:
         + _body(
             '{ type = "full" }',
             more='fixed = [{ nodes = "base", hold = "xyz" }]',
-            contact="{ point = [2.0, 1.5, 1.0], direction = [-1, -1, -1] }",
+            contact="{ point = [2.0, 1.5, 1.0], direction = [-1, -1, -1], radius = 0 }",
         ).replace(_BOX, '"box.msh"')
         + _impact("bar", _HERTZ, 'quantity = "peak_force"\ntolerance = 0.05'),
         _STEEL
@@ -96,7 +96,7 @@ def seeds(folder: Path) -> list[dict[str, Any]]:
         + _body(
             '{ type = "interface", n = 6 }',
             more=_FIXED,
-            contact="[{ point = [0.1, 0, 0], direction = [-1, 0, 0] }, "
+            contact="[{ point = [0.1, 0, 0], direction = [-1, 0, 0], radius = 0 }, "
             "{ point = [0.05, 0.02, 0.02], direction = [-1, -1, -1] }]",
         )
         + '[scene]\nduration = 1e-3\n[[scene.bodies]]\nbody = "ball"\nvelocity = 1.0\n'
