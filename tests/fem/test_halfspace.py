@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 
-from aoimpact.base.errors import AOImpactWarning, InputError
+from aoimpact.base.errors import InputError
 from aoimpact.fem.halfspace import PatchCheck, check_patch
 from aoimpact.fem.material import Material
 from aoimpact.fem.model import FEModel
