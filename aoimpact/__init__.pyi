@@ -52,6 +52,7 @@ from .reduction import InterfaceModel as InterfaceModel
 from .reduction import KrylovSpace as KrylovSpace
 from .reduction import ModalModel as ModalModel
 from .reduction import antioscillators as antioscillators
+from .reduction import ball as ball
 from .reduction import interface as interface
 from .reduction import modal as modal
 from .reduction import rigid as rigid

@@ -2,6 +2,7 @@
 
 from .assembly import stiffness_mass
 from .contact import Body, ContactPoint, contact_point
+from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch
 from .material import Material
@@ -22,6 +23,7 @@ __all__ = [
     "FASTEST",
     "Body",
     "ContactPoint",
+    "ContactSurface",
     "Damping",
     "FEModel",
     "Material",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -33,7 +33,8 @@ from ..base import (
     warn,
 )
 from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
-from ..mesh import Mesh, Surface
+from ..mesh import Mesh, Surface, surface_shape
+from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
 from .material import Material
 from .mechanism import Mechanism
@@ -166,6 +167,20 @@ class ContactPoint(Frozen):
         """The same place with the direction of travel the other way round."""
         opposite = None if self.direction is None else -self.direction
         return replace(self, b=-self.b, direction=opposite)
+
+    @cached_property
+    def contact_surface(self) -> ContactSurface | None:
+        """Material, and curvatures of the surface at the point; None for a body without a mesh.
+
+        Raises
+        ------
+        InputError
+            If the point is on a sharp edge.
+        """
+        surface, material = self.body.surface, self.body.material
+        if surface is None or material is None or self.point is None:
+            return None
+        return contact_surface(surface_shape(surface, self.point), material)
 
     @property
     def resultant(self) -> FloatArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import FloatArray, InputError, plain, warn
-from ..mesh import Place, Surface, reference_element
+from ..mesh import SHARP, Place, Surface, reference_element
 from .material import Material
 from .patch import Patch, free_radius, half_space_compliance, spread
 
@@ -32,10 +32,6 @@ _TANGENT = 0.1
 
 # Components of a normal that are nothing but rounding.
 _ROUNDING = 1e-12
-
-# Faces that meet at more than 45° meet at a sharp edge: between the faces of a round body of few
-# linear elements there are up to 40°.
-_SHARP = np.sqrt(0.5)
 
 # With a radius of so many edges of elements, quadratic or linear, a patch on a half-space gives way
 # as it should to some 6 %, and where the mesh decides, with half as much again, to 2 %.
@@ -216,7 +212,7 @@ def _distinct(normals: FloatArray) -> FloatArray:
 def _normal(surface: Surface, places: list[Place]) -> FloatArray | None:
     """Return the outward normal at a place that several faces may share; None on a sharp edge."""
     normals = _normals(surface, places)
-    if (normals @ normals.T).min() < _SHARP:
+    if (normals @ normals.T).min() < SHARP:
         return None
     mean: FloatArray = normals.mean(axis=0)
     mean /= np.linalg.norm(mean)

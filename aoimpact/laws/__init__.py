@@ -9,6 +9,7 @@ from .law import ContactLaw, HertzianLaw, PatchLaw
 from .patchlaw import check_width, effective_law, own_law, wide_enough
 from .plastic import Thornton
 from .restitution import restitution
+from .surfaces import LawFromSurfaces, law_between
 from .tabulated import Tabulated
 from .user import UserLaw
 from .viscous import (
@@ -35,6 +36,7 @@ __all__ = [
     "KelvinVoigt",
     "KuwabaraKono",
     "LankaraniNikravesh",
+    "LawFromSurfaces",
     "LeeWang",
     "Linear",
     "PatchLaw",
@@ -45,6 +47,7 @@ __all__ = [
     "UserLaw",
     "check_width",
     "effective_law",
+    "law_between",
     "own_law",
     "restitution",
     "wide_enough",

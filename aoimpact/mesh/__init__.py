@@ -1,5 +1,6 @@
 """Meshes of solid elements: files, generators, elements and their sides, surface, points."""
 
+from .curvature import SHARP, SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
 from .faces import reference_faces
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
@@ -10,10 +11,12 @@ from .surface import Place, Surface, boundary, plane_of
 
 __all__ = [
     "KINDS",
+    "SHARP",
     "Mesh",
     "Place",
     "ReferenceElement",
     "Surface",
+    "SurfaceShape",
     "boundary",
     "box_mesh",
     "cofactors",
@@ -28,6 +31,7 @@ __all__ = [
     "reference_faces",
     "rigid_motions",
     "sphere_mesh",
+    "surface_shape",
     "unresisted_motions",
     "weights_at",
 ]

@@ -137,6 +137,10 @@ class Surface:
         """Return the coordinates (u, v) of the faces' middles, shape (n, 2)."""
         return np.where(self._triangle[self.side[face]], 1.0 / 3.0, 0.5)[:, None] * np.ones(2)
 
+    def triangular(self, face: IntArray) -> npt.NDArray[np.bool_]:
+        """Whether each face is a triangle, shape (n,)."""
+        return self._triangle[self.side[face]]
+
     def nearest(self, point: FloatArray) -> list[Place]:
         """Return the nearest point of the surface, on each of the faces that share it."""
         centre, radius = self.balls

@@ -7,7 +7,7 @@ from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
 from .origin import Origin
 from .reduction import antioscillators
-from .star import AOModel, rigid
+from .star import AOModel, ball, rigid
 from .starmodes import StarModes, star_modes
 from .validity import fitted_time, fitted_times, knows
 
@@ -21,6 +21,7 @@ __all__ = [
     "Origin",
     "StarModes",
     "antioscillators",
+    "ball",
     "checked_ports",
     "fitted_time",
     "fitted_times",

@@ -19,7 +19,7 @@ from ..base import (
     finite_array,
     integer,
 )
-from ..fem import ContactPoint, Patch
+from ..fem import ContactPoint, ContactSurface, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest
 from .origin import origin_of
 from .star import AOModel
@@ -69,6 +69,11 @@ class ModalModel(Frozen):
     def patch(self) -> Patch | None:
         """The patch over which the body is touched, or None."""
         return self.tip.patch
+
+    @property
+    def contact_surface(self) -> ContactSurface | None:
+        """Material and curvatures at the contact; None for a body without a mesh."""
+        return self.tip.contact_surface
 
     @property
     def angular_frequencies(self) -> FloatArray:

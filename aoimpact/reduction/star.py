@@ -19,14 +19,15 @@ from ..base import (
     SingularError,
     checked,
     finite_array,
+    instance,
     integer,
     nonnegative,
     positive,
 )
-from ..fem import ContactPoint, Damping, Patch, damping_or_none
+from ..fem import ContactPoint, ContactSurface, Damping, Material, Patch, damping_or_none
 from .origin import Origin
 
-__all__ = ["AOModel", "rigid"]
+__all__ = ["AOModel", "ball", "rigid"]
 
 
 # Masses, kg, and stiffnesses, N/m, beside each other: their ratios squared are numbers.
@@ -53,6 +54,8 @@ class AOModel(Frozen):
         The body that the numbers came from; set by `antioscillators` and `modal`.
     damping : Rayleigh or ModalDamping, optional
         Of the star's natural modes.
+    surface : ContactSurface, optional
+        Material and curvatures at the contact; by default those of `origin`.
 
     Raises
     ------
@@ -66,13 +69,14 @@ class AOModel(Frozen):
     k: FloatArray = field(default_factory=lambda: np.zeros(0))
     origin: Origin | None = field(default=None, repr=False)
     damping: Damping | None = None
+    surface: ContactSurface | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         set_field = object.__setattr__
         set_field(self, "m0", nonnegative("m0", self.m0, unit="kg", infinite=True))
         set_field(self, "k0", nonnegative("k0", self.k0, unit="N/m"))
         set_field(self, "damping", damping_or_none(self.damping))
-        checked(self, origin=(Origin, type(None)))
+        checked(self, origin=(Origin, type(None)), surface=(ContactSurface, type(None)))
         for name, unit in (("m", "kg"), ("k", "N/m")):
             values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
             if (values <= 0.0).any():
@@ -173,6 +177,14 @@ class AOModel(Frozen):
     def patch(self) -> Patch | None:
         """The patch over which the body is touched; None for a node, or a star given by numbers."""
         found: Patch | None = None if self.origin is None else self.origin.tip.patch
+        return found
+
+    @property
+    def contact_surface(self) -> ContactSurface | None:
+        """Material and curvatures at the contact; None where they are not known."""
+        if self.surface is not None or self.origin is None:
+            return self.surface
+        found: ContactSurface | None = self.origin.tip.contact_surface
         return found
 
     @property
@@ -316,6 +328,7 @@ class AOModel(Frozen):
             k=self.k[:kept],
             origin=origin,
             damping=self.damping,
+            surface=self.surface,
         )
 
     def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
@@ -392,3 +405,26 @@ def rigid(mass: float) -> AOModel:
         kg, positive; ``math.inf`` is a fixed wall.
     """
     return AOModel(m0=positive("mass", mass, unit="kg", infinite=True))
+
+
+def ball(radius: float, material: Material) -> AOModel:
+    """Return a rigid ball that knows its surface, so that a contact law can be had from it.
+
+    Parameters
+    ----------
+    radius : float
+        r, m. The mass is 4/3 π r³ ρ.
+    material : Material
+
+    Examples
+    --------
+    >>> ball(0.01, Material(E=210e9, nu=0.3, rho=7800)).m0
+    0.032672563597333846
+    """
+    r = positive("radius", radius, unit="m")
+    checked_material = instance("material", material, Material)
+    try:
+        mass, curvature = 4.0 / 3.0 * math.pi * r**3 * checked_material.rho, 1.0 / r
+        return AOModel(m0=mass, surface=ContactSurface(checked_material, (curvature, curvature)))
+    except (InputError, OverflowError) as error:
+        raise InputError(f"radius={r:g} m is no radius of a ball (is it in metres?)") from error

@@ -197,8 +197,12 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     **dict(_laws()),
     "AOModel": (
         ao.AOModel,
-        {"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "origin": None, "damping": None},
+        {
+            **{"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "origin": None, "damping": None},
+            "surface": None,
+        },
     ),
+    "ball": (ao.ball, {"radius": 0.01, "material": ao.Material(E=1e9, nu=0.3, rho=1e3)}),
     "rigid": (ao.rigid, {"mass": 1.0}),
     "Adaptive": (ao.Adaptive, {"rtol": 1e-6}),
     "Newmark": (

@@ -1,0 +1,91 @@
+"""What a contact law needs to know of a body: material, and curvatures where it is touched."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base import FloatArray, InputError, checked, finite_array, nonnegative
+from ..mesh import SurfaceShape
+from .material import Material
+
+__all__ = ["ContactSurface", "contact_surface"]
+
+
+# How far from 1 and 0 the products of the directions may be.
+_UNIT = 1e-6
+
+
+@dataclass(frozen=True)
+class ContactSurface:
+    """The surface of a body at its contact.
+
+    Attributes
+    ----------
+    material : Material
+    curvatures : (float, float)
+        Principal curvatures, 1/m; positive where the body is convex.
+    directions : pair of unit vectors, or None
+        Along which the surface bends so, in the body's coordinates; None where any will do.
+    error : float
+        How wrong each curvature may be, 1/m.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If an attribute is of another type or shape, or not finite.
+
+    Examples
+    --------
+    >>> ContactSurface(Material(E=210e9, nu=0.3, rho=7800), (100.0, 100.0)).round
+    True
+    """
+
+    material: Material
+    curvatures: tuple[float, float]
+    directions: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    error: float = 0.0
+
+    def __post_init__(self) -> None:
+        checked(self, material=(Material,), curvatures=_pair, error=_error)
+        if self.directions is not None:
+            checked(self, directions=_directions)
+
+    @property
+    def round(self) -> bool:
+        """Whether both curvatures are equal within their error."""
+        return abs(self.curvatures[0] - self.curvatures[1]) <= 2.0 * self.error
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Principal radii, m; infinite where the curvature is less than its error."""
+        first, second = (
+            np.inf if abs(kappa) <= self.error else 1.0 / kappa for kappa in self.curvatures
+        )
+        return first, second
+
+
+def _pair(name: str, value: Any) -> tuple[float, float]:
+    first, second = finite_array(name, value, shape=(2,), unit="1/m").tolist()
+    return first, second
+
+
+def _error(name: str, value: Any) -> float:
+    return nonnegative(name, value, unit="1/m")
+
+
+def _directions(name: str, value: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    rows: FloatArray = finite_array(name, value, shape=(2, 3))
+    if np.abs(rows @ rows.T - np.eye(2)).max() > _UNIT:
+        raise InputError(f"{name} must be two unit vectors at right angles, got {rows.tolist()}")
+    first, second = (tuple(row) for row in rows.tolist())
+    return first, second
+
+
+def contact_surface(shape: SurfaceShape, material: Material) -> ContactSurface:
+    """Return what a law needs to know of a surface of that shape."""
+    first, second = shape.curvatures.tolist()
+    along: Any = shape.directions
+    return ContactSurface(material, (first, second), along, shape.error)
