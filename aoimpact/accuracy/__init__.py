@@ -4,6 +4,7 @@ For what runs impacts and what reads their results: `impact`, `batch`, `scenefil
 """
 
 from .choice import checked_linear_solver, choose_models
+from .compliance import ComplianceError, best_radius, compliance_error
 from .hierarchy import Hierarchy, Models, model_hierarchy
 from .interest import impact_quantity, scene_quantity
 from .keep import CONTROLLED, Keep, Named, keeper
@@ -16,6 +17,7 @@ __all__ = [
     "CONTROLLED",
     "QUANTITIES",
     "SCENE_CHOICES",
+    "ComplianceError",
     "Hierarchy",
     "Keep",
     "Models",
@@ -23,8 +25,10 @@ __all__ = [
     "Quantity",
     "R",
     "TimeSolver",
+    "best_radius",
     "checked_linear_solver",
     "choose_models",
+    "compliance_error",
     "first_guess",
     "impact_quantity",
     "keeper",

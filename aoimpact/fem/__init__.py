@@ -1,14 +1,14 @@
 """Finite-element models: material, supports, assembly, damping, and the contact functional."""
 
 from .assembly import stiffness_mass
-from .contact import Body, ContactPoint, contact_point
+from .contact import Body, ContactPoint, contact_at, contact_point
 from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch
 from .material import Material
 from .mechanism import refuse_mechanism
 from .model import FEModel
-from .patch import Patch
+from .patch import Patch, mutual_compliance
 from .statics import (
     StaticMode,
     centre_of,
@@ -18,6 +18,7 @@ from .statics import (
     translates,
 )
 from .supports import selected_nodes
+from .touch import Room, resolved_radius, room
 
 __all__ = [
     "FASTEST",
@@ -31,14 +32,19 @@ __all__ = [
     "Patch",
     "PatchCheck",
     "Rayleigh",
+    "Room",
     "StaticMode",
     "centre_of",
     "check_patch",
+    "contact_at",
     "contact_point",
     "damping_or_none",
     "displacement",
     "moves_rigidly",
+    "mutual_compliance",
     "refuse_mechanism",
+    "resolved_radius",
+    "room",
     "selected_nodes",
     "static_mode",
     "stiffness_mass",

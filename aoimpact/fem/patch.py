@@ -18,7 +18,14 @@ from ..base import FloatArray, InputError, IntArray, checked, integer, nonnegati
 from ..mesh import Place, Surface, plane_of
 from .material import Material
 
-__all__ = ["Patch", "Spread", "free_radius", "half_space_compliance", "spread"]
+__all__ = [
+    "Patch",
+    "Spread",
+    "free_radius",
+    "half_space_compliance",
+    "mutual_compliance",
+    "spread",
+]
 
 
 # Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
@@ -104,6 +111,24 @@ def half_space_compliance(material: Material, radius: float, cosine: float) -> f
     along = 0.6 / (radius * material.plane_strain_modulus)
     across = 0.15 * (2.0 - material.nu) / (radius * material.shear_modulus)
     return cosine**2 * along + (1.0 - cosine**2) * across
+
+
+def mutual_compliance(patch: Patch, radius: float) -> float:
+    """Return the mean displacement of a half-space under a patch, for a force over another radius.
+
+    Both are about the same point, m/N. Within the larger one of radius r the displacement goes as
+    2r² - ρ², and the mean of ρ² under the pressure on the smaller one is two fifths of its radius
+    squared; by reciprocity it does not matter which of them carries the force.
+
+    Parameters
+    ----------
+    patch : Patch
+    radius : float
+        Of the other pressure, m; 0 for a single point.
+    """
+    small, large = sorted((radius, patch.radius))
+    own = patch.compliance * patch.radius / large
+    return own * (1.0 - 0.2 * (small / large) ** 2) / 0.8
 
 
 def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: float) -> Spread:

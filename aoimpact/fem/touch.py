@@ -16,6 +16,7 @@ __all__ = [
     "Touch",
     "automatic_radius",
     "pressed_normal",
+    "resolved_radius",
     "room",
     "touched",
     "warn_if_coarse",
@@ -126,13 +127,18 @@ def automatic_radius(surface: Surface, point: FloatArray, expected: float | None
     normal = _normal(surface, places)
     if normal is None:
         raise _on_edge(point, "a point farther from the edge, or radius=0 for the edge itself")
-    face = np.concatenate([place.face for place in places])
-    radius = _WELL_RESOLVED * _resolved(surface) * float(surface.edges(face).mean())
+    radius = resolved_radius(surface, point)
     if expected is not None:
         radius = max(radius, _PATCH_OVER_CONTACT * expected)
     while (free := free_radius(surface, places[0].x[0], normal, radius)) <= radius:
         radius = _WITHIN * free
     return radius
+
+
+def resolved_radius(surface: Surface, point: FloatArray) -> float:
+    """Return the radius of a patch about a point that the mesh resolves well, m; room or not."""
+    face = np.concatenate([place.face for place in _places(surface, point)])
+    return _WELL_RESOLVED * _resolved(surface) * float(surface.edges(face).mean())
 
 
 def warn_if_coarse(surface: Surface, patch: Patch) -> None:

@@ -20,7 +20,16 @@ from ..base import FloatArray, IntArray, choice
 from ..fem import Material
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
 
-__all__ = ["COMPONENTS", "Stress", "gauss_stress", "nodal_stress", "stress_rows"]
+__all__ = [
+    "COMPONENTS",
+    "Stress",
+    "batches",
+    "elements_at",
+    "extrapolation",
+    "gauss_stress",
+    "nodal_stress",
+    "stress_rows",
+]
 
 
 # VTK's order of a symmetric tensor.
@@ -95,7 +104,7 @@ def gauss_stress(mesh: Mesh, material: Material, displacement: FloatArray) -> St
     n_gauss = len(shape)
     components = np.empty((*displacement.shape[:-2], mesh.n_cells, n_gauss, 6))
     points = np.empty((mesh.n_cells, n_gauss, 3))
-    for batch in _batches(mesh.n_cells, element):
+    for batch in batches(mesh.n_cells, element):
         cells = mesh.cells[batch]
         points[batch] = shape @ mesh.nodes[cells]
         slopes = _slopes(mesh.nodes[cells], element)
@@ -121,13 +130,13 @@ def nodal_stress(mesh: Mesh, material: Material, displacement: FloatArray) -> St
     """
     element = reference_element(mesh.kind)
     gradient = np.zeros((*displacement.shape[:-2], mesh.n_nodes, 3, 3))
-    for batch in _batches(mesh.n_cells, element):
+    for batch in batches(mesh.n_cells, element):
         cells = mesh.cells[batch]
         slopes = _slopes_at_nodes(mesh.nodes[cells], element)
         shares = np.einsum("...eaj,enai->...enji", displacement[..., cells, :], slopes)
         for total, share in zip(_histories(gradient, 3), _histories(shares, 4), strict=True):
             np.add.at(total, cells, share)
-    gradient /= _elements_at(mesh)[:, None, None]
+    gradient /= elements_at(mesh)[:, None, None]
     return Stress(_hooke(gradient, material), mesh.nodes)
 
 
@@ -140,7 +149,7 @@ def stress_rows(mesh: Mesh, material: Material, nodes: IntArray) -> sp.csr_array
         Its product with the displacements is `nodal_stress` there, component by component.
     """
     element = reference_element(mesh.kind)
-    count = _elements_at(mesh)
+    count = elements_at(mesh)
     rows = sp.lil_array((6 * len(nodes), 3 * mesh.n_nodes))
     for i, node in enumerate(nodes):
         around, local = np.nonzero(mesh.cells == node)
@@ -156,7 +165,8 @@ def stress_rows(mesh: Mesh, material: Material, nodes: IntArray) -> sp.csr_array
     return rows.tocsr()
 
 
-def _batches(n_cells: int, element: ReferenceElement) -> Iterator[slice]:
+def batches(n_cells: int, element: ReferenceElement) -> Iterator[slice]:
+    """Slices of the elements, of which all values at Gauss points fit into a cache or two."""
     n_points = max(element.n_nodes, len(element.stiffness_rule.weights))
     step = max(1, int(_BATCH / (8 * 3 * n_points * element.n_nodes)))
     for start in range(0, n_cells, step):
@@ -174,13 +184,13 @@ def _slopes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
 def _slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
     """The slopes carried on to the nodes, shape (n_cells, n_local, n_local, 3)."""
     slopes: FloatArray = np.einsum(
-        "ng,egai->enai", _extrapolation(element.kind), _slopes(corners, element)
+        "ng,egai->enai", extrapolation(element.kind), _slopes(corners, element)
     )
     return slopes
 
 
 @cache
-def _extrapolation(kind: str) -> FloatArray:
+def extrapolation(kind: str) -> FloatArray:
     """Values at the nodes of the corners' polynomial that fits values at the Gauss points best.
 
     By least squares with the weights of the quadrature. A single point gives its value everywhere.
@@ -193,7 +203,7 @@ def _extrapolation(kind: str) -> FloatArray:
     return extrapolation
 
 
-def _elements_at(mesh: Mesh) -> FloatArray:
+def elements_at(mesh: Mesh) -> FloatArray:
     """How many elements meet at each node."""
     return np.bincount(mesh.cells.reshape(-1), minlength=mesh.n_nodes).astype(np.float64)
 

@@ -1,6 +1,6 @@
 """Reduced models of a body at its contact: anti-oscillators, modes, several places."""
 
-from .contacttime import own_contact_time, shortest_contact_time
+from .contacttime import SHIFT_TIMES_DURATION, own_contact_time, shortest_contact_time
 from .interface import InterfaceModel, InterfaceSpace, checked_ports, interface, whole_interface
 from .krylov import KrylovSpace
 from .modalbody import ModalBody, modal_body
@@ -9,9 +9,10 @@ from .origin import Origin
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid
 from .starmodes import StarModes, star_modes
-from .validity import fitted_time, fitted_times, knows
+from .validity import fitted_time, fitted_times, knows, unbalanced
 
 __all__ = [
+    "SHIFT_TIMES_DURATION",
     "AOModel",
     "InterfaceModel",
     "InterfaceSpace",
@@ -33,5 +34,6 @@ __all__ = [
     "rigid",
     "shortest_contact_time",
     "star_modes",
+    "unbalanced",
     "whole_interface",
 ]
