@@ -5,11 +5,13 @@ For what runs impacts and what reads their results: `impact`, `batch`, `scenefil
 
 from .choice import checked_linear_solver, choose_models
 from .compliance import ComplianceError, best_radius, compliance_error
-from .hierarchy import Hierarchy, Models, model_hierarchy
+from .hierarchy import FixedModel, Hierarchy, Models, model_hierarchy
 from .interest import impact_quantity, scene_quantity
 from .keep import CONTROLLED, Keep, Named, keeper
+from .leftout import LeftOutFinder
 from .order import first_guess
 from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
+from .record import Record
 from .solve import TimeSolver, solve
 
 __all__ = [
@@ -18,12 +20,15 @@ __all__ = [
     "QUANTITIES",
     "SCENE_CHOICES",
     "ComplianceError",
+    "FixedModel",
     "Hierarchy",
     "Keep",
+    "LeftOutFinder",
     "Models",
     "Named",
     "Quantity",
     "R",
+    "Record",
     "TimeSolver",
     "best_radius",
     "checked_linear_solver",

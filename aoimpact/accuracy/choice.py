@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ..base import ConvergenceError, InputError, held_warnings, positive
@@ -13,8 +14,10 @@ from ..linalg import Solver, checked_solver
 from ..results import Chosen, Run
 from ..scene import Plan
 from .hierarchy import Models
+from .leftout import LeftOutFinder
 from .order import least_orders
 from .quantities import Quantity, R, number_errors
+from .record import Record
 from .solve import solve
 
 __all__ = ["checked_linear_solver", "choose_models"]
@@ -57,6 +60,8 @@ def choose_models(
     *,
     view: Callable[[Run], R],
     energies: bool,
+    record: Record,
+    law_errors: Sequence[float] = (),
     linear_solver: Solver = "auto",
 ) -> R:
     """Run with models of the least order, and say in the run how they were chosen.
@@ -74,6 +79,10 @@ def choose_models(
     view : callable
         What the caller makes of a run: a `Result`, or the `Run` itself.
     energies : bool
+    record : Record
+        How long the scene is recorded.
+    law_errors : sequence of float, optional
+        See `LeftOutFinder`.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
 
@@ -96,7 +105,9 @@ def choose_models(
 
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
-            return view(solve(plan_of(models, False), rule))
+            flexible = any(model.n for model in models)
+            plan = plan_of(models, False)
+            return view(record.run(plan, partial(solve, solver=rule), last=flexible))
 
     found = least_orders(
         bodies,
@@ -108,11 +119,12 @@ def choose_models(
     numbers = number_errors(*found.runs) | (
         {quantity.name: found.error} if not quantity.is_history else {}
     )
-    run = solve(plan_of(found.models, energies), rule)
+    run = record.run(plan_of(found.models, energies), partial(solve, solver=rule))
     _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     models = tuple(body.model for body in run.plan.bodies)
     chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
-    return view(replace(run, chosen=chosen))
+    left_out = LeftOutFinder(quantity, rule, view, law_errors)
+    return view(replace(run, chosen=chosen, left_out=left_out))
 
 
 def _rule(solver: Any, in_time: float) -> Any:

@@ -110,12 +110,12 @@ class AOHierarchy(Hierarchy):
 
 @dataclass(eq=False)
 class FixedModel(Hierarchy):
-    """An interface model, which stays as it is."""
+    """A model that stays as it is."""
 
-    given: InterfaceModel
+    given: Any
     first: int = 0
 
-    def model(self, order: int) -> InterfaceModel:
+    def model(self, order: int) -> Any:
         return self.given
 
     def at_most(self, order: int) -> int:
@@ -254,7 +254,7 @@ def model_hierarchy(
 
     Parameters
     ----------
-    body : ContactPoint, tuple of ContactPoint, AOModel, ModalModel or InterfaceModel
+    body : ContactPoint, tuple of ContactPoint, AOModel, ModalModel, InterfaceModel or Hierarchy
         An interface model stays as it is.
     contact_time : float
         That the models are fitted to, s.
@@ -263,6 +263,8 @@ def model_hierarchy(
     solver : str or callable, optional
         The linear solver.
     """
+    if isinstance(body, Hierarchy):
+        return body
     if isinstance(body, ContactPoint):
         return KrylovHierarchy(body, contact_time, duration, solver)
     if isinstance(body, tuple):

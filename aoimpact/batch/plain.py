@@ -184,7 +184,6 @@ def _given(case: Any) -> _Given | None:
         return None
     try:
         velocity, duration, gap = checked_numbers(
-            case["law"],
             case["velocity"],
             case["duration"],
             case.get("gap", 0.0),
@@ -192,7 +191,9 @@ def _given(case: Any) -> _Given | None:
         )
     except AOImpactError:  # simulate raises it
         return None
-    return _Given(velocity, normal_gap(gap), duration, solver.rtol) if velocity > 0.0 else None
+    if duration is None or velocity < 0.0:
+        return None
+    return _Given(velocity, normal_gap(gap), duration, solver.rtol)
 
 
 def _run(parts: _Parts, pairs: Sequence[_Pair], given: FloatArray) -> FloatArray:

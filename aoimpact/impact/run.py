@@ -3,14 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
-from ..accuracy import Quantity, R, TimeSolver, checked_linear_solver, choose_models, solve
+from ..accuracy import (
+    FixedModel,
+    LeftOutFinder,
+    Quantity,
+    R,
+    Record,
+    TimeSolver,
+    checked_linear_solver,
+    choose_models,
+    solve,
+)
 from ..fem import ContactPoint
 from ..linalg import Solver
 from ..results import Handle, Result, Run, warn_of_misfit
 from ..scene import Plan
 from .checks import warn_of_centres
+from .defaults import points_of
 
 __all__ = ["PlanOf", "RunOptions", "run_models"]
 
@@ -28,9 +41,17 @@ class RunOptions(NamedTuple):
     linear_solver: Solver | None
 
     @property
-    def chooses(self) -> bool:
-        """Whether the bodies' models are to be chosen."""
+    def asked(self) -> bool:
+        """Whether a quantity or a tolerance was given: then given models are truncated, too."""
         return self.quantity is not None or self.rtol is not None
+
+    def chooses(self, bodies: Sequence[Any]) -> bool:
+        """Whether models are to be chosen: for contact points always."""
+        return self.asked or any(map(_is_open, bodies))
+
+
+def _is_open(body: Any) -> bool:
+    return isinstance(body, (ContactPoint, tuple))
 
 
 def run_models(
@@ -38,9 +59,11 @@ def run_models(
     bodies: Sequence[Any],
     options: RunOptions,
     *,
+    record: Record,
     names: Sequence[str],
     interest: Callable[[], Quantity],
     view: Callable[[Run], R],
+    law_errors: Sequence[float] = (),
 ) -> R:
     """Run bodies as they are, or with the least models that give a quantity to a tolerance.
 
@@ -50,15 +73,22 @@ def run_models(
     bodies : sequence
         ContactPoint, tuple of ContactPoint, AOModel, ModalModel or InterfaceModel.
     options : RunOptions
+    record : Record
+        How long.
     names : sequence of str
         Of the bodies in the plan, for messages.
     interest : callable
         Returns the quantity of interest, after checking it.
     view : callable
         What the caller makes of a run: a `Result`, or the `Run` itself.
+    law_errors : sequence of float, optional
+        Of each contact, where the law was found from the surfaces; see `LeftOutFinder`.
     """
-    linear_solver = checked_linear_solver(options.linear_solver, chosen=options.chooses)
-    if options.chooses:
+    chooses = options.chooses(bodies)
+    linear_solver = checked_linear_solver(options.linear_solver, chosen=chooses)
+    if chooses:
+        if not options.asked:
+            bodies = [body if _is_open(body) else FixedModel(body) for body in bodies]
         done = choose_models(
             plan_of,
             bodies,
@@ -67,11 +97,18 @@ def run_models(
             options.solver,
             view=view,
             energies=options.energies,
+            record=record,
+            law_errors=law_errors,
             linear_solver=linear_solver,
         )
     else:
-        run = solve(plan_of(bodies, options.energies), options.solver)
+        plan = plan_of(bodies, options.energies)
+        run = record.run(plan, partial(solve, solver=options.solver))
         warn_of_misfit(run.plan, run, names)
+        if any(map(points_of, bodies)):
+            finder = LeftOutFinder(interest(), options.solver, view, law_errors)
+            run = replace(run, left_out=finder)
         done = view(run)
+    record.warn_if_cut()
     warn_of_centres((done.run if isinstance(done, Result) else done).plan, names)
     return done

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..accuracy import TimeSolver, impact_quantity
+from ..accuracy import Record, TimeSolver, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
@@ -16,6 +16,7 @@ from ..reduction import InterfaceModel
 from ..results import Result, Run
 from ..scene import Joint, Plan, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
+from .defaults import chosen_law, fitted_patch, meeting, points_of, turned, turns
 from .run import RunOptions, run_models
 
 __all__ = ["checked_numbers", "plan_impact", "simulate"]
@@ -23,13 +24,21 @@ __all__ = ["checked_numbers", "plan_impact", "simulate"]
 _NAMES = "projectile", "target"
 
 
+class ImpactNumbers(NamedTuple):
+    """Velocity, m/s, duration, s, if given, and gap, m, of an impact."""
+
+    velocity: float
+    duration: float | None
+    gap: float
+
+
 def simulate(
     *,
     projectile: Any,
     target: Any,
-    law: ContactLaw,
     velocity: float,
-    duration: float,
+    law: ContactLaw | None = None,
+    duration: float | None = None,
     solver: TimeSolver | None = None,
     gap: float = 0.0,
     energies: bool = True,
@@ -40,18 +49,22 @@ def simulate(
     """Simulate the impact of a moving projectile on a target at rest.
 
     Both bodies are undeformed at t = 0, the projectile moving with `velocity` towards the target.
+    What is left out is found from the bodies, and said in the result.
 
     Parameters
     ----------
-    projectile, target : AOModel, ModalModel or ContactPoint
-        A ContactPoint (``body.contact(...)``) stands for the full finite-element model.
-    law : ContactLaw
-        Force of the indentation δ = x_projectile - x_target - gap.
+    projectile, target : ContactPoint, AOModel or ModalModel
+        A contact point (``body.contact(...)``) is reduced as far as the quantity of interest
+        allows; ``full(tip)`` is the full finite-element model. A patch whose radius was left out is
+        fitted to the impact.
     velocity : float
         Of the projectile along the direction of travel, m/s, not zero; negative only if the
         projectile is constrained, so that it swings back.
-    duration : float
-        Length of the record, s.
+    law : ContactLaw, optional
+        Force of the indentation δ = x_projectile - x_target - gap. If left out, Hertz's, from the
+        materials of both bodies and the curvatures of their surfaces at the contact.
+    duration : float, optional
+        Length of the record, s. If left out, until the impact is over and as long again.
     solver : Adaptive or Newmark, optional
         ``Adaptive(rtol=...)`` for a tolerance, ``Newmark(dt=...)`` for a given step. By default
         ``Adaptive()``; with a full finite-element model, whose modes would have to be computed
@@ -61,15 +74,16 @@ def simulate(
     energies : bool, optional
         Whether to record energies as well.
     quantity : str or ContactPoint, optional
-        The quantity of interest: "force" (over the record), "peak_force", "impulse",
+        The quantity of interest: "force" (over the record; the default), "peak_force", "impulse",
         "contact_duration" (of the first contact), "rebound_velocity", "projectile_displacement" or
         "target_displacement" (of the contact point, over the record); or a point of a body, for its
-        displacement over the record. Given this or `rtol`, finite-element bodies are reduced, and
-        AO models truncated, as far as the tolerance allows; `Result.models` are those taken. Only
-        this quantity is right to `rtol`: `Result.error.numbers` estimates the errors of the others.
+        displacement over the record. Contact points are reduced as far as the tolerance allows, and
+        AO models truncated if this or `rtol` is given; `Result.models` are those taken. Only this
+        quantity is right to `rtol`: `Result.error.numbers` estimates the errors of the others.
     rtol : float, optional
-        Its relative error, 1e-2 if left out; that of a history is its largest over the record,
-        relative to the largest value. A solver that does not keep it is refused.
+        Its relative error by reduction and time integration, 1e-2 if left out; that of a history is
+        its largest over the record, relative to the largest value. A solver that does not keep it
+        is refused. `Result.error` has the errors of mesh and contact as well.
     linear_solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
         What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
 
@@ -80,7 +94,7 @@ def simulate(
     Raises
     ------
     InputError, InputTypeError
-        For an argument that makes no sense.
+        For an argument that makes no sense, or a law that is left out and not known.
     ConvergenceError
         If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
 
@@ -90,30 +104,107 @@ def simulate(
         If the record ends in contact, the step is too large for any digit to be right, a body's
         centre of mass is not known, or its model was fitted to another contact time.
     """
+    numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
-    if options.chooses:  # before any model is made
-        checked_numbers(law, velocity, duration, gap, energies)
+    impact = _complete(projectile, target, law, numbers)
 
     def plan_of(models: Sequence[Any], energies: bool) -> Plan:
-        first, second = models
+        first, second = (
+            turned(model, (0,)) if turn else model
+            for model, turn in zip(models, impact.turns, strict=True)
+        )
         return plan_impact(
-            first, second, law, velocity=velocity, duration=duration, gap=gap, energies=energies
+            first,
+            second,
+            impact.law,
+            velocity=numbers.velocity,
+            duration=impact.record.length,
+            gap=numbers.gap,
+            energies=energies,
         )
 
     result = run_models(
         plan_of,
-        (projectile, target),
+        impact.bodies,
         options,
+        record=impact.record,
         names=_NAMES,
-        interest=partial(impact_quantity, quantity, projectile, target),
+        interest=partial(impact_quantity, quantity, *impact.bodies),
         view=_result,
+        law_errors=(impact.law_error,),
     )
-    if result.in_contact_at_end:
+    if result.in_contact_at_end and duration is not None:
         warn(
             f"the record of {result.duration:.4g} s ends in contact: impulse and the last "
             "contact's end are those so far, and there is no rebound (NaN); take a longer duration"
         )
     return result
+
+
+class _Impact(NamedTuple):
+    """An impact with all that its caller left out.
+
+    Attributes
+    ----------
+    bodies : tuple
+        With patches fitted to the impact.
+    turns : tuple of bool
+        Whose direction of travel is to be turned round.
+    law : ContactLaw
+    law_error : float
+        Relative error of its stiffness, where it was found from the surfaces.
+    record : Record
+    """
+
+    bodies: tuple[Any, Any]
+    turns: tuple[bool, bool]
+    law: ContactLaw
+    law_error: float
+    record: Record
+
+
+def _complete(
+    projectile: Any, target: Any, law: ContactLaw | None, numbers: ImpactNumbers
+) -> _Impact:
+    bodies = projectile, target
+    around = _turns(projectile, target)
+    error = 0.0
+    if law is None:
+        ends = [
+            turned(body, (0,)) if turn else body for body, turn in zip(bodies, around, strict=True)
+        ]
+        found = chosen_law(ends, _NAMES)
+        law, error = found.law, found.error
+    _check_law(law)
+    length = numbers.duration
+    if length is None or any(isinstance(body, ContactPoint) for body in bodies):
+        met = meeting(law, bodies, numbers.velocity)
+        same = projectile is target
+        projectile = fitted_patch(projectile, met)
+        bodies = projectile, projectile if same else fitted_patch(target, met)
+        if length is None:
+            if met is None:
+                raise InputError("duration was left out, and cannot be foreseen here; give it")
+            record = Record(numbers.gap / abs(numbers.velocity) + met.contact_time, given=False)
+    if length is not None:
+        record = Record(length, given=True)
+    return _Impact(bodies, around, law, error, record)
+
+
+def _turns(projectile: Any, target: Any) -> tuple[bool, bool]:
+    """Whose direction of travel is to be turned round; see `turns`."""
+    points = points_of(projectile), points_of(target)
+    if points[0] and points[1] and points[0][0] is points[1][0]:
+        # One place of one body stands for two like bodies: its direction suits one of them.
+        tip = points[0][0]
+        if tip.normal is None or tip.direction is None:
+            return False, False
+        outward = bool(tip.direction @ tip.normal > 0.0)
+        return not outward, outward
+    return (
+        turns("projectile", projectile, 0, outward=True),
+        turns("target", target, 0, outward=False),
+    )
 
 
 def _result(run: Run) -> Result:
@@ -138,7 +229,9 @@ def plan_impact(
     InputError, InputTypeError
         For an argument that makes no sense.
     """
-    speed, length, distance = checked_numbers(law, velocity, duration, gap, energies)
+    _check_law(law)
+    speed, length, distance = checked_numbers(velocity, duration, gap, energies)
+    assert length is not None
     bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body.model, InterfaceModel):
@@ -147,9 +240,9 @@ def plan_impact(
             )
     if speed < 0.0 and not bodies[0].constrained:
         raise InputError(
-            f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing turns "
-            "it round; give the speed at which it comes, or build a Scene with what brings it back "
-            "(gravity, a load, a body behind it)"
+            f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing "
+            "turns it round; give the speed at which it comes, or build a Scene with what brings "
+            "it back (gravity, a load, a body behind it)"
         )
     if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
         raise InputError(
@@ -160,17 +253,12 @@ def plan_impact(
     return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
 
 
-class ImpactNumbers(NamedTuple):
-    """Velocity, m/s, duration, s, and gap, m, of an impact."""
-
-    velocity: float
-    duration: float
-    gap: float
+def _check_law(law: Any) -> None:
+    if not isinstance(law, ContactLaw):
+        raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
 
 
-def checked_numbers(
-    law: Any, velocity: Any, duration: Any, gap: Any, energies: Any
-) -> ImpactNumbers:
+def checked_numbers(velocity: Any, duration: Any, gap: Any, energies: Any) -> ImpactNumbers:
     """Check what `simulate` is given beside its bodies.
 
     Raises
@@ -181,9 +269,7 @@ def checked_numbers(
     speed = checked_speed("velocity", velocity)
     if speed == 0.0:
         raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
-    length = checked_duration(duration)
+    length = None if duration is None else checked_duration(duration)
     distance = nonnegative("gap", gap, unit="m")
     boolean("energies", energies)
-    if not isinstance(law, ContactLaw):
-        raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
     return ImpactNumbers(speed, length, distance)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -91,6 +91,15 @@ class ModalModel(Frozen):
         """r_j = bᵀφ_j, 1/√kg, shape (n,)."""
         result: FloatArray = self.modes.T @ self.tip.b
         return result
+
+    @property
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """The contact point on its body."""
+        return (self.tip,)
+
+    def reversed(self) -> ModalModel:
+        """Return the same model with the direction of travel the other way round."""
+        return replace(self, tip=self.tip.reversed())
 
     def truncated(self, n: int) -> ModalModel:
         """Return the model of the first `n` modes."""

@@ -309,6 +309,15 @@ class AOModel(Frozen):
         result = real + 1j * imaginary
         return result if result.ndim else complex(result)
 
+    @cached_property
+    def _reversed(self) -> AOModel:
+        origin = self.origin
+        return self if origin is None else replace(self, origin=origin.reversed())
+
+    def reversed(self) -> AOModel:
+        """Return the same model with its body's direction of travel the other way round."""
+        return self._reversed
+
     def multiplied_out(self) -> AOModel:
         """The same model, with shapes of its own: see `Origin.vectors`."""
         if self.origin is None or self.origin.vectors is None:

@@ -24,6 +24,7 @@ __all__ = [
     "ContactResult",
     "Energy",
     "ErrorEstimate",
+    "LeftOut",
 ]
 
 
@@ -248,6 +249,28 @@ class ContactResult(Frozen, Eventful):
 
 
 @dataclass(frozen=True)
+class LeftOut:
+    """What meshes and contact laws leave out of a run, relative; None where that is not known.
+
+    Attributes
+    ----------
+    mesh : float or None
+        Of the quantity of interest, the force if none was asked for, from the finite elements at
+        the contacts.
+    contact : float or None
+        Of that quantity, from taking the bodies about the contacts for half-spaces, from the
+        curvatures where a law was found from them, and from a single node in place of a patch.
+    mesh_numbers, contact_numbers : mapping of str to float
+        Of each number that sums up the run.
+    """
+
+    mesh: float | None = None
+    contact: float | None = None
+    mesh_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
+    contact_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+
+@dataclass(frozen=True)
 class ErrorEstimate:
     """What is known of the error, relative; None where nothing is.
 
@@ -271,6 +294,8 @@ class ErrorEstimate:
         name ("restitution", of a scene "contacts.0.impulse"), from these models: only what was
         asked for is controlled, another number is no better than it says here. Infinite of
         "contacts" where it is not certain how many there are.
+    left_out : LeftOut
+        What meshes and contact laws leave out: of the quantity, and of each number.
     """
 
     reduction: float | None = None
@@ -279,6 +304,33 @@ class ErrorEstimate:
     quantity: str | None = None
     rtol: float | None = None
     numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
+    left_out: LeftOut = field(default_factory=LeftOut)
+
+    @property
+    def mesh(self) -> float | None:
+        """Of the quantity that was asked for, the force if none was, from the elements."""
+        return self.left_out.mesh
+
+    @property
+    def contact(self) -> float | None:
+        """Of that quantity, from the contact: body about it, curvatures, node for a patch."""
+        return self.left_out.contact
+
+    @property
+    def total(self) -> float | None:
+        """The sum of mesh, contact, reduction and time; None where one of them is not known."""
+        parts = [self.mesh, self.contact, self.reduction, self.time]
+        known = [part for part in parts if part is not None]
+        return sum(known) if len(known) == len(parts) else None
+
+    def parts(self, name: str) -> dict[str, float | None]:
+        """Return what is known of a number's error, by where it comes from."""
+        return {
+            "mesh": self.left_out.mesh_numbers.get(name),
+            "contact": self.left_out.contact_numbers.get(name),
+            "model": self.numbers.get(name),
+            "time": self.time,
+        }
 
     def controls(self, name: str) -> bool:
         """Whether a number's error is known to be within the tolerance."""

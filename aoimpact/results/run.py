@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
@@ -27,7 +27,7 @@ from ..integrate import Events, Recorder
 from ..scene import Plan, RecordLayout
 from . import plot
 from .misfit import warn_of_later_motion
-from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate
+from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
 from .table import run_columns, write_csv
 
 if TYPE_CHECKING:
@@ -37,6 +37,8 @@ __all__ = ["Chosen", "Handle", "Run"]
 
 # The ledger of a run is off by no more than so many times its error, or rounding.
 _DRIFT, _ROUNDING = 100.0, 1e-12
+
+_NOTHING_KNOWN = LeftOut()
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,8 @@ class Run:
         How the bodies' models were chosen, where `simulate` was left to do so.
     asked : ndarray, shape (n,), or None
         The times asked for, s; the solver's own if None.
+    left_out : LeftOut or callable
+        What meshes and contact laws leave out, or what finds that of the run when it is asked.
     """
 
     plan: Plan
@@ -118,10 +122,18 @@ class Run:
     time_error: float | None
     chosen: Chosen | None = None
     asked: FloatArray | None = None
+    left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
 
     def __getstate__(self) -> dict[str, Any]:
-        """What has been computed on the way does not travel."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}
+        """What has been computed on the way does not travel, but what finds errors cannot."""
+        state = {item.name: getattr(self, item.name) for item in fields(self)}
+        return state | {"left_out": self._left_out}
+
+    @cached_property
+    def _left_out(self) -> LeftOut:
+        if callable(self.left_out):
+            return self.left_out(replace(self, asked=None))
+        return self.left_out
 
     # ------------------------------------------------------------------- what was run
 
@@ -323,9 +335,15 @@ class Run:
             if self.recorder.dense and energy is not None:
                 _warn_of_ledger(energy, self.time_error)
         if (of := self.chosen) is None:
-            return ErrorEstimate(None, self.time_error, energy)
+            return ErrorEstimate(None, self.time_error, energy, left_out=self._left_out)
         return ErrorEstimate(
-            of.error, self.time_error, energy, of.quantity, of.rtol, dict(of.numbers)
+            of.error,
+            self.time_error,
+            energy,
+            of.quantity,
+            of.rtol,
+            dict(of.numbers),
+            self._left_out,
         )
 
     # ---------------------------------------------------------------------- output

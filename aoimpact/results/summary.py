@@ -75,8 +75,20 @@ def _gap(result: Result) -> str:
 
 def _force(result: Result) -> str:
     told = result.error.told
-    force = f"{quantity(result.peak_force, 'N', 5)}{told('peak_force')}"
+    within = told("peak_force") if result.error.mesh is None else _within(result, "peak_force")
+    force = f"{quantity(result.peak_force, 'N', 5)}{within}"
     return f"{force} at {quantity(result.peak_time, 's')}{told('peak_time')}"
+
+
+def _within(result: Result, name: str) -> str:
+    """How wrong a number may be, and by what."""
+    parts = result.error.parts(name)
+    total = sum(part for part in parts.values() if part is not None)
+    listed = ", ".join(
+        f"{cause} {'not known' if part is None else f'{100.0 * part:.2g}'}"
+        for cause, part in parts.items()
+    )
+    return f" ± {100.0 * total:.2g} % ({listed})"
 
 
 def _contact(result: Result) -> str:
@@ -94,7 +106,13 @@ def _contact(result: Result) -> str:
 def _error(result: Result) -> str:
     parts = [
         f"{name} {'not known' if value is None else f'{100.0 * value:.2g} %'}"
-        for name, value in (("reduction", result.error.reduction), ("time", result.error.time))
+        for name, value in (
+            ("mesh", result.error.mesh),
+            ("contact", result.error.contact),
+            ("reduction", result.error.reduction),
+            ("time", result.error.time),
+        )
+        if value is not None or name in ("reduction", "time")
     ]
     if result.error.quantity is None:
         return ", ".join(parts)

@@ -14,6 +14,7 @@ from ..base import (
     InputError,
     InputTypeError,
     choice,
+    instance,
     integer,
     positive,
     quantity,
@@ -92,7 +93,10 @@ def work_precision(
         If the reference cannot be computed.
     """
     count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
-    velocity, duration, gap = checked_numbers(law, velocity, duration, gap, False)
+    instance("law", law, ContactLaw)
+    velocity, length, gap = checked_numbers(velocity, duration, gap, False)
+    assert length is not None
+    duration = length
     names = _methods(scipy)
     bodies = _star_body("projectile", projectile, velocity), _star_body("target", target, 0.0)
     scene = {

@@ -1,0 +1,203 @@
+"""How wrong a run is by its meshes and its contact laws: from compliance to force by the star.
+
+What a contact point's compliance leaves out (`compliance_error`) acts as a spring in series with
+the contact law. One more run of the reduced models with the law that much softer or stiffer tells
+what it does to any quantity. The errors of two bodies, and of several contacts, are taken to act
+together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base import AOImpactError, held_warnings
+from ..integrate import Events
+from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
+from ..results import LeftOut, Result, Run
+from ..scene import FullBody, Joint, Plan
+from .compliance import ComplianceError, compliance_error
+from .quantities import Quantity, number_errors
+from .solve import TimeSolver, solve
+
+__all__ = ["LeftOutFinder"]
+
+# A run is repeated with laws that are stiffer or softer by no more than this, and the change is
+# scaled: peak forces go with a power of the stiffness below 1, so this is linear to 5 %.
+_SMALL = 0.1
+
+# Where the search for an indentation begins, m.
+_SHALLOW = 1e-9
+
+# Rates of a law's force are taken over this share of the indentation.
+_DIFFERENCE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOutFinder:
+    """Finds what meshes and laws leave out of a run, when it is asked.
+
+    Attributes
+    ----------
+    quantity : Quantity
+        Of interest.
+    solver : Adaptive or Newmark, optional
+        Of the run.
+    view : callable
+        What the caller makes of a run: a `Result`, or the `Run` itself.
+    law_errors : sequence of float
+        Relative error of each contact's stiffness, from the curvatures that it was found from.
+    """
+
+    quantity: Quantity
+    solver: TimeSolver | None
+    view: Callable[[Run], Result | Run]
+    law_errors: Sequence[float] = ()
+
+    def __call__(self, run: Run) -> LeftOut:
+        """Return the errors; None where a body's are not known."""
+        plan = run.plan
+        found = [_of_joint(plan, run.events[i], joint) for i, joint in enumerate(plan.joints)]
+        if any(isinstance(body, FullBody) for body in plan.bodies) or None in found:
+            return LeftOut()
+        known = [ends for ends in found if ends]
+        if not known:
+            return LeftOut()
+        mesh = [sum(end.mesh for end in ends or ()) for ends in found]
+        contact = [sum(abs(end.contact) for end in ends or ()) for ends in found]
+        in_mesh, mesh_numbers = self._changes(run, _in_series(run, mesh))
+        in_contact, contact_numbers = self._changes(run, _in_series(run, contact))
+        if any(self.law_errors):
+            in_law, law_numbers = self._changes(run, _stiffer(run, self.law_errors))
+            in_contact += in_law
+            contact_numbers = {
+                name: error + law_numbers[name] for name, error in contact_numbers.items()
+            }
+        return LeftOut(in_mesh, in_contact, mesh_numbers, contact_numbers)
+
+    def _changes(self, run: Run, altered: _Altered) -> tuple[float, Mapping[str, float]]:
+        """By how much the quantity and each number change."""
+        exact = self.view(run)
+        if altered.plan is None:
+            return 0.0, dict.fromkeys(number_errors(exact, exact), 0.0)
+        try:
+            with held_warnings():
+                other = self.view(solve(altered.plan, self.solver))
+        except AOImpactError:  # a contact that grows beyond what its law stands for
+            return math.inf, dict.fromkeys(number_errors(exact, exact), math.inf)
+        change = altered.scale * self.quantity.difference(other, exact)  # type: ignore[type-var]
+        numbers = number_errors(other, exact)
+        return change, {name: altered.scale * error for name, error in numbers.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class _Altered:
+    """A plan with other laws, and what changes are to be multiplied by; None: as it was."""
+
+    plan: Plan | None
+    scale: float = 1.0
+
+
+def _of_joint(plan: Plan, events: Events, joint: Joint) -> list[ComplianceError] | None:
+    """What the compliances at a contact leave out; none of models given by numbers."""
+    if not events.contacts:
+        return []
+    contact_time = next(
+        (end - start for start, end in events.contacts if events.peak_time <= end), 0.0
+    )
+    if contact_time <= 0.0:
+        return []
+    law = own_law(joint.law)
+    found = []
+    for body, port in joint.ports:
+        model = plan.bodies[body].model
+        points = getattr(model, "contact_points", ())
+        if not points:
+            continue
+        if points[port].patch is None and not isinstance(law, HertzianLaw):
+            continue  # such a law leaves the bodies' own indentation to them
+        error = compliance_error(
+            model,
+            contact_time=contact_time,
+            contact_radius=_contact_radius(law, events.peak_force),
+            port=port,
+        )
+        if error is None:
+            return None
+        found.append(error)
+    return found
+
+
+def _contact_radius(law: ContactLaw, force: float) -> float | None:
+    """Of the contact at a force, m; None of a law that does not know how wide its contact is."""
+    if law.relative_radius is None:
+        return None
+    return math.sqrt(law.relative_radius * _depth(law, force))
+
+
+def _depth(law: ContactLaw, force: float) -> float:
+    """The indentation, m, at which a law has a force without rate."""
+    low, high = 0.0, _SHALLOW
+    while law.force(high) < force:
+        low, high = high, 2.0 * high
+    while high - low > 1e-6 * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if law.force(middle) < force else (low, middle)
+    return high
+
+
+def _in_series(run: Run, compliances: Sequence[float]) -> _Altered:
+    """The laws with so much compliance, m/N, more or less in series with each."""
+    slopes = [
+        _slope(own_law(joint.law), events.peak_force) if events.contacts else 0.0
+        for joint, events in zip(run.plan.joints, run.events, strict=True)
+    ]
+    shares = [slope * change for slope, change in zip(slopes, compliances, strict=True)]
+    largest = max(shares, default=0.0)
+    if largest == 0.0:
+        return _Altered(None)
+    scale = max(1.0, largest / _SMALL)
+    joints = [
+        joint._replace(law=_with_compliance(joint.law, change / scale))
+        for joint, change in zip(run.plan.joints, compliances, strict=True)
+    ]
+    return _Altered(_with(run.plan, joints), scale)
+
+
+def _slope(law: ContactLaw, force: float) -> float:
+    """dF/dδ of a law at a force, N/m."""
+    depth = _depth(law, force)
+    low, high = law.force(np.array([1.0 - _DIFFERENCE, 1.0 + _DIFFERENCE]) * depth)
+    return float(high - low) / (2.0 * _DIFFERENCE * depth)
+
+
+def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
+    """The law softer by a compliance in series, or, where it has none to give, stiffer."""
+    if change == 0.0:
+        return law
+    if not isinstance(law, PatchLaw):
+        return PatchLaw(law, change)
+    if law.compliance > change:
+        return replace(law, compliance=law.compliance - change)
+    return replace(law, compliance=law.compliance + change)
+
+
+def _stiffer(run: Run, errors: Sequence[float]) -> _Altered:
+    """Hertz's laws with so much more stiffness, relative."""
+    scale = max(1.0, max(errors) / _SMALL)
+    joints = []
+    for joint, error in zip(run.plan.joints, errors, strict=True):
+        law = own_law(joint.law)
+        if error and isinstance(law, Hertz):
+            law = replace(law, k=law.k * (1.0 + error / scale))
+        if isinstance(joint.law, PatchLaw):
+            law = replace(joint.law, law=law)
+        joints.append(joint._replace(law=law))
+    return _Altered(_with(run.plan, joints), scale)
+
+
+def _with(plan: Plan, joints: Sequence[Joint]) -> Plan:
+    return replace(plan, joints=tuple(joints), energies=False)

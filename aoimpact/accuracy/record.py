@@ -1,0 +1,82 @@
+"""The length of a record: as given, or until the impact is over and as long again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from ..base import quantity, warn
+from ..results import Run
+from ..scene import Plan
+
+__all__ = ["Record"]
+
+# Contacts that go on for so many times the first guess, as under gravity, are left at that.
+_MOST = 4096.0
+
+# After the last contact the record goes on for as long as the impact took: in all, so many times.
+_AS_LONG_AGAIN = 2.0
+
+
+@dataclass
+class Record:
+    """How long a scene is recorded, s.
+
+    Attributes
+    ----------
+    length : float
+        The duration given, or a first guess.
+    given : bool
+        Whether it was given.
+    """
+
+    length: float
+    given: bool
+
+    def __post_init__(self) -> None:
+        self._longest = self.length if self.given else _MOST * self.length
+        self._settled = self.given
+        self._cut = False
+
+    def run(self, plan: Plan, solve: Callable[[Plan], Run], *, last: bool = True) -> Run:
+        """Run a plan for that long; for longer, from then on, until its impact is over.
+
+        Parameters
+        ----------
+        plan : Plan
+        solve : callable
+        last : bool, optional
+            Whether these bodies tell when it is over; rigid ones do not.
+        """
+        if self._settled:
+            return solve(replace(plan, duration=self.length))
+        length = self.length
+        while True:
+            run = solve(replace(plan, duration=length))
+            wanted = _until_over(run)
+            if wanted <= length or length >= self._longest:
+                break
+            length = min(max(wanted, _AS_LONG_AGAIN * length), self._longest)
+        self._cut = wanted > length
+        self.length = min(wanted, length)
+        self._settled = last
+        return run if self.length == length else solve(replace(plan, duration=self.length))
+
+    def warn_if_cut(self) -> None:
+        """Warn where the impact was not over after the longest record."""
+        if self._cut:
+            warn(
+                f"duration: it was left out, and after {quantity(self.length, 's')} the impact is "
+                "not over: what is said of it is until then; give duration="
+            )
+
+
+def _until_over(run: Run) -> float:
+    """How long the record must be, s; infinite where that is not known yet."""
+    intervals = [interval for events in run.events for interval in events.contacts]
+    if not intervals or run.in_contact_at_end:
+        return math.inf
+    start = min(first for first, _ in intervals)
+    end = max(last for _, last in intervals)
+    return start + _AS_LONG_AGAIN * (end - start)
