@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import Quantity, TimeSolver, scene_quantity
+from ..accuracy import Quantity, Record, TimeSolver, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -27,6 +27,7 @@ from ..reduction import InterfaceModel
 from ..results import Handle, Run
 from ..scene import Joint, Load, Plan, SceneBody, StarBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
+from .defaults import Meeting, chosen_law, fitted_patch, meeting, turned, turns
 from .run import RunOptions, run_models
 
 __all__ = ["Scene", "SceneCase"]
@@ -70,6 +71,7 @@ class Scene:
         self._positions: list[float] = []
         self._names: list[str] = []
         self._joints: list[Joint] = []
+        self._law_errors: list[float] = []  # of laws that were found from the surfaces
         self._between: dict[tuple[int, int, int, int], list[int]] = {}  # contacts at the same place
         self._loads: list[Load] = []
         # Copies and pickles keep it: their handles are as good.
@@ -93,9 +95,9 @@ class Scene:
         Parameters
         ----------
         body : AOModel, ModalModel, InterfaceModel, ContactPoint or list of ContactPoint
-            A ContactPoint (``body.contact(...)``) stands for the full finite-element model, a list
-            of them on one body for one that is touched in several places, a `rigid` body of
-            infinite mass for a wall.
+            A ContactPoint (``body.contact(...)``) is reduced as far as the quantity of interest
+            allows, a list of them on one body is one that is touched in several places, ``full``
+            of them the full finite-element model, a `rigid` body of infinite mass a wall.
         velocity : float, optional
             m/s.
         position : float, optional
@@ -123,14 +125,18 @@ class Scene:
         self._names.append(name)
         return Handle(len(self._scene_bodies) - 1, name=name, scene=self._mark.name)
 
-    def connect(self, a: Handle, b: Handle, law: ContactLaw, *, gap: float = 0.0) -> int:
+    def connect(
+        self, a: Handle, b: Handle, law: ContactLaw | None = None, *, gap: float = 0.0
+    ) -> int:
         """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
 
         Parameters
         ----------
         a, b : Handle
             Of `add`; ``handle.port(i)`` for another place of a body touched in several.
-        law : ContactLaw
+        law : ContactLaw, optional
+            If left out, Hertz's, from the materials of both bodies and the curvatures of their
+            surfaces at the contact.
         gap : float, optional
             m; may be negative where positions are given.
 
@@ -142,7 +148,8 @@ class Scene:
         Raises
         ------
         InputError
-            For a body with itself, two walls, or an unknown handle.
+            For a body with itself, two walls, an unknown handle, a direction that was given the
+            wrong way round, or a law that is left out and not known.
         """
         first, second = self._known("a", a), self._known("b", b)
         if first.body == second.body:
@@ -150,7 +157,7 @@ class Scene:
                 f"a and b are both {self._called(first)}: a body cannot touch itself; connect it "
                 "to another"
             )
-        if not isinstance(law, ContactLaw):
+        if law is not None and not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
         if all(math.isinf(self._scene_bodies[end.body].static_mass) for end in (first, second)):
             raise InputError(
@@ -160,6 +167,10 @@ class Scene:
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
         ends = _touched(self._bodies, first), _touched(self._bodies, second)
+        law_error = 0.0
+        if law is None:
+            found = chosen_law(ends, (self._called(first), self._called(second)))
+            law, law_error = found.law, found.error
         between = effective_law(law, ends)
         gap = normal_gap(apart)
         joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends)
@@ -174,6 +185,7 @@ class Scene:
                 )
         beside.append(len(self._joints))
         self._joints.append(joint)
+        self._law_errors.append(law_error)
         return len(self._joints) - 1
 
     def apply(self, body: Handle, *, force: Any) -> None:
@@ -232,7 +244,7 @@ class Scene:
     def simulate(
         self,
         *,
-        duration: float,
+        duration: float | None = None,
         solver: TimeSolver | None = None,
         energies: bool = True,
         preload: bool = False,
@@ -244,8 +256,8 @@ class Scene:
 
         Parameters
         ----------
-        duration : float
-            Length of the record, s.
+        duration : float, optional
+            Length of the record, s. If left out, until the last contact is over and as long again.
         solver : Adaptive or Newmark, optional
             By default ``Adaptive()``; with a full finite-element model ``Newmark()``.
         energies : bool, optional
@@ -257,9 +269,9 @@ class Scene:
         quantity : str, Handle or ContactPoint, optional
             The quantity of interest: "force" (of every contact over the record), "peak_force" or
             "impulse" (of every contact), a handle, for the displacement of that contact coordinate
-            over the record, or a point of a body, for its displacement over the record. Given this
-            or `rtol`, finite-element bodies are reduced, and AO models truncated, as far as the
-            tolerance allows; `Run.models` are those taken. A body that was added twice is reduced
+            over the record, or a point of a body, for its displacement over the record. Contact
+            points are reduced as far as the tolerance allows, and AO models truncated if this or
+            `rtol` is given; `Run.models` are those taken. A body that was added twice is reduced
             once.
         rtol : float, optional
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
@@ -282,26 +294,84 @@ class Scene:
             If gravity has no effect on a constrained AO model given by numbers or without nodes, a
             body's centre of mass is not known, or its model was fitted to another contact time.
         """
-        length = checked_duration(duration)
-        boolean("energies", energies)
-        boolean("preload", preload)
         if not self._scene_bodies:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
-        bodies, which = _different(self._bodies)
+        boolean("energies", energies)
+        boolean("preload", preload)
+        record = self._record(duration)
+        fitted = self._fitted()
+        bodies, which = _different(fitted)
+        around = self._turns()
 
         def plan_of(models: Sequence[Any], energies: bool) -> Plan:
-            return self._plan([models[i] for i in which], length, energies, preload)
+            placed = [turned(models[i], ports) for i, ports in zip(which, around, strict=True)]
+            return self._plan(placed, record.length, energies, preload)
 
         return run_models(
             plan_of,
             bodies,
             RunOptions(quantity, rtol, solver, energies, linear_solver),
+            record=record,
             names=[self._called(Handle(body)) for body in range(len(self._bodies))],
-            interest=partial(self._interest, quantity),
+            interest=partial(self._interest, quantity, fitted),
             view=_itself,
+            law_errors=self._law_errors,
         )
+
+    def _record(self, duration: float | None) -> Record:
+        if duration is not None:
+            return Record(checked_duration(duration), given=True)
+        times = [met.contact_time for joint in self._joints if (met := self._meeting(joint))]
+        if not times:
+            raise InputError(
+                "duration was left out, and cannot be foreseen where nothing meets; give it"
+            )
+        gaps = max(joint.gap for joint in self._joints)
+        return Record(max(times) + gaps / self._spread, given=False)
+
+    @property
+    def _spread(self) -> float:
+        """The largest difference of velocities, m/s."""
+        return max(self._velocities) - min(self._velocities)
+
+    def _meeting(self, joint: Joint) -> Meeting | None:
+        return meeting(own_law(joint.law), joint.ends, self._spread)
+
+    def _fitted(self) -> list[Any]:
+        """The bodies with the patches that suit their contacts, where these were left open."""
+        bodies = list(self._bodies)
+        fitted: dict[int, ContactPoint] = {}
+        for joint in self._joints:
+            met = self._meeting(joint)
+            for body, port in joint.ports:
+                tip = _touched(bodies, Handle(body, port))
+                if not isinstance(tip, ContactPoint) or isinstance(bodies[body], InterfaceModel):
+                    continue
+                if id(tip) not in fitted:
+                    fitted[id(tip)] = fitted_patch(tip, met)
+                tips = bodies[body]
+                if isinstance(tips, tuple):
+                    bodies[body] = (*tips[:port], fitted[id(tip)], *tips[port + 1 :])
+                else:
+                    bodies[body] = fitted[id(tip)]
+        return bodies
+
+    def _turns(self) -> list[tuple[int, ...]]:
+        """Of each body the places where its direction of travel is to be turned round."""
+        roles: dict[tuple[int, int], set[bool]] = {}
+        for joint in self._joints:
+            for outward, place in zip((True, False), joint.ports, strict=True):
+                roles.setdefault(place, set()).add(outward)
+        around: list[tuple[int, ...]] = [()] * len(self._bodies)
+        for (body, port), sides in roles.items():
+            if len(sides) > 1:  # pressed from both sides: its direction suits one of them
+                continue
+            name = self._called(Handle(body))
+            if turns(name, self._bodies[body], port, outward=sides == {True}):
+                around[body] = (*around[body], port)
+        return around
 
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
         """The plan of the bodies, or of models in their place."""
@@ -331,11 +401,11 @@ class Scene:
             self._mark.name,
         )
 
-    def _interest(self, quantity: Any) -> Quantity:
+    def _interest(self, quantity: Any, bodies: Sequence[Any]) -> Quantity:
         """The quantity of interest."""
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
-        interest = scene_quantity(quantity, self._bodies)
+        interest = scene_quantity(quantity, bodies)
         if interest.of_contacts and not self._joints:
             raise InputError(
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "

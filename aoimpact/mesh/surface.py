@@ -150,7 +150,10 @@ class Surface:
         for _ in range(_ITERATIONS):
             x, tangents = self.at(face, uv)
             gap = np.einsum("nui,ni->nu", tangents, point - x)
+            before = uv
             uv = self._clamped(face, uv + _solved(tangents @ tangents.swapaxes(1, 2), gap))
+            if np.abs(uv - before).max() <= _CONVERGED:
+                break
         x = self.at(face, uv)[0]
         distance = np.linalg.norm(x - point, axis=1)
         shared = np.flatnonzero(distance <= distance.min() + 1e-9 * radius[face].max())

@@ -825,11 +825,11 @@ def test_a_load_costs_as_many_points_as_it_has() -> None:
         ones, times = np.ones(1), np.linspace(0.0, 1.0, points)
         record = np.zeros((20, points))
         for _ in range(5):
-            start = time.perf_counter()
+            start = time.thread_time()
             table, index, *_ = _core.adaptive(*scene, 1e-8, 1.0, None, (ones, ones), (0.0, 0.0), 99)
-            flown = time.perf_counter()
+            flown = time.thread_time()
             _core.track_sample(*scene, np.frombuffer(table), index, times, record, True)
-            seconds.append((flown - start, time.perf_counter() - flown))
+            seconds.append((flown - start, time.thread_time() - flown))
         took.append([min(of) for of in zip(*seconds, strict=True)])
     # 16 times as many points; it was 256 times as long.
     assert took[1][0] < 100.0 * took[0][0]

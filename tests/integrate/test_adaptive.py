@@ -604,7 +604,7 @@ def test_impossible_tolerances_are_refused(rtol):
 def test_absurdly_stiff_laws_are_solved_or_named_at_once(k, unit):
     """m0 meets m0 like two rigid bodies: with √(k m0/2) V; in units of another mass, too."""
     star = ao.AOModel(m0=1e-3 * unit, k0=0.0, m=[unit], k=[1e8 * unit])
-    begin, result, failure = time.perf_counter(), None, ""
+    begin, result, failure = time.process_time(), None, ""
     try:
         with held_warnings() as said:
             result = ao.simulate(
@@ -612,7 +612,7 @@ def test_absurdly_stiff_laws_are_solved_or_named_at_once(k, unit):
             )
     except ao.ConvergenceError as error:
         failure = str(error)
-    assert time.perf_counter() - begin < 20.0
+    assert time.process_time() - begin < 20.0
     if result is None:
         assert k >= 1e33
         assert re.search("softer law|small m0", failure)

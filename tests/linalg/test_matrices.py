@@ -171,9 +171,9 @@ def test_numbers_out_of_reach_are_refused(K: Any, M: Any, words: str) -> None:
 def test_equal_eigenvalues_by_the_hundred_take_no_call_of_arpack_each() -> None:
     """600 dofs on equal springs; to find every member of the lowest eigenvalue took 600 calls."""
     body = ao.FEModel(K=sp.eye_array(600), M=sp.eye_array(600))
-    start = time.perf_counter()
+    start = time.process_time()
     assert body.frequencies(3) == pytest.approx([0.5 / np.pi] * 3)
-    assert time.perf_counter() - start < 5.0
+    assert time.process_time() - start < 5.0
 
 
 @pytest.mark.slow

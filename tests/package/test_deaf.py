@@ -24,7 +24,7 @@ def bar(divisions: tuple[int, int, int]) -> ao.ContactPoint:
 
 
 def all_modes() -> Callable[[], Any]:
-    tip = bar((12, 3, 3))
+    tip = bar((8, 3, 3))
     return lambda: ao.simulate(
         projectile=ao.rigid(1.0),
         target=tip,
@@ -36,7 +36,7 @@ def all_modes() -> Callable[[], Any]:
 
 
 def all_oscillators() -> Callable[[], Any]:
-    tip = bar((12, 3, 3))
+    tip = bar((8, 3, 3))
     return lambda: ao.antioscillators(tip, 500)
 
 

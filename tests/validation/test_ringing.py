@@ -87,12 +87,15 @@ def plain(name: str, turns: float, damping: float) -> tuple[float, float, float]
     return top, float(y[6]), float(y[5])
 
 
-@pytest.mark.parametrize("damping", [0.0, 1e-3])
-@pytest.mark.parametrize("turns", [60.0])
-@pytest.mark.parametrize("name", sorted(LAWS))
-def test_what_rings_in_a_contact_is_right_to_the_tolerance(
-    name: str, turns: float, damping: float
-) -> None:
+@pytest.mark.parametrize(
+    ("name", "damping"),
+    [
+        *(("Hertz", 0.0), ("Hertz", 1e-3), ("Linear", 0.0)),
+        *(("HuntCrossley", 0.0), ("KelvinVoigt", 1e-3)),
+    ],
+)
+def test_what_rings_in_a_contact_is_right_to_the_tolerance(name: str, damping: float) -> None:
+    turns = 60.0
     peak, impulse, velocity = plain(name, turns, damping)
     for rtol in RTOLS:
         scene = scene_of(LAWS[name][0], turns, damping)
