@@ -50,7 +50,8 @@ class Record:
             Whether these bodies tell when it is over; rigid ones do not.
         """
         if self._settled:
-            return solve(replace(plan, duration=self.length))
+            same = plan.duration == self.length
+            return solve(plan if same else replace(plan, duration=self.length))
         length = self.length
         while True:
             run = solve(replace(plan, duration=length))

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+from weakref import WeakSet
 
 from ..base import InputError, positive, real, warn
+from ..fem import ContactPoint
+from ..laws import HertzianLaw, own_law
+from ..results import Run
 from ..scene import Plan
+from .defaults import points_of
 
-__all__ = ["checked_duration", "checked_speed", "warn_of_centres"]
+__all__ = ["checked_duration", "checked_speed", "warn_of_centres", "warn_of_nodes"]
 
 # m/s; squares and energies of speeds beyond these overflow, or vanish.
 _SLOWEST, _FASTEST = 1e-60, 1e60
 
 # s; its cube is a number, and so is the distance that the fastest body covers.
 _LONGEST = 1e100
+
+# Contact points that have been warned of: once is enough for each.
+_told_of: WeakSet[ContactPoint] = WeakSet()
 
 
 def checked_duration(duration: Any) -> float:
@@ -57,4 +65,32 @@ def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
                 "it is free and struck through it; the centre's displacement, its velocity and "
                 "what follows from it (rebound_velocity, restitution) are NaN: give the nodes as "
                 "well, FEModel(K=, M=, nodes=)"
+            )
+
+
+def warn_of_nodes(run: Run, names: Sequence[str]) -> None:
+    """Warn of bodies that a Hertz-like law touches at a single node or point of their mesh.
+
+    Parameters
+    ----------
+    run : Run
+    names : sequence of str
+        Of the bodies, for messages.
+    """
+    for joint in run.plan.joints:
+        if not isinstance(own_law(joint.law), HertzianLaw):
+            continue
+        for body, port in joint.ports:
+            points = points_of(run.plan.bodies[body].model)
+            tip = points[port] if points else None
+            if tip is None or tip.patch or tip.body.mesh is None or tip in _told_of:
+                continue
+            _told_of.add(tip)
+            error = run.error.contact
+            off = "" if error is None else f", here by some {100.0 * error:.2g} %"
+            warn(
+                f"{names[body]} is touched at a single {'point' if tip.node is None else 'node'}: "
+                "its own indentation follows the mesh, and the law contains that of the real body "
+                f"already, so the force is too small{off}; leave radius out, or give the radius of "
+                "a patch"
             )

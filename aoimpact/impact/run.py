@@ -22,7 +22,7 @@ from ..fem import ContactPoint
 from ..linalg import Solver
 from ..results import Handle, Result, Run, warn_of_misfit
 from ..scene import Plan
-from .checks import warn_of_centres
+from .checks import warn_of_centres, warn_of_nodes
 from .defaults import points_of
 
 __all__ = ["PlanOf", "RunOptions", "run_models"]
@@ -110,5 +110,7 @@ def run_models(
             run = replace(run, left_out=finder)
         done = view(run)
     record.warn_if_cut()
-    warn_of_centres((done.run if isinstance(done, Result) else done).plan, names)
+    run = done.run if isinstance(done, Result) else done
+    warn_of_centres(run.plan, names)
+    warn_of_nodes(run, names)
     return done
