@@ -48,7 +48,7 @@ def run_models(
     ----------
     plan_of : callable
     bodies : sequence
-        ContactPoint, tuple of ContactPoint, AOModel, ModalModel or InterfaceModel.
+        AOModel, InterfaceModel or FullModel.
     options : RunOptions
     names : sequence of str
         Of the bodies in the plan, for messages.

@@ -23,9 +23,9 @@ from ..base import (
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import Solver as LinearSolver
-from ..reduction import InterfaceModel
+from ..reduction import BodyModel, body_model, touched
 from ..results import Handle, Run
-from ..scene import Joint, Load, Plan, SceneBody, StarBody, normal_gap, scene_body
+from ..scene import Joint, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .run import RunOptions, run_models
 
@@ -64,7 +64,7 @@ class Scene:
 
     def __init__(self, *, gravity: float = 0.0) -> None:
         self.gravity = real("gravity", gravity, unit="m/s²")
-        self._bodies: list[Any] = []
+        self._bodies: list[BodyModel] = []
         self._scene_bodies: list[SceneBody] = []
         self._velocities: list[float] = []
         self._positions: list[float] = []
@@ -92,10 +92,10 @@ class Scene:
 
         Parameters
         ----------
-        body : AOModel, ModalModel, InterfaceModel, ContactPoint or list of ContactPoint
-            A ContactPoint (``body.contact(...)``) stands for the full finite-element model, a list
-            of them on one body for one that is touched in several places, a `rigid` body of
-            infinite mass for a wall.
+        body : AOModel, ModalModel, InterfaceModel, FullModel, ContactPoint or list of ContactPoint
+            A ContactPoint (``body.contact(...)``) stands for the full finite-element model, as
+            ``full(tip)`` does, a list of them on one body for one that is touched in several
+            places, a `rigid` body of infinite mass for a wall.
         velocity : float, optional
             m/s.
         position : float, optional
@@ -116,8 +116,9 @@ class Scene:
         if not isinstance(name, str):
             raise InputTypeError(f"name must be a str, got {name!r}")
         speed = checked_speed("velocity", velocity)
-        self._scene_bodies.append(scene_body("body", body, speed))
-        self._bodies.append(tuple(body) if isinstance(body, list) else body)
+        model = body_model("body", body)
+        self._bodies.append(model)
+        self._scene_bodies.append(scene_body("body", model, speed))
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
         self._names.append(name)
@@ -159,10 +160,10 @@ class Scene:
             )
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
-        ends = _touched(self._bodies, first), _touched(self._bodies, second)
-        between = effective_law(law, ends)
+        ends = (touched(self._bodies[end.body], end.at) for end in (first, second))
+        between = effective_law(law, tuple(ends))
         gap = normal_gap(apart)
-        joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends)
+        joint = Joint(first.body, first.at, second.body, second.at, between, gap)
         beside = self._between.setdefault(joint[:4], [])
         for number in beside:
             other = self._joints[number]
@@ -306,14 +307,14 @@ class Scene:
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
         """The plan of the bodies, or of models in their place."""
         scene_bodies, joints = self._scene_bodies, self._joints
-        if any(model is not body for model, body in zip(bodies, self._bodies, strict=True)):
+        if any(model != body for model, body in zip(bodies, self._bodies, strict=True)):
             scene_bodies = [
                 scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
             joints = [_between(joint, bodies, scene_bodies) for joint in joints]
         for body in scene_bodies:
-            if self.gravity and isinstance(body, StarBody) and body.model.weightless:
+            if self.gravity and body.weightless:
                 warn(
                     f"gravity has no effect on {body.label}: the supports of an AO model given by "
                     "numbers, or by matrices without nodes, are not known; make it by "
@@ -360,16 +361,9 @@ def _itself(run: Run) -> Run:
 
 def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
     """Bodies that were added more than once only once, and which of these each is."""
-    different = list({id(body): body for body in bodies}.values())
-    places = {id(body): i for i, body in enumerate(different)}
-    return different, [places[id(body)] for body in bodies]
-
-
-def _touched(bodies: Sequence[Any], handle: Handle) -> Any:
-    """The contact point or model whose patch, if any, a handle stands for."""
-    body = bodies[handle.body]
-    tips = body.tips if isinstance(body, InterfaceModel) else body
-    return tips[handle.at] if isinstance(tips, tuple) else tips
+    different = list(dict.fromkeys(bodies))
+    places = {body: i for i, body in enumerate(different)}
+    return different, [places[body] for body in bodies]
 
 
 def _between(joint: Joint, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Joint:
@@ -378,11 +372,8 @@ def _between(joint: Joint, bodies: Sequence[Any], scene_bodies: Sequence[SceneBo
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"
         )
-    ends = (
-        _touched(bodies, Handle(joint.first, joint.first_port)),
-        _touched(bodies, Handle(joint.second, joint.second_port)),
-    )
-    return joint._replace(law=effective_law(own_law(joint.law), ends), ends=ends)
+    ends = tuple(touched(bodies[body], port) for body, port in joint.ports)
+    return joint._replace(law=effective_law(own_law(joint.law), ends))
 
 
 @dataclass(frozen=True)

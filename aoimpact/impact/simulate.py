@@ -12,7 +12,7 @@ from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
 from ..linalg import Solver
-from ..reduction import InterfaceModel
+from ..reduction import InterfaceModel, body_model, touched
 from ..results import Result, Run
 from ..scene import Joint, Plan, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
@@ -43,8 +43,9 @@ def simulate(
 
     Parameters
     ----------
-    projectile, target : AOModel, ModalModel or ContactPoint
-        A ContactPoint (``body.contact(...)``) stands for the full finite-element model.
+    projectile, target : AOModel, ModalModel, FullModel or ContactPoint
+        A ContactPoint (``body.contact(...)``) stands for the full finite-element model, as
+        ``full(tip)`` does.
     law : ContactLaw
         Force of the indentation δ = x_projectile - x_target - gap.
     velocity : float
@@ -100,12 +101,13 @@ def simulate(
             first, second, law, velocity=velocity, duration=duration, gap=gap, energies=energies
         )
 
+    bodies = body_model("projectile", projectile), body_model("target", target)
     result = run_models(
         plan_of,
-        (projectile, target),
+        bodies,
         options,
         names=_NAMES,
-        interest=partial(impact_quantity, quantity, projectile, target),
+        interest=partial(impact_quantity, quantity, *bodies),
         view=_result,
     )
     if result.in_contact_at_end:
@@ -155,8 +157,8 @@ def plan_impact(
         raise InputError(
             "projectile and target are both of infinite mass: there is no motion between them"
         )
-    ends = projectile, target
-    joint = Joint(0, 0, 1, 0, effective_law(law, ends), normal_gap(distance), ends)
+    between = effective_law(law, [touched(body.model) for body in bodies])
+    joint = Joint(0, 0, 1, 0, between, normal_gap(distance))
     return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
 
 

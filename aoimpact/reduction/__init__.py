@@ -1,7 +1,9 @@
 """Reduced models of a body at its contact: anti-oscillators, modes, several places."""
 
+from .body import BodyModel, body_model, touched
 from .contacttime import own_contact_time, shortest_contact_time
-from .interface import InterfaceModel, InterfaceSpace, checked_ports, interface, whole_interface
+from .full import FullModel, full
+from .interface import InterfaceModel, InterfaceSpace, interface, whole_interface
 from .krylov import KrylovSpace
 from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
@@ -13,6 +15,8 @@ from .validity import fitted_time, fitted_times, knows
 
 __all__ = [
     "AOModel",
+    "BodyModel",
+    "FullModel",
     "InterfaceModel",
     "InterfaceSpace",
     "KrylovSpace",
@@ -21,9 +25,10 @@ __all__ = [
     "Origin",
     "StarModes",
     "antioscillators",
-    "checked_ports",
+    "body_model",
     "fitted_time",
     "fitted_times",
+    "full",
     "interface",
     "knows",
     "modal",
@@ -32,5 +37,6 @@ __all__ = [
     "rigid",
     "shortest_contact_time",
     "star_modes",
+    "touched",
     "whole_interface",
 ]
