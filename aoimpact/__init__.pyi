@@ -48,11 +48,13 @@ from .mesh import paper_sphere_mesh as paper_sphere_mesh
 from .mesh import read_mesh as read_mesh
 from .mesh import sphere_mesh as sphere_mesh
 from .reduction import AOModel as AOModel
+from .reduction import FullModel as FullModel
 from .reduction import InterfaceModel as InterfaceModel
 from .reduction import KrylovSpace as KrylovSpace
 from .reduction import ModalModel as ModalModel
 from .reduction import antioscillators as antioscillators
 from .reduction import ball as ball
+from .reduction import full as full
 from .reduction import interface as interface
 from .reduction import modal as modal
 from .reduction import rigid as rigid

@@ -105,7 +105,7 @@ def choose_models(
 
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
-            flexible = any(model.n for model in models)
+            flexible = any(getattr(model, "n", 1) for model in models)
             plan = plan_of(models, False)
             return view(record.run(plan, partial(solve, solver=rule), last=flexible))
 

@@ -17,10 +17,10 @@ from ..fem import ContactPoint, moves_rigidly
 from ..linalg import Solver
 from ..reduction import (
     AOModel,
+    BodyModel,
     InterfaceModel,
     InterfaceSpace,
     KrylovSpace,
-    ModalModel,
     antioscillators,
     rigid,
     shortest_contact_time,
@@ -248,13 +248,13 @@ class InterfaceHierarchy(Hierarchy):
 
 
 def model_hierarchy(
-    body: Any, contact_time: float, duration: float | None, solver: Solver = "auto"
+    body: BodyModel, contact_time: float, duration: float | None, solver: Solver = "auto"
 ) -> Hierarchy:
     """Return the models of what `simulate` or a scene takes for a body.
 
     Parameters
     ----------
-    body : ContactPoint, tuple of ContactPoint, AOModel, ModalModel, InterfaceModel or Hierarchy
+    body : AOModel, FullModel, InterfaceModel or Hierarchy
         An interface model stays as it is.
     contact_time : float
         That the models are fitted to, s.
@@ -265,10 +265,10 @@ def model_hierarchy(
     """
     if isinstance(body, Hierarchy):
         return body
-    if isinstance(body, ContactPoint):
-        return KrylovHierarchy(body, contact_time, duration, solver)
-    if isinstance(body, tuple):
-        return InterfaceHierarchy(body, contact_time, duration, solver)
+    if isinstance(body, AOModel):
+        return AOHierarchy(body)
     if isinstance(body, InterfaceModel):
         return FixedModel(body)
-    return AOHierarchy(body.star if isinstance(body, ModalModel) else body)
+    if len(body.tips) == 1:
+        return KrylovHierarchy(body.tips[0], contact_time, duration, solver)
+    return InterfaceHierarchy(body.tips, contact_time, duration, solver)

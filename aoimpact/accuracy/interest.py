@@ -7,6 +7,7 @@ from typing import Any
 
 from ..base import FloatArray, InputError, choice, warn
 from ..fem import ContactPoint
+from ..reduction import BodyModel, FullModel
 from ..results import Handle, Run
 from .quantities import IMPACT_CHOICES, QUANTITIES, SCENE_CHOICES, Quantity, recorded
 
@@ -18,7 +19,7 @@ _DEFAULT = "force"
 _SHORT, _RENAMED = {"rebound": "rebound_velocity"}, {"duration": "contact_duration"}
 
 
-def impact_quantity(quantity: Any, projectile: Any, target: Any) -> Quantity:
+def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> Quantity:
     """Return the quantity of interest of an impact of two bodies; the force by default.
 
     Raises
@@ -42,7 +43,7 @@ def impact_quantity(quantity: Any, projectile: Any, target: Any) -> Quantity:
     return QUANTITIES[choice("quantity", _DEFAULT if name is None else name, IMPACT_CHOICES)]
 
 
-def scene_quantity(quantity: Any, bodies: Sequence[Any]) -> Quantity:
+def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
     """Return the quantity of interest of a scene; of all contacts, the force by default.
 
     Handles are checked before.
@@ -70,13 +71,11 @@ def scene_quantity(quantity: Any, bodies: Sequence[Any]) -> Quantity:
 
 
 def _of_point(
-    point: ContactPoint, bodies: Sequence[Any], *, none: str, several: str, contact: str
+    point: ContactPoint, bodies: Sequence[BodyModel], *, none: str, several: str, contact: str
 ) -> Quantity:
     """The displacement of a point of the one body that has it."""
-    tips = [body[0] if isinstance(body, tuple) else body for body in bodies]
-    on = [
-        i for i, tip in enumerate(tips) if isinstance(tip, ContactPoint) and tip.body is point.body
-    ]
+    meshed = ((i, body) for i, body in enumerate(bodies) if isinstance(body, FullModel))
+    on = [i for i, body in meshed if body.body is point.body]
     if not on:
         raise InputError(
             f"quantity={point!r} is a point on {none}: give a point of a finite-element body that "

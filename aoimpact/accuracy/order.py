@@ -16,9 +16,8 @@ from typing import Any, Generic, NamedTuple
 import numpy as np
 
 from ..base import AOImpactError, ConvergenceError, FloatArray, InputError
-from ..fem import ContactPoint
 from ..linalg import Solver
-from ..reduction import own_contact_time
+from ..reduction import BodyModel, FullModel, own_contact_time
 from .hierarchy import Hierarchy, Models, model_hierarchy
 from .quantities import Quantity, R
 
@@ -85,7 +84,7 @@ class Orders:
 
 
 def least_orders(
-    bodies: Sequence[Any],
+    bodies: Sequence[BodyModel],
     *,
     run: Callable[[Models], R],
     quantity: Quantity,
@@ -97,7 +96,7 @@ def least_orders(
     Parameters
     ----------
     bodies : sequence
-        ContactPoint, tuple of ContactPoint, AOModel, ModalModel or InterfaceModel.
+        AOModel, InterfaceModel or FullModel.
     run : callable
         Simulates with given models, one for each body.
     quantity : Quantity
@@ -115,8 +114,8 @@ def least_orders(
     for fit in range(1, _MOST_FITS + 1):
         slow = length if length > _LONG * contact_time else None
         # Equal bodies struck at the same place, as two like spheres are, share one basis.
-        made = {id(body): model_hierarchy(body, contact_time, slow, solver) for body in bodies}
-        hierarchies = tuple(made[id(body)] for body in bodies)
+        made = {body: model_hierarchy(body, contact_time, slow, solver) for body in set(bodies)}
+        hierarchies = tuple(made[body] for body in bodies)
         search = _Search(hierarchies, run, quantity, rtol)
         first = search.at((_FIRST_ORDER,) * len(bodies))
         found = (None if first is None else quantity.contact_time(first)) or contact_time
@@ -137,11 +136,11 @@ class TimeScales(NamedTuple):
 
 
 def first_guess(
-    bodies: Sequence[Any], run: Callable[[Models], R], quantity: Quantity
+    bodies: Sequence[BodyModel], run: Callable[[Models], R], quantity: Quantity
 ) -> TimeScales:
     """Estimate the time scales of a scene by rigid bodies."""
-    tips = [tip for body in bodies for tip in (body if isinstance(body, tuple) else (body,))]
-    own = [own_contact_time(tip) for tip in tips if isinstance(tip, ContactPoint)]
+    meshed = (body for body in bodies if isinstance(body, FullModel))
+    own = [own_contact_time(tip) for body in meshed for tip in body.tips]
     otherwise = min((time for time in own if math.isfinite(time)), default=1.0)
     try:
         result = run(tuple(model_hierarchy(body, otherwise, None).model(0) for body in bodies))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..base import InputTypeError, LawLimitError
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import wide_enough
+from ..reduction import touched
 from ..results import Run
 from ..scene import FullBody, Plan
 
@@ -38,4 +39,5 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
         joint = next(joint for joint in plan.joints if joint.patched)
         masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
         mass = 1.0 / sum(1.0 / mass for mass in masses)
-        raise wide_enough(error, joint.law, joint.ends, mass, plan.fastest) from None
+        ends = [touched(plan.bodies[body].model, port) for body, port in joint.ports]
+        raise wide_enough(error, joint.law, ends, mass, plan.fastest) from None

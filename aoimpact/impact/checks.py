@@ -9,9 +9,9 @@ from weakref import WeakSet
 from ..base import InputError, positive, real, warn
 from ..fem import ContactPoint
 from ..laws import HertzianLaw, own_law
+from ..reduction import touched
 from ..results import Run
 from ..scene import Plan
-from .defaults import points_of
 
 __all__ = ["checked_duration", "checked_speed", "warn_of_centres", "warn_of_nodes"]
 
@@ -81,8 +81,7 @@ def warn_of_nodes(run: Run, names: Sequence[str]) -> None:
         if not isinstance(own_law(joint.law), HertzianLaw):
             continue
         for body, port in joint.ports:
-            points = points_of(run.plan.bodies[body].model)
-            tip = points[port] if points else None
+            tip = touched(run.plan.bodies[body].model, port)
             if tip is None or tip.patch or tip.body.mesh is None or tip in _told_of:
                 continue
             _told_of.add(tip)

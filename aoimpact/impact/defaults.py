@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..accuracy import best_radius
 from ..base import AOImpactError, InputError, plain
-from ..fem import ContactPoint, contact_at
+from ..fem import contact_at
 from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
-from ..reduction import AOModel, InterfaceModel
+from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel, touched
 
-__all__ = ["Meeting", "chosen_law", "fitted_patch", "meeting", "points_of", "turned", "turns"]
+__all__ = ["Meeting", "chosen_law", "fitted", "meeting", "turned", "turns"]
 
 # A contact of Hertz's law lasts 2.94 times its depth over the speed (Johnson, eq. 11.25).
 _DURATION_OVER_DEPTH = 2.94
@@ -25,16 +26,7 @@ _DURATION_OVER_DEPTH = 2.94
 _SHALLOWEST, _DEEPEST, _EXACT = math.log(1e-15), math.log(1e3), 1e-3
 
 
-def points_of(body: Any) -> tuple[ContactPoint, ...]:
-    """Return the contact points of a body, or of what its model was made from."""
-    if isinstance(body, ContactPoint):
-        return (body,)
-    if isinstance(body, tuple):
-        return body
-    return getattr(body, "contact_points", ())
-
-
-def turns(name: str, body: Any, port: int, *, outward: bool) -> bool:
+def turns(name: str, body: BodyModel, port: int, *, outward: bool) -> bool:
     """Whether the direction at a contact must be turned round, to go out of the body or into it.
 
     Raises
@@ -42,11 +34,8 @@ def turns(name: str, body: Any, port: int, *, outward: bool) -> bool:
     InputError
         If it was given the wrong way round.
     """
-    points = points_of(body)
-    if not points:
-        return False
-    tip = points[port]
-    if tip.normal is None or tip.direction is None or tip.point is None:
+    tip = touched(body, port)
+    if tip is None or tip.normal is None or tip.direction is None or tip.point is None:
         return False
     if (float(tip.direction @ tip.normal) > 0.0) == outward:
         return False
@@ -61,22 +50,23 @@ def turns(name: str, body: Any, port: int, *, outward: bool) -> bool:
     return True
 
 
-def turned(body: Any, ports: Sequence[int]) -> Any:
-    """Return a body or its model with the directions of some contacts turned round."""
-    if not ports:
+def turned(body: BodyModel, ports: Sequence[int]) -> BodyModel:
+    """Return a body's model with the directions of some contacts turned round."""
+    if not ports or isinstance(body, InterfaceModel):
         return body
-    if isinstance(body, tuple):
-        return tuple(tip.reversed() if i in ports else tip for i, tip in enumerate(body))
-    return body.reversed()
+    if isinstance(body, AOModel):
+        return body.reversed()
+    tips = (tip.reversed() if i in ports else tip for i, tip in enumerate(body.tips))
+    return replace(body, tips=tuple(tips))
 
 
-def chosen_law(bodies: Sequence[Any], names: Sequence[str]) -> LawFromSurfaces:
+def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> LawFromSurfaces:
     """Return Hertz's law of two bodies from their surfaces and materials.
 
     Parameters
     ----------
-    bodies : sequence
-        The contact points or models of projectile and target.
+    ends : sequence of (model, int)
+        Projectile and target, and at which of their places they touch.
     names : sequence of str
         What to call them.
 
@@ -86,8 +76,10 @@ def chosen_law(bodies: Sequence[Any], names: Sequence[str]) -> LawFromSurfaces:
         If a surface is not known, or they have no Hertz contact.
     """
     surfaces = []
-    for name, body in zip(names, bodies, strict=True):
-        surface = getattr(body, "contact_surface", None)
+    tips = [touched(*end) for end in ends]
+    for name, (body, _), tip in zip(names, ends, tips, strict=True):
+        of = body if isinstance(body, AOModel) else tip
+        surface = None if of is None else of.contact_surface
         if surface is None:
             raise InputError(
                 f"law: it was left out, but {name}, {body!r}, does not know its surface and "
@@ -95,8 +87,7 @@ def chosen_law(bodies: Sequence[Any], names: Sequence[str]) -> LawFromSurfaces:
                 "FEModel.from_mesh(...).contact(point=...), or ball(radius, material)"
             )
         surfaces.append(surface)
-    points = [points_of(body) for body in bodies]
-    along = [tips[0].direction if tips else None for tips in points]
+    along = [None if tip is None else tip.direction for tip in tips]
     try:
         return law_between(
             surfaces[0], surfaces[1], projectile_direction=along[0], target_direction=along[1]
@@ -120,7 +111,7 @@ class Meeting(NamedTuple):
     contact_radius: float | None
 
 
-def meeting(law: ContactLaw, bodies: Sequence[Any], velocity: float) -> Meeting | None:
+def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Meeting | None:
     """Estimate an impact by rigid bodies, which go deeper than elastic ones.
 
     None where the law ends before, or nothing is known of the masses.
@@ -142,22 +133,27 @@ def meeting(law: ContactLaw, bodies: Sequence[Any], velocity: float) -> Meeting 
     return Meeting(_DURATION_OVER_DEPTH * depth / abs(velocity), wide)
 
 
-def _mass(body: Any) -> float:
+def _mass(body: BodyModel) -> float:
     """What moves at least as much as the static mass, kg; infinite of what is held."""
     if isinstance(body, AOModel):
         return math.inf if body.constrained else body.static_mass
-    of = points_of(body)[0].body
+    of = body.body
     if of.rigid_modes.shape[1] == 0:
         return math.inf
     return float(of.M.diagonal().sum()) if of.mass is None else of.mass
 
 
-def fitted_patch(tip: ContactPoint, met: Meeting | None) -> ContactPoint:
-    """Return a contact point with the patch that suits an impact, if it was left to be chosen."""
-    if tip.patch is None or not tip.automatic or met is None or met.contact_radius is None:
-        return tip
+def fitted(body: BodyModel, port: int, met: Meeting | None) -> BodyModel:
+    """Return a body with the patch that suits an impact, where that was left to be chosen."""
+    if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
+        return body
+    tip = body.tips[port]
+    if tip.patch is None or not tip.automatic:
+        return body
     invert: Callable[[float], LinearSolver] = cache(tip.body.inverse)
     radius = best_radius(
         tip, contact_time=met.contact_time, contact_radius=met.contact_radius, invert=invert
     )
-    return tip if np.isclose(radius, tip.patch.radius) else contact_at(tip, radius)
+    if np.isclose(radius, tip.patch.radius):
+        return body
+    return replace(body, tips=(*body.tips[:port], contact_at(tip, radius), *body.tips[port + 1 :]))

@@ -20,10 +20,10 @@ from ..accuracy import (
 )
 from ..fem import ContactPoint
 from ..linalg import Solver
+from ..reduction import AOModel, BodyModel, FullModel
 from ..results import Handle, Result, Run, warn_of_misfit
 from ..scene import Plan
 from .checks import warn_of_centres, warn_of_nodes
-from .defaults import points_of
 
 __all__ = ["PlanOf", "RunOptions", "run_models"]
 
@@ -45,13 +45,20 @@ class RunOptions(NamedTuple):
         """Whether a quantity or a tolerance was given: then given models are truncated, too."""
         return self.quantity is not None or self.rtol is not None
 
-    def chooses(self, bodies: Sequence[Any]) -> bool:
+    def chooses(self, bodies: Sequence[BodyModel]) -> bool:
         """Whether models are to be chosen: for contact points always."""
         return self.asked or any(map(_is_open, bodies))
 
 
-def _is_open(body: Any) -> bool:
-    return isinstance(body, (ContactPoint, tuple))
+def _is_open(body: BodyModel) -> bool:
+    return isinstance(body, FullModel) and body.reducible
+
+
+def _kept(body: BodyModel, asked: bool) -> BodyModel | FixedModel:
+    """A body as models of it are looked for: as it is, if it was given as it is meant."""
+    if _is_open(body) or (asked and isinstance(body, AOModel)):
+        return body
+    return FixedModel(body)
 
 
 def run_models(
@@ -71,7 +78,7 @@ def run_models(
     ----------
     plan_of : callable
     bodies : sequence
-        ContactPoint, tuple of ContactPoint, AOModel, ModalModel or InterfaceModel.
+        AOModel, InterfaceModel or FullModel.
     options : RunOptions
     record : Record
         How long.
@@ -87,11 +94,9 @@ def run_models(
     chooses = options.chooses(bodies)
     linear_solver = checked_linear_solver(options.linear_solver, chosen=chooses)
     if chooses:
-        if not options.asked:
-            bodies = [body if _is_open(body) else FixedModel(body) for body in bodies]
         done = choose_models(
             plan_of,
-            bodies,
+            [_kept(body, options.asked) for body in bodies],
             interest(),
             options.rtol,
             options.solver,
@@ -105,7 +110,7 @@ def run_models(
         plan = plan_of(bodies, options.energies)
         run = record.run(plan, partial(solve, solver=options.solver))
         warn_of_misfit(run.plan, run, names)
-        if any(map(points_of, bodies)):
+        if any(body.contact_points for body in bodies):
             finder = LeftOutFinder(interest(), options.solver, view, law_errors)
             run = replace(run, left_out=finder)
         done = view(run)

@@ -23,11 +23,11 @@ from ..base import (
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import Solver as LinearSolver
-from ..reduction import InterfaceModel
+from ..reduction import BodyModel, body_model, touched
 from ..results import Handle, Run
-from ..scene import Joint, Load, Plan, SceneBody, StarBody, normal_gap, scene_body
+from ..scene import Joint, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
-from .defaults import Meeting, chosen_law, fitted_patch, meeting, turned, turns
+from .defaults import Meeting, chosen_law, fitted, meeting, turned, turns
 from .run import RunOptions, run_models
 
 __all__ = ["Scene", "SceneCase"]
@@ -65,7 +65,7 @@ class Scene:
 
     def __init__(self, *, gravity: float = 0.0) -> None:
         self.gravity = real("gravity", gravity, unit="m/s²")
-        self._bodies: list[Any] = []
+        self._bodies: list[BodyModel] = []
         self._scene_bodies: list[SceneBody] = []
         self._velocities: list[float] = []
         self._positions: list[float] = []
@@ -94,7 +94,7 @@ class Scene:
 
         Parameters
         ----------
-        body : AOModel, ModalModel, InterfaceModel, ContactPoint or list of ContactPoint
+        body : ContactPoint or list of ContactPoint, AOModel, ModalModel, InterfaceModel, FullModel
             A ContactPoint (``body.contact(...)``) is reduced as far as the quantity of interest
             allows, a list of them on one body is one that is touched in several places, ``full``
             of them the full finite-element model, a `rigid` body of infinite mass a wall.
@@ -118,8 +118,9 @@ class Scene:
         if not isinstance(name, str):
             raise InputTypeError(f"name must be a str, got {name!r}")
         speed = checked_speed("velocity", velocity)
-        self._scene_bodies.append(scene_body("body", body, speed))
-        self._bodies.append(tuple(body) if isinstance(body, list) else body)
+        model = body_model("body", body)
+        self._bodies.append(model)
+        self._scene_bodies.append(scene_body("body", model, speed))
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
         self._names.append(name)
@@ -166,14 +167,15 @@ class Scene:
             )
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
-        ends = _touched(self._bodies, first), _touched(self._bodies, second)
         law_error = 0.0
         if law is None:
-            found = chosen_law(ends, (self._called(first), self._called(second)))
+            models = [(self._bodies[end.body], end.at) for end in (first, second)]
+            found = chosen_law(models, (self._called(first), self._called(second)))
             law, law_error = found.law, found.error
-        between = effective_law(law, ends)
+        ends = (touched(self._bodies[end.body], end.at) for end in (first, second))
+        between = effective_law(law, tuple(ends))
         gap = normal_gap(apart)
-        joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends)
+        joint = Joint(first.body, first.at, second.body, second.at, between, gap)
         beside = self._between.setdefault(joint[:4], [])
         for number in beside:
             other = self._joints[number]
@@ -337,25 +339,20 @@ class Scene:
         return max(self._velocities) - min(self._velocities)
 
     def _meeting(self, joint: Joint) -> Meeting | None:
-        return meeting(own_law(joint.law), joint.ends, self._spread)
+        bodies = [self._bodies[body] for body, _ in joint.ports]
+        return meeting(own_law(joint.law), bodies, self._spread)
 
-    def _fitted(self) -> list[Any]:
+    def _fitted(self) -> list[BodyModel]:
         """The bodies with the patches that suit their contacts, where these were left open."""
         bodies = list(self._bodies)
-        fitted: dict[int, ContactPoint] = {}
+        known: dict[tuple[BodyModel, int], BodyModel] = {}
         for joint in self._joints:
             met = self._meeting(joint)
             for body, port in joint.ports:
-                tip = _touched(bodies, Handle(body, port))
-                if not isinstance(tip, ContactPoint) or isinstance(bodies[body], InterfaceModel):
-                    continue
-                if id(tip) not in fitted:
-                    fitted[id(tip)] = fitted_patch(tip, met)
-                tips = bodies[body]
-                if isinstance(tips, tuple):
-                    bodies[body] = (*tips[:port], fitted[id(tip)], *tips[port + 1 :])
-                else:
-                    bodies[body] = fitted[id(tip)]
+                key = bodies[body], port
+                if key not in known:
+                    known[key] = fitted(bodies[body], port, met)
+                bodies[body] = known[key]
         return bodies
 
     def _turns(self) -> list[tuple[int, ...]]:
@@ -376,14 +373,14 @@ class Scene:
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
         """The plan of the bodies, or of models in their place."""
         scene_bodies, joints = self._scene_bodies, self._joints
-        if any(model is not body for model, body in zip(bodies, self._bodies, strict=True)):
+        if any(model != body for model, body in zip(bodies, self._bodies, strict=True)):
             scene_bodies = [
                 scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
             joints = [_between(joint, bodies, scene_bodies) for joint in joints]
         for body in scene_bodies:
-            if self.gravity and isinstance(body, StarBody) and body.model.weightless:
+            if self.gravity and body.weightless:
                 warn(
                     f"gravity has no effect on {body.label}: the supports of an AO model given by "
                     "numbers, or by matrices without nodes, are not known; make it by "
@@ -430,16 +427,9 @@ def _itself(run: Run) -> Run:
 
 def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
     """Bodies that were added more than once only once, and which of these each is."""
-    different = list({id(body): body for body in bodies}.values())
-    places = {id(body): i for i, body in enumerate(different)}
-    return different, [places[id(body)] for body in bodies]
-
-
-def _touched(bodies: Sequence[Any], handle: Handle) -> Any:
-    """The contact point or model whose patch, if any, a handle stands for."""
-    body = bodies[handle.body]
-    tips = body.tips if isinstance(body, InterfaceModel) else body
-    return tips[handle.at] if isinstance(tips, tuple) else tips
+    different = list(dict.fromkeys(bodies))
+    places = {body: i for i, body in enumerate(different)}
+    return different, [places[body] for body in bodies]
 
 
 def _between(joint: Joint, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Joint:
@@ -448,11 +438,8 @@ def _between(joint: Joint, bodies: Sequence[Any], scene_bodies: Sequence[SceneBo
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"
         )
-    ends = (
-        _touched(bodies, Handle(joint.first, joint.first_port)),
-        _touched(bodies, Handle(joint.second, joint.second_port)),
-    )
-    return joint._replace(law=effective_law(own_law(joint.law), ends), ends=ends)
+    ends = tuple(touched(bodies[body], port) for body, port in joint.ports)
+    return joint._replace(law=effective_law(own_law(joint.law), ends))
 
 
 @dataclass(frozen=True)

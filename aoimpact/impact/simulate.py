@@ -12,11 +12,11 @@ from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
 from ..linalg import Solver
-from ..reduction import InterfaceModel
+from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
 from ..results import Result, Run
 from ..scene import Joint, Plan, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
-from .defaults import chosen_law, fitted_patch, meeting, points_of, turned, turns
+from .defaults import chosen_law, fitted, meeting, turned, turns
 from .run import RunOptions, run_models
 
 __all__ = ["checked_numbers", "plan_impact", "simulate"]
@@ -53,7 +53,7 @@ def simulate(
 
     Parameters
     ----------
-    projectile, target : ContactPoint, AOModel or ModalModel
+    projectile, target : ContactPoint, AOModel, ModalModel or FullModel
         A contact point (``body.contact(...)``) is reduced as far as the quantity of interest
         allows; ``full(tip)`` is the full finite-element model. A patch whose radius was left out is
         fitted to the impact.
@@ -156,7 +156,7 @@ class _Impact(NamedTuple):
     record : Record
     """
 
-    bodies: tuple[Any, Any]
+    bodies: tuple[BodyModel, BodyModel]
     turns: tuple[bool, bool]
     law: ContactLaw
     law_error: float
@@ -166,22 +166,22 @@ class _Impact(NamedTuple):
 def _complete(
     projectile: Any, target: Any, law: ContactLaw | None, numbers: ImpactNumbers
 ) -> _Impact:
-    bodies = projectile, target
-    around = _turns(projectile, target)
+    bodies = body_model("projectile", projectile), body_model("target", target)
+    around = _turns(*bodies)
     error = 0.0
     if law is None:
         ends = [
-            turned(body, (0,)) if turn else body for body, turn in zip(bodies, around, strict=True)
+            (turned(body, (0,)) if turn else body, 0)
+            for body, turn in zip(bodies, around, strict=True)
         ]
         found = chosen_law(ends, _NAMES)
         law, error = found.law, found.error
     _check_law(law)
     length = numbers.duration
-    if length is None or any(isinstance(body, ContactPoint) for body in bodies):
+    if length is None or any(isinstance(body, FullModel) for body in bodies):
         met = meeting(law, bodies, numbers.velocity)
-        same = projectile is target
-        projectile = fitted_patch(projectile, met)
-        bodies = projectile, projectile if same else fitted_patch(target, met)
+        first = fitted(bodies[0], 0, met)
+        bodies = first, first if bodies[1] == bodies[0] else fitted(bodies[1], 0, met)
         if length is None:
             if met is None:
                 raise InputError("duration was left out, and cannot be foreseen here; give it")
@@ -191,12 +191,11 @@ def _complete(
     return _Impact(bodies, around, law, error, record)
 
 
-def _turns(projectile: Any, target: Any) -> tuple[bool, bool]:
+def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:
     """Whose direction of travel is to be turned round; see `turns`."""
-    points = points_of(projectile), points_of(target)
-    if points[0] and points[1] and points[0][0] is points[1][0]:
+    tip = touched(projectile)
+    if tip is not None and tip is touched(target):
         # One place of one body stands for two like bodies: its direction suits one of them.
-        tip = points[0][0]
         if tip.normal is None or tip.direction is None:
             return False, False
         outward = bool(tip.direction @ tip.normal > 0.0)
@@ -248,8 +247,8 @@ def plan_impact(
         raise InputError(
             "projectile and target are both of infinite mass: there is no motion between them"
         )
-    ends = projectile, target
-    joint = Joint(0, 0, 1, 0, effective_law(law, ends), normal_gap(distance), ends)
+    between = effective_law(law, [touched(body.model) for body in bodies])
+    joint = Joint(0, 0, 1, 0, between, normal_gap(distance))
     return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
 
 

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from ..base import FloatArray, InputError, LawLimitError
-from ..fem import Patch
+from ..fem import ContactPoint, Patch
 from .law import ContactLaw, PatchLaw
 
 __all__ = ["check_width", "effective_law", "own_law", "wide_enough"]
@@ -32,7 +31,7 @@ _COMFORTABLE_WIDTH = 0.8
 _DEPTHS = np.geomspace(1e-12, 1.0, 300)
 
 
-def effective_law(law: ContactLaw, bodies: Sequence[Any]) -> ContactLaw:
+def effective_law(law: ContactLaw, ends: Sequence[ContactPoint | None]) -> ContactLaw:
     """Return the law between two bodies: as it is, if neither is touched over a patch.
 
     It stands for contacts not wider than the patches where the law knows how wide they are, as
@@ -42,14 +41,15 @@ def effective_law(law: ContactLaw, bodies: Sequence[Any]) -> ContactLaw:
     Parameters
     ----------
     law : ContactLaw
-    bodies : sequence of AOModel, ModalModel or ContactPoint
+    ends : sequence of ContactPoint or None
+        Where the bodies touch; None of one given by numbers.
 
     Raises
     ------
     InputError
         If the law is stiffer than the patches from the first touch on.
     """
-    patches = _patches(bodies)
+    patches = _patches(ends)
     if not patches or isinstance(law, PatchLaw):
         return law
     compliance = math.fsum(patch.compliance for patch in patches)
@@ -76,7 +76,11 @@ def check_width(law: ContactLaw, indentation: FloatArray) -> None:
 
 
 def wide_enough(
-    error: LawLimitError, law: ContactLaw, bodies: Sequence[Any], mass: float, velocity: float
+    error: LawLimitError,
+    law: ContactLaw,
+    ends: Sequence[ContactPoint | None],
+    mass: float,
+    velocity: float,
 ) -> LawLimitError:
     """Return the error of a contact wider than its patches with the radius that would do.
 
@@ -89,7 +93,7 @@ def wide_enough(
     velocity : float
         At which they meet, m/s.
     """
-    radii = [patch.radius for patch in _patches(bodies)]
+    radii = [patch.radius for patch in _patches(ends)]
     if not isinstance(law, PatchLaw) or not radii:
         return error
     depths = min(radii) * _DEPTHS
@@ -114,9 +118,8 @@ def wide_enough(
     )
 
 
-def _patches(bodies: Sequence[Any]) -> list[Patch]:
-    found = (getattr(body, "patch", None) for body in bodies)
-    return [patch for patch in found if patch is not None]
+def _patches(ends: Sequence[ContactPoint | None]) -> list[Patch]:
+    return [end.patch for end in ends if end is not None and end.patch is not None]
 
 
 def _listed(radii: Sequence[float]) -> str:

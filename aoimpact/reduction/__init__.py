@@ -1,7 +1,9 @@
 """Reduced models of a body at its contact: anti-oscillators, modes, several places."""
 
+from .body import BodyModel, body_model, touched
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time, shortest_contact_time
-from .interface import InterfaceModel, InterfaceSpace, checked_ports, interface, whole_interface
+from .full import FullModel, full
+from .interface import InterfaceModel, InterfaceSpace, interface, whole_interface
 from .krylov import KrylovSpace
 from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
@@ -14,6 +16,8 @@ from .validity import fitted_time, fitted_times, knows, unbalanced
 __all__ = [
     "SHIFT_TIMES_DURATION",
     "AOModel",
+    "BodyModel",
+    "FullModel",
     "InterfaceModel",
     "InterfaceSpace",
     "KrylovSpace",
@@ -23,9 +27,10 @@ __all__ = [
     "StarModes",
     "antioscillators",
     "ball",
-    "checked_ports",
+    "body_model",
     "fitted_time",
     "fitted_times",
+    "full",
     "interface",
     "knows",
     "modal",
@@ -34,6 +39,7 @@ __all__ = [
     "rigid",
     "shortest_contact_time",
     "star_modes",
+    "touched",
     "unbalanced",
     "whole_interface",
 ]

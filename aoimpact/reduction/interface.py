@@ -18,10 +18,8 @@ from ..base import (
     FloatArray,
     Frozen,
     InputError,
-    InputTypeError,
     checked,
     finite_array,
-    instances,
     integer,
     positive,
     text,
@@ -30,13 +28,13 @@ from ..base import (
 from ..fem import FASTEST, Body, ContactPoint, Damping, translates
 from ..linalg import Solver
 from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
+from .full import checked_ports
 from .modes import LARGEST, ascending, modal
 from .subspace import Subspace
 
 __all__ = [
     "InterfaceModel",
     "InterfaceSpace",
-    "checked_ports",
     "interface",
     "whole_interface",
 ]
@@ -75,9 +73,7 @@ class InterfaceModel(Frozen):
     contact_time: float | None = None
 
     def __post_init__(self) -> None:
-        checked(self, tips=partial(instances, kind=ContactPoint), omega=ascending, solver=text)
-        if not self.tips or any(tip.body is not self.tips[0].body for tip in self.tips):
-            raise InputError("tips must be one contact point at least, all of one body")
+        checked(self, tips=checked_ports, omega=ascending, solver=text)
         n, ports = len(self.omega), len(self.tips)
         checked(
             self,
@@ -282,7 +278,7 @@ class InterfaceSpace:
         sharpened: bool = False,
         solver: Solver = "auto",
     ) -> None:
-        self.tips = checked_ports(tips)
+        self.tips = checked_ports("tips", tips)
         shifts = fitted_shifts(self.tips, contact_time, duration)
         self.contact_time = SHIFT_TIMES_DURATION / shifts[0]
         highest = min(map(highest_shift, self.tips)) if sharpened else 0.0
@@ -309,7 +305,7 @@ def whole_interface(tips: Sequence[ContactPoint]) -> InterfaceModel:
     InputError
         If the tips are not on one body.
     """
-    ports = checked_ports(tips)
+    ports = checked_ports("tips", tips)
     whole = modal(ports[0], ports[0].body.n_dofs)
     return _of_modes(ports, whole.angular_frequencies, whole.modes, "dense eigensolver")
 
@@ -325,26 +321,3 @@ def _of_modes(
     nothing = np.zeros((len(tips), len(tips)))
     participation = functionals @ modes
     return InterfaceModel(tips, omega, participation, modes, nothing, solver, contact_time)
-
-
-def checked_ports(tips: Sequence[ContactPoint], name: str = "tips") -> tuple[ContactPoint, ...]:
-    """Return the places on one body.
-
-    Raises
-    ------
-    InputError, InputTypeError
-        If they are not that.
-    """
-    if not isinstance(tips, Sequence) or isinstance(tips, str):
-        raise InputTypeError(f"{name} must be a list of contact points, got {tips!r}")
-    ports = tuple(tips)
-    for tip in ports:
-        if not isinstance(tip, ContactPoint):
-            raise InputTypeError(f"{name} must come from FEModel.contact(...), got {tip!r}")
-    if not ports:
-        raise InputError(f"{name} is empty: a body needs a place where it is touched")
-    if any(tip.body is not ports[0].body for tip in ports):
-        raise InputError(
-            f"{name} has contact points on different bodies: make one model for each body"
-        )
-    return ports

@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputTypeError
-from ..fem import ContactPoint, Rayleigh
+from ..base import FloatArray
+from ..fem import Rayleigh
 from ..reduction import (
     AOModel,
+    FullModel,
     InterfaceModel,
     ModalBody,
-    ModalModel,
     StarModes,
-    checked_ports,
+    body_model,
     modal_body,
     star_modes,
 )
@@ -97,6 +97,10 @@ class StarBody(SceneBody):
     @property
     def massless(self) -> bool:
         return self.model.m0 == 0.0
+
+    @property
+    def weightless(self) -> bool:
+        return self.model.weightless
 
     def _stepped(
         self,
@@ -202,24 +206,15 @@ def scene_body(name: str, body: Any, velocity: float) -> SceneBody:
 
     Raises
     ------
-    InputTypeError
+    InputError, InputTypeError
         If `body` is no model of a body.
     """
-    if isinstance(body, AOModel):
-        return StarBody(body, velocity)
-    if isinstance(body, ModalModel):
-        return StarBody(body.star, velocity)
-    if isinstance(body, ContactPoint):
-        return FullBody((body,), velocity)
-    if isinstance(body, (list, tuple)):
-        return FullBody(checked_ports(body, name), velocity)
-    if isinstance(body, InterfaceModel):
-        return InterfaceBody(body, velocity)
-    raise InputTypeError(
-        f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
-        "or a ContactPoint (body.contact(...), the full model; a list of them where it is touched "
-        f"in several places), got {body!r}"
-    )
+    model = body_model(name, body)
+    if isinstance(model, AOModel):
+        return StarBody(model, velocity)
+    if isinstance(model, FullModel):
+        return FullBody(model, velocity)
+    return InterfaceBody(model, velocity)
 
 
 def _stepped_modes(

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
 
 from ..base import FloatArray
-from ..reduction import ModalBody
+from ..reduction import BodyModel, ModalBody
 from .stepped import SteppedBody
 
 __all__ = ["SceneBody", "State"]
@@ -22,12 +21,12 @@ class SceneBody(ABC):
 
     Attributes
     ----------
-    model : AOModel, InterfaceModel or tuple of ContactPoint
+    model : AOModel, InterfaceModel or FullModel
     velocity : float
         m/s.
     """
 
-    model: Any
+    model: BodyModel
     velocity: float
 
     @property
@@ -74,6 +73,11 @@ class SceneBody(ABC):
     def ports(self) -> int:
         """Number of places where it may be touched."""
         return 1
+
+    @property
+    def weightless(self) -> bool:
+        """Whether gravity has no effect on it, since what constrains it is not known."""
+        return False
 
     @property
     def omitted(self) -> tuple[float, float]:

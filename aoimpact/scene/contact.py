@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..base import FloatArray
 from ..laws import ContactLaw, PatchLaw, Tabulated
@@ -43,8 +43,6 @@ class Joint(NamedTuple):
         What acts between the models: without the indentation that their patches contain already.
     gap : float
         Distance at the start, m.
-    ends : tuple of (model, model)
-        The models or points that may have patches.
     """
 
     first: int
@@ -53,7 +51,6 @@ class Joint(NamedTuple):
     second_port: int
     law: ContactLaw
     gap: float
-    ends: tuple[Any, Any] = (None, None)
 
     @property
     def ports(self) -> tuple[Port, Port]:

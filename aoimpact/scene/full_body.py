@@ -19,6 +19,7 @@ from ..fem import (
 )
 from ..reduction import (
     AOModel,
+    FullModel,
     InterfaceModel,
     ModalBody,
     ModalModel,
@@ -44,16 +45,16 @@ class FullBody(SceneBody):
     other way to move as a whole; else it moves in φ_st.
     """
 
-    model: tuple[ContactPoint, ...]
+    model: FullModel
 
     @property
     def tip(self) -> ContactPoint:
         """The first place."""
-        return self.model[0]
+        return self.model.tips[0]
 
     @property
     def label(self) -> str:
-        return f"full({self.tip.body.n_dofs})"
+        return self.model.label
 
     @property
     def mass(self) -> float | None:
@@ -65,20 +66,20 @@ class FullBody(SceneBody):
 
     @cached_property
     def constrained(self) -> bool:
-        return not any(moves_rigidly(tip) for tip in self.model)
+        return not any(moves_rigidly(tip) for tip in self.model.tips)
 
     @cached_property
     def static_mass(self) -> float:
-        return min(static_mode(tip).mass for tip in self.model)
+        return min(static_mode(tip).mass for tip in self.model.tips)
 
     @property
     def ports(self) -> int:
-        return len(self.model)
+        return len(self.model.tips)
 
     @cached_property
     def _whole(self) -> AOModel | InterfaceModel:
         """All that is felt at its places of contact."""
-        return antioscillators(self.tip) if self.ports == 1 else whole_interface(self.model)
+        return antioscillators(self.tip) if self.ports == 1 else whole_interface(self.model.tips)
 
     @property
     def modal(self) -> ModalBody:
@@ -144,7 +145,7 @@ class FullBody(SceneBody):
         return SteppedFull(
             K=body.K,
             M=body.M,
-            B=np.ascontiguousarray([tip.b for tip in self.model]),
+            B=np.ascontiguousarray([tip.b for tip in self.model.tips]),
             damping=damping,
             gravity=gravity,
             centre=np.ascontiguousarray(self._centre_of[0]),
@@ -161,7 +162,7 @@ class FullBody(SceneBody):
         return SteppedModes(
             omega=omega,
             decay=np.zeros_like(omega) if damping is None else damping.decay(omega),
-            shape=np.ascontiguousarray([tip.b @ phi for tip in self.model]),
+            shape=np.ascontiguousarray([tip.b @ phi for tip in self.model.tips]),
             residual=np.zeros((self.ports, self.ports)),
             residual_forces=None,
             gravity=None if gravity is None else phi.T @ gravity,

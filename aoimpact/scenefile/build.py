@@ -17,7 +17,7 @@ from ..fem import ContactPoint, Damping, FEModel, Material, ModalDamping, Raylei
 from ..impact import Scene, SceneCase
 from ..laws import ContactLaw, Hertz, Thornton
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
-from ..reduction import AOModel, antioscillators, interface, modal, rigid
+from ..reduction import AOModel, FullModel, antioscillators, full, interface, modal, rigid
 from ..results import Handle
 from .names import LAWS, SOLVERS
 
@@ -189,7 +189,7 @@ class Builder:
                 tips.append(body.contact(**contact))
         with self.located(*place, "model"):
             if kind == "full":
-                return tuple(tips) if several else tips[0]
+                return full(*tips)
             return interface(tips, **model) if several else _REDUCTIONS[kind](tips[0], **model)
 
     def _damping(self, name: str) -> dict[str, Damping]:
@@ -302,13 +302,12 @@ def _point(bodies: Mapping[str, Any], wanted: Mapping[str, Any]) -> ContactPoint
     if name not in bodies:
         raise InputError(f"body: {name!r} takes no part{nearest(name, bodies)}")
     body = bodies[name]
-    tip = body[0] if isinstance(body, tuple) else body
-    if not isinstance(tip, ContactPoint):
+    if not isinstance(body, FullModel):
         raise InputError(
             f"body: {name!r} has a model already; leave the model out to have one chosen"
         )
     place, along = wanted["point"], wanted["direction"]
-    return contact_point(tip.body, point=place, direction=along, radius=0.0)
+    return contact_point(body.body, point=place, direction=along, radius=0.0)
 
 
 def _scene_quantity(

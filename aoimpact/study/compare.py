@@ -10,12 +10,11 @@ from typing import Any
 
 from ..accuracy import QUANTITIES, Hierarchy, first_guess, model_hierarchy
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
-from ..fem import ContactPoint
 from ..impact import plan_impact, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw
 from ..linalg import Solver, checked_solver
-from ..reduction import AOModel, ModalModel, modal
+from ..reduction import AOModel, BodyModel, FullModel, ModalModel, body_model, full, modal
 from ..results import Result
 from .comparison import Compared, Comparison
 
@@ -50,7 +49,7 @@ def compare(
 
     Parameters
     ----------
-    projectile, target : ContactPoint, AOModel or ModalModel
+    projectile, target : ContactPoint, FullModel, AOModel or ModalModel
         A reduced model stands for the finite-element body that it was made of.
     law, velocity, duration, gap
         As in `simulate`.
@@ -80,7 +79,7 @@ def compare(
     truncations = sorted({integer("modes", n, low=1) for n in sequence("modes", modes)})
     if not orders and not full:
         raise InputError("full=False without oscillators leaves no model to compare with")
-    bodies = _body(projectile), _body(target)
+    bodies = _body("projectile", projectile), _body("target", target)
 
     def quick(models: Models) -> Result:
         with held_warnings():
@@ -115,13 +114,10 @@ def compare(
     )
 
 
-def _body(model: Any) -> Any:
+def _body(name: str, body: Any) -> BodyModel:
     """The finite-element body that a model was made of; of an AO model by numbers itself."""
-    if isinstance(model, ModalModel):
-        return model.tip
-    if isinstance(model, AOModel) and model.origin is not None:
-        return model.origin.tip
-    return model
+    model = body_model(name, body)
+    return full(*model.contact_points) if model.contact_points else model
 
 
 class _Try:
@@ -176,8 +172,8 @@ def _with_oscillators(hierarchies: tuple[Hierarchy, ...], n: int) -> Models:
 
 def _with_modes(bodies: Models, n: int, linear: Solver) -> Models:
     first, second = (
-        modal(body, min(n, body.body.n_dofs), solver=linear)
-        if isinstance(body, ContactPoint)
+        modal(body.tips[0], min(n, body.body.n_dofs), solver=linear)
+        if isinstance(body, FullModel)
         else body
         for body in bodies
     )
@@ -185,13 +181,13 @@ def _with_modes(bodies: Models, n: int, linear: Solver) -> Models:
 
 
 def _in_full(run: Callable[..., Result], models: Models) -> Result:
-    meshed = any(isinstance(body, ContactPoint) for body in models)
+    meshed = any(isinstance(body, FullModel) for body in models)
     solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
     return run(projectile=models[0], target=models[1], solver=solver)
 
 
 def _dofs(model: Any) -> int:
-    if isinstance(model, ContactPoint):
+    if isinstance(model, FullModel):
         return model.body.n_dofs
     if isinstance(model, ModalModel):
         return model.n

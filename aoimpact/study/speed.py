@@ -23,6 +23,7 @@ from ..base import (
 from ..impact import checked_numbers, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
 from ..laws import ContactLaw, effective_law
+from ..reduction import touched
 from ..results import Result
 from ..scene import SceneBody, StarBody, scene_body
 from .scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
@@ -109,7 +110,7 @@ def work_precision(
         "energies": False,
     }
     exact = _given(reference) if reference is not None else _reference(scene)
-    between = effective_law(law, (projectile, target))
+    between = effective_law(law, [touched(body.model) for body in bodies])
     contact_time = _contact_time(bodies, between, velocity)
     ode = None
     if names:

@@ -395,6 +395,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"mass": 1.0, "velocity": 1.0},
     ),
     "ContactPoint": _again(TIP),
+    "FullModel": _again(ao.full(TIP)),
     "ContactPoint of a dof": (ao.ContactPoint, {"body": BAR, "b": np.ones(BAR.n_dofs)}),
     "ModalModel": _again(MODAL),
     "ModalModel.truncated": (MODAL.truncated, {"n": 1}),
@@ -521,7 +522,7 @@ def used(made: Any) -> None:
         with contextlib.suppress(ao.AOImpactError):
             ao.antioscillators(made, 2)
         ao.modal(made, 2)
-    if isinstance(made, ao.ModalModel | ao.InterfaceModel):
+    if isinstance(made, ao.ModalModel | ao.InterfaceModel | ao.FullModel):
         with contextlib.suppress(ao.AOImpactError):
             ao.simulate(**STRIKE | {"target": made})
 

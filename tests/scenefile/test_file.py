@@ -245,7 +245,7 @@ def test_a_tolerance_reduces_the_bodies(tmp_path: Path) -> None:
     text = BAR.replace('model = { type = "antioscillators", n = 2 }', "")
     text = text.replace("velocity = 1.0", 'velocity = 1.0\nquantity = "impulse"\ntolerance = 0.02')
     scene = ao.read_scene(written(tmp_path, text))
-    assert isinstance(scene.case()["target"], ao.ContactPoint)
+    assert isinstance(scene.case()["target"], ao.FullModel)
     hit = scene.simulate()
     assert hit.target.label.startswith("AO(")
     full = ao.simulate(**scene.case() | {"quantity": None, "rtol": None})
@@ -303,8 +303,9 @@ def test_patches_and_damping(tmp_path: Path) -> None:
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)
     block = ao.FEModel.from_mesh(mesh, steel, fixed=[("zmin", "xyz")])
     same = block.contact(point=(0.03, 0.03, 0.03), radius="auto", expected=0.004)
-    assert case["target"].patch.radius == same.patch.radius
-    np.testing.assert_allclose(case["target"].direction, [0, 0, -1], atol=1e-12)
+    (tip,) = case["target"].tips
+    assert tip.patch.radius == same.patch.radius
+    np.testing.assert_allclose(tip.direction, [0, 0, -1], atol=1e-12)
     assert case["target"].body.damping == ao.Rayleigh(beta=1e-8)
     spring = PATCHED.replace('target = "block"', 'target = "spring"')
     target = ao.read_scene(written(tmp_path, spring)).case()["target"]

@@ -1,0 +1,49 @@
+"""What may take part in an impact: the kinds of model of a body, and what callers may write."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..base import InputTypeError
+from ..fem import ContactPoint
+from .full import FullModel, checked_ports
+from .interface import InterfaceModel
+from .modes import ModalModel
+from .star import AOModel
+
+__all__ = ["BodyModel", "body_model", "touched"]
+
+# Each has `label`, and `contact_points`: one for each port, none of a body given by numbers.
+BodyModel = AOModel | InterfaceModel | FullModel
+
+
+def body_model(name: str, body: Any) -> BodyModel:
+    """Return the model that a caller's body is or stands for.
+
+    A contact point, or a list of them, stands for a full model that may be reduced; a modal model
+    is the AO model that it is in other coordinates.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If it is no model of a body, or the contact points are on different ones.
+    """
+    if isinstance(body, BodyModel):
+        return body
+    if isinstance(body, ModalModel):
+        return body.star
+    if isinstance(body, ContactPoint):
+        return FullModel((body,), reducible=True)
+    if isinstance(body, list | tuple):
+        return FullModel(checked_ports(name, body), reducible=True)
+    raise InputTypeError(
+        f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
+        "the full model (full(tip)), or a ContactPoint (body.contact(...); a list of them where it "
+        f"is touched in several places), got {body!r}"
+    )
+
+
+def touched(model: BodyModel, port: int = 0) -> ContactPoint | None:
+    """Return the contact point of a port; None of a body given by numbers."""
+    points = model.contact_points
+    return points[port] if points else None

@@ -1,0 +1,97 @@
+"""The full finite-element model of a body, touched in one place or more."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..base import Frozen, InputError, InputTypeError, boolean, checked
+from ..fem import Body, ContactPoint
+
+__all__ = ["FullModel", "checked_ports", "full"]
+
+
+@dataclass(frozen=True, repr=False)
+class FullModel(Frozen):
+    """All degrees of freedom of a finite-element body. Made by `full`.
+
+    Two of them are equal if they have the same contact points.
+
+    Attributes
+    ----------
+    tips : tuple of ContactPoint
+        The places where it is touched, on one body.
+    reducible : bool
+        Whether it stands for contact points whose model is yet to be chosen.
+    """
+
+    tips: tuple[ContactPoint, ...]
+    reducible: bool = False
+
+    def __post_init__(self) -> None:
+        checked(self, tips=checked_ports, reducible=boolean)
+        super().__post_init__()
+
+    def __repr__(self) -> str:
+        return f"full({', '.join(map(repr, self.tips))})"
+
+    @property
+    def body(self) -> Body:
+        """The body touched."""
+        return self.tips[0].body
+
+    @property
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """The places where it is touched."""
+        return self.tips
+
+    @property
+    def label(self) -> str:
+        """What the model is, in a word."""
+        return f"full({self.body.n_dofs})"
+
+
+def full(*tips: ContactPoint) -> FullModel:
+    """Return the full finite-element model of a body.
+
+    Parameters
+    ----------
+    *tips : ContactPoint
+        Where it is touched, from `FEModel.contact`: one place, or several of one body.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If there is none, they are on different bodies, or they are no contact points.
+
+    Examples
+    --------
+    >>> tip = body.contact(point=(0.01, 0, 0))
+    >>> simulate(projectile=full(tip), target=rigid(mass=math.inf), law=Hertz(k=1e10),
+    ...          velocity=1.0, duration=1e-4)
+    """
+    return FullModel(tips)
+
+
+def checked_ports(name: str, tips: Any) -> tuple[ContactPoint, ...]:
+    """Return the places on one body.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If they are not that.
+    """
+    if not isinstance(tips, Sequence) or isinstance(tips, str):
+        raise InputTypeError(f"{name} must be a list of contact points, got {tips!r}")
+    ports = tuple(tips)
+    for tip in ports:
+        if not isinstance(tip, ContactPoint):
+            raise InputTypeError(f"{name} must come from FEModel.contact(...), got {tip!r}")
+    if not ports:
+        raise InputError(f"{name} is empty: a body needs a place where it is touched")
+    if any(tip.body is not ports[0].body for tip in ports):
+        raise InputError(
+            f"{name} has contact points on different bodies: make one model for each body"
+        )
+    return ports
