@@ -116,7 +116,7 @@ def choose_models(
         rtol=_MARGIN * tolerance - in_time,
         solver=linear_solver,
     )
-    numbers = number_errors(*found.runs) | (
+    numbers = number_errors(found.run, found.larger, found.safety) | (
         {quantity.name: found.error} if not quantity.is_history else {}
     )
     run = record.run(plan_of(found.models, energies), partial(solve, solver=rule))

@@ -45,9 +45,6 @@ Models = tuple[Model, ...]
 _SMALL_BODY = 1500
 _SHARE_OF_DOFS = 0.1
 
-# Beyond this order a larger reference costs more than a model somewhat larger than the least.
-_CHEAP_ORDER = 40
-
 # Oscillators that tell whether a body has any mode slower than the contact.
 _FEW = 6
 
@@ -80,10 +77,6 @@ class Hierarchy(ABC):
         """Whether the model of this order is the body itself, as seen from its contact."""
         return self.at_most(order + 1) == self.at_most(order)
 
-    def is_costly(self, order: int) -> bool:
-        """Whether a larger model costs more than it may save."""
-        return False
-
 
 @dataclass(eq=False)
 class AOHierarchy(Hierarchy):
@@ -105,7 +98,7 @@ class AOHierarchy(Hierarchy):
         return 0 if math.isinf(self.whole.m0) else min(order, self.whole.n + self.first)
 
     def reference_order(self, order: int) -> int:
-        return self.at_most(order)
+        return self.at_most(self.whole.n + self.first)  # it is there already
 
 
 @dataclass(eq=False)
@@ -184,9 +177,6 @@ class KrylovHierarchy(Hierarchy):
     def _small(self) -> bool:
         return self.tip.body.n_dofs <= _SMALL_BODY
 
-    def is_costly(self, order: int) -> bool:
-        return order > _CHEAP_ORDER and not self._small
-
 
 def _rigid(model: AOModel) -> AOModel:
     """A model without oscillators as a body that does not deform, not under a patch either."""
@@ -241,10 +231,6 @@ class InterfaceHierarchy(Hierarchy):
 
     def at_most(self, order: int) -> int:
         return min(order, self._most)
-
-    def is_costly(self, order: int) -> bool:
-        dofs = self.tips[0].body.n_dofs
-        return order * len(self.tips) > _CHEAP_ORDER and dofs > _SMALL_BODY
 
 
 def model_hierarchy(

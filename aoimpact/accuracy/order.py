@@ -1,21 +1,19 @@
-"""How many anti-oscillators a scene needs: the order of each body, from rigid upward.
+"""How many anti-oscillators a scene needs: models grow until they are proven good, then shrink.
 
-The reference is a model of all bodies that is enlarged until the quantity of interest no longer
-changes. Each body then takes its least order at which the quantity agrees with the reference.
-Looking further, for pairs of orders whose errors cancel and past orders that fail, took a third of
-the time and made 2 models of 48 impacts smaller, by 2 oscillators at most: it is not done.
+The error of models of n oscillators is known from a few vectors more: it is about the largest of
+the differences of the quantity of interest to the models of n + 2, n + 4, n + 6 and n + 8. The
+models of all bodies grow until that is within the tolerance. Then each is truncated as far as the
+same larger models allow, which takes no further linear solution.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple
 
-import numpy as np
-
-from ..base import AOImpactError, ConvergenceError, FloatArray, InputError
+from ..base import AOImpactError, ConvergenceError, InputError
 from ..linalg import Solver
 from ..reduction import BodyModel, FullModel, own_contact_time
 from .hierarchy import Hierarchy, Models, model_hierarchy
@@ -23,39 +21,25 @@ from .quantities import Quantity, R
 
 __all__ = ["Orders", "first_guess", "least_orders"]
 
-# The reference's order grows by this factor. Two references may agree by chance, three hardly.
-_GROWTH = 1.5
-_FIRST_ORDER = 6
-_MOST_ORDER = 600
+# The farthest of the larger models has so many oscillators more, or half as many again: where
+# errors fall slowly, 8 of 100 change little. An error is at most so many times the largest
+# difference to these.
+_BEYOND, _SHARE_BEYOND, _COMPARED = 8, 0.5, 4
+_SAFETY = 1.5
 
-# Up to this order each is tried, beyond it bisection: errors do not fall with every single order.
-_EACH = 12
-
-# Share of the tolerance that the reference's own error may take; the same where a larger reference
-# costs more than a somewhat larger model; and the share beyond which nothing is proven.
-_GOOD_REFERENCE, _FAIR_REFERENCE, _POOR_REFERENCE = 0.1, 0.35, 0.5
+# Oscillators that models begin with for each digit of the tolerance, growth from one to the next,
+# and their end.
+_FIRST, _GROWTH, _MOST_ORDER = 2.5, 1.5, 600
 
 # A message names a tolerance that can be met with this factor to spare.
 _EASED = 1.1
 
-# Bounds on the ratio of successive changes: a smaller one may be chance, a larger one is no
-# convergence.
-_FASTEST, _SLOWEST = 0.5, 0.85
-
-# Exponents with which changes add up: the largest that is looked for, and that of unrelated ones,
-# which is the largest with which a model's error and the reference's add up.
-_MOST_EXPONENT, _UNRELATED = 16.0, 2.0
-
-# While one body's orders are tried, the others have the least order tried for the reference whose
-# error is this share of the tolerance.
-_COMPANION = 0.3
-
-# To make a body rigid the others' models may grow by this share of all oscillators.
-_WORTH_OF_RIGID = 1.0 / 3.0
-
 # Bases are fitted anew where the contact time that they were fitted to and the one found differ by
 # this factor; and how often.
 _REFIT, _MOST_FITS = 2.0, 4
+
+# Of each different hierarchy.
+_Orders = tuple[int, ...]
 
 # Where motion matters for longer than this many contact times, the bases hold slow motion as well.
 _LONG = 4.0
@@ -63,7 +47,7 @@ _LONG = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Orders:
-    """The least orders that meet the tolerance.
+    """Orders that meet the tolerance.
 
     Attributes
     ----------
@@ -72,15 +56,38 @@ class Orders:
     models : tuple of AOModel or InterfaceModel
     error : float
         Estimated relative error of the quantity from the models' orders.
-    runs : tuple
-        With these models, with the reference and, unless that is the whole bodies, with the
-        reference before it. Their differences estimate the errors of other numbers.
+    run : Result or Run
+        With these models.
+    larger : tuple
+        Runs with larger ones.
+    safety : float
+        An error is at most so many times the largest difference to these.
     """
 
     orders: tuple[int, ...]
     models: Models
     error: float
-    runs: tuple[Any, ...]
+    run: Any
+    larger: tuple[Any, ...]
+    safety: float
+
+
+class TimeScales(NamedTuple):
+    """What models are fitted to, s: the contact's duration, and how long motion must be right."""
+
+    contact_time: float
+    span: float
+
+    @property
+    def slow(self) -> float | None:
+        """The duration of slow motion that matters, if any does, s."""
+        return self.span if self.span > _LONG * self.contact_time else None
+
+    def suit(self, others: TimeScales) -> bool:
+        """Whether models that are fitted to these do for the others, too."""
+        ratio = others.contact_time / self.contact_time
+        alike = max(ratio, 1.0 / ratio) <= _REFIT
+        return alike and (self.slow is not None or others.slow is None)
 
 
 def least_orders(
@@ -91,7 +98,7 @@ def least_orders(
     rtol: float,
     solver: Solver = "auto",
 ) -> Orders:
-    """Return the least orders of bodies that give a quantity to `rtol` of the whole bodies.
+    """Return small orders of bodies that give a quantity to `rtol` of the whole bodies.
 
     Parameters
     ----------
@@ -110,29 +117,20 @@ def least_orders(
     ConvergenceError
         If not even the largest models tried agree to within the tolerance.
     """
-    contact_time, length = first_guess(bodies, run, quantity)
-    for fit in range(1, _MOST_FITS + 1):
-        slow = length if length > _LONG * contact_time else None
+    scales, fits = first_guess(bodies, run, quantity), 1
+    while True:
         # Equal bodies struck at the same place, as two like spheres are, share one basis.
-        made = {body: model_hierarchy(body, contact_time, slow, solver) for body in set(bodies)}
-        hierarchies = tuple(made[body] for body in bodies)
-        search = _Search(hierarchies, run, quantity, rtol)
-        first = search.at((_FIRST_ORDER,) * len(bodies))
-        found = (None if first is None else quantity.contact_time(first)) or contact_time
-        if max(found / contact_time, contact_time / found) > _REFIT and fit < _MOST_FITS:
-            contact_time = found
-            continue
-        length = quantity.span(search.find_reference())
-        if slow is not None or length <= _LONG * contact_time:
-            break
-    return search.least()
-
-
-class TimeScales(NamedTuple):
-    """What models are fitted to, s: the contact's duration, and how long motion must be right."""
-
-    contact_time: float
-    span: float
+        made = {
+            body: model_hierarchy(body, scales.contact_time, scales.slow, solver)
+            for body in dict.fromkeys(bodies)
+        }
+        places = tuple(list(made).index(body) for body in bodies)
+        search = _Search(tuple(made.values()), places, run, quantity, rtol)
+        seen = (_scales(quantity, larger, scales) for larger in search.grow())
+        misfit = next((one for one in seen if fits < _MOST_FITS and not scales.suit(one)), None)
+        if misfit is None:
+            return search.least()
+        scales, fits = misfit, fits + 1
 
 
 def first_guess(
@@ -141,231 +139,168 @@ def first_guess(
     """Estimate the time scales of a scene by rigid bodies."""
     meshed = (body for body in bodies if isinstance(body, FullModel))
     own = [own_contact_time(tip) for body in meshed for tip in body.tips]
-    otherwise = min((time for time in own if math.isfinite(time)), default=1.0)
+    otherwise = TimeScales(min((time for time in own if math.isfinite(time)), default=1.0), 0.0)
+    rigid = tuple(model_hierarchy(body, otherwise.contact_time, None).model(0) for body in bodies)
     try:
-        result = run(tuple(model_hierarchy(body, otherwise, None).model(0) for body in bodies))
+        return _scales(quantity, run(rigid), otherwise)
     except (InputError, ConvergenceError):  # e.g. of two walls
-        return TimeScales(otherwise, 0.0)
-    return TimeScales(quantity.contact_time(result) or otherwise, quantity.span(result))
+        return otherwise
+
+
+def _scales(quantity: Quantity, run: Any, otherwise: TimeScales) -> TimeScales:
+    """Those of a run; another contact time if no contact ends in it."""
+    return TimeScales(quantity.contact_time(run) or otherwise.contact_time, quantity.span(run))
 
 
 class _Search(Generic[R]):
-    """Runs of the hierarchies' models, each made once, and compared with the largest."""
+    """Models of hierarchies, and the run of each set of them, made once.
+
+    Parameters
+    ----------
+    hierarchies : tuple of Hierarchy
+        All different; `orders` below are theirs.
+    places : tuple of int
+        For each body which of them is its own.
+    run, quantity, rtol
+        As of `least_orders`.
+    """
 
     def __init__(
         self,
         hierarchies: tuple[Hierarchy, ...],
+        places: tuple[int, ...],
         run: Callable[[Models], R],
         quantity: Quantity,
         rtol: float,
     ) -> None:
-        self.hierarchies, self.quantity, self.rtol = hierarchies, quantity, rtol
+        self.hierarchies, self.places = hierarchies, places
         self.run: Callable[[Models], R] = run
-        self.results: dict[tuple[int, ...], R | None] = {}
-        self.deviations: dict[tuple[tuple[int, ...], tuple[int, ...]], FloatArray | None] = {}
-        self.failure: AOImpactError | None = None
-        self.reference = (0,) * len(hierarchies)
-        self.reference_error = 0.0
-        self.previous = self.reference  # the reference before that
-        # The sum of two errors a and b is (a^p + b^p)^(1/p), with this p.
-        self.exponent = 1.0
-        # The orders of the other bodies while one body's orders are tried.
-        self.companion = self.reference
+        self.quantity, self.rtol = quantity, rtol
+        self.results: dict[_Orders, R | None] = {}
+        self.differences: dict[tuple[_Orders, _Orders], float] = {}
+        self.failures: dict[_Orders, AOImpactError] = {}
+        # Proven to be good as soon as `grow` ends.
+        self.orders = (math.ceil(-_FIRST * math.log10(rtol)),) * len(hierarchies)
 
-    def models(self, orders: tuple[int, ...]) -> Models:
-        return tuple(one.model(n) for one, n in zip(self.hierarchies, orders, strict=True))
-
-    def at(self, orders: tuple[int, ...]) -> R | None:
-        """The run of such orders; None where models that small cannot be run."""
-        models = self.models(orders)
-        key = tuple(one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True))
-        if key not in self.results:
-            try:
-                self.results[key] = self.run(models)
-            except AOImpactError as error:  # e.g. of patches that too few vectors make too stiff
-                self.results[key], self.failure = None, error
-        return self.results[key]
-
-    def error(self, orders: tuple[int, ...]) -> float:
-        """Estimated error, the reference's own included."""
-        apart = _largest(self._deviation(orders))
-        return _added(apart, self.reference_error, min(self.exponent, _UNRELATED))
-
-    def _deviation(self, orders: tuple[int, ...]) -> FloatArray | None:
-        """From the reference; None where models that small cannot be run, or give no numbers."""
-        key = orders, self.reference
-        if key not in self.deviations:
-            self.deviations[key] = self._apart(self.at(orders), self.at(self.reference))
-        return self.deviations[key]
-
-    def _apart(self, one: R | None, other: R | None) -> FloatArray | None:
-        if one is None or other is None:
-            return None
-        deviation = self.quantity.deviation(one, other)
-        return deviation if np.isfinite(deviation).all() else None
-
-    def find_reference(self) -> R:
-        """Enlarge all models until the quantity no longer changes; return the last run."""
-        order, changes, error = _FIRST_ORDER, [math.inf], math.inf
-        tried, exponents = [(order,) * len(self.hierarchies)], [1.0]
-        results = [self.at(tried[0])]
-        while order <= _MOST_ORDER:
-            costly = any(one.is_costly(order) for one in self.hierarchies)
-            share = _FAIR_REFERENCE if costly else _GOOD_REFERENCE
-            if costly and self.exponent >= _UNRELATED:
-                share = _POOR_REFERENCE
-            if error <= share * self.rtol:
-                break
-            order = math.ceil(_GROWTH * order)
-            orders = tuple(one.reference_order(order) for one in self.hierarchies)
-            now = self.at(orders)
-            changes.append(_largest(self._apart(results[-1], now)))
-            whole = all(one.is_whole(n) for one, n in zip(self.hierarchies, orders, strict=True))
-            if self.quantity.is_history and len(results) > 1:
-                both = _largest(self._apart(results[-2], now))
-                exponents.append(_exponent(changes[-2], changes[-1], both))
-                self.exponent = min(exponents[-2:])
-            error = 0.0 if whole else _still_to_come(changes, self.exponent)
-            self.previous, self.reference, self.reference_error = tried[-1], orders, error
-            tried.append(orders)
-            results.append(now)
-            if whole:
-                break
-        best = self._proven(results[-1], order, changes[-1], error)
-        good = (orders for orders in tried if self.error(orders) <= _COMPANION * self.rtol)
-        self.companion = next(good, self.reference)
-        return best
-
-    def _proven(self, run: R | None, order: int, change: float, error: float) -> R:
-        """The reference's run, if it can be run and its error is small enough."""
-        if run is None:
-            assert self.failure is not None
-            raise self.failure
-        if error > _POOR_REFERENCE * self.rtol:
-            within = _EASED * error / _POOR_REFERENCE
-            larger = f"take rtol={within:.2g} or more, " if within < 1.0 else "take "
-            raise ConvergenceError(
-                f"the quantity still changes by {change:.2g} at {order} anti-oscillators: "
-                f"{larger}a shorter duration, a contact over a patch (radius=), whose waves are "
-                "longer, or the full finite-element models"
-            )
-        return run
+    def grow(self) -> Iterator[R]:
+        """Enlarge models until they are proven good; yield runs of larger ones on the way."""
+        while True:
+            *_, largest = self._larger()
+            if (run := self._at(largest)) is not None:
+                yield run
+            error = self._error(self.orders)
+            if error <= self.rtol:
+                return
+            if max(self.orders) > _MOST_ORDER or self._at_most(self.orders) == largest:
+                raise self.failures.get(largest) or self._no_convergence(error)
+            self.orders = self._enlarged(largest)
 
     def least(self) -> Orders:
-        """Return each body's least order, for falling shares of the tolerance until all agree."""
-        found = self.reference
-        for share in (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2, 0.1):
-            allowed = max(share * self.rtol, self.reference_error)
-            orders = tuple(self._alone(which, allowed) for which in range(len(self.hierarchies)))
-            if self.error(orders) <= self.rtol:
-                found = orders
-                break
-        found = self._reduced(found)
-        for which in range(len(found)):
-            found = self._without(which, found)
-        finished = (one.finished(n) for one, n in zip(self.hierarchies, found, strict=True))
-        known = (
-            (found, self.reference)
-            if self.reference_error == 0.0
-            else (found, self.reference, self.previous)
-        )
-        runs = tuple(run for run in map(self.at, known) if run is not None)
-        return Orders(found, tuple(finished), self.error(found), runs)
+        """Truncate the models that were made as far as the larger ones allow.
 
-    def _reduced(self, orders: tuple[int, ...]) -> tuple[int, ...]:
-        """Reduce orders, the largest first, by steps that halve, as long as the tolerance is met.
-
-        Without it more than a tenth of the models have over two oscillators too many.
+        A body that can be rigid is. The others share the rest of the tolerance.
         """
-        step = max(1, max(orders) // _EACH)
-        while step > 0:
-            for which in sorted(range(len(orders)), key=lambda i: -orders[i]):
-                fewer = _with(orders, which, orders[which] - step)
-                if fewer[which] >= 0 and self.error(fewer) <= self.rtol:
-                    orders = fewer
-                    break
-            else:
-                step //= 2
-        return orders
+        orders = self._at_most(_beyond(n, 1.0) for n in self.orders)
+        for which in range(len(orders)):
+            if self._error(_with(orders, which, 0)) <= self.rtol:
+                orders = _with(orders, which, 0)
+        bending = [which for which, order in enumerate(orders) if order > 0]
+        for count, which in enumerate(bending, 1):
+            orders = self._truncated(orders, which, count / len(bending) * self.rtol)
+        if self._error(orders) > self.rtol:
+            orders = self.orders
+        found = tuple(orders[place] for place in self.places)
+        models = tuple(self.hierarchies[place].finished(orders[place]) for place in self.places)
+        larger = tuple(map(self._at, self._larger()))
+        return Orders(found, models, self._error(orders), self._at(orders), larger, self._safety())
 
-    def _without(self, which: int, orders: tuple[int, ...]) -> tuple[int, ...]:
-        """Make one body rigid, if a somewhat larger model of the largest other one allows it."""
-        alone = _with(self.reference, which, 0)
-        if orders[which] == 0 or self.error(alone) > self.rtol:
-            return orders
-        rest = _with(orders, which, 0)
-        largest = max(range(len(rest)), key=rest.__getitem__)
-        more = orders[which] + int(_WORTH_OF_RIGID * sum(orders))
-        most = min(rest[largest] + more, self.reference[largest])
-        for order in range(rest[largest] + 1, most + 1, max(1, more // _EACH)):
-            if self.error(_with(rest, largest, order)) <= self.rtol:
-                return _with(rest, largest, order)
-        return orders
+    def _enlarged(self, largest: _Orders) -> _Orders:
+        """Larger orders of those bodies whose share in the error is too large, or of all."""
+        allowed = self.rtol / len(self.orders) / self._safety()
+        poor = [
+            self._difference(_with(largest, which, order), largest) > allowed
+            for which, order in enumerate(self.orders)
+        ]
+        return self._at_most(
+            math.ceil(_GROWTH * order) if is_poor or not any(poor) else order
+            for order, is_poor in zip(self.orders, poor, strict=True)
+        )
 
-    def _alone(self, which: int, allowed: float) -> int:
-        """The least order of one body whose own error is allowed."""
-
-        def fits(order: int) -> bool:
-            return self.error(_with(self.companion, which, order)) <= allowed
-
-        low = -1
-        for order in range(_EACH + 1):
-            if fits(order):
-                return order
-            low = order
-        most = self.companion[which]
-        high = min(math.ceil(_GROWTH * low), most)
-        while high < most and not fits(high):
-            low, high = high, min(math.ceil(_GROWTH * high), most)
+    def _truncated(self, orders: _Orders, which: int, allowed: float) -> _Orders:
+        """Reduce one order by bisection: errors need not fall with each, but those taken do."""
+        low, high = -1, orders[which]
         while high - low > 1:
             middle = (low + high) // 2
-            if fits(middle):
+            if self._error(_with(orders, which, middle)) <= allowed:
                 high = middle
             else:
                 low = middle
-        return high
+        return _with(orders, which, high)
+
+    def _larger(self) -> tuple[_Orders, ...]:
+        """Orders of the larger models that show errors, the largest last."""
+        *smaller, largest = (
+            tuple(
+                one.reference_order(_beyond(n, (i + 1) / _COMPARED))
+                for one, n in zip(self.hierarchies, self.orders, strict=True)
+            )
+            for i in range(_COMPARED)
+        )
+        return (largest,) if self._is_whole(largest) else (*smaller, largest)
+
+    def _is_whole(self, orders: _Orders) -> bool:
+        return all(one.is_whole(n) for one, n in zip(self.hierarchies, orders, strict=True))
+
+    def _safety(self) -> float:
+        return 1.0 if self._is_whole(self._larger()[-1]) else _SAFETY
+
+    def _error(self, orders: _Orders) -> float:
+        """The error that the larger models show; if it is above the tolerance, at least that."""
+        error, safety = 0.0, self._safety()
+        for larger in reversed(self._larger()):
+            error = max(error, safety * self._difference(orders, larger))
+            if error > self.rtol:
+                break
+        return error
+
+    def _difference(self, orders: _Orders, larger: _Orders) -> float:
+        """Of the quantity, relative; infinite where there is no run, or no number of it."""
+        pair = orders, larger
+        if pair not in self.differences:
+            one, other, apart = self._at(orders), self._at(larger), math.inf
+            if one is not None and other is not None:
+                apart = self.quantity.difference(one, other)
+            self.differences[pair] = apart if math.isfinite(apart) else math.inf
+        return self.differences[pair]
+
+    def _at(self, orders: _Orders) -> R | None:
+        """The run of such orders; None where models that small cannot be run."""
+        models = [one.model(n) for one, n in zip(self.hierarchies, orders, strict=True)]
+        key = self._at_most(orders)  # known when the models are made
+        if key not in self.results:
+            try:
+                self.results[key] = self.run(tuple(models[place] for place in self.places))
+            except AOImpactError as error:  # e.g. of patches that too few vectors make too stiff
+                self.results[key], self.failures[orders] = None, error
+        return self.results[key]
+
+    def _at_most(self, orders: Iterable[int]) -> _Orders:
+        return tuple(one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True))
+
+    def _no_convergence(self, error: float) -> ConvergenceError:
+        within = _EASED * error
+        larger = f"take rtol={within:.2g} or more, " if within < 1.0 else "take "
+        return ConvergenceError(
+            f"the quantity still changes by {error / self._safety():.2g} at {max(self.orders)} "
+            f"anti-oscillators: {larger}a shorter duration, a contact over a patch (radius=), "
+            "whose waves are longer, or the full finite-element models"
+        )
 
 
-def _with(orders: tuple[int, ...], which: int, order: int) -> tuple[int, ...]:
+def _beyond(order: int, share: float) -> int:
+    """The order that share of the way to the farthest to compare with."""
+    return order + math.ceil(share * max(_BEYOND, _SHARE_BEYOND * order))
+
+
+def _with(orders: _Orders, which: int, order: int) -> _Orders:
     return (*orders[:which], order, *orders[which + 1 :])
-
-
-def _largest(deviation: FloatArray | None) -> float:
-    return math.inf if deviation is None else float(np.abs(deviation).max(initial=0.0))
-
-
-def _added(one: float, other: float, exponent: float) -> float:
-    """(a^p + b^p)^(1/p)."""
-    larger, smaller = max(one, other), min(one, other)
-    if smaller == 0.0 or math.isinf(larger):
-        return larger
-    return larger * math.pow(1.0 + math.pow(smaller / larger, exponent), 1.0 / exponent)
-
-
-def _exponent(one: float, other: float, both: float) -> float:
-    """The exponent p with which two successive changes add up to the change of both: 1, or more.
-
-    p = 1 where the quantity converges from one side, p = 2 where successive changes are unrelated.
-    The last errors of a history are waves of ever higher frequency, whose phases at one order are
-    unrelated to those at the next; then p is near 2.
-    """
-    if not (math.isfinite(one) and math.isfinite(other)) or both >= one + other:
-        return 1.0
-    low, high = 1.0, _MOST_EXPONENT
-    while high - low > 0.01:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if _added(one, other, middle) > both else (low, middle)
-    return low
-
-
-def _still_to_come(changes: list[float], exponent: float) -> float:
-    """Estimate the distance to the limit from the last two changes: a geometric series.
-
-    The last change counts as at least half of the one before: a single one may be small by chance.
-    """
-    before, last = changes[-2], max(changes[-1], _FASTEST * changes[-2])
-    if not (math.isfinite(before) and math.isfinite(last)):
-        return math.inf
-    ratio = max(last / before, _FASTEST) if before > 0.0 else _SLOWEST
-    ratio = min(ratio, _SLOWEST)
-    return last * ratio / math.pow(1.0 - math.pow(ratio, exponent), 1.0 / exponent)

@@ -8,9 +8,8 @@ one more entry, a test in tests/accuracy/test_quantities.py and a line of docs/s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -155,31 +154,37 @@ class Quantity:
         return read(of)
 
 
-def number_errors(*runs: Result | Run) -> dict[str, float]:
+def number_errors(
+    run: Result | Run, larger: Sequence[Result | Run], safety: float = 1.0
+) -> dict[str, float]:
     """Return by how much each number that sums up a run may be wrong, relative.
 
-    The sum of the changes from each run to the next, more exact one, by the names by which the
-    numbers are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of a number
-    that there is not. "contacts" ("contacts.0.intervals") is infinite where the runs have not as
-    many of them.
+    The largest of its changes to more exact runs, times `safety`, by the names by which the numbers
+    are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of a number that
+    there is not. "contacts" ("contacts.0.intervals") is infinite where the runs have not as many of
+    them.
     """
-    if isinstance(runs[0], Result):
-        return dict(_number_errors("", "contacts", runs))
-    scenes = zip(*(_events(run) for run in runs), strict=True)
+    runs = run, *larger
+    if isinstance(run, Result):
+        return dict(_number_errors("", "contacts", runs, safety))
+    scenes = zip(*(_events(one) for one in runs), strict=True)
     return {
         name: error
         for i, contacts in enumerate(scenes)
-        for name, error in _number_errors(f"contacts.{i}.", "intervals", contacts)
+        for name, error in _number_errors(f"contacts.{i}.", "intervals", contacts, safety)
     }
 
 
-def _number_errors(prefix: str, count: str, runs: tuple[Any, ...]) -> Iterator[tuple[str, float]]:
+def _number_errors(
+    prefix: str, count: str, runs: tuple[Any, ...], safety: float
+) -> Iterator[tuple[str, float]]:
     """Of runs, or of one contact of each."""
+    run, *larger = runs
     for quantity in QUANTITIES.values():
         if quantity.number is None or (prefix and not quantity.of_contacts):
             continue
-        error = sum(quantity.change(*pair) for pair in pairwise(runs))
-        yield prefix + quantity.name, math.nan if math.isnan(quantity.number(runs[0])) else error
+        error = safety * float(np.max([quantity.change(run, other) for other in larger]))
+        yield prefix + quantity.name, math.nan if math.isnan(quantity.number(run)) else error
     as_many = len({len(run.contacts) for run in runs}) == 1
     yield prefix + count, 0.0 if as_many else math.inf
 
