@@ -82,14 +82,14 @@ class LeftOutFinder:
         """By how much the quantity and each number change."""
         exact = self.view(run)
         if altered.plan is None:
-            return 0.0, dict.fromkeys(number_errors(exact, exact), 0.0)
+            return 0.0, dict.fromkeys(number_errors(exact, [exact]), 0.0)
         try:
             with held_warnings():
                 other = self.view(solve(altered.plan, self.solver))
         except AOImpactError:  # a contact that grows beyond what its law stands for
-            return math.inf, dict.fromkeys(number_errors(exact, exact), math.inf)
+            return math.inf, dict.fromkeys(number_errors(exact, [exact]), math.inf)
         change = altered.scale * self.quantity.difference(other, exact)  # type: ignore[type-var]
-        numbers = number_errors(other, exact)
+        numbers = number_errors(other, [exact])
         return change, {name: altered.scale * error for name, error in numbers.items()}
 
 
