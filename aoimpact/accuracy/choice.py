@@ -101,7 +101,8 @@ def choose_models(
         )
     steps = isinstance(solver, Newmark)
     in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
-    rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time)
+    asked = rtol is not None
+    rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time, asked)
 
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
@@ -120,20 +121,24 @@ def choose_models(
         {quantity.name: found.error} if not quantity.is_history else {}
     )
     run = record.run(plan_of(found.models, energies), partial(solve, solver=rule))
-    _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
+    if asked:
+        _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     models = tuple(body.model for body in run.plan.bodies)
     chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
     left_out = LeftOutFinder(quantity, rule, view, law_errors)
     return view(replace(run, chosen=chosen, left_out=left_out))
 
 
-def _rule(solver: Any, in_time: float) -> Any:
-    """Return the given solver, with a tolerance for its steps where it chooses them."""
+def _rule(solver: Any, in_time: float, asked: bool) -> Any:
+    """Return the given solver, with a tolerance for its steps where it chooses them.
+
+    asked: whether a tolerance was given, that it must keep.
+    """
     if not isinstance(solver, Newmark):
         return solver
     if solver.dt is None:
         return replace(solver, rtol=min(solver.rtol, in_time))
-    if not solver.estimate:
+    if asked and not solver.estimate:
         raise InputError(
             f"solver=Newmark(dt={solver.dt:g}, estimate=False) leaves the error of its steps "
             "unknown, and rtol cannot be kept: leave estimate=False out, or give models and "

@@ -26,8 +26,21 @@ _DURATION_OVER_DEPTH = 2.94
 _SHALLOWEST, _DEEPEST, _EXACT = math.log(1e-15), math.log(1e3), 1e-3
 
 
-def turns(name: str, body: BodyModel, port: int, *, outward: bool) -> bool:
+def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = False) -> bool:
     """Whether the direction at a contact must be turned round, to go out of the body or into it.
+
+    Parameters
+    ----------
+    name : str
+        What to call the body.
+    body : model
+    port : int
+        Which of its places.
+    outward : bool
+        Whether it must go out of the body: it is on the projectile's side.
+    like : bool, optional
+        Whether the same place stands for another body on the other side, so that the direction
+        suits one of them.
 
     Raises
     ------
@@ -39,6 +52,8 @@ def turns(name: str, body: BodyModel, port: int, *, outward: bool) -> bool:
         return False
     if (float(tip.direction @ tip.normal) > 0.0) == outward:
         return False
+    if like:
+        return True
     if tip.directed or isinstance(body, InterfaceModel):
         way, opposite = ("out of", "into") if outward else ("into", "out of")
         raise InputError(

@@ -23,7 +23,7 @@ from ..base import (
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import Solver as LinearSolver
-from ..reduction import BodyModel, body_model, touched
+from ..reduction import AOModel, BodyModel, body_model, touched
 from ..results import Handle, Run
 from ..scene import Joint, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
@@ -296,13 +296,14 @@ class Scene:
             If gravity has no effect on a constrained AO model given by numbers or without nodes, a
             body's centre of mass is not known, or its model was fitted to another contact time.
         """
+        length = None if duration is None else checked_duration(duration)
+        boolean("energies", energies)
+        boolean("preload", preload)
         if not self._scene_bodies:
             raise InputError("the scene is empty: add bodies with scene.add(...)")
         if not preload:
             self._refuse_overlap()
-        boolean("energies", energies)
-        boolean("preload", preload)
-        record = self._record(duration)
+        record = self._record(length)
         fitted = self._fitted()
         bodies, which = _different(fitted)
         around = self._turns()
@@ -322,9 +323,9 @@ class Scene:
             law_errors=self._law_errors,
         )
 
-    def _record(self, duration: float | None) -> Record:
-        if duration is not None:
-            return Record(checked_duration(duration), given=True)
+    def _record(self, length: float | None) -> Record:
+        if length is not None:
+            return Record(length, given=True)
         times = [met.contact_time for joint in self._joints if (met := self._meeting(joint))]
         if not times:
             raise InputError(
@@ -358,15 +359,18 @@ class Scene:
     def _turns(self) -> list[tuple[int, ...]]:
         """Of each body the places where its direction of travel is to be turned round."""
         roles: dict[tuple[int, int], set[bool]] = {}
+        sides: dict[ContactPoint | None, set[bool]] = {}
         for joint in self._joints:
-            for outward, place in zip((True, False), joint.ports, strict=True):
-                roles.setdefault(place, set()).add(outward)
+            for outward, (body, port) in zip((True, False), joint.ports, strict=True):
+                roles.setdefault((body, port), set()).add(outward)
+                sides.setdefault(touched(self._bodies[body], port), set()).add(outward)
         around: list[tuple[int, ...]] = [()] * len(self._bodies)
-        for (body, port), sides in roles.items():
-            if len(sides) > 1:  # pressed from both sides: its direction suits one of them
+        for (body, port), ways in roles.items():
+            if len(ways) > 1:  # pressed from both sides: its direction suits one of them
                 continue
-            name = self._called(Handle(body))
-            if turns(name, self._bodies[body], port, outward=sides == {True}):
+            model, outward = self._bodies[body], True in ways
+            like = len(sides[touched(model, port)]) > 1  # one place stands for two like bodies
+            if turns(self._called(Handle(body)), model, port, outward=outward, like=like):
                 around[body] = (*around[body], port)
         return around
 
@@ -399,9 +403,12 @@ class Scene:
         )
 
     def _interest(self, quantity: Any, bodies: Sequence[Any]) -> Quantity:
-        """The quantity of interest."""
+        """The quantity of interest; where nothing meets, the motion of a body to be reduced."""
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
+        if quantity is None and not self._joints:
+            moved = (i for i, body in enumerate(bodies) if not isinstance(body, AOModel))
+            quantity = Handle(next(moved, 0), scene=self._mark.name)
         interest = scene_quantity(quantity, bodies)
         if interest.of_contacts and not self._joints:
             raise InputError(

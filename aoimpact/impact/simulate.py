@@ -194,15 +194,10 @@ def _complete(
 def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:
     """Whose direction of travel is to be turned round; see `turns`."""
     tip = touched(projectile)
-    if tip is not None and tip is touched(target):
-        # One place of one body stands for two like bodies: its direction suits one of them.
-        if tip.normal is None or tip.direction is None:
-            return False, False
-        outward = bool(tip.direction @ tip.normal > 0.0)
-        return not outward, outward
+    like = tip is not None and tip is touched(target)
     return (
-        turns("projectile", projectile, 0, outward=True),
-        turns("target", target, 0, outward=False),
+        turns("projectile", projectile, 0, outward=True, like=like),
+        turns("target", target, 0, outward=False, like=like),
     )
 
 
