@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,8 +40,8 @@ class ContactSurface:
 
     Examples
     --------
-    >>> ContactSurface(Material(E=210e9, nu=0.3, rho=7800), (100.0, 100.0)).round
-    True
+    >>> ContactSurface(Material(E=210e9, nu=0.3, rho=7800), (100.0, 0.0)).radii
+    (0.01, inf)
     """
 
     material: Material
@@ -54,15 +55,10 @@ class ContactSurface:
             checked(self, directions=_directions)
 
     @property
-    def round(self) -> bool:
-        """Whether both curvatures are equal within their error."""
-        return abs(self.curvatures[0] - self.curvatures[1]) <= 2.0 * self.error
-
-    @property
     def radii(self) -> tuple[float, float]:
         """Principal radii, m; infinite where the curvature is less than its error."""
         first, second = (
-            np.inf if abs(kappa) <= self.error else 1.0 / kappa for kappa in self.curvatures
+            math.inf if abs(kappa) <= self.error else 1.0 / kappa for kappa in self.curvatures
         )
         return first, second
 

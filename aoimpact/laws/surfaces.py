@@ -79,11 +79,12 @@ def law_between(
         return _at_angle(one, two, angle)
     laws = [_at_angle(one, two, turn) for turn in (0.0, 0.5 * math.pi)]
     low, high = sorted(found.law.k for found in laws)
-    apart = 0.5 * (high - low) / low
+    apart = high / low - 1.0
     if apart > _NO_MATTER:
         raise InputError(
             f"{_said(one, two)}: neither is round, and the angle between their principal "
-            f"directions is not known, since the bodies are not in one frame; {_CURE}"
+            "directions is not known unless both have directions and the bodies travel along one "
+            f"direction in one frame; {_CURE}"
         )
     middle = _at_angle(one, two, 0.25 * math.pi)
     return LawFromSurfaces(middle.law, apart + max(found.error for found in laws))
@@ -96,50 +97,51 @@ def _angle(
     second: npt.ArrayLike | None,
 ) -> float | None:
     """Angle between the first principal directions, rad; None where it is not known."""
-    if any(_same(*surface.radii) for surface in (one, two)):
+    if any(surface.radii[0] == surface.radii[1] for surface in (one, two)):
         return 0.0
     if first is None or second is None or one.directions is None or two.directions is None:
         return None
     along = unit_vector("projectile_direction", first), unit_vector("target_direction", second)
     if along[0] @ along[1] < _ONE_FRAME:
         return None
-    axes = np.array(two.directions) @ np.array(one.directions[0])
-    return math.atan2(abs(float(axes[1])), abs(float(axes[0])))
-
-
-def _same(first: float, second: float) -> bool:
-    return first == second
+    across, same = np.array(two.directions)[::-1] @ np.array(one.directions[0])
+    return math.atan2(abs(float(across)), abs(float(same)))
 
 
 def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFromSurfaces:
-    law = _hertz(one, two, one.radii, two.radii, angle)
-    slack = one.error + two.error
-    # Of round surfaces k is 4/3 E* √R with 1/R the sum of the curvatures.
-    relative = 1.0 / law.relative_radius if law.relative_radius else math.inf
-    return LawFromSurfaces(law, 0.5 * slack / relative)
-
-
-def _hertz(
-    one: ContactSurface,
-    two: ContactSurface,
-    first: tuple[float, float],
-    second: tuple[float, float],
-    angle: float,
-) -> Hertz:
     try:
-        return Hertz.between(
-            one.material, _radius(first), two.material, _radius(second), angle=angle
-        )
+        law = _hertz(one, two, angle)
     except InputError as error:
-        raise InputError(f"{_said(one, two)} do not touch in a point: {_CURE}") from error
+        raise InputError(
+            f"{_said(one, two)} do not touch in a point: {_CURE}, or refine a mesh whose curvature "
+            "is uncertain"
+        ) from error
+    slack = one.error + two.error
+    try:
+        others = [_hertz(one, two, angle, shift).k for shift in (-slack, slack)]
+    except InputError:  # they may touch along a line, where k is 0
+        return LawFromSurfaces(law, 1.0)
+    return LawFromSurfaces(law, max(abs(k / law.k - 1.0) for k in others))
 
 
-def _radius(radii: tuple[float, float]) -> float | tuple[float, float]:
-    return radii[0] if _same(*radii) else radii
+def _hertz(one: ContactSurface, two: ContactSurface, angle: float, shift: float = 0.0) -> Hertz:
+    """Hertz's law with the curvatures of one surface shifted."""
+    radii = [_inverse(1.0 / radius + shift) if shift else radius for radius in one.radii]
+    pair = (radii, two.radii)
+    first, second = (each[0] if each[0] == each[1] else each for each in pair)
+    return Hertz.between(one.material, first, two.material, second, angle=angle)
+
+
+def _inverse(curvature: float) -> float:
+    return 1.0 / curvature if curvature else math.inf
 
 
 def _said(one: ContactSurface, two: ContactSurface) -> str:
-    first, second = (
-        "/".join(f"{radius:.3g}" for radius in surface.radii) for surface in (one, two)
+    radii, bends = (
+        [" and ".join(f"{value:.3g}" for value in getattr(surface, name)) for surface in (one, two)]
+        for name in ("radii", "curvatures")
     )
-    return f"surfaces with the principal radii {first} m (projectile) and {second} m (target)"
+    return (
+        f"surfaces with the principal radii {radii[0]} m (projectile; curvatures {bends[0]} ± "
+        f"{one.error:.2g} 1/m) and {radii[1]} m (target; {bends[1]} ± {two.error:.2g} 1/m)"
+    )

@@ -33,6 +33,10 @@ _LOST = 1.5
 # Coordinates this far outside still count as on the side: its edge belongs to both neighbours.
 _ON_EDGE = 1e-9
 
+# Middles of the edges of a side, from each corner to the next; a triangle's last one is no edge.
+_TRIANGLE_EDGES = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [0.0, 0.0]])
+_SQUARE_EDGES = np.array([[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]])
+
 # Pairs of a point and a side that are worked on at a time: some 100 MB for 27 nodes.
 _CHUNK = 50_000
 
@@ -126,9 +130,8 @@ class Surface:
 
     def edges(self, face: IntArray) -> FloatArray:
         """Return the mean length of the straight edges of each face, m, shape (n,)."""
-        corner = self.mesh.nodes[self.nodes[face, :4]]
+        corner = self.mesh.nodes[self.corners(face)]
         triangle = self._triangle[self.side[face]]
-        corner[triangle, 3] = corner[triangle, 0]
         lengths = np.linalg.norm(np.diff(corner, axis=1, append=corner[:, :1]), axis=2)
         mean: FloatArray = lengths.sum(axis=1) / np.where(triangle, 3, 4)
         return mean
@@ -137,9 +140,17 @@ class Surface:
         """Return the coordinates (u, v) of the faces' middles, shape (n, 2)."""
         return np.where(self._triangle[self.side[face]], 1.0 / 3.0, 0.5)[:, None] * np.ones(2)
 
-    def triangular(self, face: IntArray) -> npt.NDArray[np.bool_]:
-        """Whether each face is a triangle, shape (n,)."""
-        return self._triangle[self.side[face]]
+    def corners(self, face: IntArray) -> IntArray:
+        """Return the faces' corners in turn, shape (n, 4); a triangle's last is its first."""
+        corners = self.nodes[face, :4]
+        triangle = self._triangle[self.side[face]]
+        corners[triangle, 3] = corners[triangle, 0]
+        return corners
+
+    def edge_middles(self, face: IntArray) -> FloatArray:
+        """Return the coordinates (u, v) of the middles of edges from each of `corners`."""
+        triangle = self._triangle[self.side[face]]
+        return np.where(triangle[:, None, None], _TRIANGLE_EDGES, _SQUARE_EDGES)
 
     def nearest(self, point: FloatArray) -> list[Place]:
         """Return the nearest point of the surface, on each of the faces that share it."""

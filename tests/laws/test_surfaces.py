@@ -5,10 +5,14 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import aoimpact as ao
+from aoimpact.fem import ContactSurface
 from aoimpact.laws import law_between
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -53,5 +57,141 @@ def test_flat_on_flat() -> None:
     plate = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.1, 0.01), (8, 8, 2)), ALUMINIUM)
     surface = plate.contact(point=(0.05, 0.05, 0.01)).contact_surface
     assert surface is not None
-    with pytest.raises(ao.InputError, match=r"radii inf/inf m .* give law="):
+    with pytest.raises(ao.InputError, match=r"radii inf and inf m .* give law="):
         law_between(surface, surface)
+
+
+def curved(
+    first: float,
+    second: float,
+    turn: float = 0.0,
+    *,
+    error: float = 0.0,
+    material: ao.Material = STEEL,
+    framed: bool = True,
+) -> ContactSurface:
+    """Radii, and the first direction at an angle to x in the plane z = 0."""
+    c, s = math.cos(turn), math.sin(turn)
+    directions = ((c, s, 0.0), (-s, c, 0.0)) if framed else None
+    return ContactSurface(material, (1.0 / first, 1.0 / second), directions, error)
+
+
+DOWN = (0.0, 0.0, -1.0)
+
+
+@given(
+    st.floats(0.001, 0.1),
+    st.floats(0.001, 0.1),
+    st.floats(0.001, 0.1),
+    st.floats(0.001, 0.1),
+    st.floats(0.0, math.pi),
+    st.floats(0.0, math.pi),
+)
+def test_two_ellipsoids_at_any_angle(
+    a: float, b: float, c: float, d: float, turn: float, other: float
+) -> None:
+    found = law_between(
+        curved(a, b, turn),
+        curved(c, d, other, material=ALUMINIUM),
+        projectile_direction=DOWN,
+        target_direction=(0.01, 0.0, -1.0),
+    )
+    expected = ao.Hertz.between(STEEL, (a, b), ALUMINIUM, (c, d), angle=turn - other)
+    assert found.law.k == pytest.approx(expected.k, rel=1e-9)
+    assert found.law.relative_radius == pytest.approx(expected.relative_radius, rel=1e-9)
+
+
+def test_crossed_cylinders_are_a_ball_on_a_flat() -> None:
+    found = law_between(
+        curved(0.01, math.inf, 0.3),
+        curved(0.01, math.inf, 0.3 + math.pi / 2),
+        projectile_direction=DOWN,
+        target_direction=DOWN,
+    )
+    assert found.law.k == pytest.approx(ao.Hertz.between(STEEL, 0.01, STEEL, math.inf).k, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "directions"),
+    [
+        (curved(0.01, 0.02), curved(0.01, 0.02), (None, None)),
+        (curved(0.01, 0.02), curved(0.01, 0.02), (DOWN, (0.0, 1.0, 0.0))),
+        (curved(0.01, 0.02, framed=False), curved(0.01, 0.02), (DOWN, DOWN)),
+    ],
+)
+def test_an_angle_that_is_needed_and_not_known(
+    one: ContactSurface, two: ContactSurface, directions: tuple[Any, Any]
+) -> None:
+    with pytest.raises(ao.InputError, match=r"0\.01 and 0\.02 m.*neither is round.*give law="):
+        law_between(one, two, projectile_direction=directions[0], target_direction=directions[1])
+
+
+def test_nearly_round_surfaces_need_no_angle() -> None:
+    one, two = curved(0.01, 0.0104), curved(0.02, 0.0206)
+    found = law_between(one, two)
+    for angle in (0.0, 0.5, math.pi / 2):
+        k = ao.Hertz.between(STEEL, (0.01, 0.0104), STEEL, (0.02, 0.0206), angle=angle).k
+        assert found.law.k == pytest.approx(k, rel=found.error)
+    assert found.error < 0.01
+
+
+@pytest.mark.parametrize(
+    "two",
+    [
+        curved(-0.0099, -0.0099),  # a cup narrower than the ball
+        curved(0.01, -0.009),  # a saddle that bends up more than the ball bends down
+        curved(-0.01, -0.01),
+    ],
+)
+def test_what_does_not_touch_in_a_point(two: ContactSurface) -> None:
+    with pytest.raises(ao.InputError, match=r"0\.01 and 0\.01 m .*not touch in a point: give law="):
+        law_between(curved(0.01, 0.01), two)
+
+
+def test_parallel_cylinders_touch_along_a_line() -> None:
+    one = curved(0.01, math.inf)
+    with pytest.raises(ao.InputError, match="not touch in a point"):
+        law_between(one, one, projectile_direction=DOWN, target_direction=DOWN)
+
+
+@pytest.mark.parametrize("error", [0.1, 3.0, 30.0])
+def test_the_error_holds_what_the_curvatures_may_be(error: float) -> None:
+    """A ball on a shallow barrel whose curvatures are wrong by as much as they may be."""
+    found = law_between(curved(0.01, 0.01), curved(0.02, 0.2, error=error))
+    for shift in (-error, error):
+        radii = (1.0 / (1 / 0.02 + shift), 1.0 / (1 / 0.2 + shift))
+        k = ao.Hertz.between(STEEL, 0.01, STEEL, radii).k
+        assert abs(k / found.law.k - 1.0) <= found.error + 1e-12
+    assert found.error < 0.01 * error
+
+
+def test_a_curvature_less_than_its_error_is_flat() -> None:
+    flat = ContactSurface(STEEL, (0.9, -0.5), None, 1.0)
+    found = law_between(curved(0.01, 0.01), flat)
+    assert found.law.k == ao.Hertz.between(STEEL, 0.01, STEEL, math.inf).k
+    assert found.error == pytest.approx(0.5 / 100, rel=0.02)
+
+
+def test_surfaces_are_checked() -> None:
+    with pytest.raises(
+        ao.InputTypeError, match="projectile_surface must be of type ContactSurface"
+    ):
+        law_between(STEEL, curved(0.01, 0.01))  # type: ignore[arg-type]
+    with pytest.raises(ao.InputError, match="directions must be two unit vectors"):
+        ContactSurface(STEEL, (1.0, 1.0), ((1.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
+    with pytest.raises(ao.InputError, match="error must not be negative"):
+        ContactSurface(STEEL, (1.0, 1.0), None, -1.0)
+    with pytest.raises(ao.InputError, match="in metres"):
+        ao.ball(1e90, STEEL)
+    assert ao.rigid(1.0).contact_surface is None
+
+
+def test_models_of_a_contact_point_know_its_surface() -> None:
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.005), STEEL)
+    tip = ball.contact(point=(0.0, 0.0, -0.01), direction=(0, 0, -1))
+    star = ao.antioscillators(tip, n=2, method="krylov")
+    surface = tip.contact_surface
+    assert surface is not None
+    assert star.contact_surface is surface
+    assert star.truncated(1).contact_surface is surface
+    assert ao.modal(tip, n=8).contact_surface is surface
