@@ -23,7 +23,7 @@ from ..base import (
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import Solver as LinearSolver
-from ..reduction import AOModel, BodyModel, body_model, touched
+from ..reduction import BodyModel, FullModel, body_model, touched
 from ..results import Handle, Run
 from ..scene import Joint, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
@@ -407,8 +407,8 @@ class Scene:
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
         if quantity is None and not self._joints:
-            moved = (i for i, body in enumerate(bodies) if not isinstance(body, AOModel))
-            quantity = Handle(next(moved, 0), scene=self._mark.name)
+            moved = [i for i, body in enumerate(bodies) if isinstance(body, FullModel)]
+            quantity = Handle(moved[0], scene=self._mark.name) if moved else None
         interest = scene_quantity(quantity, bodies)
         if interest.of_contacts and not self._joints:
             raise InputError(
