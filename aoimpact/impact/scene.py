@@ -25,7 +25,7 @@ from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import Solver as LinearSolver
 from ..reduction import BodyModel, body_model, touched
 from ..results import Handle, Run
-from ..scene import Joint, Load, Plan, SceneBody, normal_gap, scene_body
+from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .run import RunOptions, run_models
 
@@ -69,7 +69,7 @@ class Scene:
         self._velocities: list[float] = []
         self._positions: list[float] = []
         self._names: list[str] = []
-        self._joints: list[Joint] = []
+        self._contacts: list[Contact] = []
         self._between: dict[tuple[int, int, int, int], list[int]] = {}  # contacts at the same place
         self._loads: list[Load] = []
         # Copies and pickles keep it: their handles are as good.
@@ -80,7 +80,7 @@ class Scene:
         more = ", …" if len(self._scene_bodies) > 6 else ""
         return (
             f"Scene(gravity={self.gravity:g}): {len(self._scene_bodies)} bodies ({labels}{more}), "
-            f"{len(self._joints)} contacts, {len(self._loads)} loads"
+            f"{len(self._contacts)} contacts, {len(self._loads)} loads"
         )
 
     # ------------------------------------------------------------------- building
@@ -163,19 +163,19 @@ class Scene:
         ends = (touched(self._bodies[end.body], end.at) for end in (first, second))
         between = effective_law(law, tuple(ends))
         gap = normal_gap(apart)
-        joint = Joint(first.body, first.at, second.body, second.at, between, gap)
-        beside = self._between.setdefault(joint[:4], [])
+        contact = Contact(first.body, first.at, second.body, second.at, between, gap)
+        beside = self._between.setdefault(contact[:4], [])
         for number in beside:
-            other = self._joints[number]
-            if (other.law, other.gap) == (joint.law, joint.gap):
+            other = self._contacts[number]
+            if (other.law, other.gap) == (contact.law, contact.gap):
                 raise InputError(
                     f"contact {number} is the same: {self._called(first)} and "
                     f"{self._called(second)} under the same law and gap; leave this one out, or "
                     "double the law's stiffness"
                 )
-        beside.append(len(self._joints))
-        self._joints.append(joint)
-        return len(self._joints) - 1
+        beside.append(len(self._contacts))
+        self._contacts.append(contact)
+        return len(self._contacts) - 1
 
     def apply(self, body: Handle, *, force: Any) -> None:
         """Apply a force to a body's contact coordinate, along the direction of travel.
@@ -306,13 +306,13 @@ class Scene:
 
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
         """The plan of the bodies, or of models in their place."""
-        scene_bodies, joints = self._scene_bodies, self._joints
+        scene_bodies, contacts = self._scene_bodies, self._contacts
         if any(model != body for model, body in zip(bodies, self._bodies, strict=True)):
             scene_bodies = [
                 scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
-            joints = [_between(joint, bodies, scene_bodies) for joint in joints]
+            contacts = [_between(contact, bodies, scene_bodies) for contact in contacts]
         for body in scene_bodies:
             if self.gravity and body.weightless:
                 warn(
@@ -323,7 +323,7 @@ class Scene:
         return Plan(
             tuple(scene_bodies),
             tuple(self._velocities),
-            tuple(joints),
+            tuple(contacts),
             tuple(self._loads),
             self.gravity,
             length,
@@ -337,7 +337,7 @@ class Scene:
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
         interest = scene_quantity(quantity, self._bodies)
-        if interest.of_contacts and not self._joints:
+        if interest.of_contacts and not self._contacts:
             raise InputError(
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
                 "the handle of a body for its displacement"
@@ -345,12 +345,12 @@ class Scene:
         return interest
 
     def _refuse_overlap(self) -> None:
-        for number, joint in enumerate(self._joints):
-            if joint.gap < 0.0:
-                first, second = Handle(joint.first), Handle(joint.second)
+        for number, contact in enumerate(self._contacts):
+            if contact.gap < 0.0:
+                first, second = Handle(contact.first), Handle(contact.second)
                 raise InputError(
                     f"contact {number}: {self._called(first)} and {self._called(second)} overlap "
-                    f"by {-joint.gap:g} m at the start; change position or gap, or start with "
+                    f"by {-contact.gap:g} m at the start; change position or gap, or start with "
                     "preload=True from the rest that gravity and loads press them to"
                 )
 
@@ -366,14 +366,14 @@ def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
     return different, [places[body] for body in bodies]
 
 
-def _between(joint: Joint, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Joint:
+def _between(contact: Contact, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Contact:
     """The contact between the models that stand for its bodies."""
-    if all(math.isinf(scene_bodies[body].static_mass) for body in (joint.first, joint.second)):
+    if all(math.isinf(scene_bodies[body].static_mass) for body in (contact.first, contact.second)):
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"
         )
-    ends = tuple(touched(bodies[body], port) for body, port in joint.ports)
-    return joint._replace(law=effective_law(own_law(joint.law), ends))
+    ends = tuple(touched(bodies[body], port) for body, port in contact.ports)
+    return contact._replace(law=effective_law(own_law(contact.law), ends))
 
 
 @dataclass(frozen=True)

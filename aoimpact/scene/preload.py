@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputError, LawLimitError
 from ..reduction import ModalBody
-from .contact import Joint
+from .contact import Contact
 from .network import ContactNetwork, LinearNetwork
 from .springs import Springs
 
@@ -209,7 +209,7 @@ class _Statics:
             return
         worst = int(rounding.argmax())
         loop = (
-            "; its bodies are held by a closed loop of contacts, which is statically indeterminate "
+            "; its bodies are in a closed loop of contacts, which is statically indeterminate "
             "where these do not deform"
             if self._in_loop(at)
             else ""
@@ -259,7 +259,7 @@ class _Statics:
 
 def equilibrium(
     bodies: Sequence[ModalBody],
-    contacts: Sequence[Joint],
+    contacts: Sequence[Contact],
     *,
     gravity: float,
     forces: Sequence[FloatArray],
@@ -269,7 +269,7 @@ def equilibrium(
     Parameters
     ----------
     bodies : sequence of ModalBody
-    contacts : sequence of Joint
+    contacts : sequence of Contact
     gravity : float
         m/s².
     forces : sequence of ndarrays, shape (p,)
