@@ -266,7 +266,7 @@ class Scene:
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts. A solver that does not keep it is refused.
-        linear_solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
+        linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
             What solves for these reduced models, as `solver` of `antioscillators`.
 
         Raises

@@ -259,7 +259,7 @@ def _for_core(
     plan: Plan, order: IntArray | None
 ) -> tuple[tuple[tuple[Any, ...], ...], tuple[CoreContact, ...]]:
     """Bodies, and contacts in an order, as the core takes them."""
-    laws = {id(contact.law): contact.law.for_core() for contact in plan.contacts}
+    laws = {id(of.law): of.law.for_core() for of in plan.contacts}  # each of them once
     bodies = [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(plan.modal)]
     contacts = [
         CoreContact(of.first, of.first_port, of.second, of.second_port, of.gap, laws[id(of.law)])
