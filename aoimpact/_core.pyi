@@ -14,10 +14,10 @@ _Sparse = tuple[_I, _I, _F]
 _Factors = tuple[_I, _I, _F, _F, _I, _I]
 _Law = tuple[Any, ...]
 _Modes = tuple[_F | None, ...]  # aoi_modes, as ModalBody.for_core makes it
-_Joint = tuple[int, int, int, int, float, _Law]  # body and port of each side, gap
+_Contact = tuple[int, int, int, int, float, _Law]  # body and port of each side, gap
 # Peak force, its time, impulse, intervals (start, end) and touches (impulse, pace) of a contact.
 _Pairs = list[tuple[float, float]]
-_Contact = tuple[float, float, float, _Pairs, _Pairs]
+_Found = tuple[float, float, float, _Pairs, _Pairs]
 _Body = tuple[Any, ...]  # as python_newmark.c says
 
 def law_force(
@@ -82,7 +82,7 @@ def newmark_scene(
 ) -> None: ...
 def adaptive(
     bodies: tuple[_Modes, ...],
-    joints: tuple[_Joint, ...],
+    contacts: tuple[_Contact, ...],
     rtol: float,
     duration: float,
     x: _F | None,
@@ -90,10 +90,10 @@ def adaptive(
     velocities: tuple[float, ...],
     most_steps: int,
     /,
-) -> tuple[bytes, bytes, bytes, bytes, tuple[_Contact, ...], int, int]: ...
+) -> tuple[bytes, bytes, bytes, bytes, tuple[_Found, ...], int, int]: ...
 def track_sample(
     bodies: tuple[_Modes, ...],
-    joints: tuple[_Joint, ...],
+    contacts: tuple[_Contact, ...],
     track: _F,
     index: bytes,
     times: _F,
@@ -103,7 +103,7 @@ def track_sample(
 ) -> None: ...
 def track_forces(
     bodies: tuple[_Modes, ...],
-    joints: tuple[_Joint, ...],
+    contacts: tuple[_Contact, ...],
     track: _F,
     index: bytes,
     times: _F,
@@ -112,7 +112,7 @@ def track_forces(
 ) -> None: ...
 def track_states(
     bodies: tuple[_Modes, ...],
-    joints: tuple[_Joint, ...],
+    contacts: tuple[_Contact, ...],
     track: _F,
     index: bytes,
     times: _F,

@@ -42,7 +42,7 @@ from aoimpact import _core
 from aoimpact.base.units import quantity
 from aoimpact.integrate.dense import adaptive_run
 from aoimpact.integrate.newmark import newmark_scene
-from aoimpact.scene import Joint, Plan, StarBody, scene_body
+from aoimpact.scene import Contact, Plan, StarBody, scene_body
 from aoimpact.study.scipy_solvers import Outcome
 
 
@@ -60,27 +60,27 @@ def plan_of(scene: dict[str, Any]) -> Plan:
         scene_body("projectile", scene["projectile"], scene["velocity"]),
         scene_body("target", scene["target"], 0.0),
     )
-    joint = Joint(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
+    contact = Contact(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
     speeds = scene["velocity"], 0.0
-    return Plan(bodies, speeds, (joint,), (), 0.0, scene["duration"], True)
+    return Plan(bodies, speeds, (contact,), (), 0.0, scene["duration"], True)
 
 
 def core_arguments(plan: Plan) -> tuple[Any, Any, Any, Any]:
-    """Bodies, joints, and how the bodies move at the start, as the core takes them."""
+    """Bodies, contacts, and how the bodies move at the start, as the core takes them."""
     bodies = tuple(body.for_core() for body in plan.modal)
-    (joint,) = plan.joints
+    (contact,) = plan.contacts
     moving = tuple(body.moving for body in plan.modal)
-    return bodies, ((0, 0, 1, 0, joint.gap, joint.law.for_core()),), moving, plan.velocities
+    return bodies, ((0, 0, 1, 0, contact.gap, contact.law.for_core()),), moving, plan.velocities
 
 
 def adaptive_core(case: Case, exact: Outcome) -> Iterator[Run]:
     scene = case.scene
-    bodies, joints, *start = core_arguments(plan_of(scene))
+    bodies, contacts, *start = core_arguments(plan_of(scene))
     for rtol in tolerances(1e-2, 1e-12, 2):
         found = ao.simulate(**scene, solver=ao.Adaptive(rtol=rtol))
         seconds = best_time(
             lambda r=rtol: _core.adaptive(
-                bodies, joints, r, scene["duration"], None, *start, sys.maxsize
+                bodies, contacts, r, scene["duration"], None, *start, sys.maxsize
             )
         )
         yield Run(f"rtol={rtol:g}", seconds, error_of(case, exact, found))
@@ -113,7 +113,7 @@ def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
         def run(dt: float = dt, rule: ao.Newmark = rule) -> None:
             newmark_scene(
                 [body.stepped() for body in bodies],
-                [Joint(0, 0, 1, 0, scene["law"], 0.0)],
+                [Contact(0, 0, 1, 0, scene["law"], 0.0)],
                 rule=rule,
                 dt=dt,
                 duration=scene["duration"],

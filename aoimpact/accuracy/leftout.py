@@ -18,7 +18,7 @@ from ..base import AOImpactError, held_warnings
 from ..integrate import Events
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..results import LeftOut, Result, Run
-from ..scene import FullBody, Joint, Plan
+from ..scene import Contact, FullBody, Plan
 from .compliance import ComplianceError, compliance_error
 from .quantities import Quantity, number_errors
 from .solve import TimeSolver, solve
@@ -62,7 +62,12 @@ class LeftOutFinder:
         plan = run.plan
         if any(isinstance(body, FullBody) for body in plan.bodies):
             return LeftOut()  # each run of such a body costs as much as the first
-        found = [_of_joint(plan, run.events[i], joint) for i, joint in enumerate(plan.joints)]
+        found = [
+            _of_contact(plan, events, contact)
+            for events, contact in zip(run.events, plan.contacts, strict=True)
+        ]
+            _of_contact(plan, run.events[i], contact) for i, contact in enumerate(plan.contacts)
+        ]
         if None in found:
             return LeftOut()
         known = [ends for ends in found if ends]
@@ -103,7 +108,7 @@ class _Altered:
     scale: float = 1.0
 
 
-def _of_joint(plan: Plan, events: Events, joint: Joint) -> list[ComplianceError] | None:
+def _of_contact(plan: Plan, events: Events, contact: Contact) -> list[ComplianceError] | None:
     """What the compliances at a contact leave out; none of models given by numbers."""
     if not events.contacts:
         return []
@@ -112,9 +117,9 @@ def _of_joint(plan: Plan, events: Events, joint: Joint) -> list[ComplianceError]
     )
     if contact_time <= 0.0:
         return []
-    law = own_law(joint.law)
+    law = own_law(contact.law)
     found = []
-    for body, port in joint.ports:
+    for body, port in contact.ports:
         model = plan.bodies[body].model
         points = getattr(model, "contact_points", ())
         if not points:
@@ -154,19 +159,19 @@ def _depth(law: ContactLaw, force: float) -> float:
 def _in_series(run: Run, compliances: Sequence[float]) -> _Altered:
     """The laws with so much compliance, m/N, more or less in series with each."""
     slopes = [
-        _slope(own_law(joint.law), events.peak_force) if events.contacts else 0.0
-        for joint, events in zip(run.plan.joints, run.events, strict=True)
+        _slope(own_law(contact.law), events.peak_force) if events.contacts else 0.0
+        for contact, events in zip(run.plan.contacts, run.events, strict=True)
     ]
     shares = [slope * change for slope, change in zip(slopes, compliances, strict=True)]
     largest = max(shares, default=0.0)
     if largest == 0.0:
         return _Altered(None)
     scale = max(1.0, largest / _SMALL)
-    joints = [
-        joint._replace(law=_with_compliance(joint.law, change / scale))
-        for joint, change in zip(run.plan.joints, compliances, strict=True)
+    contacts = [
+        contact._replace(law=_with_compliance(contact.law, change / scale))
+        for contact, change in zip(run.plan.contacts, compliances, strict=True)
     ]
-    return _Altered(_with(run.plan, joints), scale)
+    return _Altered(_with(run.plan, contacts), scale)
 
 
 def _slope(law: ContactLaw, force: float) -> float:
@@ -190,16 +195,16 @@ def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
 def _stiffer(run: Run, errors: Sequence[float]) -> _Altered:
     """Hertz's laws with so much more stiffness, relative."""
     scale = max(1.0, max(errors) / _SMALL)
-    joints = []
-    for joint, error in zip(run.plan.joints, errors, strict=True):
-        law = own_law(joint.law)
+    contacts = []
+    for contact, error in zip(run.plan.contacts, errors, strict=True):
+        law = own_law(contact.law)
         if error and isinstance(law, Hertz):
             law = replace(law, k=law.k * (1.0 + error / scale))
-        if isinstance(joint.law, PatchLaw):
-            law = replace(joint.law, law=law)
-        joints.append(joint._replace(law=law))
-    return _Altered(_with(run.plan, joints), scale)
+        if isinstance(contact.law, PatchLaw):
+            law = replace(contact.law, law=law)
+        contacts.append(contact._replace(law=law))
+    return _Altered(_with(run.plan, contacts), scale)
 
 
-def _with(plan: Plan, joints: Sequence[Joint]) -> Plan:
-    return replace(plan, joints=tuple(joints), energies=False)
+def _with(plan: Plan, contacts: Sequence[Contact]) -> Plan:
+    return replace(plan, contacts=tuple(contacts), energies=False)

@@ -36,8 +36,8 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
             return Run(plan, *solve_adaptive(plan, solver))
         return Run(plan, *solve_newmark(plan, solver))
     except LawLimitError as error:
-        joint = next(joint for joint in plan.joints if joint.patched)
-        masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
+        contact = next(contact for contact in plan.contacts if contact.patched)
+        masses = (plan.bodies[body].static_mass for body in (contact.first, contact.second))
         mass = 1.0 / sum(1.0 / mass for mass in masses)
-        ends = [touched(plan.bodies[body].model, port) for body, port in joint.ports]
-        raise wide_enough(error, joint.law, ends, mass, plan.fastest) from None
+        ends = [touched(plan.bodies[body].model, port) for body, port in contact.ports]
+        raise wide_enough(error, contact.law, ends, mass, plan.fastest) from None

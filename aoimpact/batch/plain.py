@@ -122,7 +122,7 @@ class _Parts:
         if messages or not all(body.centre_known for body in plan.bodies):
             return None
         target, omitted = plan.bodies[1], plan.omitted[0]
-        self.laws.append(plan.joints[0].law.for_core())
+        self.laws.append(plan.contacts[0].law.for_core())
         run = tuple(body.model for body in plan.bodies)
         return _Pair(
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),

@@ -66,7 +66,7 @@ def _contacts_of(
 
     Of a body without contact the whole record stands for both.
     """
-    ours = [of for of, joint in zip(events, plan.joints, strict=True) if joint.touches(body)]
+    ours = [of for of, contact in zip(events, plan.contacts, strict=True) if contact.touches(body)]
     peak = max(ours, key=lambda of: of.peak_force, default=None)
     if peak is None or not peak.contacts:
         return (0.0, duration), (0.0, duration), 0.0

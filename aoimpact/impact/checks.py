@@ -77,10 +77,10 @@ def warn_of_nodes(run: Run, names: Sequence[str]) -> None:
     names : sequence of str
         Of the bodies, for messages.
     """
-    for joint in run.plan.joints:
-        if not isinstance(own_law(joint.law), HertzianLaw):
+    for contact in run.plan.contacts:
+        if not isinstance(own_law(contact.law), HertzianLaw):
             continue
-        for body, port in joint.ports:
+        for body, port in contact.ports:
             tip = touched(run.plan.bodies[body].model, port)
             if tip is None or tip.patch or tip.body.mesh is None or tip in _told_of:
                 continue

@@ -110,7 +110,7 @@ def run_models(
         plan = plan_of(bodies, options.energies)
         run = record.run(plan, partial(solve, solver=options.solver))
         warn_of_misfit(run.plan, run, names)
-        if plan.joints and any(body.contact_points for body in bodies):
+        if plan.contacts and any(body.contact_points for body in bodies):
             finder = LeftOutFinder(interest(), options.solver, view, law_errors)
             run = replace(run, left_out=finder)
         done = view(run)

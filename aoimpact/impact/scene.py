@@ -25,7 +25,7 @@ from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import Solver as LinearSolver
 from ..reduction import BodyModel, FullModel, body_model, touched
 from ..results import Handle, Run
-from ..scene import Joint, Load, Plan, SceneBody, normal_gap, scene_body
+from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .defaults import Meeting, chosen_law, fitted, meeting, turned, turns
 from .run import RunOptions, run_models
@@ -70,7 +70,7 @@ class Scene:
         self._velocities: list[float] = []
         self._positions: list[float] = []
         self._names: list[str] = []
-        self._joints: list[Joint] = []
+        self._contacts: list[Contact] = []
         self._law_errors: list[float] = []  # of laws that were found from the surfaces
         self._between: dict[tuple[int, int, int, int], list[int]] = {}  # contacts at the same place
         self._loads: list[Load] = []
@@ -82,7 +82,7 @@ class Scene:
         more = ", …" if len(self._scene_bodies) > 6 else ""
         return (
             f"Scene(gravity={self.gravity:g}): {len(self._scene_bodies)} bodies ({labels}{more}), "
-            f"{len(self._joints)} contacts, {len(self._loads)} loads"
+            f"{len(self._contacts)} contacts, {len(self._loads)} loads"
         )
 
     # ------------------------------------------------------------------- building
@@ -175,20 +175,20 @@ class Scene:
         ends = (touched(self._bodies[end.body], end.at) for end in (first, second))
         between = effective_law(law, tuple(ends))
         gap = normal_gap(apart)
-        joint = Joint(first.body, first.at, second.body, second.at, between, gap)
-        beside = self._between.setdefault(joint[:4], [])
+        contact = Contact(first.body, first.at, second.body, second.at, between, gap)
+        beside = self._between.setdefault(contact[:4], [])
         for number in beside:
-            other = self._joints[number]
-            if (other.law, other.gap) == (joint.law, joint.gap):
+            other = self._contacts[number]
+            if (other.law, other.gap) == (contact.law, contact.gap):
                 raise InputError(
                     f"contact {number} is the same: {self._called(first)} and "
                     f"{self._called(second)} under the same law and gap; leave this one out, or "
                     "double the law's stiffness"
                 )
-        beside.append(len(self._joints))
-        self._joints.append(joint)
+        beside.append(len(self._contacts))
+        self._contacts.append(contact)
         self._law_errors.append(law_error)
-        return len(self._joints) - 1
+        return len(self._contacts) - 1
 
     def apply(self, body: Handle, *, force: Any) -> None:
         """Apply a force to a body's contact coordinate, along the direction of travel.
@@ -279,7 +279,7 @@ class Scene:
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts. A solver that does not keep it is refused.
-        linear_solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
+        linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
             What solves for these reduced models, as `solver` of `antioscillators`.
 
         Raises
@@ -326,12 +326,12 @@ class Scene:
     def _record(self, length: float | None) -> Record:
         if length is not None:
             return Record(length, given=True)
-        times = [met.contact_time for joint in self._joints if (met := self._meeting(joint))]
+        times = [met.contact_time for contact in self._contacts if (met := self._meeting(contact))]
         if not times:
             raise InputError(
                 "duration was left out, and cannot be foreseen where nothing meets; give it"
             )
-        gaps = max(joint.gap for joint in self._joints)
+        gaps = max(contact.gap for contact in self._contacts)
         return Record(max(times) + gaps / self._spread, given=False)
 
     @property
@@ -339,17 +339,17 @@ class Scene:
         """The largest difference of velocities, m/s."""
         return max(self._velocities) - min(self._velocities)
 
-    def _meeting(self, joint: Joint) -> Meeting | None:
-        bodies = [self._bodies[body] for body, _ in joint.ports]
-        return meeting(own_law(joint.law), bodies, self._spread)
+    def _meeting(self, contact: Contact) -> Meeting | None:
+        bodies = [self._bodies[body] for body, _ in contact.ports]
+        return meeting(own_law(contact.law), bodies, self._spread)
 
     def _fitted(self) -> list[BodyModel]:
         """The bodies with the patches that suit their contacts, where these were left open."""
         bodies = list(self._bodies)
         known: dict[tuple[BodyModel, int], BodyModel] = {}
-        for joint in self._joints:
-            met = self._meeting(joint)
-            for body, port in joint.ports:
+        for contact in self._contacts:
+            met = self._meeting(contact)
+            for body, port in contact.ports:
                 key = bodies[body], port
                 if key not in known:
                     known[key] = fitted(bodies[body], port, met)
@@ -360,8 +360,8 @@ class Scene:
         """Of each body the places where its direction of travel is to be turned round."""
         roles: dict[tuple[int, int], set[bool]] = {}
         sides: dict[ContactPoint | None, set[bool]] = {}
-        for joint in self._joints:
-            for outward, (body, port) in zip((True, False), joint.ports, strict=True):
+        for contact in self._contacts:
+            for outward, (body, port) in zip((True, False), contact.ports, strict=True):
                 roles.setdefault((body, port), set()).add(outward)
                 sides.setdefault(touched(self._bodies[body], port), set()).add(outward)
         around: list[tuple[int, ...]] = [()] * len(self._bodies)
@@ -376,13 +376,13 @@ class Scene:
 
     def _plan(self, bodies: Sequence[Any], length: float, energies: bool, preload: bool) -> Plan:
         """The plan of the bodies, or of models in their place."""
-        scene_bodies, joints = self._scene_bodies, self._joints
+        scene_bodies, contacts = self._scene_bodies, self._contacts
         if any(model != body for model, body in zip(bodies, self._bodies, strict=True)):
             scene_bodies = [
                 scene_body("body", body, speed)
                 for body, speed in zip(bodies, self._velocities, strict=True)
             ]
-            joints = [_between(joint, bodies, scene_bodies) for joint in joints]
+            contacts = [_between(contact, bodies, scene_bodies) for contact in contacts]
         for body in scene_bodies:
             if self.gravity and body.weightless:
                 warn(
@@ -393,7 +393,7 @@ class Scene:
         return Plan(
             tuple(scene_bodies),
             tuple(self._velocities),
-            tuple(joints),
+            tuple(contacts),
             tuple(self._loads),
             self.gravity,
             length,
@@ -406,11 +406,11 @@ class Scene:
         """The quantity of interest; where nothing meets, the motion of a body to be reduced."""
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
-        if quantity is None and not self._joints:
+        if quantity is None and not self._contacts:
             moved = [i for i, body in enumerate(bodies) if isinstance(body, FullModel)]
             quantity = Handle(moved[0], scene=self._mark.name) if moved else None
         interest = scene_quantity(quantity, bodies)
-        if interest.of_contacts and not self._joints:
+        if interest.of_contacts and not self._contacts:
             raise InputError(
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
                 "the handle of a body for its displacement"
@@ -418,12 +418,12 @@ class Scene:
         return interest
 
     def _refuse_overlap(self) -> None:
-        for number, joint in enumerate(self._joints):
-            if joint.gap < 0.0:
-                first, second = Handle(joint.first), Handle(joint.second)
+        for number, contact in enumerate(self._contacts):
+            if contact.gap < 0.0:
+                first, second = Handle(contact.first), Handle(contact.second)
                 raise InputError(
                     f"contact {number}: {self._called(first)} and {self._called(second)} overlap "
-                    f"by {-joint.gap:g} m at the start; change position or gap, or start with "
+                    f"by {-contact.gap:g} m at the start; change position or gap, or start with "
                     "preload=True from the rest that gravity and loads press them to"
                 )
 
@@ -439,14 +439,14 @@ def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
     return different, [places[body] for body in bodies]
 
 
-def _between(joint: Joint, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Joint:
+def _between(contact: Contact, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Contact:
     """The contact between the models that stand for its bodies."""
-    if all(math.isinf(scene_bodies[body].static_mass) for body in (joint.first, joint.second)):
+    if all(math.isinf(scene_bodies[body].static_mass) for body in (contact.first, contact.second)):
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"
         )
-    ends = tuple(touched(bodies[body], port) for body, port in joint.ports)
-    return joint._replace(law=effective_law(own_law(joint.law), ends))
+    ends = tuple(touched(bodies[body], port) for body, port in contact.ports)
+    return contact._replace(law=effective_law(own_law(contact.law), ends))
 
 
 @dataclass(frozen=True)

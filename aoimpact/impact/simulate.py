@@ -14,7 +14,7 @@ from ..laws import ContactLaw, effective_law
 from ..linalg import Solver
 from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
 from ..results import Result, Run
-from ..scene import Joint, Plan, normal_gap, scene_body
+from ..scene import Contact, Plan, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .defaults import chosen_law, fitted, meeting, turned, turns
 from .run import RunOptions, run_models
@@ -202,8 +202,8 @@ def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:
 
 
 def _result(run: Run) -> Result:
-    joint = run.plan.joints[0]
-    return Result(run=run, velocity=run.plan.velocities[0], gap=joint.gap, law=joint.law)
+    contact = run.plan.contacts[0]
+    return Result(run=run, velocity=run.plan.velocities[0], gap=contact.gap, law=contact.law)
 
 
 def plan_impact(
@@ -243,8 +243,8 @@ def plan_impact(
             "projectile and target are both of infinite mass: there is no motion between them"
         )
     between = effective_law(law, [touched(body.model) for body in bodies])
-    joint = Joint(0, 0, 1, 0, between, normal_gap(distance))
-    return Plan(bodies, (speed, 0.0), (joint,), (), 0.0, length, energies)
+    contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
+    return Plan(bodies, (speed, 0.0), (contact,), (), 0.0, length, energies)
 
 
 def _check_law(law: Any) -> None:

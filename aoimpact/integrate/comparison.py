@@ -25,8 +25,8 @@ def most_touches(run: DenseRecorder) -> int:
     if most <= 1:
         return most
     most = 1
-    for joint, small in enumerate(_least(run)):
-        of = _impulses(run, joint)
+    for contact, small in enumerate(_least(run)):
+        of = _impulses(run, contact)
         largest = of.max(initial=0.0)
         if len(of) > 1 and of.sum() - largest > LESSER * largest:
             most = max(most, 2, int((of >= small).sum()))
@@ -47,8 +47,8 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     """
     apart = [_lesser_apart(_peaks(one), _peaks(other)), _lesser_apart(_sums(one), _sums(other))]
     least = np.maximum(_least(one), _least(other))
-    for joint, small in enumerate(least):
-        apart.append(_times_apart(_touches(one, joint, small), _touches(other, joint, small)))
+    for contact, small in enumerate(least):
+        apart.append(_times_apart(_touches(one, contact, small), _touches(other, contact, small)))
     ours, theirs = _velocities(one, least), _velocities(other, least)
     fastest = max(speed, float(np.abs(np.append(ours, theirs)).max(initial=0.0)))
     if fastest > 0.0:
@@ -70,24 +70,24 @@ def _lesser_apart(ones: FloatArray, others: FloatArray) -> float:
     return float(apart.max(initial=0.0))
 
 
-def _impulses(run: DenseRecorder, joint: int) -> FloatArray:
+def _impulses(run: DenseRecorder, contact: int) -> FloatArray:
     """Of each touch of a contact, N s."""
-    return np.array([impulse for impulse, _ in run.touches[joint]])
+    return np.array([impulse for impulse, _ in run.touches[contact]])
 
 
 def _least(run: DenseRecorder) -> FloatArray:
     """The impulse of the least touch that matters, of each contact, N s."""
-    joints = range(len(run.joints))
-    largest = np.array([_impulses(run, joint).max(initial=0.0) for joint in joints])
+    contacts = range(len(run.contacts))
+    largest = np.array([_impulses(run, contact).max(initial=0.0) for contact in contacts])
     least: FloatArray = LESSER * np.maximum(largest, LESSER * largest.max(initial=0.0))
     return least
 
 
-def _touches(run: DenseRecorder, joint: int, least: float) -> FloatArray:
+def _touches(run: DenseRecorder, contact: int, least: float) -> FloatArray:
     """Start, end, impulse before, after and pace of the touches that matter, shape (5, touches)."""
-    impulses, pace = np.array(run.touches[joint]).reshape(-1, 2).T
+    impulses, pace = np.array(run.touches[contact]).reshape(-1, 2).T
     after = np.cumsum(impulses)
-    spans = np.array(run.events[joint].contacts).reshape(-1, 2)
+    spans = np.array(run.events[contact].contacts).reshape(-1, 2)
     return np.vstack([spans.T, after - impulses, after, pace])[:, impulses >= least]
 
 

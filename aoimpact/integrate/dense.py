@@ -33,8 +33,8 @@ _IN_FREE_MOTION = 240
 _MOST_VALUES = 2e7
 
 
-class CoreJoint(NamedTuple):
-    """A contact as the core's adaptive run takes it; see :class:`Joint`."""
+class CoreContact(NamedTuple):
+    """A contact as the core's adaptive run takes it; see :class:`Contact`."""
 
     first: int
     first_port: int
@@ -79,10 +79,10 @@ class DenseRecorder:
         What was run.
     rtol : float
         The tolerance asked for.
-    bodies, joints : tuples
+    bodies, contacts : tuples
         The scene, as the core takes it.
     order : ndarray, shape (contacts,), or None
-        Which contact each of the joints is, where the core takes them in another order. All else
+        Which contact of the scene each is, where the core takes them in another order. All else
         is by contacts.
     events : tuple of Events
         Of each contact; an interval that the record cuts off ends with it, one that would begin
@@ -100,7 +100,7 @@ class DenseRecorder:
     plan: Plan
     rtol: float
     bodies: tuple[tuple[Any, ...], ...]
-    joints: tuple[CoreJoint, ...]
+    contacts: tuple[CoreContact, ...]
     order: IntArray | None
     events: tuple[Events, ...]
     touches: tuple[list[Touch], ...]
@@ -173,12 +173,12 @@ class DenseRecorder:
         record = np.zeros((layout.rows, len(times)))
         _core.track_sample(*self._read_at(times), record, energies)
         if self.order is not None:
-            contacts = layout.of_contacts(record)
-            contacts[self.order] = contacts.copy()
+            recorded = layout.of_contacts(record)
+            recorded[self.order] = recorded.copy()
         return record
 
     def forces(self, times: FloatArray) -> FloatArray:
-        forces = np.zeros((len(self.joints), len(times)))
+        forces = np.zeros((len(self.contacts), len(times)))
         _core.track_forces(*self._read_at(times), forces)
         if self.order is not None:
             forces[self.order] = forces.copy()
@@ -201,7 +201,7 @@ class DenseRecorder:
     def _read_at(self, times: FloatArray) -> tuple[Any, Any, Any, Any, Any]:
         """The arguments by which the core reads its rows at ascending times, s."""
         wanted = np.ascontiguousarray(times, dtype=np.float64)
-        return self.bodies, self.joints, np.frombuffer(self.table), self.places, wanted
+        return self.bodies, self.contacts, np.frombuffer(self.table), self.places, wanted
 
 
 def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> DenseRecorder:
@@ -219,11 +219,11 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     ConvergenceError
         If the tolerance cannot be met; with the time.
     """
-    order = _order(plan) if len(plan.joints) > 2 else None
-    bodies, joints = _for_core(plan, order)
-    table, places, x, v, contacts, steps, rejected = _core.adaptive(
+    order = _order(plan) if len(plan.contacts) > 2 else None
+    bodies, contacts = _for_core(plan, order)
+    table, places, x, v, intervals, steps, rejected = _core.adaptive(
         bodies,
-        joints,
+        contacts,
         rtol,
         plan.duration,
         None if plan.rest is None else np.concatenate(plan.rest.modes),
@@ -232,15 +232,15 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
         most_steps,
     )
     if order is not None:
-        contacts = tuple([contacts[i] for i in np.argsort(order)])
-    found = [_Found(*contact) for contact in contacts]
+        intervals = tuple([intervals[i] for i in np.argsort(order)])
+    found = [_Found(*of) for of in intervals]
     if len(found) > 1:
         found = [_pressed(contact) for contact in found]
     return DenseRecorder(
         plan=plan,
         rtol=rtol,
         bodies=bodies,
-        joints=joints,
+        contacts=contacts,
         order=order,
         events=tuple(
             [Events(of.peak_force, of.peak_time, tuple(of.intervals), of.impulse) for of in found]
@@ -257,15 +257,15 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
 
 def _for_core(
     plan: Plan, order: IntArray | None
-) -> tuple[tuple[tuple[Any, ...], ...], tuple[CoreJoint, ...]]:
+) -> tuple[tuple[tuple[Any, ...], ...], tuple[CoreContact, ...]]:
     """Bodies, and contacts in an order, as the core takes them."""
-    laws = {id(joint.law): joint.law.for_core() for joint in plan.joints}  # each of them once
+    laws = {id(of.law): of.law.for_core() for of in plan.contacts}  # each of them once
     bodies = [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(plan.modal)]
-    joints = [
-        CoreJoint(j.first, j.first_port, j.second, j.second_port, j.gap, laws[id(j.law)])
-        for j in plan.joints
+    contacts = [
+        CoreContact(of.first, of.first_port, of.second, of.second_port, of.gap, laws[id(of.law)])
+        for of in plan.contacts
     ]
-    return tuple(bodies), tuple(joints if order is None else [joints[i] for i in order])
+    return tuple(bodies), tuple(contacts if order is None else [contacts[i] for i in order])
 
 
 def _pressed(contact: _Found) -> _Found:
@@ -279,7 +279,7 @@ def _pressed(contact: _Found) -> _Found:
 def _order(plan: Plan) -> IntArray | None:
     """A better order of the contacts; a wall hands the force of none on to the others."""
     couples = [body.residual is not None or bool(body.push.any()) for body in plan.modal]
-    return narrow_order([(joint.first, joint.second) for joint in plan.joints], couples)
+    return narrow_order([(contact.first, contact.second) for contact in plan.contacts], couples)
 
 
 def _thinned(times: FloatArray, most: int) -> FloatArray:

@@ -82,10 +82,10 @@ class SteppedRecorder:
     def events(self) -> tuple[Events, ...]:
         layout, rows = self.plan.layout, self.record.rows
         found = []
-        for number, joint in enumerate(self.plan.joints):
-            contact = layout.contact(rows, number)
-            one, other = (layout.body(rows, of.body).port_velocities[of.port] for of in joint.ports)
-            found.append(find_events(self.times, contact.force, contact.indentation, one - other))
+        for number, contact in enumerate(self.plan.contacts):
+            of = layout.contact(rows, number)
+            one, other = (layout.body(rows, i).port_velocities[port] for i, port in contact.ports)
+            found.append(find_events(self.times, of.force, of.indentation, one - other))
         return tuple(found)
 
     def motion(self, body: int) -> ForcedMotion:
@@ -120,8 +120,8 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
             "fifth, or a damper stops the bodies within a step; no digit is right. Take a "
             "smaller dt, or Newmark() without dt"
         )
-    for i, joint in enumerate(plan.joints):
-        check_width(joint.law, plan.layout.contact(record.rows, i).indentation)
+    for i, contact in enumerate(plan.contacts):
+        check_width(contact.law, plan.layout.contact(record.rows, i).indentation)
     return SteppedRecorder(plan, rule, record, run.start.ports), error
 
 
@@ -188,7 +188,7 @@ class _Stepping:
         ]
         return newmark_scene(
             bodies,
-            plan.joints,
+            plan.contacts,
             plan.loads,
             rule=self.rule,
             dt=dt,
@@ -235,10 +235,10 @@ class _Stepping:
         plan, shortest = self.plan, self.plan.duration / 20.0
         if plan.fastest == 0.0:
             return shortest
-        for joint in plan.joints:
-            masses = plan.bodies[joint.first].static_mass, plan.bodies[joint.second].static_mass
+        for contact in plan.contacts:
+            masses = plan.bodies[contact.first].static_mass, plan.bodies[contact.second].static_mass
             mass = 1.0 / sum(1.0 / mass for mass in masses)
-            time = rigid_contact_time(joint.law, mass, plan.fastest)
+            time = rigid_contact_time(contact.law, mass, plan.fastest)
             shortest = min(shortest, time / _FIRST_STEPS)
         return shortest
 

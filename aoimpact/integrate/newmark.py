@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import _core
 from ..base import ConvergenceError, FloatArray, Frozen, InputError, boolean, positive, real
-from ..scene import Joint, Load, RecordLayout, SteppedBody
+from ..scene import Contact, Load, RecordLayout, SteppedBody
 
 __all__ = ["Newmark", "Record", "newmark_scene", "steps_of"]
 
@@ -96,7 +96,7 @@ class Record(Frozen):
 
 def newmark_scene(
     bodies: Sequence[SteppedBody],
-    contacts: Sequence[Joint],
+    contacts: Sequence[Contact],
     loads: Sequence[Load] = (),
     *,
     rule: Newmark,
@@ -111,7 +111,7 @@ def newmark_scene(
     ----------
     bodies : sequence of SteppedBody
         Their u and v, the initial state, are overwritten by the final one.
-    contacts : sequence of Joint
+    contacts : sequence of Contact
         Those that share a body are near each other.
     loads : sequence of Load, optional
     rule : Newmark

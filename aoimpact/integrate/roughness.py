@@ -6,7 +6,7 @@ import numpy as np
 
 from ..base import ConvergenceError
 from ..laws import ContactLaw, UserLaw
-from ..scene import Joint, Plan
+from ..scene import Contact, Plan
 from .tolerances import ROUGHEST
 
 __all__ = ["refuse_rough", "scatter"]
@@ -31,9 +31,9 @@ def refuse_rough(plan: Plan, rtol: float) -> None:
     ConvergenceError
         If a law is not.
     """
-    for number, joint in enumerate(plan.joints):
-        if isinstance(joint.law, UserLaw):
-            share = scatter(joint.law, _depth(plan, joint), plan.fastest)
+    for number, contact in enumerate(plan.contacts):
+        if isinstance(contact.law, UserLaw):
+            share = scatter(contact.law, _depth(plan, contact), plan.fastest)
             if share > min(rtol, ROUGHEST):
                 raise ConvergenceError(
                     f"contact {number}: the user's law is not smooth to the tolerance "
@@ -70,12 +70,12 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
     return float(np.median(found)) if found else 0.0
 
 
-def _depth(plan: Plan, joint: Joint) -> float:
+def _depth(plan: Plan, contact: Contact) -> float:
     """The deepest indentation of rigid bodies; a micrometre where that is not known."""
-    masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
+    masses = (plan.bodies[body].static_mass for body in (contact.first, contact.second))
     energy = 0.5 * plan.fastest**2 / sum(1.0 / mass for mass in masses)
     try:
         with np.errstate(all="ignore"):
-            return joint.law.stroke(energy) if energy > 0.0 else _SOME
+            return contact.law.stroke(energy) if energy > 0.0 else _SOME
     except Exception:  # the user's law raises where a run may never come
         return _SOME

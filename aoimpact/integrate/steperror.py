@@ -40,7 +40,7 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> flo
     float
         1.0 where no digit is known.
     """
-    joints = range(len(plan.joints))
+    contacts = range(len(plan.contacts))
     forces = [list(plan.layout.forces(record.rows)) for record in (fine, coarse, coarser)]
     if not any(force.any() for record in forces for force in record):
         return 0.0
@@ -48,7 +48,7 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> flo
     if near is None or far is None:
         return 1.0
     weight = _weights(np.array([force.max() for force in forces[0]]))
-    alone = [weight[joint] * _touch_error(plan, fine, joint) for joint in joints]
+    alone = [weight[contact] * _touch_error(plan, fine, contact) for contact in contacts]
     # At second order this change is three times the error, and a quarter of the one before.
     error = max([near, far / 4.0, *alone])
     return error if error <= NO_DIGIT else 1.0
@@ -87,15 +87,15 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
     return (apart, max(peaks)), (abs(sums[0] - sums[1]), max(map(abs, sums)))
 
 
-def _touch_error(plan: Plan, record: Record, joint: int) -> float:
+def _touch_error(plan: Plan, record: Record, contact: int) -> float:
     """Bound the relative error of a peak force from touches at which the force jumps.
 
     A step knows of a touch only at its end. Up to one step of the jump is then missing: as momentum
     of the touch, and, where the jump is the peak, as what the force has lost since. Two runs may
     miss the same, so their difference does not show it.
     """
-    law = plan.joints[joint].law
-    force, indentation = plan.layout.contact(record.rows, joint)[:2]
+    law = plan.contacts[contact].law
+    force, indentation = plan.layout.contact(record.rows, contact)[:2]
     peak = float(force.max())
     first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
     if force[0] == peak > 0.0 and not force[1:2].any():
@@ -105,7 +105,7 @@ def _touch_error(plan: Plan, record: Record, joint: int) -> float:
     rate = (indentation[first] - indentation[first - 1]) / record.dt
     jump = law.force(np.full(len(first), _AT_TOUCH * indentation.max()), rate)
     # What has mass comes with the rate of before; it may lose most of that within the step.
-    before = np.maximum(_approach(plan, record, joint)[first - 1], 0.0)
+    before = np.maximum(_approach(plan, record, contact)[first - 1], 0.0)
     missed = law.force(before * record.dt, before).max() - peak
     impulse = record.dt * float(np.add.reduceat(force, first).max())
     top = int(force.argmax())
@@ -117,10 +117,10 @@ def _touch_error(plan: Plan, record: Record, joint: int) -> float:
     return min(1.0, worst)
 
 
-def _approach(plan: Plan, record: Record, joint: int) -> FloatArray:
+def _approach(plan: Plan, record: Record, contact: int) -> FloatArray:
     """The rate of indentation of a contact of bodies with mass; none where one has not."""
     rates = np.zeros(len(record.t))
-    for (body, port), sign in zip(plan.joints[joint].ports, (1.0, -1.0), strict=True):
+    for (body, port), sign in zip(plan.contacts[contact].ports, (1.0, -1.0), strict=True):
         if plan.bodies[body].massless:
             return np.zeros(len(record.t))
         rates += sign * plan.layout.body(record.rows, body).port_velocities[port]

@@ -58,7 +58,7 @@ def _refuse_gain(plan: Plan, run: DenseRecorder) -> None:
         With the shortest touch.
     """
     fed = plan.gravity or plan.loads or plan.preload
-    if fed or any(isinstance(joint.law, UserLaw) for joint in plan.joints):
+    if fed or any(isinstance(contact.law, UserLaw) for contact in plan.contacts):
         return
     bodies = [body.modal for body in plan.bodies]
     pairs = list(zip(bodies, plan.velocities, strict=True))

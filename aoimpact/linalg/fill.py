@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-__all__ = ["Graph", "direct_seconds", "factor_entries", "graph_of", "graph_width"]
+__all__ = ["direct_seconds", "factor_entries", "graph_width"]
 
 Order = npt.NDArray[np.int32]
 
@@ -20,38 +19,6 @@ Order = npt.NDArray[np.int32]
 # 26 … 124 solutions, within a factor of 1.7 of this.
 _SOLUTION = 1e-9
 _ORDERING, _ELIMINATION = 20.0, 0.06
-
-
-@dataclass(frozen=True, eq=False)
-class Graph:
-    """How the dofs of a body are coupled.
-
-    Attributes
-    ----------
-    width : float
-        Dofs that a cut through the body passes, on average; see `graph_width`.
-    order : ndarray of int, shape (n,)
-        The dofs from one end of the body to the other (reverse Cuthill-McKee).
-    bandwidth : int
-        How far apart in this order two coupled dofs are at most.
-    """
-
-    width: float
-    order: Order
-    bandwidth: int
-
-
-def graph_of(K: Any, M: Any) -> Graph:
-    """Return the graph of K + s²M for symmetric K and M, csr_array of shape (n, n)."""
-    order = sp.csgraph.reverse_cuthill_mckee(K, symmetric_mode=True)
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order), dtype=order.dtype)
-    return Graph(graph_width(K), order, max(_bandwidth(K, place), _bandwidth(M, place)))
-
-
-def _bandwidth(matrix: Any, place: Order) -> int:
-    rows = np.repeat(place, np.diff(matrix.indptr))
-    return int(np.abs(rows - place[matrix.indices]).max(initial=0))
 
 
 def factor_entries(n: int, width: float, per_root_width: float) -> float:

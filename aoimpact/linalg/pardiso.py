@@ -52,7 +52,7 @@ class _Factors:
     def __init__(self, pencil: Pencil) -> None:
         self._pencil, self._s2 = pencil, math.nan
         self._solver = _pardiso(pencil.what)
-        wide = pencil.graph.width > _WIDE
+        wide = pencil.width > _WIDE
         for place, value in (_WIDE_OPTIONS if wide else _NARROW_OPTIONS).items():
             self._solver.set_iparm(place, value)
         matrix = pencil.matrix()
@@ -123,7 +123,7 @@ def _set_up(pencil: Pencil) -> Inverse:
 
 
 def _entries(pencil: Pencil) -> float:
-    return factor_entries(pencil.n, pencil.graph.width, _PER_ROOT_WIDTH)
+    return factor_entries(pencil.n, pencil.width, _PER_ROOT_WIDTH)
 
 
 def _memory(pencil: Pencil) -> float:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray
-from .fill import Graph, graph_of
+from .fill import graph_width
 
 __all__ = ["Pencil"]
 
@@ -35,8 +35,8 @@ class Pencil:
     mesh : Mesh, optional
     diagonals : tuple of ndarray, shape (n,)
         Of K and M; found if not given.
-    graph : Graph
-        Found if not given.
+    width : float
+        Dofs that a cut through the body passes, on average; found if not given, see `graph_width`.
     """
 
     K: Any
@@ -46,11 +46,11 @@ class Pencil:
     free: npt.NDArray[np.int64] | None = None
     mesh: Any = None
     diagonals: tuple[FloatArray, FloatArray] | None = None
-    graph: Graph = None  # type: ignore[assignment]
+    width: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.graph is None:
-            object.__setattr__(self, "graph", graph_of(self.K, self.M))
+        if not self.width:
+            object.__setattr__(self, "width", graph_width(self.K))
         if self.diagonals is None:
             object.__setattr__(self, "diagonals", (self.K.diagonal(), self.M.diagonal()))
 

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputTypeError, available, choice, require
-from .banded import BANDED
 from .method import Inverse, Method, Solve
 from .multigrid import MULTIGRID
 from .pardiso import PARDISO
@@ -37,7 +36,7 @@ __all__ = [
 # that takes f and returns (K + s²M)⁻¹ f, as scipy.sparse.linalg.factorized does.
 Solver = str | Callable[[Any], Solve]
 
-METHODS = {method.name: method for method in (BANDED, SUPERLU, PARDISO, MULTIGRID)}
+METHODS = {method.name: method for method in (SUPERLU, PARDISO, MULTIGRID)}
 
 # Taken where nothing fits into memory by the estimates: it needs the least for large bodies.
 _LAST_RESORT = MULTIGRID
@@ -189,13 +188,12 @@ def linear_solver(
     Parameters
     ----------
     pencil : Pencil
-    solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
-        "banded" (LAPACK) suits slender bodies and no others; "superlu" comes with SciPy; "pardiso",
-        with ``pip install aoimpact[direct]``, is several times faster and takes half the memory;
-        "multigrid" goes on where factors grow too large, at its best with the mesh, well with
-        nodes, slowly without. "auto" takes what will be quickest and fits into memory. A callable
-        gets K + s²M (`scipy.sparse.csc_array`) and returns a callable that solves for a right-hand
-        side (n,), e.g. ``scipy.sparse.linalg.factorized``.
+    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
+        "superlu" comes with SciPy; "pardiso", with ``pip install aoimpact[direct]``, is several
+        times faster and takes half the memory; "multigrid" goes on where factors grow too large, at
+        its best with the mesh, well with nodes, slowly without. "auto" takes what will be quickest
+        and fits into memory. A callable gets K + s²M (`scipy.sparse.csc_array`) and returns a
+        callable that solves for a right-hand side (n,), e.g. ``scipy.sparse.linalg.factorized``.
     solutions : int, optional
         How many solutions it is to serve, roughly: "auto" factorises sooner for many.
 

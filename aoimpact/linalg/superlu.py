@@ -194,7 +194,7 @@ def _set_up(pencil: Pencil) -> Inverse:
 
 
 def _entries(pencil: Pencil) -> float:
-    return factor_entries(pencil.n, pencil.graph.width, _PER_ROOT_WIDTH)
+    return factor_entries(pencil.n, pencil.width, _PER_ROOT_WIDTH)
 
 
 def _memory(pencil: Pencil) -> float:

@@ -204,7 +204,7 @@ def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
     tip : ContactPoint
     n : int
         Number of modes, rigid ones included, 1 … n_dofs.
-    solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
+    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
 
     Raises

@@ -214,7 +214,7 @@ def antioscillators(
         How long the contact lasts, s, roughly ("krylov" only); else estimated, see `KrylovSpace`.
     duration : float, optional
         How long the motion is to be right, s, if much longer than the contact ("krylov" only).
-    solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
+    solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
 
     Returns

@@ -50,8 +50,8 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
     if not any(map(fitted_time, models)):
         return
     said = set()
-    for joint, events in zip(plan.joints, run.events, strict=True):
-        for body, port in joint.ports:
+    for contact, events in zip(plan.contacts, run.events, strict=True):
+        for body, port in contact.ports:
             fitted = fitted_time(models[body])
             if fitted is None or body in said or not events.contacts:
                 continue
@@ -94,7 +94,7 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
         return
     start = min(touches)[0]
     since = float(run.t[-1]) - start
-    ports = {joint.port_of(body) for joint in plan.joints if joint.touches(body)}
+    ports = {contact.port_of(body) for contact in plan.contacts if contact.touches(body)}
     if since > fitted and not all(knows(model, since, port, _BALANCED_AFTER) for port in ports):
         warn(
             f"displacement and velocity of a body that was fitted to a contact of "
@@ -123,7 +123,7 @@ def _touches(plan: Plan, run: Run, body: int) -> list[tuple[float, float]]:
     """Start and end of every contact of a body, s."""
     return [
         touch
-        for joint, of in zip(plan.joints, run.events, strict=True)
-        if joint.touches(body)
+        for contact, of in zip(plan.contacts, run.events, strict=True)
+        if contact.touches(body)
         for touch in of.contacts
     ]

@@ -2,7 +2,7 @@
 
 from .bodies import StarBody, scene_body
 from .body import SceneBody
-from .contact import FreeMotion, Joint, Load, normal_gap
+from .contact import Contact, FreeMotion, Load, normal_gap
 from .full_body import FullBody
 from .plan import Plan
 from .rows import BodyRows, RecordLayout
@@ -10,10 +10,10 @@ from .stepped import Equations, SteppedBody
 
 __all__ = [
     "BodyRows",
+    "Contact",
     "Equations",
     "FreeMotion",
     "FullBody",
-    "Joint",
     "Load",
     "Plan",
     "RecordLayout",

@@ -10,7 +10,7 @@ from ..base import FloatArray
 from ..laws import ContactLaw, PatchLaw, Tabulated
 from .rows import BodyRows
 
-__all__ = ["FreeMotion", "Joint", "Load", "OmittedMass", "Port", "normal_gap"]
+__all__ = ["Contact", "FreeMotion", "Load", "OmittedMass", "Port", "normal_gap"]
 
 
 def normal_gap(gap: float) -> float:
@@ -31,7 +31,7 @@ class Port(NamedTuple):
     port: int
 
 
-class Joint(NamedTuple):
+class Contact(NamedTuple):
     """A contact of two bodies.
 
     Attributes

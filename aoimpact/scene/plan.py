@@ -13,7 +13,7 @@ import numpy as np
 from ..base import FloatArray
 from ..reduction import ModalBody
 from .body import SceneBody, State
-from .contact import FreeMotion, Joint, Load, OmittedMass
+from .contact import Contact, FreeMotion, Load, OmittedMass
 from .preload import Equilibrium, equilibrium
 from .rows import RecordLayout
 
@@ -29,7 +29,7 @@ class Plan:
     bodies : sequence of SceneBody
     velocities : sequence of float
         m/s.
-    joints : sequence of Joint
+    contacts : sequence of Contact
     loads : sequence of Load
     gravity : float
         m/s², along the direction of travel.
@@ -45,7 +45,7 @@ class Plan:
 
     bodies: Sequence[SceneBody]
     velocities: Sequence[float]
-    joints: Sequence[Joint]
+    contacts: Sequence[Contact]
     loads: Sequence[Load]
     gravity: float
     duration: float
@@ -66,7 +66,7 @@ class Plan:
     @cached_property
     def layout(self) -> RecordLayout:
         """Where the rows of a record stand."""
-        return RecordLayout(len(self.joints), tuple(body.ports for body in self.bodies))
+        return RecordLayout(len(self.contacts), tuple(body.ports for body in self.bodies))
 
     @cached_property
     def omitted(self) -> tuple[OmittedMass | None, ...]:
@@ -115,11 +115,11 @@ class Plan:
             The contact forces then, N.
         """
         found = np.zeros((self.bodies[body].ports, len(times)))
-        for joint, force in zip(self.joints, forces, strict=True):
-            if joint.first == body:
-                found[joint.first_port] -= force
-            if joint.second == body:
-                found[joint.second_port] += force
+        for contact, force in zip(self.contacts, forces, strict=True):
+            if contact.first == body:
+                found[contact.first_port] -= force
+            if contact.second == body:
+                found[contact.second_port] += force
         for load in self._loads_of.get(body, []):
             found[load.port] += np.interp(times, load.times, load.forces)
         return np.vstack([found, np.ones((1, len(times)))]) if self.gravity else found
@@ -142,7 +142,7 @@ class Plan:
         if not self.preload:
             return None
         forces = [self._loaded(body) for body in range(len(self.bodies))]
-        return equilibrium(self.modal, self.joints, gravity=self.gravity, forces=forces)
+        return equilibrium(self.modal, self.contacts, gravity=self.gravity, forces=forces)
 
     def start_of(self, body: int) -> State | None:
         """Return the state that is stepped from, if that is not moving undeformed."""
@@ -168,7 +168,9 @@ class Plan:
     @property
     def fastest(self) -> float:
         """The largest speed at which the bodies of a contact may meet, m/s."""
-        speeds = [abs(self.velocities[j.first] - self.velocities[j.second]) for j in self.joints]
+        speeds = [
+            abs(self.velocities[of.first] - self.velocities[of.second]) for of in self.contacts
+        ]
         fall = abs(self.gravity) * self.duration
-        drop = [math.sqrt(2.0 * abs(self.gravity) * abs(j.gap)) for j in self.joints]
+        drop = [math.sqrt(2.0 * abs(self.gravity) * abs(of.gap)) for of in self.contacts]
         return max([*speeds, *(min(fall, d) for d in drop if d), 0.0])

@@ -15,42 +15,54 @@ import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputError, LawLimitError
 from ..reduction import ModalBody
-from .contact import Joint
+from .contact import Contact
 from .network import ContactNetwork, LinearNetwork
 from .springs import Springs
 
 __all__ = ["Equilibrium", "equilibrium"]
 
 
-_MOST_STEPS = 2000
-
-# Steps after which the imbalance must be half of what it was, or the energy lower.
-_PATIENCE = 40
-
-# The damping of the next step after one that comes nearer to balance, and after one that does not.
-_TIGHTER, _LOOSER, _MOST_DAMPING = 0.2, 10.0, 1e12
-
 _EPSILON = float(np.finfo(np.float64).eps)
 
-# Energies that differ by less are the same.
+# What a constant was measured on is tests/scene/test_preload.py, with other values of it.
+
+# A bound, where every step gains a little: 300 do.
+_MOST_STEPS = 2000
+
+# Steps after which the imbalance must be half of what it was, or the energy lower. With 10 a stiff
+# loop is given up too early; without it scenes that have no rest take twice as long to say so.
+_PATIENCE = 40
+
+# The damping of the next step after one that comes nearer to balance, and after one that does not:
+# 0.1 to 0.5, and 3 to 100, take the same time within a tenth. With more than the last a step no
+# longer changes the coordinates.
+_TIGHTER, _LOOSER, _MOST_DAMPING = 0.2, 10.0, 1.0 / _EPSILON
+
+# Energies that differ by less are the same: sums of many terms that cancel. 1e-12 does as well,
+# and with none the last steps are refused.
 _ROUNDING = 1e-9
 
-# A body displaced this far falls for ever, m; farther, energies overflow.
+# A body displaced this far falls for ever, m: squares of it are still numbers.
 _FARTHEST = 1e100
 
 # Imbalance that counts as none, relative to the forces on the same coordinate; and, where
-# iterations gain no more, relative to the largest force.
+# iterations gain no more, relative to the largest force. Ten times as much, and for the first a
+# tenth, does as well; without the second what touches without force comes to no rest.
 _BALANCED, _SETTLED = 1e-12, 1e-14
 
 # A force that nothing would carry even if all contacts stuck makes a body fall for ever, if it is
-# more than these shares of the imbalance and of all forces.
+# more than these shares of the imbalance and of all forces: less is on its way to balance. From
+# 1e-6 to 0.1, and up to 1e-6, the same scenes are refused.
 _UNCONSTRAINED, _UNCONSTRAINED_OF_ALL = 1e-3, 1e-9
 
-# Rounding of positions, in units in the last place; the largest share of the forces that may come
-# of it; and the share of the first overlap's forces below which forces are none.
+# Rounding of positions, in units in the last place, one for each of the sums that make up an
+# indentation (with 16, rows that are determined are refused); the largest share of the forces that
+# may come of it: six digits, as a run has (with 1e-8 such rows are refused); and the share of the
+# first overlap's forces below which forces are none (1e-6 does as well).
 _UNITS, _DETERMINED, _NEGLIGIBLE = 4.0, 1e-6, 1e-9
 
-# With more contacts no closed loops are looked for, at a cost that grows with their cube.
+# With more contacts no closed loops are looked for, at a cost that grows with their cube: it is
+# for a message only.
 _MOST_LOOPED = 1000
 
 
@@ -209,7 +221,7 @@ class _Statics:
             return
         worst = int(rounding.argmax())
         loop = (
-            "; its bodies are held by a closed loop of contacts, which is statically indeterminate "
+            "; its bodies are in a closed loop of contacts, which is statically indeterminate "
             "where these do not deform"
             if self._in_loop(at)
             else ""
@@ -259,7 +271,7 @@ class _Statics:
 
 def equilibrium(
     bodies: Sequence[ModalBody],
-    contacts: Sequence[Joint],
+    contacts: Sequence[Contact],
     *,
     gravity: float,
     forces: Sequence[FloatArray],
@@ -269,7 +281,7 @@ def equilibrium(
     Parameters
     ----------
     bodies : sequence of ModalBody
-    contacts : sequence of Joint
+    contacts : sequence of Contact
     gravity : float
         m/s².
     forces : sequence of ndarrays, shape (p,)

@@ -128,11 +128,11 @@ class Builder:
                     )
                 motion = {key: member[key] for key in ("velocity", "position") if key in member}
                 handles[name], bodies[name] = scene.add(body, **motion, name=name), body
-        for i, joint in enumerate(table.get("contacts", ())):
+        for i, contact in enumerate(table.get("contacts", ())):
             law = self._law("scene", "contacts", i)
             with self.located("scene", "contacts", i):
-                first, second = (_handle(handles, end) for end in joint["between"])
-                scene.connect(first, second, law, gap=joint.get("gap", 0.0))
+                first, second = (_handle(handles, end) for end in contact["between"])
+                scene.connect(first, second, law, gap=contact.get("gap", 0.0))
         for i, load in enumerate(table.get("loads", ())):
             with self.located("scene", "loads", i):
                 force = (load["times"], load["forces"]) if "times" in load else load["force"]

@@ -222,7 +222,7 @@ _MEMBER = Table(
 
 _END = Either((Text(), Table({"body": needed(Text()), "port": optional(Integer())})))
 
-_JOINT = Table(
+_BETWEEN = Table(
     {
         "between": needed(Listed(_END, 2)),
         "law": needed(_LAW),
@@ -253,7 +253,7 @@ _SCENE = Table(
         "gravity": optional(Number("m/s²")),
         "preload": optional(Flag()),
         "bodies": needed(Listed(_MEMBER)),
-        "contacts": optional(Listed(_JOINT)),
+        "contacts": optional(Listed(_BETWEEN)),
         "loads": optional(Listed(_LOAD)),
     }
     | _RUN

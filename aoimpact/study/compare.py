@@ -60,7 +60,7 @@ def compare(
     full : bool, optional
         Whether to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
         to that; without it, to the model of the most oscillators.
-    linear_solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
+    linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         What solves for the reduced models, as `solver` of `antioscillators`.
 
     Raises

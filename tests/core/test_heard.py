@@ -93,15 +93,15 @@ def krylov() -> Call:
 
 
 def track(count: int) -> tuple[tuple[object, ...], Array]:
-    """Bodies, joints, track and index of a flight in so many modes, and times to sample it at."""
+    """Bodies, contacts, track and index of a flight in so many modes, and times to sample it at."""
     bodies = body(np.linspace(0.0, 1e4, count)), body(np.zeros(1))
-    joints = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
+    contacts = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
     moving = np.zeros(count), np.zeros(1)
     table, index, *_ = _core.adaptive(
-        bodies, joints, 1e-6, 1.0, None, moving, (0.0, 0.0), sys.maxsize
+        bodies, contacts, 1e-6, 1.0, None, moving, (0.0, 0.0), sys.maxsize
     )
     times = np.linspace(0.0, 1.0, 20_000_000 // count)
-    return (bodies, joints, np.frombuffer(table), index), times
+    return (bodies, contacts, np.frombuffer(table), index), times
 
 
 def sample() -> Call:
@@ -125,10 +125,10 @@ def forces() -> Call:
 def touch() -> Call:
     """Two modes that beat, seldom so far that they touch the wall."""
     bodies = body(1e6 * numbers(1.0, 1.0 + 1e-9)), body(np.zeros(1))
-    joints = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
+    contacts = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
     moving = np.zeros(2), np.zeros(1)
     return lambda: _core.adaptive(
-        bodies, joints, 1e-6, 1e3, numbers(0.6, -0.6, 0.0), moving, (0.0, 0.0), sys.maxsize
+        bodies, contacts, 1e-6, 1e3, numbers(0.6, -0.6, 0.0), moving, (0.0, 0.0), sys.maxsize
     )
 
 

@@ -13,7 +13,7 @@ import aoimpact as ao
 from aoimpact.fem.damping import ModalDamping, Rayleigh
 from aoimpact.integrate import solve_adaptive
 from aoimpact.integrate.motion import DenseMotion, ForcedMotion
-from aoimpact.scene import Equations, Joint, Load, Plan, scene_body
+from aoimpact.scene import Contact, Equations, Load, Plan, scene_body
 
 from slender import beam
 
@@ -127,7 +127,7 @@ def motions(target: ao.AOModel, *, loaded: bool = False) -> tuple[DenseMotion, D
     """The ball and the target of an impact at 1 m/s, the target pushed about as well."""
     loads = (Load(1, 0, *PULSE),) if loaded else ()
     bodies = scene_body("ball", BALL, 1.0), scene_body("target", target, 0.0)
-    plan = Plan(bodies, (1.0, 0.0), (Joint(0, 0, 1, 0, LAW, 0.0),), loads, 0.0, DURATION, True)
+    plan = Plan(bodies, (1.0, 0.0), (Contact(0, 0, 1, 0, LAW, 0.0),), loads, 0.0, DURATION, True)
     run = solve_adaptive(plan, ao.Adaptive(rtol=1e-10))[0]
     return run.motion(0), run.motion(1)
 

@@ -12,7 +12,7 @@ from scipy.special import gamma
 
 import aoimpact as ao
 from aoimpact.integrate.newmark import Newmark, newmark_scene
-from aoimpact.scene import Joint, Load, StarBody, scene_body
+from aoimpact.scene import Contact, Load, StarBody, scene_body
 from aoimpact.scene.stepped import SteppedModes
 
 from slender import beam, rod
@@ -212,7 +212,7 @@ def row_of_balls(count, dt, duration, law=HERTZ, velocity=1.0):
     balls = [
         StarBody(ao.rigid(mass=MASS), velocity if i == 0 else 0.0).stepped() for i in range(count)
     ]
-    contacts = [Joint(i, 0, i + 1, 0, law, 0.0) for i in range(count - 1)]
+    contacts = [Contact(i, 0, i + 1, 0, law, 0.0) for i in range(count - 1)]
     record = newmark_scene(balls, contacts, rule=rule, dt=dt, duration=duration)
     bodies = record.rows[4 * (count - 1) :].reshape(count, 8, -1)
     return record, record.rows[: 4 * (count - 1)].reshape(count - 1, 4, -1), bodies
@@ -279,7 +279,7 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     runs = []
     for body in (full_body, in_modes):
         balls = [StarBody(ao.rigid(mass=0.1), v).stepped() for v in (0.1, 0.2)]
-        contacts = [Joint(0, 0, 2, 0, law, 0.0), Joint(1, 0, 2, 1, law, 0.01)]
+        contacts = [Contact(0, 0, 2, 0, law, 0.0), Contact(1, 0, 2, 1, law, 0.01)]
         loads = [Load(2, 1, np.array([0.0, 1.0]), np.array([0.0, 0.05]))]
         runs.append(newmark_scene([*balls, body], contacts, loads, rule=rule, dt=dt, duration=4.0))
     full, modes = runs
@@ -300,7 +300,7 @@ def test_everything_at_once_balances():
     ]
     law = ao.Linear(k=1e6)
     ends = (0, 1, 0.0), (1, 2, 1e-6), (0, 2, 2e-5)
-    contacts = [Joint(first, 0, second, 0, law, gap) for first, second, gap in ends]
+    contacts = [Contact(first, 0, second, 0, law, gap) for first, second, gap in ends]
     loads = [Load(2, 0, np.array([0.0, 1e-3]), np.array([3.0, -8.0]))]
     record = newmark_scene(bodies, contacts, loads, rule=rule, dt=dt, duration=2e-3)
     of_contacts, of_bodies = record.rows[:12].reshape(3, 4, -1), record.rows[12:].reshape(3, 8, -1)

@@ -20,7 +20,7 @@ from slender import rod
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
 needs_pardiso = pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
-DIRECT = ["superlu", "banded", pytest.param("pardiso", marks=needs_pardiso)]
+DIRECT = ["superlu", pytest.param("pardiso", marks=needs_pardiso)]
 EVERY = [*DIRECT, "multigrid", pytest.param(spla.factorized, id="a function")]
 
 
@@ -175,19 +175,6 @@ def test_a_body_of_a_million_dofs_is_left_to_iterations():
         for name, method in METHODS.items()
     }
     assert min(seconds, key=seconds.get) == "multigrid"
-    assert seconds["banded"] == np.inf
-
-
-def test_the_band_holds_what_m_couples_too():
-    """K may know nothing of it: a chain of masses that M couples from end to end."""
-    K = sp.eye_array(50, format="csr")
-    M = sp.eye_array(50).tolil()
-    M[0, 49] = M[49, 0] = 0.5
-    pencil = Pencil(K, sp.csr_array(M), 1.0)
-    assert pencil.graph.bandwidth == 49
-    x = np.arange(50.0)
-    found = linear_solver(pencil, "banded").solve(pencil.product(x))
-    np.testing.assert_allclose(found, x, atol=1e-12)
 
 
 def test_width_of_a_graph():
