@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -37,7 +37,14 @@ from .damping import Damping
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
-from .touch import Touch, automatic_radius, check_pressing, touched, warn_if_coarse
+from .touch import (
+    Touch,
+    automatic_radius,
+    check_pressing,
+    thickness,
+    touched,
+    warn_if_coarse,
+)
 
 __all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
 
@@ -147,6 +154,14 @@ class ContactPoint(Frozen):
                 f"{name} must have entries of about 1, not all zero: the largest is {size:g}"
             )
         return b
+
+    @cached_property
+    def depth(self) -> float:
+        """Thickness of the body under the point, m; infinite without a mesh."""
+        surface = self.body.surface
+        if surface is None or self.point is None or self.direction is None:
+            return math.inf
+        return thickness(surface, self.point, self.direction)
 
     @property
     def resultant(self) -> FloatArray:

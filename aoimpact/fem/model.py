@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -58,8 +59,9 @@ from .supports import Support, free_dofs
 __all__ = ["FEModel"]
 
 
-# Heavier or longer than this, a body's coordinates are more likely in millimetres.
-_HEAVY, _LONG = 1e5, 100.0
+# Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
+# likely in millimetres.
+_HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -118,6 +120,8 @@ class FEModel(Frozen):
         damping = damping_or_none(self.damping)
         self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
         if nodes is not None:
+            if mass is not None:
+                _warn_of_units(mass, float(np.ptp(nodes, axis=0).max()))
             self._set(_soft=motion_without_force(K, factors))
 
     def _set(self, **fields: Any) -> None:
@@ -180,7 +184,7 @@ class FEModel(Frozen):
             momentum = M @ translations
             mass = float(momentum[:, 0] @ translations[:, 0])
         _check_reach(mass, K, M, solid, material)
-        _warn_of_units(mass, solid.size)
+        _warn_of_units(mass, solid.size, mass / material.rho / solid.n_cells)
         if len(free) < len(momentum):
             K, M, momentum = K[free][:, free], M[free][:, free], momentum[free]
         # The matrices are right by construction: nothing of __post_init__ is needed.
@@ -434,9 +438,12 @@ def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: Material) ->
         )
 
 
-def _warn_of_units(mass: float, size: float) -> None:
-    if mass > _HEAVY or size > _LONG:
+def _warn_of_units(mass: float, size: float, volume: float = 0.0) -> None:
+    """Warn of a body whose size, mass, kg, or elements of a volume, m³, are those of a building."""
+    edge = math.cbrt(volume)
+    if mass > _HEAVY or size > _LONG or edge > _COARSE:
+        elements = f", with elements of {edge:.3g} m" if volume else ""
         warn(
-            f"the body is {size:.4g} m long and weighs {mass:.4g} kg: coordinates are taken in "
-            "metres; for millimetres use read_mesh(path, scale=1e-3)"
+            f"the body is {size:.4g} m long and weighs {mass:.4g} kg{elements}: coordinates are "
+            "taken in metres; for millimetres use read_mesh(path, scale=1e-3)"
         )

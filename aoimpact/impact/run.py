@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from ..accuracy import Quantity, R, TimeSolver, checked_linear_solver, choose_models, solve
 from ..fem import ContactPoint
 from ..linalg import Solver
-from ..results import Handle, Result, Run, warn_of_misfit
+from ..results import Handle, Result, Run, warn_of_misfit, warn_of_run
 from ..scene import Plan
 from .checks import warn_of_centres
 
@@ -73,5 +73,7 @@ def run_models(
         run = solve(plan_of(bodies, options.energies), options.solver)
         warn_of_misfit(run.plan, run, names)
         done = view(run)
-    warn_of_centres((done.run if isinstance(done, Result) else done).plan, names)
+    whole = done.run if isinstance(done, Result) else done
+    warn_of_centres(whole.plan, names)
+    warn_of_run(whole, names)
     return done

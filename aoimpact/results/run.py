@@ -28,6 +28,7 @@ from ..scene import Plan, RecordLayout
 from . import plot
 from .misfit import warn_of_later_motion
 from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate
+from .summary import support_words
 from .table import run_columns, write_csv
 
 if TYPE_CHECKING:
@@ -357,7 +358,7 @@ class Run:
 
     def _lines(self) -> list[tuple[str, str]]:
         lines = [
-            (f"body {i}", f"{body.label}{', constrained' if body.constrained else ''}")
+            (f"body {i}", f"{body.label}{support_words(body)}")
             for i, body in enumerate(self.plan.bodies[:_SHOWN])
         ]
         told = self.error.told

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, InputTypeError
-from ..fem import ContactPoint, Rayleigh
+from ..fem import ContactPoint, FEModel, Rayleigh
 from ..reduction import (
     AOModel,
     InterfaceModel,
@@ -215,6 +215,11 @@ def scene_body(name: str, body: Any, velocity: float) -> SceneBody:
         return FullBody(checked_ports(body, name), velocity)
     if isinstance(body, InterfaceModel):
         return InterfaceBody(body, velocity)
+    if isinstance(body, FEModel):
+        raise InputTypeError(
+            f"{name} is a whole {body!r}: say where it is touched by body.contact(...), such as "
+            f"{name}=body.contact(point=(x, y, z))"
+        )
     raise InputTypeError(
         f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
         "or a ContactPoint (body.contact(...), the full model; a list of them where it is touched "

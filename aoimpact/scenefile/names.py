@@ -46,6 +46,7 @@ _MATERIAL = Table(
         "E": needed(Number("Pa")),
         "nu": needed(Number()),
         "rho": needed(Number("kg/m³")),
+        "yield_strength": optional(Number("Pa")),
     }
 )
 

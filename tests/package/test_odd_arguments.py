@@ -205,7 +205,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.Newmark,
         {"dt": 1e-6, "beta": 0.25, "gamma": 0.5, "rtol": 1e-3, "estimate": True},
     ),
-    "Material": (ao.Material, {"E": 1e9, "nu": 0.3, "rho": 1e3}),
+    "Material": (
+        ao.Material,
+        {"E": 1e9, "nu": 0.3, "rho": 1e3, "yield_strength": 1e7},
+    ),
     "Rayleigh": (ao.Rayleigh, {"alpha": 1.0, "beta": 1e-6}),
     "ModalDamping": (ao.ModalDamping, {"ratio": 0.1}),
     "Hertz.between": (
