@@ -86,6 +86,8 @@ class Body(Protocol):
     @property
     def damping(self) -> Damping | None: ...
     @property
+    def name(self) -> str: ...
+    @property
     def rigid_modes(self) -> FloatArray: ...
     @property
     def mechanism(self) -> Mechanism | None: ...
@@ -195,16 +197,22 @@ class ContactPoint(Frozen):
         return forces.reshape(-1, 3)
 
     def __repr__(self) -> str:
+        body = repr(self.body.name) if self.body.name else f"a body of {self.body.n_dofs} dofs"
         if self.point is None or self.direction is None:
             dofs = np.flatnonzero(self.b)
             where = f"dof {dofs[0]}" if len(dofs) == 1 else f"functional of {len(dofs)} dofs"
-            return f"ContactPoint({where} of {self.body!r})"
-        where = ", ".join(f"{x:g}" for x in self.point)
+            return f"ContactPoint({where} of {body})"
+        where = ", ".join(f"{x:.4g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
         what = "point" if self.node is None else f"node {self.node}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
-        return f"ContactPoint({what} at ({where}) m along ({along}) of {self.body!r})"
+        return f"ContactPoint({what} at ({where}) m along ({along}) of {body})"
+
+    @property
+    def name(self) -> str:
+        """The body's."""
+        return self.body.name
 
 
 def contact_point(

@@ -18,9 +18,11 @@ from ..base import (
     InputError,
     InputTypeError,
     IntArray,
+    checked,
     finite_array,
     integer,
     nonnegative,
+    text,
     unit_vector,
     warn,
 )
@@ -80,6 +82,8 @@ class FEModel(Frozen):
         if left out.
     damping : Rayleigh or ModalDamping, optional
         Inherited by the models made from this one.
+    name : str, optional
+        What results, tables and plots are to call it; inherited as well.
 
     Attributes
     ----------
@@ -100,6 +104,7 @@ class FEModel(Frozen):
     nodes: FloatArray | None = None
     free: IntArray | None = None
     damping: Damping | None = None
+    name: str = ""
     mesh: Mesh | None = field(init=False, default=None)
     material: Material | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
@@ -109,6 +114,7 @@ class FEModel(Frozen):
     _soft: FloatArray | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
+        checked(self, name=text)
         K, M = symmetric_pair(self.K, self.M)
         factors = check_stiffness(K)
         check_mass(M)
@@ -138,6 +144,7 @@ class FEModel(Frozen):
         fixed: Sequence[Support] | None = None,
         *,
         damping: Damping | None = None,
+        name: str = "",
     ) -> FEModel:
         """Return the model of a meshed solid.
 
@@ -152,6 +159,8 @@ class FEModel(Frozen):
             there, of "x", "y", "z". None leaves the body free.
         damping : Rayleigh or ModalDamping, optional
             Inherited by the models made from this one.
+        name : str, optional
+            What results, tables and plots are to call the body; inherited as well.
 
         Raises
         ------
@@ -175,7 +184,7 @@ class FEModel(Frozen):
         """
         if not isinstance(material, Material):
             raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
-        damped = damping_or_none(damping)
+        damped, called = damping_or_none(damping), text("name", name)
         solid = read_mesh(mesh)
         free = free_dofs(solid.nodes, fixed, solid.node_sets)
         translations = _translations(np.arange(3 * solid.n_nodes))
@@ -190,7 +199,7 @@ class FEModel(Frozen):
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
-        model._set(mesh=solid, material=material, damping=damped)
+        model._set(mesh=solid, material=material, damping=damped, name=called)
         return model
 
     @property
@@ -199,7 +208,8 @@ class FEModel(Frozen):
         return int(self.K.shape[0])
 
     def __repr__(self) -> str:
-        parts = [f"{self.n_dofs} dofs"]
+        parts = [repr(self.name)] if self.name else []
+        parts.append(f"{self.n_dofs} dofs")
         if self.nodes is not None:
             parts.append(f"{len(self.nodes)} nodes")
         if self.mesh is not None:

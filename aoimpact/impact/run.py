@@ -75,5 +75,5 @@ def run_models(
         done = view(run)
     whole = done.run if isinstance(done, Result) else done
     warn_of_centres(whole.plan, names)
-    warn_of_run(whole, names)
+    warn_of_run(whole)
     return done

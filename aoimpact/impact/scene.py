@@ -18,6 +18,7 @@ from ..base import (
     boolean,
     finite_array,
     real,
+    text,
     warn,
 )
 from ..fem import ContactPoint
@@ -101,7 +102,7 @@ class Scene:
         position : float, optional
             Of its contact coordinate (of all of them) at t = 0, m.
         name : str, optional
-            For messages.
+            What results, tables and plots call it; by default as the body itself.
 
         Returns
         -------
@@ -113,17 +114,18 @@ class Scene:
         InputError, InputTypeError
             If `body` is no model of a body, or a number is none or beyond the range of squares.
         """
-        if not isinstance(name, str):
-            raise InputTypeError(f"name must be a str, got {name!r}")
+        called = text("name", name)
         speed = checked_speed("velocity", velocity)
         self._scene_bodies.append(scene_body("body", body, speed))
         self._bodies.append(tuple(body) if isinstance(body, list) else body)
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
-        self._names.append(name)
-        return Handle(len(self._scene_bodies) - 1, name=name, scene=self._mark.name)
+        self._names.append(called)
+        return Handle(len(self._scene_bodies) - 1, name=called, scene=self._mark.name)
 
-    def connect(self, a: Handle, b: Handle, law: ContactLaw, *, gap: float = 0.0) -> int:
+    def connect(
+        self, a: Handle, b: Handle, law: ContactLaw, *, gap: float = 0.0, name: str = ""
+    ) -> int:
         """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
 
         Parameters
@@ -133,6 +135,8 @@ class Scene:
         law : ContactLaw
         gap : float, optional
             m; may be negative where positions are given.
+        name : str, optional
+            What results, tables and plots call the contact.
 
         Returns
         -------
@@ -162,7 +166,8 @@ class Scene:
         ends = _touched(self._bodies, first), _touched(self._bodies, second)
         between = effective_law(law, ends)
         gap = normal_gap(apart)
-        joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends)
+        called = text("name", name)
+        joint = Joint(first.body, first.at, second.body, second.at, between, gap, ends, called)
         beside = self._between.setdefault(joint[:4], [])
         for number in beside:
             other = self._joints[number]
@@ -224,7 +229,7 @@ class Scene:
         return handle
 
     def _called(self, handle: Handle) -> str:
-        name = self._names[handle.body]
+        name = self._names[handle.body] or self._scene_bodies[handle.body].name
         return f"body {handle.body}" + (f" ({name})" if name else "")
 
     # ------------------------------------------------------------------- running
@@ -329,6 +334,7 @@ class Scene:
             energies,
             preload,
             self._mark.name,
+            tuple(self._names),
         )
 
     def _interest(self, quantity: Any) -> Quantity:

@@ -111,7 +111,7 @@ def least_said(plan: Plan) -> tuple[float, float]:
     return min(most.pressure, most.width), speed
 
 
-def warn_of_run(run: Run, names: Sequence[str]) -> None:
+def warn_of_run(run: Run) -> None:
     """Warn where a run is not what was meant, or not what the method is for.
 
     Of several contacts only the worst is named.
@@ -119,8 +119,6 @@ def warn_of_run(run: Run, names: Sequence[str]) -> None:
     Parameters
     ----------
     run : Run
-    names : sequence of str
-        What to call the bodies.
     """
     plan, touched = run.plan, False
     worst: dict[str, tuple[float, int]] = {}
@@ -139,9 +137,9 @@ def warn_of_run(run: Run, names: Sequence[str]) -> None:
                 excess = value / limit if limit else math.inf
                 worst[kind] = max(worst.get(kind, (0.0, 0)), (excess, number))
     if plan.joints and not touched:
-        _warn(_missed(run, names))
+        _warn(_missed(run))
     for kind, (_, number) in worst.items():
-        _warn(_TEXTS[kind](run, number, names))
+        _warn(_TEXTS[kind](run, number))
 
 
 def _warn(text: str) -> None:
@@ -238,7 +236,7 @@ def _stretches(tip: ContactPoint) -> bool:
 # ------------------------------------------------------------------- what is said
 
 
-def _said_of_pressure(run: Run, number: int, names: Sequence[str]) -> str:
+def _said_of_pressure(run: Run, number: int) -> str:
     joint, force = run.plan.joints[number], run.events[number].peak_force
     materials = [_material(end, _contact_point(end)) for end in joint.ends]
     surface = _surface(own_law(joint.law), materials)
@@ -248,7 +246,7 @@ def _said_of_pressure(run: Run, number: int, names: Sequence[str]) -> str:
     limit = yield_force(modulus, radius, _YIELD * strength)
     pressure = _YIELD * strength * math.cbrt(force / limit)
     return (
-        f"{_contact(run, number, names)}: the largest pressure by Hertz, "
+        f"{_contact(run, number)}: the largest pressure by Hertz, "
         f"{quantity(pressure, 'Pa', 3)}, is beyond {_YIELD:g} times yield_strength="
         f"{quantity(strength, 'Pa', 3)}: the body yields from {quantity(limit, 'N', 3)} on, the "
         f"force is less and energy is lost; take Thornton(k={k:.6g}, yield_force={limit:.4g}, "
@@ -256,7 +254,7 @@ def _said_of_pressure(run: Run, number: int, names: Sequence[str]) -> str:
     )
 
 
-def _said_of_width(run: Run, number: int, names: Sequence[str]) -> str:
+def _said_of_width(run: Run, number: int) -> str:
     joint, force = run.plan.joints[number], run.events[number].peak_force
     surface = _surface(
         own_law(joint.law), [_material(end, _contact_point(end)) for end in joint.ends]
@@ -265,14 +263,14 @@ def _said_of_width(run: Run, number: int, names: Sequence[str]) -> str:
     k, _, radius = surface
     width = math.sqrt((force / k) ** (2.0 / 3.0) / radius)
     return (
-        f"{_contact(run, number, names)}: at the peak the contact has a radius of {width:.2g} "
+        f"{_contact(run, number)}: at the peak the contact has a radius of {width:.2g} "
         f"times the radius of curvature R={quantity(radius, 'm', 3)}, with strains of about "
         f"{_STRAIN * width:.1%}: Hertz's law and linear elasticity are for small ones; take a "
         "lower velocity, or a measured law, Tabulated(...), and check that R is in metres"
     )
 
 
-def _said_of_deflection(run: Run, number: int, names: Sequence[str]) -> str:
+def _said_of_deflection(run: Run, number: int) -> str:
     """What to say, if the motion itself bears it out."""
     joint = run.plan.joints[number]
     for (body, port), end in zip(joint.ports, joint.ends, strict=True):
@@ -284,33 +282,33 @@ def _said_of_deflection(run: Run, number: int, names: Sequence[str]) -> str:
         most = float(np.abs(run.bodies[body].port_displacements[port]).max(initial=0.0))
         if most > _THICKNESS * tip.depth and _stretches(tip):
             return (
-                f"{names[body]} deflects by {quantity(most, 'm', 3)}, and is "
+                f"{run.names[body]} deflects by {quantity(most, 'm', 3)}, and is "
                 f"{quantity(tip.depth, 'm', 3)} thick: held on both sides it stretches, and is "
                 "stiffer than linear elasticity has it; take a lower velocity, or do not trust "
                 "deflection and stress to better than tens of percent"
             )
         if most > _SIZE * size:
             return (
-                f"{names[body]} deflects by {quantity(most, 'm', 3)}, and is "
+                f"{run.names[body]} deflects by {quantity(most, 'm', 3)}, and is "
                 f"{quantity(size, 'm', 3)} long: linear elasticity is for small rotations; take a "
                 "lower velocity, or check units and supports"
             )
     return ""
 
 
-def _said_of_speed(run: Run, number: int, names: Sequence[str]) -> str:
+def _said_of_speed(run: Run, number: int) -> str:
     plan, joint = run.plan, run.plan.joints[number]
     speed = abs(plan.velocities[joint.first] - plan.velocities[joint.second])
     materials = [_material(end, _contact_point(end)) for end in joint.ends]
     slowest = min(material.bar_speed for material in materials if material is not None)
     return (
-        f"{_contact(run, number, names)}: the bodies meet at {speed:.4g} m/s, "
+        f"{_contact(run, number)}: the bodies meet at {speed:.4g} m/s, "
         f"{speed / slowest:.1%} of the speed of waves, {slowest:.4g} m/s: strains are as large, "
         "and linear elasticity is for small ones; take a lower velocity, and check E and rho"
     )
 
 
-_TEXTS: dict[str, Callable[[Run, int, Sequence[str]], str]] = {
+_TEXTS: dict[str, Callable[[Run, int], str]] = {
     "pressure": _said_of_pressure,
     "width": _said_of_width,
     "deflection": _said_of_deflection,
@@ -318,13 +316,15 @@ _TEXTS: dict[str, Callable[[Run, int, Sequence[str]], str]] = {
 }
 
 
-def _contact(run: Run, number: int, names: Sequence[str]) -> str:
+def _contact(run: Run, number: int) -> str:
     """What to call a contact."""
     joint = run.plan.joints[number]
-    return f"{names[joint.first]} on {names[joint.second]}"
+    if joint.name:
+        return joint.name
+    return f"{run.names[joint.first]} on {run.names[joint.second]}"
 
 
-def _missed(run: Run, names: Sequence[str]) -> str:
+def _missed(run: Run) -> str:
     """What the bodies did that never pressed on each other: of those that came closest."""
     apart = [0.0 - contact.indentation for contact in run.contacts]
     number = int(np.argmin([gap.min() for gap in apart]))
@@ -334,7 +334,7 @@ def _missed(run: Run, names: Sequence[str]) -> str:
     moved = max(float(np.abs(body.port_displacements).max()) for body in run.bodies)
     if gap.max() <= _ROUNDING * moved:  # side by side
         return ""
-    text = f"{_contact(run, number, names)}: no contact in {quantity(run.duration, 's')}"
+    text = f"{_contact(run, number)}: no contact in {quantity(run.duration, 's')}"
     if gap.max() == gap.min():
         return f"{text}: they stay {start} apart, and nothing moves them; give one a velocity"
     if at == 0:

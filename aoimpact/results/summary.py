@@ -61,7 +61,8 @@ def summary_html(result: Result) -> str:
 def _body(result: Result, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
     mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
-    return f"{body.label}, {mass}{support_words(body)}"
+    name = "" if body.name == which else f"{body.name}: "
+    return f"{name}{body.label}, {mass}{support_words(body)}"
 
 
 def support_words(body: BodyResult | SceneBody) -> str:

@@ -45,6 +45,8 @@ class Joint(NamedTuple):
         Distance at the start, m.
     ends : tuple of (model, model)
         The models or points that may have patches.
+    name : str
+        As its user called it.
     """
 
     first: int
@@ -54,6 +56,7 @@ class Joint(NamedTuple):
     law: ContactLaw
     gap: float
     ends: tuple[Any, Any] = (None, None)
+    name: str = ""
 
     @property
     def ports(self) -> tuple[Port, Port]:

@@ -52,6 +52,10 @@ class FullBody(SceneBody):
         return self.model[0]
 
     @property
+    def name(self) -> str:
+        return self.tip.name
+
+    @property
     def label(self) -> str:
         return f"full({self.tip.body.n_dofs})"
 

@@ -228,6 +228,7 @@ _JOINT = Table(
         "between": needed(Listed(_END, 2)),
         "law": needed(_LAW),
         "gap": optional(Number("m")),
+        "name": optional(Text()),
     }
 )
 

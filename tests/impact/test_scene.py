@@ -602,7 +602,7 @@ def test_a_wall_takes_no_load():
         ({"velocity": 1e99}, "beyond the range"),
         ({"position": math.inf}, "position must be finite"),
         ({"position": "here"}, "position must be a real number"),
-        ({"name": 1}, "name must be a str"),
+        ({"name": 1}, "name must be of type str"),
     ],
 )
 def test_senseless_bodies_are_named(options, message):

@@ -197,9 +197,9 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     **dict(_laws()),
     "AOModel": (
         ao.AOModel,
-        {"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "origin": None, "damping": None},
+        {"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "origin": None, "damping": None, "name": ""},
     ),
-    "rigid": (ao.rigid, {"mass": 1.0}),
+    "rigid": (ao.rigid, {"mass": 1.0, "name": ""}),
     "Adaptive": (ao.Adaptive, {"rtol": 1e-6}),
     "Newmark": (
         ao.Newmark,
@@ -267,11 +267,11 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "read_scene": (ao.read_scene, {"path": "no.toml"}),
     "FEModel": (
         ao.FEModel,
-        {"K": BAR.K, "M": BAR.M, "nodes": BAR.nodes, "free": BAR.free, "damping": None},
+        {"K": BAR.K, "M": BAR.M, "nodes": BAR.nodes, "free": BAR.free, "damping": None, "name": ""},
     ),
     "FEModel.from_mesh": (
         ao.FEModel.from_mesh,
-        {"mesh": BOX, "material": STEEL, "fixed": None, "damping": None},
+        {"mesh": BOX, "material": STEEL, "fixed": None, "damping": None, "name": ""},
     ),
     "FEModel.contact": (
         BAR.contact,
@@ -326,7 +326,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "Scene": (ao.Scene, {"gravity": 0.0}),
     "Scene.add": (_added, {"body": BALL, "velocity": 1.0, "position": 0.0, "name": "a"}),
-    "Scene.connect": (_connected, {"a": OWN, "b": OWN, "law": HERTZ, "gap": 0.0}),
+    "Scene.connect": (_connected, {"a": OWN, "b": OWN, "law": HERTZ, "gap": 0.0, "name": ""}),
     "Scene.apply": (_applied, {"body": OWN, "force": 1.0}),
     "Scene.simulate": (
         _run,
