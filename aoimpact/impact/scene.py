@@ -260,8 +260,9 @@ class Scene:
             other, found by a static solve; velocities are then added. What no force presses stays
             where it was put, or moves aside as far as it must.
         quantity : str, Handle or ContactPoint, optional
-            The quantity of interest: "force" (of every contact over the record), "peak_force" or
-            "impulse" (of every contact), a handle, for the displacement of that contact coordinate
+            The quantity of interest: "force" (of every contact over the record), "peak_force",
+            "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
+            every contact), a handle, for the displacement of that contact coordinate
             over the record, or a point of a body, for its displacement over the record. Given this
             or `rtol`, finite-element bodies are reduced, and AO models truncated, as far as the
             tolerance allows; `Run.models` are those taken. A body that was added twice is reduced

@@ -61,12 +61,13 @@ def simulate(
     energies : bool, optional
         Whether to record energies as well.
     quantity : str or ContactPoint, optional
-        The quantity of interest: "force" (over the record), "peak_force", "impulse",
-        "contact_duration" (of the first contact), "rebound_velocity", "projectile_displacement" or
-        "target_displacement" (of the contact point, over the record); or a point of a body, for its
-        displacement over the record. Given this or `rtol`, finite-element bodies are reduced, and
-        AO models truncated, as far as the tolerance allows; `Result.models` are those taken. Only
-        this quantity is right to `rtol`: `Result.error.numbers` estimates the errors of the others.
+        The quantity of interest: "force" (over the record), "peak_force", "peak_time", "impulse",
+        "contact_duration" (of the first contact), "contact_count" (how often they touch),
+        "rebound_velocity", "restitution", "projectile_displacement" or "target_displacement" (of
+        the contact point, over the record); or a point of a body, for its displacement over the
+        record. Given this or `rtol`, finite-element bodies are reduced, and AO models truncated, as
+        far as the tolerance allows; `Result.models` are those taken. Only this quantity is right to
+        `rtol`: `Result.error.numbers` estimates the errors of the others.
     rtol : float, optional
         Its relative error, 1e-2 if left out; that of a history is its largest over the record,
         relative to the largest value. A solver that does not keep it is refused.
