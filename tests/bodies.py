@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import warnings
 from itertools import permutations, product
 
 import numpy as np
 import numpy.typing as npt
 
+from aoimpact.base.errors import AOImpactWarning
+from aoimpact.fem.material import Material
 from aoimpact.mesh.generate import box_mesh
 from aoimpact.mesh.mesh import Mesh
 
 FloatArray = npt.NDArray[np.float64]
+
+
+def no_solid(E: float = 1.0, rho: float = 1.0, nu: float = 0.3) -> Material:
+    """A material that no solid is of, without the warning; by default with K and M of the shape."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AOImpactWarning)
+        return Material(E=E, nu=nu, rho=rho)
+
 
 _ORDERS = [tuple(1 + axis for axis in order) for order in permutations(range(3))]
 _OCTANTS = np.array(list(product((1.0, -1.0), repeat=3)))

@@ -66,8 +66,6 @@ class LeftOutFinder:
             _of_contact(plan, events, contact)
             for events, contact in zip(run.events, plan.contacts, strict=True)
         ]
-            _of_contact(plan, run.events[i], contact) for i, contact in enumerate(plan.contacts)
-        ]
         if None in found:
             return LeftOut()
         known = [ends for ends in found if ends]

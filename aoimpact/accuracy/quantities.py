@@ -210,6 +210,18 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
     return relative
 
 
+def _contacts(of: Any) -> tuple[tuple[float, float], ...]:
+    """Start and end, s, of every contact of an impact, or of a contact of a scene or its events."""
+    contacts: tuple[tuple[float, float], ...] = getattr(of, "events", of).contacts
+    return contacts
+
+
+def _first_duration(of: Any) -> float:
+    """Of the first contact, s; 0 without one."""
+    contacts = _contacts(of)
+    return contacts[0][1] - contacts[0][0] if contacts else 0.0
+
+
 _ALL = (
     Quantity("force", "N", history=recorded(lambda run: run.forces), of_contacts=True),
     Quantity("peak_force", "N", lambda hit: hit.peak_force, of_contacts=True, column=True),
@@ -218,10 +230,10 @@ _ALL = (
         "s",
         lambda hit: hit.peak_time,
         of_contacts=True,
-        selectable=False,
         column=True,
     ),
-    Quantity("contact_duration", "s", lambda hit: hit.contact_duration, column=True),
+    Quantity("contact_duration", "s", _first_duration, of_contacts=True, column=True),
+    Quantity("contact_count", "", lambda hit: len(_contacts(hit)), of_contacts=True),
     Quantity("impulse", "N s", lambda hit: hit.impulse, of_contacts=True, column=True),
     Quantity(
         "rebound_velocity",
@@ -237,7 +249,6 @@ _ALL = (
         lambda hit: hit.restitution,
         compared=lambda hit: hit.parting_speed / hit.velocity,
         least=lambda hit: _LEAST_REBOUND,
-        selectable=False,
         column=True,
     ),
     Quantity(

@@ -42,20 +42,16 @@ def write_files(
 def _histories(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
     """All histories, as CSV."""
     file = folder / "histories.csv"
-    if isinstance(result, Run):
-        result.to_csv(file, names=[name for name, _ in scene.members])
-    else:
-        result.to_csv(file)
+    result.to_csv(file)
     return [file]
 
 
 def _figures(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
     """Histories, as PNG."""
     if isinstance(result, Run):
-        names = [name for name, _ in scene.members]
         figures = {
             "force": result.plot_force(),
-            "displacement": result.plot_displacement(names=names),
+            "displacement": result.plot_displacement(),
             "energy": result.plot_energy(),
         }
     else:
@@ -98,6 +94,8 @@ def numbers(result: Result | Run, quantities: Sequence[str]) -> dict[str, Any]:
     errors = {name: getattr(result.error, name) for name in ("reduction", "time", "energy")}
     return {
         "quantities": _finite(kept(result) if quantities else {}),
+        "bodies": list(_run(result).names),
+        "contact_names": list(_run(result).contact_names),
         "contacts": _contacts(result),
         "in_contact_at_end": result.in_contact_at_end,
         "relative_errors": _finite(errors),
@@ -135,6 +133,10 @@ def rows(table: SweepTable) -> dict[str, Any]:
         "quantities": list(table.quantities),
         "rows": found,
     }
+
+
+def _run(result: Result | Run) -> Run:
+    return result if isinstance(result, Run) else result.run
 
 
 def _contacts(result: Result | Run) -> list[Any]:

@@ -39,7 +39,14 @@ from .damping import Damping
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
-from .touch import Touch, automatic_radius, pressed_normal, touched, warn_if_coarse
+from .touch import (
+    Touch,
+    automatic_radius,
+    pressed_normal,
+    thickness,
+    touched,
+    warn_if_coarse,
+)
 
 __all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
 
@@ -80,6 +87,8 @@ class Body(Protocol):
     def mass(self) -> float | None: ...
     @property
     def damping(self) -> Damping | None: ...
+    @property
+    def name(self) -> str: ...
     @property
     def rigid_modes(self) -> FloatArray: ...
     @property
@@ -182,6 +191,14 @@ class ContactPoint(Frozen):
             return None
         return contact_surface(surface_shape(surface, self.point), material)
 
+    @cached_property
+    def depth(self) -> float:
+        """Thickness of the body under the point, m; infinite without a mesh."""
+        surface = self.body.surface
+        if surface is None or self.point is None or self.direction is None:
+            return math.inf
+        return thickness(surface, self.point, self.direction)
+
     @property
     def resultant(self) -> FloatArray:
         """Sum of the nodes' forces for a unit contact force, shape (3,): the direction."""
@@ -214,16 +231,22 @@ class ContactPoint(Frozen):
         return forces.reshape(-1, 3)
 
     def __repr__(self) -> str:
+        body = repr(self.body.name) if self.body.name else f"a body of {self.body.n_dofs} dofs"
         if self.point is None or self.direction is None:
             dofs = np.flatnonzero(self.b)
             where = f"dof {dofs[0]}" if len(dofs) == 1 else f"functional of {len(dofs)} dofs"
-            return f"ContactPoint({where} of {self.body!r})"
-        where = ", ".join(f"{x:g}" for x in self.point)
+            return f"ContactPoint({where} of {body})"
+        where = ", ".join(f"{x:.4g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
         what = "point" if self.node is None else f"node {self.node}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
-        return f"ContactPoint({what} at ({where}) m along ({along}) of {self.body!r})"
+        return f"ContactPoint({what} at ({where}) m along ({along}) of {body})"
+
+    @property
+    def name(self) -> str:
+        """The body's."""
+        return self.body.name
 
 
 def contact_point(

@@ -5,12 +5,28 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..base import InputError, positive, real
+from ..base import InputError, positive, real, warn
 
 __all__ = ["Material"]
 
 
-@dataclass(frozen=True)
+# Unit, and range among solids: from the softest rubbers to diamond, from foams to osmium. Then the
+# units in which a number below is likely to be: up to which number, its name, its size in SI.
+_SOLIDS = {
+    "E": ("Pa", 1e6, 1.22e12, ((1.22e3, "GPa", 1e9), (1e6, "MPa", 1e6))),
+    "rho": (
+        "kg/m³",
+        25.0,
+        25e3,
+        ((25e-9, "t/mm³", 1e12), (25e-6, "kg/mm³", 1e9), (25.0, "g/cm³", 1e3)),
+    ),
+    "yield_strength": ("Pa", 1e4, 1e11, ((1e4, "MPa", 1e6),)),
+}
+
+_OPTIONAL = "yield_strength"
+
+
+@dataclass(frozen=True, repr=False)
 class Material:
     """An isotropic, linear elastic material in SI units.
 
@@ -22,12 +38,19 @@ class Material:
         Poisson's ratio, -1 < nu < 1/2.
     rho : float
         Density, kg/m³.
+    yield_strength : float, optional
+        Uniaxial yield stress σ_y, Pa. A contact whose largest pressure is beyond 1.6 σ_y warns.
 
     Raises
     ------
     InputError
-        If E or rho is not positive and finite, or nu is outside (-1, 1/2): there the elastic
-        energy is no longer positive.
+        If E, rho or yield_strength is not positive and finite, or nu is outside (-1, 1/2): there
+        the elastic energy is no longer positive.
+
+    Warns
+    -----
+    AOImpactWarning
+        If a value is that of no solid, and so probably in other units.
 
     Examples
     --------
@@ -38,10 +61,14 @@ class Material:
     E: float
     nu: float
     rho: float
+    yield_strength: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "E", positive("E", self.E, unit="Pa"))
-        object.__setattr__(self, "rho", positive("rho", self.rho, unit="kg/m³"))
+        given = [name for name in _SOLIDS if getattr(self, name) is not None or name != _OPTIONAL]
+        for name in given:
+            object.__setattr__(
+                self, name, positive(name, getattr(self, name), unit=_SOLIDS[name][0])
+            )
         nu = real("nu", self.nu)
         if not -1.0 < nu < 0.5:
             raise InputError(
@@ -49,6 +76,12 @@ class Material:
                 "for a nearly incompressible material take 0.499 at most"
             )
         object.__setattr__(self, "nu", nu)
+        for name in given:
+            _warn_of_units(name, getattr(self, name))
+
+    def __repr__(self) -> str:
+        strength = f", yield_strength={self.yield_strength!r}" if self.yield_strength else ""
+        return f"Material(E={self.E!r}, nu={self.nu!r}, rho={self.rho!r}{strength})"
 
     @property
     def shear_modulus(self) -> float:
@@ -81,3 +114,19 @@ class Material:
     def bar_speed(self) -> float:
         """Speed of longitudinal waves in a thin bar, √(E/ρ), m/s."""
         return math.sqrt(self.E / self.rho)
+
+
+def _warn_of_units(name: str, value: float) -> None:
+    """Warn of a value that no solid has."""
+    unit, low, high, likely = _SOLIDS[name]
+    if low <= value <= high:
+        return
+    cure = next(
+        (
+            f"for {value:g} {meant} give {value * size:g}"
+            for most, meant, size in likely
+            if value < most
+        ),
+        f"is it in {unit}?",
+    )
+    warn(f"{name}={value:g} {unit} is that of no solid: {cure}")

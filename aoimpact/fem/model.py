@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,9 +18,11 @@ from ..base import (
     InputError,
     InputTypeError,
     IntArray,
+    checked,
     finite_array,
     integer,
     nonnegative,
+    text,
     unit_vector,
     warn,
 )
@@ -57,8 +60,9 @@ from .supports import Support, free_dofs
 __all__ = ["FEModel"]
 
 
-# Heavier or longer than this, a body's coordinates are more likely in millimetres.
-_HEAVY, _LONG = 1e5, 100.0
+# Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
+# likely in millimetres.
+_HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -77,6 +81,8 @@ class FEModel(Frozen):
         if left out.
     damping : Rayleigh or ModalDamping, optional
         Inherited by the models made from this one.
+    name : str, optional
+        What results, tables and plots are to call it; inherited as well.
 
     Attributes
     ----------
@@ -97,6 +103,7 @@ class FEModel(Frozen):
     nodes: FloatArray | None = None
     free: IntArray | None = None
     damping: Damping | None = None
+    name: str = ""
     mesh: Mesh | None = field(init=False, default=None)
     material: Material | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
@@ -106,6 +113,7 @@ class FEModel(Frozen):
     _soft: FloatArray | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
+        checked(self, name=text)
         K, M = symmetric_pair(self.K, self.M)
         factors = check_stiffness(K)
         check_mass(M)
@@ -117,6 +125,8 @@ class FEModel(Frozen):
         damping = damping_or_none(self.damping)
         self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
         if nodes is not None:
+            if mass is not None:
+                _warn_of_units(mass, float(np.ptp(nodes, axis=0).max()))
             self._set(_soft=motion_without_force(K, factors))
 
     def _set(self, **fields: Any) -> None:
@@ -133,6 +143,7 @@ class FEModel(Frozen):
         fixed: Sequence[Support] | None = None,
         *,
         damping: Damping | None = None,
+        name: str = "",
     ) -> FEModel:
         """Return the model of a meshed solid.
 
@@ -147,6 +158,8 @@ class FEModel(Frozen):
             there, of "x", "y", "z". None leaves the body free.
         damping : Rayleigh or ModalDamping, optional
             Inherited by the models made from this one.
+        name : str, optional
+            What results, tables and plots are to call the body; inherited as well.
 
         Raises
         ------
@@ -170,7 +183,7 @@ class FEModel(Frozen):
         """
         if not isinstance(material, Material):
             raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
-        damped = damping_or_none(damping)
+        damped, called = damping_or_none(damping), text("name", name)
         solid = read_mesh(mesh)
         free = free_dofs(solid.nodes, fixed, solid.node_sets)
         translations = _translations(np.arange(3 * solid.n_nodes))
@@ -179,13 +192,13 @@ class FEModel(Frozen):
             momentum = M @ translations
             mass = float(momentum[:, 0] @ translations[:, 0])
         _check_reach(mass, K, M, solid, material)
-        _warn_of_units(mass, solid.size)
+        _warn_of_units(mass, solid.size, mass / material.rho / solid.n_cells)
         if len(free) < len(momentum):
             K, M, momentum = K[free][:, free], M[free][:, free], momentum[free]
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
-        model._set(mesh=solid, material=material, damping=damped)
+        model._set(mesh=solid, material=material, damping=damped, name=called)
         return model
 
     @property
@@ -194,7 +207,8 @@ class FEModel(Frozen):
         return int(self.K.shape[0])
 
     def __repr__(self) -> str:
-        parts = [f"{self.n_dofs} dofs"]
+        parts = [repr(self.name)] if self.name else []
+        parts.append(f"{self.n_dofs} dofs")
         if self.nodes is not None:
             parts.append(f"{len(self.nodes)} nodes")
         if self.mesh is not None:
@@ -430,9 +444,12 @@ def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: Material) ->
         )
 
 
-def _warn_of_units(mass: float, size: float) -> None:
-    if mass > _HEAVY or size > _LONG:
+def _warn_of_units(mass: float, size: float, volume: float = 0.0) -> None:
+    """Warn of a body whose size, mass, kg, or elements of a volume, m³, are those of a building."""
+    edge = math.cbrt(volume)
+    if mass > _HEAVY or size > _LONG or edge > _COARSE:
+        elements = f", with elements of {edge:.3g} m" if volume else ""
         warn(
-            f"the body is {size:.4g} m long and weighs {mass:.4g} kg: coordinates are taken in "
-            "metres; for millimetres use read_mesh(path, scale=1e-3)"
+            f"the body is {size:.4g} m long and weighs {mass:.4g} kg{elements}: coordinates are "
+            "taken in metres; for millimetres use read_mesh(path, scale=1e-3)"
         )

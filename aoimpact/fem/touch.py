@@ -18,6 +18,7 @@ __all__ = [
     "pressed_normal",
     "resolved_radius",
     "room",
+    "thickness",
     "touched",
     "warn_if_coarse",
 ]
@@ -174,6 +175,22 @@ class Room:
 
     depth: float
     free: float
+
+
+def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
+    """Return how far it is from a point of the surface to the surface opposite, m.
+
+    Parameters
+    ----------
+    along : ndarray, shape (3,)
+        Unit vector through the body, either way.
+    """
+    reach = 2.0 * surface.mesh.size
+    found = [
+        float(surface.pierced(point[None], axis, reach=reach, outward=False).distance[0])
+        for axis in (along, -along)  # one of them finds the face that is touched, at no distance
+    ]
+    return max((d for d in found if 0.0 < d < np.inf), default=np.inf)
 
 
 def room(surface: Surface, point: FloatArray, radius: float) -> Room:

@@ -21,7 +21,7 @@ from ..accuracy import (
 from ..fem import ContactPoint
 from ..linalg import Solver
 from ..reduction import AOModel, BodyModel, FullModel
-from ..results import Handle, Result, Run, warn_of_misfit
+from ..results import Handle, Result, Run, warn_of_misfit, warn_of_run
 from ..scene import Plan
 from .checks import warn_of_centres, warn_of_nodes
 
@@ -115,7 +115,8 @@ def run_models(
             run = replace(run, left_out=finder)
         done = view(run)
     record.warn_if_cut()
-    run = done.run if isinstance(done, Result) else done
-    warn_of_centres(run.plan, names)
-    warn_of_nodes(run, names)
+    whole = done.run if isinstance(done, Result) else done
+    warn_of_centres(whole.plan, names)
+    warn_of_nodes(whole, names)
+    warn_of_run(whole)
     return done

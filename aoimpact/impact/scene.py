@@ -18,6 +18,7 @@ from ..base import (
     boolean,
     finite_array,
     real,
+    text,
     warn,
 )
 from ..fem import ContactPoint
@@ -103,7 +104,7 @@ class Scene:
         position : float, optional
             Of its contact coordinate (of all of them) at t = 0, m.
         name : str, optional
-            For messages.
+            What results, tables and plots call it; by default as the body itself.
 
         Returns
         -------
@@ -115,19 +116,24 @@ class Scene:
         InputError, InputTypeError
             If `body` is no model of a body, or a number is none or beyond the range of squares.
         """
-        if not isinstance(name, str):
-            raise InputTypeError(f"name must be a str, got {name!r}")
+        called = text("name", name)
         speed = checked_speed("velocity", velocity)
         model = body_model("body", body)
         self._bodies.append(model)
         self._scene_bodies.append(scene_body("body", model, speed))
         self._velocities.append(speed)
         self._positions.append(real("position", position, unit="m"))
-        self._names.append(name)
-        return Handle(len(self._scene_bodies) - 1, name=name, scene=self._mark.name)
+        self._names.append(called)
+        return Handle(len(self._scene_bodies) - 1, name=called, scene=self._mark.name)
 
     def connect(
-        self, a: Handle, b: Handle, law: ContactLaw | None = None, *, gap: float = 0.0
+        self,
+        a: Handle,
+        b: Handle,
+        law: ContactLaw | None = None,
+        *,
+        gap: float = 0.0,
+        name: str = "",
     ) -> int:
         """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
 
@@ -140,6 +146,8 @@ class Scene:
             surfaces at the contact.
         gap : float, optional
             m; may be negative where positions are given.
+        name : str, optional
+            What results, tables and plots call the contact.
 
         Returns
         -------
@@ -175,7 +183,8 @@ class Scene:
         ends = (touched(self._bodies[end.body], end.at) for end in (first, second))
         between = effective_law(law, tuple(ends))
         gap = normal_gap(apart)
-        contact = Contact(first.body, first.at, second.body, second.at, between, gap)
+        called = text("name", name)
+        contact = Contact(first.body, first.at, second.body, second.at, between, gap, called)
         beside = self._between.setdefault(contact[:4], [])
         for number in beside:
             other = self._contacts[number]
@@ -238,7 +247,7 @@ class Scene:
         return handle
 
     def _called(self, handle: Handle) -> str:
-        name = self._names[handle.body]
+        name = self._names[handle.body] or self._scene_bodies[handle.body].name
         return f"body {handle.body}" + (f" ({name})" if name else "")
 
     # ------------------------------------------------------------------- running
@@ -269,11 +278,12 @@ class Scene:
             other, found by a static solve; velocities are then added. What no force presses stays
             where it was put, or moves aside as far as it must.
         quantity : str, Handle or ContactPoint, optional
-            The quantity of interest: "force" (of every contact over the record), "peak_force" or
-            "impulse" (of every contact), a handle, for the displacement of that contact coordinate
-            over the record, or a point of a body, for its displacement over the record. Contact
-            points are reduced as far as the tolerance allows, and AO models truncated if this or
-            `rtol` is given; `Run.models` are those taken. A body that was added twice is reduced
+            The quantity of interest: "force" (of every contact over the record), "peak_force",
+            "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
+            every contact), a handle, for the displacement of that contact coordinate over the
+            record, or a point of a body, for its displacement over the record. Contact points are
+            reduced as far as the tolerance allows, and AO models truncated if this or `rtol` is
+            given; `Run.models` are those taken. A body that was added twice is reduced
             once.
         rtol : float, optional
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
@@ -400,6 +410,7 @@ class Scene:
             energies,
             preload,
             self._mark.name,
+            tuple(self._names),
         )
 
     def _interest(self, quantity: Any, bodies: Sequence[Any]) -> Quantity:

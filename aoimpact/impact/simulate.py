@@ -74,8 +74,9 @@ def simulate(
     energies : bool, optional
         Whether to record energies as well.
     quantity : str or ContactPoint, optional
-        The quantity of interest: "force" (over the record; the default), "peak_force", "impulse",
-        "contact_duration" (of the first contact), "rebound_velocity", "projectile_displacement" or
+        The quantity of interest: "force" (over the record; the default), "peak_force", "peak_time",
+        "impulse", "contact_duration" (of the first contact), "contact_count" (how often they
+        touch), "rebound_velocity", "restitution", "projectile_displacement" or
         "target_displacement" (of the contact point, over the record); or a point of a body, for its
         displacement over the record. Contact points are reduced as far as the tolerance allows, and
         AO models truncated if this or `rtol` is given; `Result.models` are those taken. Only this

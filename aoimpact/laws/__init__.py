@@ -4,10 +4,11 @@ To add a law, write its class in a file of this folder and import it here: scene
 what holds for every law, read `LAWS`.
 """
 
+from .curvature import contact_modulus
 from .elastic import Hertz, Linear, PowerLaw
 from .law import ContactLaw, HertzianLaw, PatchLaw
 from .patchlaw import check_width, effective_law, own_law, wide_enough
-from .plastic import Thornton
+from .plastic import Thornton, yield_force
 from .restitution import restitution
 from .surfaces import LawFromSurfaces, law_between
 from .tabulated import Tabulated
@@ -46,11 +47,13 @@ __all__ = [
     "Tsuji",
     "UserLaw",
     "check_width",
+    "contact_modulus",
     "effective_law",
     "law_between",
     "own_law",
     "restitution",
     "wide_enough",
+    "yield_force",
 ]
 
 # Every law by its name; a law between patches is made from one of them.

@@ -128,6 +128,7 @@ class Linear(ContactLaw):
 
     k: float
     _name = "linear"
+    _power = 1.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "k", positive("k", self.k, unit="N/m"))

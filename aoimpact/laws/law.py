@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 import numpy.typing as npt
 import scipy
 
 from .. import _core
-from ..base import FloatArray, InputError, InputTypeError, finite_array, positive
+from ..base import FloatArray, InputError, InputTypeError, finite_array, positive, quantity
 from .rebound import integrated_restitution
 
 __all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw"]
@@ -23,6 +23,23 @@ CoreLaw = tuple[Any, ...]
 
 # Of c dF/dδ, up to which a law with a patch's compliance is used; as in law.c.
 MOST_SHARE = 0.95
+
+# Of the parameters of laws, beside k, whose unit follows from the power of the indentation; and how
+# to write them.
+_UNITS = {
+    "n": "",
+    "relative_radius": "m",
+    "yield_force": "N",
+    "damping": "s/m",
+    "restitution": "",
+    "velocity": "m/s",
+    "alpha": "",
+    "mass": "kg",
+    "A": "s",
+    "c": "N s/m",
+    "end": "",
+}
+_SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 
 # Own indentations, m, among which the one of that share is searched.
 _DECADE = 40
@@ -47,6 +64,9 @@ class ContactLaw:
     _depends_on_rate: ClassVar[bool] = False
     _has_memory: ClassVar[bool] = False
 
+    # Of the indentation, where no parameter n says so.
+    _power: ClassVar[float] = 1.5
+
     # R, m, of a law that knows how wide its contact is, √(R δ).
     relative_radius: float | None = None
 
@@ -59,6 +79,23 @@ class ContactLaw:
     def has_memory(self) -> bool:
         """Whether the force depends on what the contact went through before."""
         return self._has_memory
+
+    def __str__(self) -> str:
+        """The law and its parameters with units, for summaries."""
+        power = getattr(self, "n", self._power)
+        units = _UNITS | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+        given = {entry.name: getattr(self, entry.name) for entry in fields(cast(Any, self))}
+        if "relative_radius" in given:
+            given["relative_radius"] = given.pop("relative_radius")
+        if not given.keys() <= units.keys():
+            return repr(self)
+        parts = [
+            f"{_SYMBOLS.get(name, name)} = "
+            + (value if isinstance(value, str) else quantity(value, units[name], 3))
+            for name, value in given.items()
+            if value is not None
+        ]
+        return ", ".join([type(self).__name__, *parts])
 
     def _parameters(self) -> tuple[float, ...]:
         raise NotImplementedError
@@ -311,6 +348,9 @@ class PatchLaw(ContactLaw):
     @property
     def has_memory(self) -> bool:
         return self.law.has_memory
+
+    def __str__(self) -> str:
+        return f"{self.law}, less {quantity(self.compliance, 'm/N', 3)} of the patches"
 
     def _limit(self) -> float:
         return self.limit

@@ -105,16 +105,17 @@ def wide_enough(
         slope = step / (0.01 * depth)
     except LawLimitError:  # it is the law's own table that ends
         return error
-    factor = max(law.compliance * float(slope) / _COMFORTABLE, 1.1)
+    factor, of_surface = max(law.compliance * float(slope) / _COMFORTABLE, 1.1), ""
     if law.law.relative_radius is not None:
+        of_surface = f" of relative_radius={law.law.relative_radius:.3g} m"
         wide = math.sqrt(law.law.relative_radius * float(depth))
         factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
     return LawLimitError(
-        f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law stands "
-        f"up to an indentation of {law.limit:.3g} m, where the contact is as wide as they are, "
-        "and less deep at the rate of a damped law; for this impact make the contact points with "
-        f"radius={_listed([factor * radius for radius in radii])} or more, where the bodies have "
-        "room"
+        f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law"
+        f"{of_surface} stands up to an indentation of {law.limit:.3g} m, where the contact is as "
+        "wide as they are, and less deep at the rate of a damped law; for this impact make the "
+        f"contact points with radius={_listed([factor * radius for radius in radii])} or more, "
+        "where the bodies have room"
     )
 
 

@@ -10,7 +10,19 @@ from ..fem import Material
 from .curvature import contact_modulus, relative_radius
 from .law import MOST_SHARE, HertzianLaw
 
-__all__ = ["Thornton"]
+__all__ = ["Thornton", "yield_force"]
+
+
+def yield_force(modulus: float, radius: float, pressure: float) -> float:
+    """Return the force, N, at which Hertz's largest pressure is a given one: π³ R² p³ / (6 E*²).
+
+    Parameters
+    ----------
+    modulus, radius, pressure : float
+        E*, Pa, R, m, and p, Pa.
+    """
+    reach = radius * (pressure / modulus)
+    return math.pi**3 / 6.0 * pressure * reach * reach
 
 
 @dataclass(frozen=True, repr=False)
@@ -74,8 +86,7 @@ class Thornton(HertzianLaw):
         modulus = contact_modulus(material_1, material_2)
         radius = relative_radius(radius_1, radius_2)
         pressure = positive("yield_pressure", yield_pressure, unit="Pa")
-        reach = radius * (pressure / modulus)
-        force = math.pi**3 / 6.0 * pressure * reach * reach
+        force = yield_force(modulus, radius, pressure)
         k = 4.0 / 3.0 * modulus * math.sqrt(radius)
         return cls(k, force, relative_radius=radius)
 

@@ -397,6 +397,7 @@ class KelvinVoigt(ContactLaw):
     k: float
     c: float
     end: str = "force"
+    _power = 1.0
     _depends_on_rate: ClassVar[bool] = True
 
     def __post_init__(self) -> None:

@@ -6,6 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -108,7 +109,7 @@ class Mesh(Frozen):
         """Number of elements."""
         return len(self.cells)
 
-    @property
+    @cached_property
     def size(self) -> float:
         """The longest side of the box that holds the mesh, m."""
         return float(np.ptp(self.nodes, axis=0).max())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..base import InputTypeError
-from ..fem import ContactPoint
+from ..fem import ContactPoint, FEModel
 from .full import FullModel, checked_ports
 from .interface import InterfaceModel
 from .modes import ModalModel
@@ -36,6 +36,11 @@ def body_model(name: str, body: Any) -> BodyModel:
         return FullModel((body,), reducible=True)
     if isinstance(body, list | tuple):
         return FullModel(checked_ports(name, body), reducible=True)
+    if isinstance(body, FEModel):
+        raise InputTypeError(
+            f"{name} is a whole {body!r}: say where it is touched by body.contact(...), such as "
+            f"{name}=body.contact(point=(x, y, z))"
+        )
     raise InputTypeError(
         f"{name} must be an AOModel (antioscillators, rigid), a modal model, an interface model, "
         "the full model (full(tip)), or a ContactPoint (body.contact(...); a list of them where it "

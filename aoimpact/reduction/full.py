@@ -47,6 +47,11 @@ class FullModel(Frozen):
         return self.tips
 
     @property
+    def name(self) -> str:
+        """The body's."""
+        return self.tips[0].name
+
+    @property
     def label(self) -> str:
         """What the model is, in a word."""
         return f"full({self.body.n_dofs})"

@@ -30,6 +30,7 @@ from ..linalg import Solver
 from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
 from .full import checked_ports
 from .modes import LARGEST, ascending, modal
+from .star import described
 from .subspace import Subspace
 
 __all__ = [
@@ -86,7 +87,17 @@ class InterfaceModel(Frozen):
         super().__post_init__()
 
     def __repr__(self) -> str:
-        return f"InterfaceModel(n={self.n}, tips={list(self.tips)!r})"
+        return described(self, f"{self.n} modes, {len(self.tips)} contact points")
+
+    @property
+    def name(self) -> str:
+        """The body's."""
+        return self.body.name
+
+    @property
+    def constrained(self) -> bool:
+        """Whether it has no rigid motion."""
+        return not bool((self.omega == 0.0).any())
 
     @property
     def body(self) -> Body:

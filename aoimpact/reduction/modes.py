@@ -22,7 +22,7 @@ from ..base import (
 from ..fem import ContactPoint, ContactSurface, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest
 from .origin import origin_of
-from .star import AOModel
+from .star import AOModel, described
 
 __all__ = ["LARGEST", "ModalModel", "ascending", "modal"]
 
@@ -58,7 +58,22 @@ class ModalModel(Frozen):
         super().__post_init__()
 
     def __repr__(self) -> str:
-        return f"ModalModel(n={self.n}, tip={self.tip!r})"
+        return described(self, f"{self.n} modes")
+
+    @property
+    def name(self) -> str:
+        """The body's."""
+        return self.tip.body.name
+
+    @property
+    def mass(self) -> float | None:
+        """Of the whole body, kg; None where its matrices do not determine it."""
+        return self.tip.body.mass
+
+    @property
+    def constrained(self) -> bool:
+        """Whether it has no rigid motion."""
+        return not bool((self.omega2 == 0.0).any())
 
     @property
     def n(self) -> int:

@@ -23,6 +23,7 @@ from ..base import (
     integer,
     nonnegative,
     positive,
+    text,
 )
 from ..fem import ContactPoint, ContactSurface, Damping, Material, Patch, damping_or_none
 from .origin import Origin
@@ -37,7 +38,7 @@ _LARGEST, _LEAST = 1e100, 1e-100
 _HEAVIEST, _LIGHTEST = 1e200, 1e-200
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class AOModel(Frozen):
     """Contact mass m0 on a ground spring k0, and oscillators (m, k) attached to the contact mass.
 
@@ -56,6 +57,8 @@ class AOModel(Frozen):
         Of the star's natural modes.
     surface : ContactSurface, optional
         Material and curvatures at the contact; by default those of `origin`.
+    name : str, optional
+        What results, tables and plots are to call the body; by default as that of `origin`.
 
     Raises
     ------
@@ -70,13 +73,16 @@ class AOModel(Frozen):
     origin: Origin | None = field(default=None, repr=False)
     damping: Damping | None = None
     surface: ContactSurface | None = field(default=None, repr=False)
+    name: str = ""
 
     def __post_init__(self) -> None:
         set_field = object.__setattr__
         set_field(self, "m0", nonnegative("m0", self.m0, unit="kg", infinite=True))
         set_field(self, "k0", nonnegative("k0", self.k0, unit="N/m"))
         set_field(self, "damping", damping_or_none(self.damping))
-        checked(self, origin=(Origin, type(None)), surface=(ContactSurface, type(None)))
+        checked(self, origin=(Origin, type(None)), surface=(ContactSurface, type(None)), name=text)
+        if not self.name and self.origin is not None:
+            set_field(self, "name", self.origin.tip.body.name)
         for name, unit in (("m", "kg"), ("k", "N/m")):
             values = finite_array(name, getattr(self, name), ndim=1, unit=unit).copy()
             if (values <= 0.0).any():
@@ -114,6 +120,9 @@ class AOModel(Frozen):
                     f"{name} must be from {_LEAST:g} to {_LARGEST:g} {unit} to be computed with, "
                     f"got {value:g}{cure}"
                 )
+
+    def __repr__(self) -> str:
+        return described(self, f"{self.n} oscillators" if self.n else "no oscillators")
 
     @property
     def n(self) -> int:
@@ -338,6 +347,7 @@ class AOModel(Frozen):
             origin=origin,
             damping=self.damping,
             surface=self.surface,
+            name=self.name,
         )
 
     def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
@@ -405,18 +415,37 @@ def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, 
     return np.add.reduceat(m, starts), np.add.reduceat(k, starts)
 
 
-def rigid(mass: float) -> AOModel:
+def described(model: Any, size: str) -> str:
+    """Return what a model is in one line: name, size, mass, whether supports constrain it."""
+    mass = model.mass
+    parts = [repr(model.name)] if model.name else []
+    if mass is not None and math.isinf(mass):
+        parts.append("wall")
+    else:
+        parts += [size, "mass not known" if mass is None else f"{mass:.4g} kg"]
+        parts.append("constrained" if model.constrained else "free")
+    return f"{type(model).__name__}({', '.join(parts)})"
+
+
+def rigid(mass: float, *, name: str = "") -> AOModel:
     """Return a rigid mass: an anti-oscillator model without oscillators.
 
     Parameters
     ----------
     mass : float
         kg, positive; ``math.inf`` is a fixed wall.
+    name : str, optional
+        What results, tables and plots are to call it.
+
+    Examples
+    --------
+    >>> rigid(0.03)
+    AOModel(no oscillators, 0.03 kg, free)
     """
-    return AOModel(m0=positive("mass", mass, unit="kg", infinite=True))
+    return AOModel(m0=positive("mass", mass, unit="kg", infinite=True), name=name)
 
 
-def ball(radius: float, material: Material) -> AOModel:
+def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
     """Return a rigid ball that knows its surface, so that a contact law can be had from it.
 
     Parameters
@@ -424,6 +453,8 @@ def ball(radius: float, material: Material) -> AOModel:
     radius : float
         r, m. The mass is 4/3 π r³ ρ.
     material : Material
+    name : str, optional
+        What results, tables and plots are to call it.
 
     Examples
     --------
@@ -434,6 +465,7 @@ def ball(radius: float, material: Material) -> AOModel:
     checked_material = instance("material", material, Material)
     try:
         mass, curvature = 4.0 / 3.0 * math.pi * r**3 * checked_material.rho, 1.0 / r
-        return AOModel(m0=mass, surface=ContactSurface(checked_material, (curvature, curvature)))
+        round_one = ContactSurface(checked_material, (curvature, curvature))
+        return AOModel(m0=mass, surface=round_one, name=name)
     except (InputError, OverflowError) as error:
         raise InputError(f"radius={r:g} m is no radius of a ball (is it in metres?)") from error

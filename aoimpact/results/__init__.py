@@ -2,7 +2,18 @@
 
 from .misfit import warn_of_misfit
 from .motion import BodyResult, LeftOut
+from .plausibility import least_said, warn_of_run
 from .result import Result
 from .run import Chosen, Handle, Run
 
-__all__ = ["BodyResult", "Chosen", "Handle", "LeftOut", "Result", "Run", "warn_of_misfit"]
+__all__ = [
+    "BodyResult",
+    "Chosen",
+    "Handle",
+    "LeftOut",
+    "Result",
+    "Run",
+    "least_said",
+    "warn_of_misfit",
+    "warn_of_run",
+]

@@ -91,6 +91,8 @@ class BodyResult(Frozen):
 
     Attributes
     ----------
+    name : str
+        As its user called it; "projectile" and "target", or "body 0", without a name.
     label : str
         "rigid", "AO(1)", "modal(40)", "full(3159)".
     mass : float or None
@@ -108,6 +110,7 @@ class BodyResult(Frozen):
         State at the end of the record, in the body's own coordinates.
     """
 
+    name: str
     label: str
     mass: float | None
     constrained: bool
@@ -227,6 +230,8 @@ class ContactResult(Frozen, Eventful):
 
     Attributes
     ----------
+    name : str
+        As its user called it; "contact 0" without a name.
     force, indentation : (n,) arrays
         Contact force, ≥ 0 in compression [N]; first body's minus second body's contact coordinate
         minus the gap [m].
@@ -236,6 +241,7 @@ class ContactResult(Frozen, Eventful):
         Its intervals, peak and impulse.
     """
 
+    name: str
     force: FloatArray
     indentation: FloatArray
     elastic: FloatArray | None

@@ -66,10 +66,8 @@ def plot_energy(
 def plot_displacement(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw displacements over time: contact points, and centres of mass dashed (Fig. 10)."""
     curves: list[Curve] = []
-    for colour, name, body in (
-        ("C0", "projectile", result.projectile),
-        ("C1", "target", result.target),
-    ):
+    for colour, body in (("C0", result.projectile), ("C1", result.target)):
+        name = body.name
         curves.append((body.displacement, {"label": f"{name}, contact point", "color": colour}))
         dashed = {"label": f"{name}, centre of mass", "color": colour, "linestyle": "--"}
         curves.append((body.centre_displacement, dashed))
@@ -99,8 +97,7 @@ def plot_forces(run: Run, ax: Axes | None = None, **kwargs: Any) -> Axes:
     """Draw the force of each contact over time (paper, Figs. 3 and 9)."""
     several = len(run.contacts) > 1
     curves: list[Curve] = [
-        (contact.force, {"label": f"contact {i}"} if several else {})
-        for i, contact in enumerate(run.contacts)
+        (contact.force, {"label": contact.name} if several else {}) for contact in run.contacts
     ]
     return _draw(ax, (run.t, "time", "s"), "contact force", "N", curves, kwargs)
 
@@ -111,7 +108,7 @@ def plot_places(
     """Draw the displacements of the contact coordinates of a scene's bodies over time."""
     curves: list[Curve] = [
         (body.displacement, {"label": name})
-        for name, body in zip(body_names(len(run.bodies), names), run.bodies, strict=True)
+        for name, body in zip(body_names(run, names), run.bodies, strict=True)
     ]
     return _draw(ax, (run.t, "time", "s"), "displacement", "m", curves, kwargs)
 

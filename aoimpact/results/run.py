@@ -28,7 +28,8 @@ from ..scene import Plan, RecordLayout
 from . import plot
 from .misfit import warn_of_later_motion
 from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
-from .table import run_columns, write_csv
+from .summary import support_words
+from .table import ROLES, different, run_columns, write_csv
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -157,6 +158,20 @@ class Run:
         """Whether energies are recorded."""
         return self.plan.energies
 
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """What the bodies are called, each by another name."""
+        others = (
+            ROLES if not self.plan.scene else [f"body {i}" for i in range(len(self.plan.bodies))]
+        )
+        return different(self.plan.body_names, others)
+
+    @cached_property
+    def contact_names(self) -> tuple[str, ...]:
+        """What the contacts are called, each by another name."""
+        given = [contact.name for contact in self.plan.contacts]
+        return different(given, [f"contact {i}" for i in range(len(given))])
+
     def _response(self, body: int) -> Response | None:
         return response_of(self.plan, self.recorder, self.events, body)
 
@@ -215,6 +230,7 @@ class Run:
         coordinates, rates = self.recorder.state(index)
         unknown = np.full(len(self.t), np.nan)
         return BodyResult(
+            name=self.names[index],
             label=body.label,
             mass=body.mass,
             constrained=body.constrained,
@@ -252,7 +268,8 @@ class Run:
         for number, events in enumerate(self.events):
             rows = self._layout.contact(self._rows, number)
             stored, lost = (rows.elastic, rows.dissipated) if self.energies else (None, None)
-            found.append(ContactResult(rows.force, rows.indentation, stored, lost, events))
+            name = self.contact_names[number]
+            found.append(ContactResult(name, rows.force, rows.indentation, stored, lost, events))
         return tuple(found)
 
     @cached_property
@@ -355,7 +372,7 @@ class Run:
         ----------
         path : path
         names : sequence of str, optional
-            Of the bodies, in the order of `add`; "body 0", "body 1" … if left out.
+            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
         """
         write_csv(run_columns(self, names), path)
 
@@ -375,7 +392,7 @@ class Run:
 
     def _lines(self) -> list[tuple[str, str]]:
         lines = [
-            (f"body {i}", f"{body.label}{', constrained' if body.constrained else ''}")
+            (self.names[i], f"{body.label}{support_words(body)}")
             for i, body in enumerate(self.plan.bodies[:_SHOWN])
         ]
         told = self.error.told
@@ -384,7 +401,7 @@ class Run:
             peak += f" at {quantity(events.peak_time, 's')}{told(f'contacts.{i}.peak_time')}"
             count = len(events.contacts)
             times = f"{count} times{told(f'contacts.{i}.intervals')}"
-            lines.append((f"contact {i}", f"{peak}, {times}" if count else "none"))
+            lines.append((self.contact_names[i], f"{peak}, {times}" if count else "none"))
         bodies, contacts = len(self.plan.bodies), len(self.events)
         if max(bodies, contacts) > _SHOWN:
             lines.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
@@ -393,7 +410,9 @@ class Run:
 
     def __repr__(self) -> str:
         head = f"Run of {quantity(self.duration, 's')}"
-        return "\n".join([head, *(f"  {name:<12} {value}" for name, value in self._lines())])
+        lines = self._lines()
+        width = max(12, *(len(name) for name, _ in lines))
+        return "\n".join([head, *(f"  {name:<{width}} {value}" for name, value in lines)])
 
 
 # A summary of more bodies or contacts than these helps nobody.

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from ..base import quantity
 
 if TYPE_CHECKING:
+    from ..scene import SceneBody
+    from .motion import BodyResult
     from .result import Result
 
 
@@ -59,7 +61,15 @@ def summary_html(result: Result) -> str:
 def _body(result: Result, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
     mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
-    return f"{body.label}, {mass}{', constrained' if body.constrained else ''}"
+    name = "" if body.name == which else f"{body.name}: "
+    return f"{name}{body.label}, {mass}{support_words(body)}"
+
+
+def support_words(body: BodyResult | SceneBody) -> str:
+    """Return whether something holds a body, for those that could be held."""
+    if body.label in ("rigid", "wall"):
+        return ""
+    return ", constrained" if body.constrained else ", free"
 
 
 def _rebound(result: Result, name: str, unit: str = "") -> str:

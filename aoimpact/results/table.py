@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -16,19 +17,33 @@ if TYPE_CHECKING:
     from .run import Run
 
 
+# What the bodies of an impact are called without names of their own.
+ROLES = ("projectile", "target")
+
+
 def columns(result: Result) -> dict[str, FloatArray]:
     """Return every history by its heading, "name [unit]", in the order of the CSV file."""
     first = {"t [s]": result.t, "force [N]": result.force, "indentation [m]": result.indentation}
-    return first | _of_bodies(result.run, ("projectile", "target"))
+    return first | _of_bodies(result.run, result.run.names)
 
 
 def run_columns(run: Run, names: Sequence[str] | None = None) -> dict[str, FloatArray]:
-    """Return every history of a scene: contacts by number, bodies by number or by name."""
+    """Return every history of a scene: contacts and bodies by name, or by number."""
     table = {"t [s]": run.t}
-    for i, contact in enumerate(run.contacts):
-        table[f"contact {i} force [N]"] = contact.force
-        table[f"contact {i} indentation [m]"] = contact.indentation
-    return table | _of_bodies(run, body_names(len(run.bodies), names))
+    for contact in run.contacts:
+        table[f"{contact.name} force [N]"] = contact.force
+        table[f"{contact.name} indentation [m]"] = contact.indentation
+    return table | _of_bodies(run, body_names(run, names))
+
+
+def different(names: Sequence[str], others: Sequence[str]) -> tuple[str, ...]:
+    """Return names, each another: `others` where there is none, and after a shared one."""
+    called = [name or other for name, other in zip(names, others, strict=True)]
+    times = Counter(called)
+    return tuple(
+        f"{name} ({other})" if times[name] > 1 else name
+        for name, other in zip(called, others, strict=True)
+    )
 
 
 def _of_bodies(run: Run, names: Sequence[str]) -> dict[str, FloatArray]:
@@ -45,8 +60,8 @@ def _of_bodies(run: Run, names: Sequence[str]) -> dict[str, FloatArray]:
     return table
 
 
-def body_names(count: int, names: Sequence[str] | None) -> list[str]:
-    """Return what the bodies of a scene are called, "body 0", "body 1" if nothing else is said.
+def body_names(run: Run, names: Sequence[str] | None) -> Sequence[str]:
+    """Return what the bodies of a scene are called: by their own names if nothing else is said.
 
     Raises
     ------
@@ -54,11 +69,11 @@ def body_names(count: int, names: Sequence[str] | None) -> list[str]:
         If there are not as many different names as bodies.
     """
     if names is None:
-        return [f"body {i}" for i in range(count)]
-    given = texts("names", names)
+        return run.names
+    given, count = texts("names", names), len(run.bodies)
     if len(given) != count or len(set(given)) != count:
         raise InputError(f"names must be {count} different ones, one a body, got {list(given)}")
-    return list(given)
+    return given
 
 
 def write_csv(table: Mapping[str, FloatArray], path: str | os.PathLike[str]) -> None:

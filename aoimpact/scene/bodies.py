@@ -150,9 +150,9 @@ class InterfaceBody(SceneBody):
     def centre_known(self) -> bool:
         return True  # else the model is refused
 
-    @cached_property
+    @property
     def constrained(self) -> bool:
-        return not bool((self.model.omega == 0.0).any())
+        return self.model.constrained
 
     @cached_property
     def static_mass(self) -> float:

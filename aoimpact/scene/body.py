@@ -35,6 +35,11 @@ class SceneBody(ABC):
         """What kind of model it is: "rigid", "AO(1)", "modal(40)", "full(3159)"."""
 
     @property
+    def name(self) -> str:
+        """As its maker called it; empty if it has no name."""
+        return self.model.name
+
+    @property
     @abstractmethod
     def mass(self) -> float | None:
         """kg; None where it is not known."""

@@ -43,6 +43,8 @@ class Contact(NamedTuple):
         What acts between the models: without the indentation that their patches contain already.
     gap : float
         Distance at the start, m.
+    name : str
+        As its user called it.
     """
 
     first: int
@@ -51,6 +53,7 @@ class Contact(NamedTuple):
     second_port: int
     law: ContactLaw
     gap: float
+    name: str = ""
 
     @property
     def ports(self) -> tuple[Port, Port]:

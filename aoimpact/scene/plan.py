@@ -41,6 +41,8 @@ class Plan:
         Whether to start at rest under gravity and loads.
     scene : str
         The mark of the scene's handles.
+    names : sequence of str
+        Of the bodies in the scene, before their own; empty where they have no other.
     """
 
     bodies: Sequence[SceneBody]
@@ -52,6 +54,13 @@ class Plan:
     energies: bool
     preload: bool = False
     scene: str = ""
+    names: Sequence[str] = ()
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """What the bodies are called; empty of one without a name."""
+        given = self.names or [""] * len(self.bodies)
+        return tuple(name or body.name for name, body in zip(given, self.bodies, strict=True))
 
     @cached_property
     def modal(self) -> tuple[ModalBody, ...]:

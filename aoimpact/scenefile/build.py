@@ -13,7 +13,7 @@ import numpy as np
 
 from ..accuracy import SCENE_CHOICES
 from ..base import InputError, nearest
-from ..fem import ContactPoint, Damping, FEModel, Material, ModalDamping, Rayleigh, contact_point
+from ..fem import ContactPoint, FEModel, Material, ModalDamping, Rayleigh, contact_point
 from ..impact import Scene, SceneCase
 from ..laws import ContactLaw, Hertz, Thornton
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
@@ -132,7 +132,8 @@ class Builder:
             law = self._law("scene", "contacts", i)
             with self.located("scene", "contacts", i):
                 first, second = (_handle(handles, end) for end in contact["between"])
-                scene.connect(first, second, law, gap=contact.get("gap", 0.0))
+                about = {key: contact[key] for key in ("gap", "name") if key in contact}
+                scene.connect(first, second, law, **about)
         for i, load in enumerate(table.get("loads", ())):
             with self.located("scene", "loads", i):
                 force = (load["times"], load["forces"]) if "times" in load else load["force"]
@@ -192,7 +193,7 @@ class Builder:
                 return full(*tips)
             return interface(tips, **model) if several else _REDUCTIONS[kind](tips[0], **model)
 
-    def _damping(self, name: str) -> dict[str, Damping]:
+    def _damping(self, name: str) -> dict[str, Any]:
         """The keyword `damping`, where a body has any."""
         table = self.data["bodies"][name].get("damping")
         if table is None:

@@ -46,6 +46,7 @@ _MATERIAL = Table(
         "E": needed(Number("Pa")),
         "nu": needed(Number()),
         "rho": needed(Number("kg/m³")),
+        "yield_strength": optional(Number("Pa")),
     }
 )
 
@@ -227,6 +228,7 @@ _BETWEEN = Table(
         "between": needed(Listed(_END, 2)),
         "law": needed(_LAW),
         "gap": optional(Number("m")),
+        "name": optional(Text()),
     }
 )
 

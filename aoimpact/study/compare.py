@@ -106,7 +106,7 @@ def compare(
     if exact.result is None:
         raise InputError(f"{exact.label}: {exact.failure}")
     return Comparison(
-        f"{bodies[0]!r} on {bodies[1]!r}, {law!r}, {velocity:g} m/s",
+        f"{bodies[0]!r} on {bodies[1]!r}, {law}, {velocity:g} m/s",
         exact.label,
         exact.result.error.time,
         tuple(each.compared(exact.result) for each in tries),

@@ -45,7 +45,7 @@ def mixed() -> list[dict[str, Any]]:
         *(pair() | {"velocity": v} for v in (0.5, 1.0)),
         *(balls(v, **beam, solver=ao.Adaptive(rtol=1e-6)) for v in (0.5, 2.0)),
         balls(1.0, solver=ao.Newmark(dt=1e-6)),
-        balls(1.0, gap=1.0),
+        balls(1.0, gap=1e-5),
         balls(0.0),
     ]
 

@@ -93,7 +93,8 @@ def test_a_scene_is_given_what_its_run_takes() -> None:
     ball = scene.add(ao.rigid(mass=0.03), velocity=1.0)
     scene.connect(ball, scene.add(ao.rigid(mass=math.inf)), ao.Hertz(k=1e10), gap=1e-3)
     grid = {"duration": [0.5e-3, 2e-3], "solver": [ao.Adaptive(), ao.Adaptive(rtol=1e-5)]}
-    table = ao.sweep(scene, grid, keep="contacts.0.peak_force")
+    with pytest.warns(ao.AOImpactWarning, match=r"beyond 1 ms.*1 more of 4 cases warn"):
+        table = ao.sweep(scene, grid, keep="contacts.0.peak_force")
     assert table["contacts.0.peak_force"][:2].tolist() == [0.0, 0.0]
     assert table["contacts.0.peak_force"][2] == pytest.approx((1.25 * 0.03) ** 0.6 * 1e10**0.4)
     with pytest.raises(ao.InputError, match="did you mean 'duration'"):

@@ -45,7 +45,7 @@ def whole(name):
 @pytest.mark.parametrize("name", STRUCK)
 def test_the_error_said_of_every_number_is_true(name, rtol):
     hit, right = strike(name, quantity="peak_force", rtol=rtol), whole(name)
-    assert set(hit.error.numbers) == {*NAMES, "contacts"}
+    assert set(hit.error.numbers) == {*NAMES, "contact_count", "contacts"}
     assert hit.error.numbers["peak_force"] == hit.error.reduction <= rtol
     for number in NAMES:
         true = abs(getattr(hit, number) - getattr(right, number))

@@ -11,16 +11,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact.base.errors import AOImpactError, InputError, InputTypeError
+from aoimpact.base.errors import AOImpactError, AOImpactWarning, InputError, InputTypeError
 from aoimpact.fem.material import Material
 
-moduli = st.floats(1e3, 1e13)
+moduli = st.floats(1e6, 1.2e12)
 ratios = st.floats(-0.99, 0.499)
 
 
 @given(E=moduli, nu=ratios)
 def test_hookes_law_in_a_bar_gives_back_e_and_nu(E: float, nu: float) -> None:
-    lam, mu = Material(E=E, nu=nu, rho=1.0).lame
+    lam, mu = Material(E=E, nu=nu, rho=1e3).lame
     stiffness = np.full((3, 3), lam) + 2.0 * mu * np.eye(3)
     strain = np.linalg.solve(stiffness / E, [1.0, 0.0, 0.0])
     assert strain == pytest.approx([1.0, -nu, -nu], rel=1e-9, abs=1e-9)
@@ -28,7 +28,7 @@ def test_hookes_law_in_a_bar_gives_back_e_and_nu(E: float, nu: float) -> None:
 
 @given(E=moduli, nu=ratios)
 def test_shear_modulus_is_lames_second_constant(E: float, nu: float) -> None:
-    material = Material(E=E, nu=nu, rho=1.0)
+    material = Material(E=E, nu=nu, rho=1e3)
     assert material.shear_modulus == material.lame[1] == pytest.approx(E / (2.0 * (1.0 + nu)))
 
 
@@ -89,3 +89,43 @@ def test_material_is_a_value() -> None:
     assert hash(steel) == hash(pickle.loads(pickle.dumps(steel)))
     with pytest.raises(FrozenInstanceError):
         steel.E = 1.0  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"E": 210.0}, r"E=210 Pa is that of no solid: for 210 GPa give 2\.1e\+11"),
+        ({"E": 210e3}, r"E=210000 Pa is that of no solid: for 210000 MPa give 2\.1e\+11"),
+        ({"E": 210e12}, r"E=2\.1e\+14 Pa is that of no solid: is it in Pa\?"),
+        ({"rho": 7.8}, r"rho=7\.8 kg/m³ is that of no solid: for 7\.8 g/cm³ give 7800"),
+        ({"rho": 7.8e-9}, r"for 7\.8e-09 t/mm³ give 7800"),
+        ({"rho": 7.8e-6}, r"for 7\.8e-06 kg/mm³ give 7800"),
+        ({"rho": 7.8e6}, r"is it in kg/m³\?"),
+        ({"yield_strength": 250.0}, r"for 250 MPa give 2\.5e\+08"),
+    ],
+)
+def test_other_units_than_si_are_noticed(changed: dict[str, float], words: str) -> None:
+    with pytest.warns(AOImpactWarning, match=words):
+        Material(**{"E": 210e9, "nu": 0.3, "rho": 7800.0, **changed})
+
+
+@pytest.mark.parametrize(
+    ("E", "rho"),
+    [
+        (1.22e12, 3515.0),  # diamond
+        (1e6, 950.0),  # silicone rubber
+        (1.5e6, 30.0),  # polystyrene foam
+        (550e9, 22590.0),  # osmium
+        (10e9, 160.0),  # balsa
+    ],
+)
+def test_extreme_solids_are_solids(E: float, rho: float) -> None:
+    assert Material(E=E, nu=0.3, rho=rho).E == E
+
+
+def test_a_yield_strength_is_shown_where_there_is_one() -> None:
+    assert "yield" not in repr(Material(E=210e9, nu=0.3, rho=7800))
+    steel = Material(E=210e9, nu=0.3, rho=7800, yield_strength=350e6)
+    assert eval(repr(steel)) == steel
+    with pytest.raises(InputError, match="yield_strength must be positive"):
+        Material(E=210e9, nu=0.3, rho=7800, yield_strength=0.0)

@@ -62,7 +62,7 @@ def bent_cantilever(kind: str, fineness: int, evaluate: Any) -> float:
     find what lies between.
     """
     length, half, load = 4.0, 0.5, 1e6
-    material = ao.Material(E=200e9, nu=0.0, rho=1.0)
+    material = ao.Material(E=200e9, nu=0.0, rho=1e3)
     inertia = 2.0 * half**3 / 3.0
     mesh = ao.box_mesh((length, 0.5, 2.0 * half), (4 * fineness, 1, 2 * fineness), kind=kind)
     x, z = mesh.nodes[:, 0], mesh.nodes[:, 2] - half

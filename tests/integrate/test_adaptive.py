@@ -337,6 +337,7 @@ def test_a_record_of_the_first_moments_is_as_exact_relative_to_itself(duration, 
     assert cut.contacts == [(0.0, duration)]
 
 
+@pytest.mark.filterwarnings("ignore:.*no contact")
 def test_a_record_of_no_contact():
     miss = hit(gap=1.0)
     assert miss.contacts == []
@@ -420,6 +421,7 @@ def test_hundreds_of_contacts_with_a_ringing_body_keep_the_tolerance():
     assert result.error.energy < 1e-9
 
 
+@pytest.mark.filterwarnings("ignore:.*no contact")
 def test_grazing_touches_are_found_and_misses_are_not_touches():
     """A ringing mass approaches a wall-bound ball to just more, or just less, than nothing."""
     # The star vibrates with amplitude 1 mm on a static spring after the first impact; the second

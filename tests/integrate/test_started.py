@@ -58,6 +58,7 @@ PARTED = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:.*no contact")
 @pytest.mark.parametrize("name", PARTED)
 def test_a_load_that_rises_from_nothing_pulls_touching_bodies_apart(name):
     one, other, moved = PARTED[name]

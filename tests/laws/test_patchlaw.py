@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from aoimpact.accuracy import QUANTITIES
+from aoimpact.base import units
 from aoimpact.base.errors import AOImpactError, InputError, LawLimitError
 from aoimpact.batch.fingerprint import Fingerprints
 from aoimpact.fem.contact import ContactPoint
@@ -126,7 +127,8 @@ def test_any_law_forgets_the_mesh(law: ContactLaw) -> None:
 def test_the_result_says_what_was_taken_out_and_draws_the_law_that_was_given() -> None:
     body = sphere("paper", 0.004)
     hit = simulate(projectile=body, target=body, law=LAW, **SCENE)
-    assert f"compliance={hit.law.compliance}" in str(hit)
+    taken_out = units.quantity(hit.law.compliance, "m/N", 3)
+    assert f"less {taken_out} of the patches" in str(hit)
     (*_, drawn) = hit.plot_interaction().get_lines()
     depth, force = np.array(drawn.get_data())
     assert force[-1] / force[len(force) // 2] == pytest.approx(
@@ -193,7 +195,7 @@ def test_a_contact_wider_than_its_patch_is_refused_with_a_radius_that_will_do(
     solver: Newmark | None,
 ) -> None:
     law = Hertz.between(STEEL, 0.5, STEEL, float("inf"))
-    scene: dict[str, Any] = {"law": law, "velocity": 80.0, "duration": 40e-6, "solver": solver}
+    scene: dict[str, Any] = {"law": law, "velocity": 50.0, "duration": 40e-6, "solver": solver}
 
     def strike(radius: float) -> float:
         return simulate(projectile=BALL, target=block((8, 8, 3), radius), **scene).indentation.max()

@@ -14,7 +14,7 @@ import meshio
 import numpy as np
 import numpy.typing as npt
 import pytest
-from bodies import distorted_box
+from bodies import distorted_box, no_solid
 
 from aoimpact.base.errors import (
     AOImpactWarning,
@@ -24,13 +24,12 @@ from aoimpact.base.errors import (
     MeshError,
 )
 from aoimpact.fem.assembly import stiffness_mass
-from aoimpact.fem.material import Material
 from aoimpact.mesh.elements import KINDS, reference_element
 from aoimpact.mesh.generate import box_mesh
 from aoimpact.mesh.mesh import Mesh, read_mesh
 
 MESHES = Path(__file__).parents[1] / "meshes"
-UNIT = Material(E=1.0, nu=0.3, rho=1.0)
+UNIT = no_solid()
 FILES = {
     "hexahedron.inp": (27, 8),
     "hexahedron20_v4.msh": (81, 8),

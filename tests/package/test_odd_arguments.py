@@ -199,17 +199,23 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.AOModel,
         {
             **{"m0": 0.1, "k0": 1.0, "m": [1.0], "k": [1.0], "origin": None, "damping": None},
-            "surface": None,
+            **{"surface": None, "name": ""},
         },
     ),
-    "ball": (ao.ball, {"radius": 0.01, "material": ao.Material(E=1e9, nu=0.3, rho=1e3)}),
-    "rigid": (ao.rigid, {"mass": 1.0}),
+    "ball": (
+        ao.ball,
+        {"radius": 0.01, "material": ao.Material(E=1e9, nu=0.3, rho=1e3), "name": ""},
+    ),
+    "rigid": (ao.rigid, {"mass": 1.0, "name": ""}),
     "Adaptive": (ao.Adaptive, {"rtol": 1e-6}),
     "Newmark": (
         ao.Newmark,
         {"dt": 1e-6, "beta": 0.25, "gamma": 0.5, "rtol": 1e-3, "estimate": True},
     ),
-    "Material": (ao.Material, {"E": 1e9, "nu": 0.3, "rho": 1e3}),
+    "Material": (
+        ao.Material,
+        {"E": 1e9, "nu": 0.3, "rho": 1e3, "yield_strength": 1e7},
+    ),
     "Rayleigh": (ao.Rayleigh, {"alpha": 1.0, "beta": 1e-6}),
     "ModalDamping": (ao.ModalDamping, {"ratio": 0.1}),
     "Hertz.between": (
@@ -268,11 +274,11 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "read_scene": (ao.read_scene, {"path": "no.toml"}),
     "FEModel": (
         ao.FEModel,
-        {"K": BAR.K, "M": BAR.M, "nodes": BAR.nodes, "free": BAR.free, "damping": None},
+        {"K": BAR.K, "M": BAR.M, "nodes": BAR.nodes, "free": BAR.free, "damping": None, "name": ""},
     ),
     "FEModel.from_mesh": (
         ao.FEModel.from_mesh,
-        {"mesh": BOX, "material": STEEL, "fixed": None, "damping": None},
+        {"mesh": BOX, "material": STEEL, "fixed": None, "damping": None, "name": ""},
     ),
     "FEModel.contact": (
         BAR.contact,
@@ -327,7 +333,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "Scene": (ao.Scene, {"gravity": 0.0}),
     "Scene.add": (_added, {"body": BALL, "velocity": 1.0, "position": 0.0, "name": "a"}),
-    "Scene.connect": (_connected, {"a": OWN, "b": OWN, "law": HERTZ, "gap": 0.0}),
+    "Scene.connect": (_connected, {"a": OWN, "b": OWN, "law": HERTZ, "gap": 0.0, "name": ""}),
     "Scene.apply": (_applied, {"body": OWN, "force": 1.0}),
     "Scene.simulate": (
         _run,

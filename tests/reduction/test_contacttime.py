@@ -51,6 +51,7 @@ def test_beyond_that_it_grows_with_the_shear_modulus(kind: str, radius: float, f
         assert other == pytest.approx(ratio * one, rel=1e-12)
 
 
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
 @pytest.mark.parametrize("nu", [0.3, 0.49, 0.4999])
 @pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]], ids=["free", "held"])
 def test_six_antioscillators_give_the_force_on_any_material(nu: float, fixed: Any) -> None:

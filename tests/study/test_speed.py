@@ -133,6 +133,7 @@ def test_the_methods_agree_on_stars_drawn_at_random():
         assert abs(difference) < 1e-8 * scene["velocity"]
 
 
+@pytest.mark.filterwarnings("ignore:.*no contact")
 def test_no_contact_in_either_method():
     table = study(gap=1.0, scipy=["RK45"], adaptive=(1e-6,))
     assert table.reference.outcome == Outcome(0.0, 0.0, 1.0)

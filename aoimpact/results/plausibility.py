@@ -1,0 +1,371 @@
+"""Whether a run is what was meant: no impact at all, and what linear elasticity is not for.
+
+Bodies that yield, contacts as wide as the bodies are curved, plates that stretch, and speeds that
+are not small beside that of waves have no small error: each is said once a run, with its cure. What
+is not known of a body is not checked, so that stars given by numbers cost nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..base import quantity, warn
+from ..fem import ContactPoint, Material
+from ..laws import ContactLaw, HertzianLaw, Thornton, contact_modulus, own_law, yield_force
+from ..reduction import AOModel, touched
+
+if TYPE_CHECKING:
+    from ..scene import Contact, Plan
+    from .run import Run
+
+__all__ = ["least_said", "limits", "warn_of_run"]
+
+# Hertz's largest pressure at which a body begins to yield below the surface, over its uniaxial
+# yield stress (Johnson, *Contact Mechanics*, section 6.1, ν = .3).
+_YIELD = 1.6
+
+# Radius of a contact over that of curvature. Sneddon's punch with the shape of a sphere, instead of
+# Hertz's paraboloid, has 1 % less force here and 3 % at .5; strains are .2 of it (Tabor).
+_WIDTH, _STRAIN = 0.3, 0.2
+
+# Velocity over that of waves in a bar: the strain of two bars that meet, as large as the tolerance.
+_SPEED = 0.01
+
+# Deflection over thickness of what is held on both sides, where the linear one is 12 % off: the
+# load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
+# section 100). And over the size of any body.
+_THICKNESS, _SIZE = 0.5, 0.1
+
+# Supports along an axis that is no more along the contact's direction than this keep a body from
+# drawing in.
+_ACROSS = 0.5
+
+# Of displacements.
+_ROUNDING = 1e-12
+
+# The power of the indentation in Hertz's law.
+_POWER = 1.5
+
+
+class Limits(NamedTuple):
+    """Up to where nothing has to be said of a contact.
+
+    Attributes
+    ----------
+    pressure, width : float
+        Forces, N: of yield, and of a contact too wide.
+    speed : float
+        m/s, at which the bodies meet.
+    deflection : float
+        Energy, J, of all bodies: from there on a body may deflect too far.
+    """
+
+    pressure: float
+    width: float
+    speed: float
+    deflection: float
+
+
+_UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf)
+
+
+def limits(plan: Plan, contact: Contact) -> Limits:
+    """Return what a contact may come to, as far as its law and bodies are known."""
+    own, (first, second) = own_law(contact.law), _ends(plan, contact)
+    if not (_known(first) or _known(second)):
+        return _UNLIMITED if own.relative_radius is None else _limits_of_numbers(own)
+    tips = _contact_point(first), _contact_point(second)
+    materials = _material(first, tips[0]), _material(second, tips[1])
+    pressure = width = math.inf
+    if (surface := _surface(own, materials)) is not None:
+        k, modulus, radius = surface
+        width = k * (_WIDTH * _WIDTH * radius) ** _POWER
+        if (strength := _strength(materials)) and not isinstance(own, Thornton):
+            pressure = yield_force(modulus, radius, _YIELD * strength)
+    slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
+    deflection = min(_deflecting(plan, contact, tips), default=math.inf)
+    return Limits(pressure, width, _SPEED * slowest, deflection)
+
+
+@lru_cache
+def _limits_of_numbers(law: ContactLaw) -> Limits:
+    """Those of bodies given by numbers, of which nothing is known but the law."""
+    surface = _surface(law, (None, None))
+    if surface is None:
+        return _UNLIMITED
+    k, _, radius = surface
+    return _UNLIMITED._replace(width=k * (_WIDTH * _WIDTH * radius) ** _POWER)
+
+
+def least_said(plan: Plan) -> tuple[float, float]:
+    """Return up to which force, N, and velocity, m/s, nothing has to be said of an impact."""
+    most, mass = limits(plan, plan.contacts[0]), plan.bodies[0].mass
+    speed = most.speed
+    if most.deflection < math.inf:
+        speed = min(speed, math.sqrt(2.0 * most.deflection / mass) if mass else 0.0)
+    return min(most.pressure, most.width), speed
+
+
+def warn_of_run(run: Run) -> None:
+    """Warn where a run is not what was meant, or not what the method is for.
+
+    Of several contacts only the worst is named.
+
+    Parameters
+    ----------
+    run : Run
+    """
+    plan, pressed = run.plan, False
+    worst: dict[str, tuple[float, int]] = {}
+    for number, (contact, events) in enumerate(zip(plan.contacts, run.events, strict=True)):
+        if not events.contacts:
+            continue
+        pressed = True
+        if (most := limits(plan, contact)) is _UNLIMITED:
+            continue
+        force = events.peak_force
+        speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
+        energy = _energy(plan) if most.deflection < math.inf else 0.0
+        reached = force, force, speed, energy
+        for kind, value, limit in zip(Limits._fields, reached, most, strict=True):
+            if value > limit:
+                excess = value / limit if limit else math.inf
+                worst[kind] = max(worst.get(kind, (0.0, 0)), (excess, number))
+    if plan.contacts and not pressed:
+        _warn(_missed(run))
+    for kind, (_, number) in worst.items():
+        _warn(_TEXTS[kind](run, number))
+
+
+def _warn(text: str) -> None:
+    if text:
+        warn(text)
+
+
+# ------------------------------------------------------------------- what is known
+
+
+def _ends(plan: Plan, contact: Contact) -> tuple[Any, Any]:
+    """Of each body its AO model, or else the point where it is touched."""
+    first, second = (
+        model if isinstance(model := plan.bodies[body].model, AOModel) else touched(model, port)
+        for body, port in contact.ports
+    )
+    return first, second
+
+
+def _known(end: Any) -> bool:
+    """Whether what touches is more than numbers: made from a finite-element body, or a ball."""
+    if isinstance(end, AOModel):
+        return end.origin is not None or getattr(end, "surface", None) is not None
+    return end is not None
+
+
+def _contact_point(end: Any) -> ContactPoint | None:
+    """The place on a finite-element body, of what may be a model of it."""
+    if isinstance(end, AOModel):
+        return None if end.origin is None else end.origin.tip
+    return end if isinstance(end, ContactPoint) else getattr(end, "tip", None)
+
+
+def _material(end: Any, tip: ContactPoint | None) -> Material | None:
+    known = getattr(end, "surface", None) if tip is None else tip.body  # of a rigid ball
+    return getattr(known, "material", None)
+
+
+def _strength(materials: Sequence[Material | None]) -> float:
+    """The least yield strength that is known, Pa; 0 if none is."""
+    known = [of.yield_strength for of in materials if of is not None]
+    return min(filter(None, known), default=0.0)
+
+
+def _surface(law: Any, materials: Sequence[Material | None]) -> tuple[float, float, float] | None:
+    """k, E* and R of a law like Hertz's, from the law itself or from both materials."""
+    if not isinstance(law, HertzianLaw) or getattr(law, "n", _POWER) != _POWER:
+        return None
+    k: float = law.k  # type: ignore[attr-defined]
+    if (radius := law.relative_radius) is not None:
+        return k, 0.75 * k / math.sqrt(radius), radius
+    first, second = materials
+    if first is None or second is None:
+        return None
+    modulus = contact_modulus(first, second)
+    return k, modulus, (0.75 * k / modulus) ** 2
+
+
+# ------------------------------------------------------------------- deflection
+
+
+def _deflecting(
+    plan: Plan, contact: Contact, tips: Sequence[ContactPoint | None]
+) -> Iterator[float]:
+    """Up to which energy, J, each of the two bodies certainly deflects little, if it is held.
+
+    k0 u²/2 is the least energy of a deflection u.
+    """
+    for (body, _), tip in zip(contact.ports, tips, strict=True):
+        scene_body = plan.bodies[body]
+        if tip is None or not scene_body.constrained or _allowed(tip) == math.inf:
+            continue
+        model = scene_body.model
+        alone = not plan.gravity and not plan.loads
+        if alone and isinstance(model, AOModel):
+            yield 0.5 * model.k0 * _allowed(tip) ** 2
+        else:
+            yield 0.0
+
+
+def _energy(plan: Plan) -> float:
+    """Of all bodies at the start, J; infinite where a mass is, or is not known."""
+    moving = [(body.mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True) if v]
+    return math.fsum(0.5 * (math.inf if mass is None else mass) * v * v for mass, v in moving)
+
+
+def _allowed(tip: ContactPoint) -> float:
+    """The least deflection that may be too large, m; infinite for a body without a mesh."""
+    mesh = tip.body.mesh
+    return math.inf if mesh is None else min(_THICKNESS * tip.depth, _SIZE * mesh.size)
+
+
+def _stretches(tip: ContactPoint) -> bool:
+    """Whether supports on two sides of the point hold the body from drawing in as it deflects."""
+    body = tip.body
+    if body.nodes is None or body.free is None or tip.point is None or tip.direction is None:
+        return False
+    held = np.setdiff1d(np.arange(3 * len(body.nodes)), body.free)
+    for axis in np.flatnonzero(np.abs(tip.direction) < _ACROSS):
+        offset = body.nodes[held[held % 3 == axis] // 3] - tip.point
+        along = offset[:, axis]
+        straight = 2.0 * along**2 > (offset**2).sum(axis=1)  # within 45° of the axis
+        if (straight & (along < 0.0)).any() and (straight & (along > 0.0)).any():
+            return True
+    return False
+
+
+# ------------------------------------------------------------------- what is said
+
+
+def _said_of_pressure(run: Run, number: int) -> str:
+    contact, force = run.plan.contacts[number], run.events[number].peak_force
+    materials = [_material(end, _contact_point(end)) for end in _ends(run.plan, contact)]
+    surface = _surface(own_law(contact.law), materials)
+    assert surface is not None
+    k, modulus, radius = surface
+    strength = _strength(materials)
+    limit = yield_force(modulus, radius, _YIELD * strength)
+    pressure = _YIELD * strength * math.cbrt(force / limit)
+    return (
+        f"{_contact(run, number)}: the largest pressure by Hertz, "
+        f"{quantity(pressure, 'Pa', 3)}, is beyond {_YIELD:g} times yield_strength="
+        f"{quantity(strength, 'Pa', 3)}: the body yields from {quantity(limit, 'N', 3)} on, the "
+        f"force is less and energy is lost; take Thornton(k={k:.6g}, yield_force={limit:.4g}, "
+        f"relative_radius={radius:.6g})"
+    )
+
+
+def _said_of_width(run: Run, number: int) -> str:
+    contact, force = run.plan.contacts[number], run.events[number].peak_force
+    surface = _surface(
+        own_law(contact.law),
+        [_material(end, _contact_point(end)) for end in _ends(run.plan, contact)],
+    )
+    assert surface is not None
+    k, _, radius = surface
+    width = math.sqrt((force / k) ** (2.0 / 3.0) / radius)
+    return (
+        f"{_contact(run, number)}: at the peak the contact has a radius of {width:.2g} "
+        f"times the radius of curvature R={quantity(radius, 'm', 3)}, with strains of about "
+        f"{_STRAIN * width:.1%}: Hertz's law and linear elasticity are for small ones; take a "
+        "lower velocity, or a measured law, Tabulated(...), and check that R is in metres"
+    )
+
+
+def _said_of_deflection(run: Run, number: int) -> str:
+    """What to say, if the motion itself bears it out."""
+    contact = run.plan.contacts[number]
+    for (body, port), end in zip(contact.ports, _ends(run.plan, contact), strict=True):
+        tip = _contact_point(end)
+        if tip is None or not run.plan.bodies[body].constrained or _allowed(tip) == math.inf:
+            continue
+        assert tip.body.mesh is not None
+        size = tip.body.mesh.size
+        most = float(np.abs(run.bodies[body].port_displacements[port]).max(initial=0.0))
+        if most > _THICKNESS * tip.depth and _stretches(tip):
+            return (
+                f"{run.names[body]} deflects by {quantity(most, 'm', 3)}, and is "
+                f"{quantity(tip.depth, 'm', 3)} thick: held on both sides it stretches, and is "
+                "stiffer than linear elasticity has it; take a lower velocity, or do not trust "
+                "deflection and stress to better than tens of percent"
+            )
+        if most > _SIZE * size:
+            return (
+                f"{run.names[body]} deflects by {quantity(most, 'm', 3)}, and is "
+                f"{quantity(size, 'm', 3)} long: linear elasticity is for small rotations; take a "
+                "lower velocity, or check units and supports"
+            )
+    return ""
+
+
+def _said_of_speed(run: Run, number: int) -> str:
+    plan, contact = run.plan, run.plan.contacts[number]
+    speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
+    materials = [_material(end, _contact_point(end)) for end in _ends(plan, contact)]
+    slowest = min(material.bar_speed for material in materials if material is not None)
+    return (
+        f"{_contact(run, number)}: the bodies meet at {speed:.4g} m/s, "
+        f"{speed / slowest:.1%} of the speed of waves, {slowest:.4g} m/s: strains are as large, "
+        "and linear elasticity is for small ones; take a lower velocity, and check E and rho"
+    )
+
+
+_TEXTS: dict[str, Callable[[Run, int], str]] = {
+    "pressure": _said_of_pressure,
+    "width": _said_of_width,
+    "deflection": _said_of_deflection,
+    "speed": _said_of_speed,
+}
+
+
+def _contact(run: Run, number: int) -> str:
+    """What to call a contact."""
+    contact = run.plan.contacts[number]
+    if contact.name:
+        return contact.name
+    return f"{run.names[contact.first]} on {run.names[contact.second]}"
+
+
+def _missed(run: Run) -> str:
+    """What the bodies did that never pressed on each other: of those that came closest."""
+    apart = [0.0 - contact.indentation for contact in run.contacts]
+    number = int(np.argmin([gap.min() for gap in apart]))
+    gap, t = apart[number], run.t
+    at = int(gap.argmin())
+    start, least, end = (quantity(float(value), "m", 3) for value in (gap[0], gap[at], gap[-1]))
+    moved = max(float(np.abs(body.port_displacements).max()) for body in run.bodies)
+    if gap.max() <= _ROUNDING * moved:  # side by side
+        return ""
+    text = f"{_contact(run, number)}: no contact in {quantity(run.duration, 's')}"
+    if gap.max() == gap.min():
+        return f"{text}: they stay {start} apart, and nothing moves them; give one a velocity"
+    if at == 0:
+        return (
+            f"{text}: they move apart, from {start} to {end}; the first body of a contact is "
+            "behind the second along the direction of travel, and faster: exchange them, or "
+            "change the signs of velocities"
+        )
+    if at < len(t) - 1:
+        return (
+            f"{text}: they come no closer than {least}, at t = {quantity(float(t[at]), 's')}; take "
+            "a smaller gap, or a larger velocity"
+        )
+    speed = float(gap[-2] - gap[-1]) / float(t[-1] - t[-2])
+    needed = run.duration + float(gap[-1]) / speed
+    return (
+        f"{text}: at its end they are still {least} apart and approach at {speed:.3g} m/s; take a "
+        f"duration beyond {quantity(needed, 's')}, or a smaller gap"
+    )

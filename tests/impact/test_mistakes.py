@@ -1,0 +1,129 @@
+"""Mistakes of the first hour: each is answered by what to change.
+
+A steel ball of 10 mm strikes an aluminium plate of 100 × 80 × 6 mm at 1 m/s.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+import aoimpact as ao
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
+ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
+SIZE = (0.1, 0.08, 0.006)
+MIDDLE = (0.05, 0.04, 0.006)
+DOWN = (0, 0, -1)
+BALL = ao.rigid(mass=0.0327)
+LAW = ao.Hertz.between(STEEL, 0.01, ALU, math.inf)
+
+
+def plate(size: Any = SIZE, fixed: Any = ENDS) -> ao.FEModel:
+    return ao.FEModel.from_mesh(ao.box_mesh(size, (10, 8, 1)), ALU, fixed=fixed)
+
+
+def star(body: ao.FEModel) -> ao.AOModel:
+    tip = body.contact(point=MIDDLE, direction=DOWN, radius=0)
+    return ao.antioscillators(tip, 6, method="krylov", contact_time=1e-4)
+
+
+def strike(target: Any, **changes: Any) -> ao.Result:
+    given = {"projectile": BALL, "target": target, "law": LAW, "velocity": 1.0, "duration": 3e-4}
+    return ao.simulate(**given | changes)
+
+
+def test_done_right_nothing_is_said() -> None:
+    assert strike(star(plate())).peak_force > 100.0
+
+
+def test_a_mesh_in_millimetres() -> None:
+    with pytest.warns(
+        ao.AOImpactWarning, match=r"100 m long .* in metres; for millimetres use .*scale=1e-3"
+    ):
+        plate((100.0, 80.0, 6.0))
+
+
+def test_a_small_part_in_millimetres() -> None:
+    """A chip of 4 × 4 × 2 mm weighs 86 t then, as some machines do; but its elements are large."""
+    with pytest.warns(ao.AOImpactWarning, match=r"with elements of 2 m: .* millimetres"):
+        ao.FEModel.from_mesh(ao.box_mesh((4, 4, 2), (2, 2, 1)), ALU)
+
+
+def test_a_modulus_in_gigapascals() -> None:
+    with pytest.warns(ao.AOImpactWarning, match=r"E=70 Pa is .* for 70 GPa give 7e\+10"):
+        ao.Material(E=70, nu=0.3, rho=2700)
+
+
+def test_a_radius_of_ten_metres_for_a_patch() -> None:
+    with pytest.raises(ao.InputError, match=r"larger than the body, .*\(is it in metres\?\)"):
+        plate().contact(point=MIDDLE, direction=DOWN, radius=10)
+
+
+def test_a_radius_of_ten_metres_in_the_law() -> None:
+    law = ao.Hertz.between(STEEL, 10, ALU, math.inf)
+    body = ao.FEModel.from_mesh(
+        ao.box_mesh(SIZE, (16, 12, 1), kind="hexahedron20"), ALU, fixed=ENDS
+    )
+    tip = body.contact(point=MIDDLE, direction=DOWN, radius=0.006)
+    target = ao.antioscillators(tip, 6, method="krylov", contact_time=1e-4)
+    with pytest.raises(ao.InputError, match="the law of relative_radius=10 m stands up to"):
+        strike(target, law=law)
+
+
+def test_no_supports_are_in_the_summary() -> None:
+    hit = strike(star(plate(fixed=None)))
+    assert "target             AO(6), 129.6 g, free" in repr(hit)
+    assert "129.6 g, constrained" in repr(strike(star(plate())))
+
+
+@pytest.mark.parametrize(
+    ("point", "where"), [((0.05, 0.04, 0.009), "off the body"), ((0.05, 0.04, 0.003), "inside")]
+)
+def test_a_point_off_the_surface(point: Any, where: str) -> None:
+    with pytest.raises(ao.InputError, match=rf"{where}.*nearest place on its surface, \(0\.05, 0"):
+        plate().contact(point=point, direction=DOWN)
+
+
+def test_a_point_in_millimetres() -> None:
+    with pytest.raises(ao.InputError, match=r"off the body.* \(is it in metres\?\)"):
+        plate().contact(point=(50, 40, 6), direction=DOWN)
+
+
+def test_a_point_on_a_support() -> None:
+    with pytest.raises(ao.InputError, match=r"held by the supports in that direction.* release"):
+        plate().contact(point=(0.0, 0.04, 0.006), direction=DOWN, radius=0)
+
+
+def test_a_record_that_is_too_short() -> None:
+    with pytest.warns(ao.AOImpactWarning, match="ends in contact.* take a longer duration"):
+        strike(star(plate()), duration=3e-5)
+
+
+def test_a_gap_that_is_not_closed() -> None:
+    with pytest.warns(ao.AOImpactWarning, match="take a duration beyond 1 ms, or a smaller gap"):
+        strike(star(plate()), gap=1e-3)
+
+
+def test_a_contact_of_a_scene_the_wrong_way_round() -> None:
+    scene = ao.Scene()
+    ball, target = scene.add(BALL, velocity=1.0), scene.add(star(plate()))
+    scene.connect(target, ball, LAW)
+    with pytest.warns(ao.AOImpactWarning, match="they move apart.* exchange them"):
+        scene.simulate(duration=3e-4)
+
+
+def test_a_whole_body_in_place_of_a_contact() -> None:
+    words = r"is a whole FEModel\(.*: say where it is touched .* target=body\.contact\(point="
+    with pytest.raises(ao.InputTypeError, match=words):
+        strike(plate())
+    with pytest.raises(ao.InputTypeError, match=r"body=body\.contact\(point="):
+        ao.Scene().add(plate())
+
+
+def test_a_speed_for_which_the_method_is_not() -> None:
+    with pytest.warns(ao.AOImpactWarning, match="of the speed of waves, 5092 m/s"):
+        strike(star(plate()), velocity=100.0)

@@ -1,0 +1,247 @@
+"""What is said of runs that are not what was meant: with closed forms for where it begins."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.results.plausibility import limits
+
+R = 0.01
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800, yield_strength=1.5e9)
+ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
+SOFT = ao.Material(E=70e9, nu=0.3, rho=2700, yield_strength=100e6)
+PAIR = ao.Hertz.between(STEEL, R, STEEL, R)
+OTHERS = "ends in contact", "was fitted to"  # said elsewhere
+
+HEAVY = ao.rigid(mass=0.0327)
+
+
+def plate(material: ao.Material, thickness: float, fixed: Any, point: Any = (0.05, 0.04)) -> Any:
+    mesh = ao.box_mesh((0.1, 0.08, thickness), (4, 4, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, material, fixed=fixed)
+    return body.contact(point=(*point, thickness), direction=(0, 0, -1))
+
+
+def star(tip: ao.ContactPoint) -> ao.AOModel:
+    return ao.antioscillators(tip, 8, method="krylov", contact_time=2e-4, duration=1e-3)
+
+
+def strike(target: Any, velocity: float, law: Any = PAIR, **options: Any) -> ao.Result:
+    return ao.simulate(
+        **{
+            "projectile": HEAVY,
+            "target": target,
+            "law": law,
+            "velocity": velocity,
+            "duration": 2e-3,
+        }
+        | options
+    )
+
+
+def said(target: Any, velocity: float, **options: Any) -> list[str]:
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always", ao.AOImpactWarning)
+        strike(target, velocity, **options)
+    texts = [str(one.message) for one in found]
+    return [text for text in texts if not any(other in text for other in OTHERS)]
+
+
+BOTH_ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
+
+
+# ------------------------------------------------------------------- pressure
+
+
+def test_yield_is_said_from_the_pressure_on_at_which_it_begins() -> None:
+    """p₀ = 3F/(2πa²), a = √(Rδ), F = kδ^1.5."""
+    floor = ao.antioscillators(plate(SOFT, 0.04, [("zmin", "xyz")]), 2)
+    law = ao.Hertz.between(STEEL, R, SOFT, math.inf)
+    quiet = strike(floor, 1e-4, law)
+    wide = math.sqrt(R * (quiet.peak_force / law.k) ** (2 / 3))
+    share = 1.5 * quiet.peak_force / (math.pi * wide**2) / (1.6 * SOFT.yield_strength)
+    assert share < 1.0
+    joint = quiet.run.plan.joints[0]
+    force = limits(quiet.run.plan, joint).pressure
+    assert quiet.peak_force / force == pytest.approx(share**3, rel=1e-12)
+    assert force == pytest.approx(
+        ao.Thornton.between(
+            STEEL, R, SOFT, math.inf, yield_pressure=1.6 * SOFT.yield_strength
+        ).yield_force
+    )
+
+
+def test_thorntons_law_is_named_with_its_parameters_and_says_no_more() -> None:
+    floor = ao.antioscillators(plate(SOFT, 0.04, [("zmin", "xyz")]), 2)
+    law = ao.Hertz.between(STEEL, R, SOFT, math.inf)
+    (text,) = said(floor, 0.5, law=law)
+    assert text.startswith("projectile on target: the largest pressure by Hertz, ")
+    assert "1.6 times yield_strength=100 MPa" in text
+    thornton = eval(text.partition("take ")[2], {"Thornton": ao.Thornton})
+    expected = ao.Thornton.between(STEEL, R, SOFT, math.inf, yield_pressure=160e6)
+    assert thornton.k == pytest.approx(expected.k, rel=1e-5)
+    assert thornton.yield_force == pytest.approx(expected.yield_force, rel=1e-3)
+    assert said(floor, 0.5, law=thornton) == []
+
+
+def test_the_curvature_follows_from_both_materials_where_the_law_does_not_have_it() -> None:
+    floor = ao.antioscillators(plate(SOFT, 0.04, [("zmin", "xyz")]), 2)
+    sphere = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), STEEL)
+    ball = ao.antioscillators(
+        sphere.contact(point=(R, 0, 0), direction=(1, 0, 0)),
+        1,
+        method="krylov",
+        contact_time=5e-4,
+    )
+    law = ao.Hertz.between(STEEL, R, SOFT, math.inf)
+    one, other = (strike(floor, 1e-3, law, projectile=ball) for law in (law, ao.Hertz(law.k)))
+    known, found = (limits(hit.run.plan, hit.run.plan.joints[0]) for hit in (one, other))
+    assert found == pytest.approx(known, rel=1e-12)
+
+
+def test_without_a_yield_strength_nothing_is_said_of_yield() -> None:
+    floor = ao.antioscillators(plate(ALU, 0.04, [("zmin", "xyz")]), 2)
+    assert said(floor, 0.5, law=ao.Hertz.between(ALU, R, ALU, math.inf)) == []
+
+
+# ------------------------------------------------------------------- widths and speeds
+
+
+def test_a_contact_as_wide_as_its_curvature_is_said() -> None:
+    """A rigid pair of mass m goes to δ with m v²/2 = 2/5 k δ^2.5; the limit is a = .3 R."""
+    relative, mass = R / 2, 0.0327 / 2
+    limit = math.sqrt(0.8 * PAIR.k / mass * (0.09 * relative) ** 2.5)
+    assert said(HEAVY, 0.99 * limit) == []
+    (text,) = said(HEAVY, 1.01 * limit)
+    assert "a radius of 0.3 times the radius of curvature R=5 mm, with strains of about 6" in text
+
+
+def test_sneddons_sphere_has_one_percent_less_force_at_that_width() -> None:
+    """I. N. Sneddon, Int. J. Eng. Sci. 3 (1965) 47-57, section 6.2, in units of R and E*."""
+    a = 0.3
+    logarithm = math.log((1 + a) / (1 - a))
+    depth, force = 0.5 * a * logarithm, 0.5 * (a**2 + 1) * logarithm - a
+    assert force / (4 / 3 * depth**1.5) == pytest.approx(0.99, abs=0.002)
+
+
+def test_speeds_beside_that_of_waves_are_said() -> None:
+    floor = ao.antioscillators(plate(ALU, 0.04, [("zmin", "xyz")]), 2)
+    soft = ao.Hertz(k=1e9)  # shallow, so that only speed counts
+    limit = 0.01 * math.sqrt(ALU.E / ALU.rho)
+    light = ao.rigid(mass=1e-9)
+    assert said(floor, 0.99 * limit, law=soft, projectile=light, duration=1e-5) == []
+    (text,) = said(floor, 1.01 * limit, law=soft, projectile=light, duration=1e-5)
+    assert "1.0% of the speed of waves, 5092 m/s" in text
+
+
+# ------------------------------------------------------------------- deflection
+
+
+def test_a_thin_plate_held_on_both_sides_stretches_a_cantilever_does_not() -> None:
+    thin = 1e-3
+    held = star(plate(ALU, thin, BOTH_ENDS))
+    law = ao.Hertz.between(STEEL, R, ALU, math.inf)
+    (text,) = said(held, 2.0, law=law)
+    assert text.startswith("target deflects by ")
+    assert "is 1 mm thick: held on both sides it stretches" in text
+    deflection = np.abs(strike_quietly(held, 2.0, law).target.displacement).max()
+    assert deflection > 0.5 * thin
+    cantilever = star(plate(ALU, thin, BOTH_ENDS[:1]))
+    moved = np.abs(strike_quietly(cantilever, 2.0, law).target.displacement).max()
+    assert moved > 0.5 * thin
+    assert said(cantilever, 2.0, law=law) == []
+
+
+def test_supports_that_let_a_body_draw_in_do_not_stretch_it() -> None:
+    rollers = star(plate(ALU, 1e-3, [("xmin", "xyz"), ("xmax", "z")]))
+    assert said(rollers, 2.0, law=ao.Hertz.between(STEEL, R, ALU, math.inf)) == []
+
+
+def test_small_deflections_are_not_even_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The energy m v²/2 deflects the plate by less than half its thickness, k0 u²/2."""
+    held = star(plate(ALU, 6e-3, BOTH_ENDS))
+    hit = strike(held, 0.1, ao.Hertz.between(STEEL, R, ALU, math.inf))
+    assert "bodies" not in vars(hit.run)
+    assert 0.1 * math.sqrt(HEAVY.m0 / held.k0) < 0.5 * 6e-3
+
+
+def test_a_full_model_says_the_same() -> None:
+    tip = plate(ALU, 1e-3, BOTH_ENDS)
+    steps = {"solver": ao.Newmark(dt=2e-6, estimate=False), "duration": 4e-4}
+    (text,) = said(tip, 2.0, law=ao.Hertz.between(STEEL, R, ALU, math.inf), **steps)
+    assert "held on both sides it stretches" in text
+
+
+def strike_quietly(target: Any, velocity: float, law: Any) -> ao.Result:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ao.AOImpactWarning)
+        return strike(target, velocity, law)
+
+
+# ------------------------------------------------------------------- no contact
+
+
+def test_the_duration_that_a_miss_asks_for_is_enough() -> None:
+    (text,) = said(HEAVY, 2.0, gap=1e-2)
+    assert text == (
+        "projectile on target: no contact in 2 ms: at its end they are still 6 mm apart and "
+        "approach at 2 m/s; take a duration beyond 5 ms, or a smaller gap"
+    )
+    assert said(HEAVY, 2.0, gap=1e-2, duration=5.1e-3) == []
+
+
+def swinging() -> ao.AOModel:
+    """A pendulum of 1 kg with 100 rad/s."""
+    return ao.AOModel(m0=1.0, k0=1e4)
+
+
+def test_a_swing_that_does_not_reach_says_how_far_it_came() -> None:
+    """x = v/ω sin ωt: 10 mm of 11 at T/4 = 15.7 ms."""
+    (text,) = said(HEAVY, 1.0, projectile=swinging(), gap=0.011, duration=0.04)
+    assert "they come no closer than 1 mm, at t = 15.7" in text
+    assert "a smaller gap, or a larger velocity" in text
+
+
+def scene_of(first_speed: float, second_speed: float, *, swapped: bool) -> Any:
+    scene = ao.Scene()
+    first, second = scene.add(HEAVY, velocity=first_speed), scene.add(HEAVY, velocity=second_speed)
+    pair = (second, first) if swapped else (first, second)
+    scene.connect(*pair, PAIR)
+    return scene
+
+
+def test_bodies_that_move_apart_are_said_with_the_order_of_a_contact() -> None:
+    with pytest.warns(ao.AOImpactWarning, match=r"body 1 on body 0: .* they move apart, from 0 m"):
+        scene_of(1.0, 0.0, swapped=True).simulate(duration=1e-3)
+    assert scene_of(1.0, 0.0, swapped=False).simulate(duration=1e-3).contacts[0].intervals
+
+
+def test_bodies_that_nothing_moves_are_said() -> None:
+    scene = ao.Scene()
+    first, second = scene.add(HEAVY), scene.add(HEAVY)
+    scene.connect(first, second, PAIR, gap=1e-3)
+    with pytest.warns(ao.AOImpactWarning, match="they stay 1 mm apart, and nothing moves them"):
+        scene.simulate(duration=1e-3)
+
+
+def test_of_several_contacts_the_worst_is_said_and_only_that() -> None:
+    scene = ao.Scene()
+    bodies = [scene.add(HEAVY, velocity=v, name=f"ball {v}") for v in (60.0, 0.0, 0.0)]
+    scene.connect(bodies[0], bodies[1], PAIR)
+    scene.connect(bodies[1], bodies[2], PAIR, gap=1e-5)
+    with pytest.warns(ao.AOImpactWarning) as found:
+        scene.simulate(duration=1e-4)
+    assert len(found) == 1
+
+
+def test_a_sweep_says_it_once() -> None:
+    case = {"projectile": HEAVY, "target": HEAVY, "law": PAIR, "duration": 2e-3}
+    with pytest.warns(ao.AOImpactWarning, match=r"times the radius.*\(99 more of 100 cases warn"):
+        kept = ao.simulate_many([case | {"velocity": 100.0}] * 100, keep="peak_force")
+    assert len(kept) == 100
