@@ -28,9 +28,9 @@ from measuring import Line, best_times, print_table
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.fem.assembly import stiffness_mass
-from aoimpact.linalg.solvers import factorize
+from aoimpact.linalg.superlu import factorize
 from aoimpact.paper.beam import ALUMINIUM, beam_model
-from aoimpact.scene.bodies import FullBody, StarBody
+from aoimpact.scene import FullBody, StarBody
 from aoimpact.study.scenes import beam_star
 
 MASS, HERTZ, VELOCITY = 0.0326725636, 1e10, 1.0
@@ -165,7 +165,9 @@ def measure_full() -> list[Line]:
     model = beam_model()
     tip = model.contact(point=(0.5, 0.01, 0.02), direction=(0.0, 0.0, -1.0), radius=0)
     steps = 200
-    lean, rich = (core_run(FullBody((tip,), 0.0), steps, energies) for energies in (False, True))
+    lean, rich = (
+        core_run(FullBody(ao.full(tip), 0.0), steps, energies) for energies in (False, True)
+    )
     factors = factorize(model.M + 0.25 * DT**2 * model.K).for_core()
     work, x = np.empty(model.n_dofs), np.ones(model.n_dofs)
     u = np.random.default_rng(0).standard_normal(model.n_dofs)
