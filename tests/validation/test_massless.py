@@ -447,6 +447,21 @@ def test_a_place_that_snaps_back_is_the_limit_of_a_small_mass(name):
             assert one.impulse == pytest.approx(other.impulse, rel=1e-5)
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8])
+@pytest.mark.parametrize(
+    "law",
+    [ao.Gonthier(1e14, 0.77, 7.0, n=2.5), ao.Tsuji(1e12, 0.3, mass=1.0), ao.KelvinVoigt(1e10, 1e3)],
+)
+def test_a_point_at_rest_that_is_let_go_has_the_force_of_its_rest_at_first(law, rtol):
+    """Its dashpot gives way within less than any other time of the scene."""
+    scene = ao.Scene()
+    point = scene.add(ao.AOModel(m0=0.0, m=[2.0], k=[6e13]))
+    scene.connect(point, scene.add(ao.rigid(mass=math.inf)), law)
+    scene.apply(point, force=([0.0, 1e-5], [3e5, 0.0]))
+    run = scene.simulate(duration=5e-5, preload=True, solver=ao.Adaptive(rtol=rtol))
+    assert run.at([0.0]).contacts[0].force[0] == pytest.approx(3e5, rel=3.0 * rtol)
+
+
 @pytest.mark.parametrize("dt", [1e-6, 5e-8])
 def test_newmark_lets_a_pull_on_a_massless_point_end(dt):
     point = ao.AOModel(m0=0.0, m=[1.0, 0.1], k=[3e7, 1e7])
