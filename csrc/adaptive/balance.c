@@ -362,6 +362,15 @@ static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contac
     }
 }
 
+/* A contact that had let go presses again. */
+static void press_again(const aoi_law *law, double rate, aoi_adaptive_contact *contact)
+{
+    contact->begins = 1;
+    contact->last_length = 0.0;
+    contact->piece =
+        aoi_law_piece(law, contact->memory, contact->start, rate > 0.0, &contact->low, &contact->high);
+}
+
 /* What a contact does from now on. */
 static void take(aoi_adaptive *run, const aoi_contact_state *from, double least)
 {
@@ -381,10 +390,7 @@ static void take(aoi_adaptive *run, const aoi_contact_state *from, double least)
     /* What the step has just found is not undone: it knows more digits. */
     const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
     if (!found && contact->piece == AOI_SLACK && from->force > least) {
-        contact->begins = 1;
-        contact->last_length = 0.0;
-        contact->piece = aoi_law_piece(law, contact->memory, contact->start, from->rate > 0.0,
-                                       &contact->low, &contact->high);
+        press_again(law, from->rate, contact);
     } else if (!found && lets_go(contact, law, from->force, least)) {
         contact->piece = AOI_SLACK;
     }
@@ -413,10 +419,13 @@ static void meet(aoi_adaptive *run, const aoi_coupled *e)
         aoi_adaptive_contact *contact = &run->contact[c];
         const double tolerance = aoi_event_tolerance(run, contact->indentation_scale);
         contact->start = aoi_contact_place(run, c);
+        const int acts = of->at[1] != IS_SLACK;
         const int touches = contact->start >= aoi_law_rest(of->law, of->memory) - tolerance;
-        if (contact->closed && !touches) {
+        if (contact->closed && !touches && !acts) {
             leave(run, c);
-        } else if (!contact->closed && touches && of->at[1] != IS_SLACK) {
+        } else if (contact->closed && contact->piece == AOI_SLACK && acts) {
+            press_again(of->law, contact->start_rate, contact); /* what has let go is met as what is open is */
+        } else if (!contact->closed && acts) { /* if only as far as bodies come at once */
             aoi_contact_close(run, c);
         } else if (!contact->closed) {
             contact->bending = 0.0;

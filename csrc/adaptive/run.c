@@ -429,12 +429,14 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
     }
     if (growth > TRUSTED && attempt->place < 1.0) {
         const double after = attempt->place * attempt->h;
+        const double place = fmax(attempt->place, aoi_event_tolerance(run, 1.0));
         const int at_start = aoi_is_at_start(run, after, attempt->h);
-        if (at_start && aoi_step_at_start(run, fmax(attempt->place, aoi_event_tolerance(run, 1.0)))) {
+        const int snaps = at_start && aoi_step_snaps(run, place); /* which the end of a step lets happen */
+        if (at_start && !snaps && aoi_step_at_start(run, place)) {
             return prepare(run, limit);
         }
-        if (!at_start && (*trims)++ < MOST_TRIMS) {
-            *trim = after;
+        if ((!at_start || snaps) && (*trims)++ < MOST_TRIMS) {
+            *trim = snaps ? fmax(after, AT_START * attempt->h) : after;
             return AOI_OK;
         }
         growth = 0.4;

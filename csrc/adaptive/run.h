@@ -174,6 +174,10 @@ void aoi_balance_at_once(aoi_adaptive *run, int snaps);
  * takes note of its law's share: with sign -1 before something happens at once, with 1 after it. */
 double aoi_balance_book(aoi_adaptive *run, double sign);
 
+/* Whether one of the events up to a place in the step tried is the end of a pull at a place without mass, which
+ * snaps back. */
+int aoi_step_snaps(const aoi_adaptive *run, double place);
+
 /* Lets the events up to a place at the very start of the step tried happen; 0 where that would go on for
  * ever: take a shorter step. */
 int aoi_step_at_start(aoi_adaptive *run, double place);

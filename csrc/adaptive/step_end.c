@@ -290,20 +290,24 @@ static void pass_time(aoi_adaptive *run, double h)
     run->elapsed = elapsed;
 }
 
-/* The contact that ends with a pull at a place without mass, which snaps back: what it does to the others there
- * hangs on their laws. None: the number of entries. */
-static size_t snapping(const aoi_adaptive *run)
+/* The contact that ends with a pull at a place without mass by then, which snaps back: what it does to the others
+ * there hangs on their laws. None: the number of entries. */
+static size_t snapping(const aoi_adaptive *run, double place)
 {
     size_t s = 0;
     for (; s < run->closed_count; s++) {
         const size_t c = run->entry[s].contact;
-        if (run->system->contact[c].law->pulls && run->contact[c].event == AOI_EVENT_OPEN &&
-            run->contact[c].force < 0.0 && aoi_contact_has_residual(run, c)) {
+        const aoi_adaptive_contact *contact = &run->contact[c];
+        if (run->system->contact[c].law->pulls && contact->event == AOI_EVENT_OPEN &&
+            contact->event_place <= place && !contact->begins && contact->force < 0.0 &&
+            aoi_contact_has_residual(run, c)) {
             break;
         }
     }
     return s;
 }
+
+int aoi_step_snaps(const aoi_adaptive *run, double place) { return snapping(run, place) < run->closed_count; }
 
 /* Lets the events at the end of a step happen. */
 static void events(aoi_adaptive *run, double later)
@@ -337,7 +341,7 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     }
     pass_time(run, h);
     run->steps++;
-    const size_t s = snapping(run);
+    const size_t s = snapping(run, 1.0);
     if (s == run->closed_count) {
         events(run, later);
         return AOI_OK;

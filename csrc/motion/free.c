@@ -208,8 +208,8 @@ static double safe_stride(const aoi_free_pair *pair, double level, double rate, 
     return best;
 }
 
-/* The bound's level and drift with all modes taken as fast, and the size of what is summed there. In:
- * the indentation and its rate, which gap and residual compliance have a share in, too. */
+/* The bound's level and drift with all modes taken as fast, and the size of what is summed there, or will be: bodies
+ * may rest in their origin. In: the indentation and its rate, which gap and residual compliance have a share in, too. */
 static void all_fast(const aoi_free_pair *pair, double within, double *level, double *drift,
                      double *scale)
 {
@@ -220,6 +220,7 @@ static void all_fast(const aoi_free_pair *pair, double within, double *level, do
             *level += of.rest - of.level;
             *drift += of.drift - of.rate;
             *scale += fabs(of.level) + fabs(of.rest);
+            *scale += only_slow(pair->body[side]->omega[j], within) ? of.bend * within * within : 0.0;
         }
     }
 }

@@ -224,6 +224,7 @@ MUTANTS = [
     ("motion/free.c", "2.0 * decay * pair->v[side][j]", "0.0"),
     ("motion/free.c", "slope - omega * omega * v - 2.0 * decay * a", "slope"),
     ("motion/free.c", "aoi_free_pair_jerk(pair) > 0.0", "0"),
+    ("motion/free.c", "? of.bend * within * within : 0.0", "? 0.0 : 0.0"),
     ("motion/free.c", "discriminant < 0.0", "discriminant < 1e-6"),
     ("motion/free.c", "hypot(x - rest, (v - drift) / omega)", "fabs(x - rest)"),
     ("motion/free.c", "made.drift = shape * drift", "made.drift = 0.0"),

@@ -363,6 +363,26 @@ static void a_load_that_draws_away_from_touch_costs_nothing(void)
     }
 }
 
+/* The same from the origin, where nothing tells how large rounding is, of a body that hardly turns in the time. */
+static void what_a_load_draws_away_from_the_origin_goes(void)
+{
+    for (int damped = 0; damped < 2; damped++) {
+        uint64_t seed = 5;
+        plant p = {.bodies = 0};
+        part *body = add_ringing(&p, 2, 1, 1.0, 30.0, 0.0, &seed);
+        body->shape[1] = body->push[1] = 2.0; /* moves as much as the whole, and more */
+        body->damped = damped;
+        body->decay[0] = body->decay[1] = 9.0;
+        body->load_count = 1;
+        body->load_force[0] = -1.0;
+        add_wall(&p);
+        aoi_free_pair pair = pair_of(&p, 0.0);
+        int touches = -1;
+        CHECK(aoi_free_pair_next_touch(&pair, 1e-4, 1000, &touches) == AOI_OK && touches == 0 && pair.time == 1e-4,
+              "it goes, damped %d: to %g", damped, pair.time);
+    }
+}
+
 /* What contact forces make of an indentation has its share in all derivatives: of a cosine. */
 static void a_forced_part_moves_with_the_rest(void)
 {
@@ -398,6 +418,7 @@ int main(void)
     a_load_that_rises_pushes_a_ball_against_the_wall();
     a_load_that_begins_at_touch_presses();
     a_load_that_draws_away_from_touch_costs_nothing();
+    what_a_load_draws_away_from_the_origin_goes();
     a_forced_part_moves_with_the_rest();
     the_third_derivative_is_the_slope_of_the_second();
     a_stiff_mass_creeps_up_with_its_load();

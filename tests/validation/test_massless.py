@@ -393,6 +393,75 @@ def test_a_place_that_snaps_back_meets_what_lies_in_its_way(law):
             assert one.impulse == pytest.approx(other.impulse, rel=3e-4)
 
 
+PULL = ao.KelvinVoigt(3.66e9, 1.1e4, end="indentation")
+
+# Compliance of the point, m/N, and balls; a pull ends beside what presses, or has let go.
+SNAPS = {
+    "between two that press": (
+        7.27e-9,
+        (
+            Ball(ao.Hertz(8.57e12), 8.57, -1.195),
+            Ball(ao.HuntCrossley(3.13e11, 0.5), 0.313, 1.113, 1e-5),
+            Ball(PULL, 0.366, 0.655),
+        ),
+    ),
+    "onto one that pulls too": (
+        9.75e-9,
+        (
+            Ball(ao.KelvinVoigt(2.849e9, 8.547e3, end="indentation"), 0.2849, -0.79675, 1e-5),
+            Ball(ao.Linear(8.5276e9), 0.85276, 1.2218),
+            Ball(ao.KelvinVoigt(2.214e9, 6.642e3, end="indentation"), 0.2214, 1.0574, 1e-5),
+        ),
+    ),
+    "over one that overlaps": (
+        8.658e-9,
+        (
+            Ball(ao.Tsuji(5.27e12, 0.3, mass=5.27), 5.27, 1.137, 2e-5),
+            Ball(ao.KelvinVoigt(7.88e9, 2.364e4, end="indentation"), 0.788, -0.461, 1e-5),
+            Ball(ao.Hertz(2.46e11), 0.246, -1.012, 1e-5),
+        ),
+    ),
+    "over one that has overlapped and goes on": (
+        1.3211e-9,
+        (
+            Ball(ao.KelvinVoigt(9.843e9, 2.953e4, end="indentation"), 0.9843, 0.57546, 2e-5),
+            Ball(ao.Tsuji(2.654e12, 0.3, mass=2.654), 2.654, 0.8405),
+            Ball(ao.Hertz(1.735e11), 0.1735, -0.7797, 1e-5),
+            Ball(ao.KelvinVoigt(2.575e10, 7.725e4, end="indentation"), 2.575, -0.45276, 1e-5),
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SNAPS)
+def test_a_place_that_snaps_back_is_the_limit_of_a_small_mass(name):
+    """What has let go but still overlaps takes the force of a place that comes back at once."""
+    compliance, balls = SNAPS[name]
+    runs = []
+    for m0, rtol in ((1e-8, 1e-7), (0.0, 1e-4), (0.0, 1e-7), (0.0, 1e-9)):
+        point = ao.AOModel(m0=m0, m=[1.0], k=[1.0 / compliance])
+        runs.append(crowd(point, balls).simulate(duration=1e-4, solver=ao.Adaptive(rtol=rtol)))
+    for run in runs[1:]:
+        held_to_its_curve(run)
+        for one, other in zip(run.events, runs[0].events, strict=True):
+            assert one.impulse == pytest.approx(other.impulse, rel=1e-5)
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8])
+@pytest.mark.parametrize(
+    "law",
+    [ao.Gonthier(1e14, 0.77, 7.0, n=2.5), ao.Tsuji(1e12, 0.3, mass=1.0), ao.KelvinVoigt(1e10, 1e3)],
+)
+def test_a_point_at_rest_that_is_let_go_has_the_force_of_its_rest_at_first(law, rtol):
+    """Its dashpot gives way within less than any other time of the scene."""
+    scene = ao.Scene()
+    point = scene.add(ao.AOModel(m0=0.0, m=[2.0], k=[6e13]))
+    scene.connect(point, scene.add(ao.rigid(mass=math.inf)), law)
+    scene.apply(point, force=([0.0, 1e-5], [3e5, 0.0]))
+    run = scene.simulate(duration=5e-5, preload=True, solver=ao.Adaptive(rtol=rtol))
+    assert run.at([0.0]).contacts[0].force[0] == pytest.approx(3e5, rel=3.0 * rtol)
+
+
 @pytest.mark.parametrize("dt", [1e-6, 5e-8])
 def test_newmark_lets_a_pull_on_a_massless_point_end(dt):
     point = ao.AOModel(m0=0.0, m=[1.0, 0.1], k=[3e7, 1e7])
