@@ -44,7 +44,7 @@ __all__ = ["ComplianceError", "best_radius", "compliance_error"]
 # meshes at the contact: the mesh's error is 0.7 to 2.2 times what the stress shows (5 and 95 %),
 # and with both factors the sum is below the true error in 4 %, 1.7 times it in the median, and
 # more than 5 times in 5 %.
-_SAFETY_MESH, _SAFETY_CONTACT = 2.0, 1.5
+_SAFETY_MESH, _SAFETY_CONTACT = 2.5, 1.5
 
 # Circles on which the body is compared with a half-space, in radii of the patch, and shares of them
 # that are taken where the surface has no room. Farther out they miss what goes as r⁴ near edges,
@@ -53,8 +53,8 @@ _CIRCLES = np.array([0.85, 1.0, 1.25])
 _CIRCLES_WITHIN = (1.0, 0.8, 0.6)
 
 # Within so many radii the mesh's error is due to the patch. On the circles it looks like a slope of
-# R of about itself over r².
-_NEAR = 2.0
+# R of so many times what the stress shows of it, over r².
+_NEAR, _DISTURBS = 2.0, 1.2
 
 # From so many edges of elements on the mesh shows what a point does to a body.
 _AWAY_FROM_POINT = 1.5
@@ -68,8 +68,9 @@ _BALANCED = 0.02
 # The law less the patch's part stands for contacts that are narrower by this at least.
 _LEAST_OVER_CONTACT = 1.25
 
-# The surface ends a little before the ring of quadrature points on which that is noticed.
-_WITHIN = 0.95
+# The surface ends a little before the ring of quadrature points on which that is noticed; and what
+# it does to a patch is known where there are circles about the patch.
+_WITHIN, _ROOMY = 0.95, 0.75
 
 # Powers of 1/r with which the mesh's error near a patch falls, of linear and quadratic elements.
 _FALLS = {False: 3.0, True: 4.0}
@@ -116,7 +117,8 @@ def compliance_error(
 ) -> ComplianceError | None:
     """Return what the compliance of a contact point leaves out; None where that is not known.
 
-    It is known of bodies made from a mesh, at places where the surface has a normal.
+    It is known of bodies made from a mesh, at places where the surface has a normal and goes on for
+    three quarters of the patch's radius; not of a model without oscillators, which leaves out all.
 
     Parameters
     ----------
@@ -149,7 +151,7 @@ def compliance_error(
             raise InputTypeError(
                 f"tip must be a contact point or a model made from one, got {tip!r}"
             )
-        if not model.contact_points:
+        if not model.contact_points or model.n == 0:
             return None
         tip = model.contact_points[port]
     if tip.body.mesh is None or tip.point is None:
@@ -203,30 +205,43 @@ class _Seen:
 
 def _seen(tip: ContactPoint, x: FloatArray) -> _Seen | None:
     """What x = (K + s²M)⁻¹ b shows; None on a sharp edge and where a patch has no room."""
-    surface = tip.body.surface
+    surface, patch, compliance = tip.body.surface, tip.patch, float(tip.b @ x)
     assert surface is not None
     assert tip.point is not None
-    if tip.patch is None:
-        radius, second = _AWAY_FROM_POINT * edge_length(surface, tip.point), 0.0
-    else:
-        radius = tip.patch.radius
-        second = 0.4 * radius**2
     try:
-        for smaller in _CIRCLES_WITHIN:
-            rho, field = image_field(tip, x, smaller * radius * _CIRCLES)
-            if len(rho) == len(_CIRCLES):
-                break
-        else:
-            return None
+        if patch is None:
+            radius = _AWAY_FROM_POINT * edge_length(surface, tip.point)
+            level, slope = _image(tip, x, radius, 0.0)
+            return _Seen(radius, compliance, *_energies(tip, x, radius), level, slope)
+        level, slope = _image(tip, x, patch.radius, 0.4 * patch.radius**2)
     except InputError:
         return None
-    g1, g0 = np.polyfit(rho**2 + second, field, 1)
-    distance = np.linalg.norm(surface.mesh.nodes - tip.point, axis=1)
-    energy = energy_error(tip.body, x, distance <= radius)
-    around = distance[surface.mesh.cells].min(axis=1) < _NEAR * radius
-    near, far = float(energy[around].sum()), float(energy[~around].sum())
-    slope = 0.8 * float(g1) - (0.0 if tip.patch is None else near / radius**2)
-    return _Seen(radius, float(tip.b @ x), near, far, float(g0), slope)
+    near, far = _energies(tip, x, patch.radius)
+    slope -= _DISTURBS * near / patch.radius**2
+    return _Seen(patch.radius, compliance, near, far, level, slope)
+
+
+def _image(tip: ContactPoint, x: FloatArray, radius: float, second: float) -> tuple[float, float]:
+    """Level and slope of R by circles about a patch with that mean of ρ²."""
+    for within in _CIRCLES_WITHIN:
+        rho, field = image_field(tip, x, within * radius * _CIRCLES)
+        if len(rho) == len(_CIRCLES):
+            g1, g0 = np.polyfit(rho**2 + second, field, 1)
+            return float(g0), 0.8 * float(g1) / within**2  # farther in it is less certain
+    raise InputError(f"{tip!r}: the surface about it has no room for circles")
+
+
+def _energies(tip: ContactPoint, x: FloatArray, radius: float) -> tuple[float, float]:
+    """The energy of the error of x near a patch, and elsewhere, J."""
+    mesh = tip.body.mesh
+    assert mesh is not None
+    assert tip.point is not None
+    forces = np.zeros(3 * mesh.n_nodes)
+    forces[tip.body.free] = tip.b
+    energy = energy_error(tip.body, x, np.any(forces.reshape(-1, 3), axis=1))
+    distance = np.linalg.norm(mesh.nodes - tip.point, axis=1)
+    around = distance[mesh.cells].min(axis=1) < _NEAR * radius
+    return float(energy[around].sum()), float(energy[~around].sum())
 
 
 def _error_of(
@@ -279,9 +294,9 @@ def best_radius(
     quadratic = kind.n_nodes > kind.n_corners
     radius = max(least, _START[quadratic] * edge_length(surface, tip.point))
     about = room(surface, tip.point, _MOST * radius)
-    largest = min(_MOST * radius, _WITHIN * about.free)
+    largest = min(_MOST * radius, _ROOMY * about.free)
     if largest <= least:
-        return largest
+        return min(least, _WITHIN * about.free)
     radius = max(least, min(radius, about.depth))
     solver, falls = (invert or tip.body.inverse)(s**2), _FALLS[quadratic]
     radii = np.geomspace(least, largest, _RADII)

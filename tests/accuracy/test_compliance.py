@@ -13,6 +13,7 @@ from aoimpact.fem.model import FEModel
 from aoimpact.fields import energy_error
 from aoimpact.mesh import KINDS
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
+from aoimpact.reduction.interface import InterfaceSpace
 from aoimpact.reduction.reduction import antioscillators
 from aoimpact.reduction.star import rigid
 
@@ -66,6 +67,28 @@ def test_a_model_of_few_oscillators_knows_its_own_deflection() -> None:
     of_model = compliance_error(model, contact_time=2.0 * TIME)
     assert of_model is not None
     assert of_model.mesh == pytest.approx(estimated(BALL, 0.003).mesh, rel=1e-6)
+
+
+def test_each_place_of_a_model_of_several_knows_its_own_deflection() -> None:
+    tips = [BALL.contact(point=(x, 0.0, 0.0), radius=r) for x, r in ((-0.01, 0.004), (0.01, 0.003))]
+    model = InterfaceSpace(tips, contact_time=TIME).of_vectors(10)
+    of_model = compliance_error(model, contact_time=TIME, port=1)
+    assert of_model is not None
+    assert of_model.mesh == pytest.approx(estimated(BALL, 0.003).mesh, rel=1e-6)
+
+
+def test_a_point_s_own_indentation_is_its_error() -> None:
+    node, patch = BALL.contact(point=POLE), estimated(FINE, 0.003)
+    error = compliance_error(node, contact_time=TIME)
+    assert error is not None
+    right = patch.compliance - 0.6 / (0.003 * STEEL.plane_strain_modulus)
+    assert error.contact == pytest.approx(error.compliance - right, rel=0.03)
+
+
+def test_on_a_sharp_edge_nothing_is_known() -> None:
+    cube = FEModel.from_mesh(box_mesh((0.01, 0.01, 0.01), (3, 3, 3)), STEEL)
+    tip = cube.contact(point=(0.01, 0.01 / 3.0, 0.01), direction=(0.0, 0.0, -1.0))
+    assert compliance_error(tip, contact_time=TIME) is None
 
 
 def test_what_has_no_mesh_is_not_known() -> None:
