@@ -4,11 +4,11 @@ from .assembly import stiffness_mass
 from .contact import Body, ContactPoint, contact_at, contact_point
 from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
-from .halfspace import PatchCheck, check_patch
+from .halfspace import PatchCheck, check_patch, image_field
 from .material import Material
 from .mechanism import refuse_mechanism
 from .model import FEModel
-from .patch import Patch, mutual_compliance
+from .patch import Patch
 from .statics import (
     StaticMode,
     centre_of,
@@ -18,7 +18,7 @@ from .statics import (
     translates,
 )
 from .supports import selected_nodes
-from .touch import Room, resolved_radius, room
+from .touch import Room, edge_length, room
 
 __all__ = [
     "FASTEST",
@@ -40,10 +40,10 @@ __all__ = [
     "contact_point",
     "damping_or_none",
     "displacement",
+    "edge_length",
+    "image_field",
     "moves_rigidly",
-    "mutual_compliance",
     "refuse_mechanism",
-    "resolved_radius",
     "room",
     "selected_nodes",
     "static_mode",

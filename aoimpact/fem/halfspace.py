@@ -6,11 +6,15 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from ..base import InputError, InputTypeError, checked, finite_array, positive, real
-from .contact import ContactPoint, contact_at
-from .statics import elastic_compliance
+import numpy as np
 
-__all__ = ["PatchCheck", "check_patch"]
+from ..base import FloatArray, InputError, InputTypeError, checked, finite_array, positive, real
+from .contact import ContactPoint, contact_at
+from .patch import circle_means, half_space_compliance, half_space_deflection
+from .statics import elastic_compliance
+from .touch import normal_at
+
+__all__ = ["PatchCheck", "check_patch", "image_field"]
 
 # A patch is compared with one so much larger, or smaller if the surface has no room for it.
 _LARGER = 1.25
@@ -84,3 +88,42 @@ def check_patch(tip: ContactPoint, *, expected: float | None = None) -> PatchChe
     there = elastic_compliance(other, invert=invert) - other.patch.compliance
     share = abs(there - here) * 4.0 * patch.modulus * contact / 3.0
     return PatchCheck((patch.radius, other.patch.radius), (here, there), share)
+
+
+def image_field(
+    tip: ContactPoint, displacement: FloatArray, radii: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what a body adds around its contact to the deflection of a half-space.
+
+    On a half-space it is zero, and in any body smooth: forces beyond its bounds make it.
+
+    Parameters
+    ----------
+    tip : ContactPoint
+        On the surface of a mesh, inside a smooth side.
+    displacement : ndarray, shape (n_dofs,)
+        Under a unit force on the contact, m.
+    radii : ndarray, shape (n,)
+        Of circles about the point, ascending, m.
+
+    Returns
+    -------
+    radii, field : ndarrays, shape (m,)
+        Of the circles that lie on the surface, and the field's mean around each along the
+        direction of the contact, m.
+    """
+    body = tip.body
+    assert body.surface is not None
+    assert body.material is not None
+    assert tip.point is not None
+    assert tip.direction is not None
+    normal = normal_at(body.surface, tip.point)
+    means = circle_means(body.surface, tip.point, normal, radii)
+    moved = np.zeros(means.shape[1] * 3)
+    moved[body.free] = displacement
+    radius = 0.0 if tip.patch is None else tip.patch.radius
+    cosine = min(1.0, abs(float(tip.direction @ normal)))
+    compliance = half_space_compliance(body.material, radius or 1.0, cosine)
+    there = radii[: len(means)]
+    deflection = means @ (moved.reshape(-1, 3) @ tip.direction)
+    return there, deflection - compliance * half_space_deflection(there, radius)

@@ -21,9 +21,10 @@ from .material import Material
 __all__ = [
     "Patch",
     "Spread",
+    "circle_means",
     "free_radius",
     "half_space_compliance",
-    "mutual_compliance",
+    "half_space_deflection",
     "spread",
 ]
 
@@ -31,6 +32,9 @@ __all__ = [
 # Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
 # Kinks of the shape functions between faces are what limits it; see tests/test_patch.py.
 _RINGS, _AROUND = 24, 64
+
+# Points of a circle over which the displacement is averaged.
+_ON_CIRCLE = 24
 
 # Successive rings are turned by this share of the angle between points, so that no two line up with
 # the edges of the faces in the same way.
@@ -113,22 +117,51 @@ def half_space_compliance(material: Material, radius: float, cosine: float) -> f
     return cosine**2 * along + (1.0 - cosine**2) * across
 
 
-def mutual_compliance(patch: Patch, radius: float) -> float:
-    """Return the mean displacement of a half-space under a patch, for a force over another radius.
+def half_space_deflection(rho: FloatArray, radius: float) -> FloatArray:
+    """Return the displacement of a half-space at ρ from the middle, over its mean under the patch.
 
-    Both are about the same point, m/N. Within the larger one of radius r the displacement goes as
-    2r² - ρ², and the mean of ρ² under the pressure on the smaller one is two fifths of its radius
-    squared; by reciprocity it does not matter which of them carries the force.
+    Johnson, *Contact Mechanics*, eqs. (3.42a), (3.42b), and E* ρ/(0.6 π) in place of r without a
+    patch, eq. (3.22a). Along the surface, the mean around the circle is the same function.
 
     Parameters
     ----------
-    patch : Patch
+    rho : ndarray
+        m; positive.
     radius : float
-        Of the other pressure, m; 0 for a single point.
+        r, m; 0 for a point, whose displacement is then over that under a patch of radius 1 m.
     """
-    small, large = sorted((radius, patch.radius))
-    own = patch.compliance * patch.radius / large
-    return own * (1.0 - 0.2 * (small / large) ** 2) / 0.8
+    if radius == 0.0:
+        return np.asarray(1.0 / (0.6 * math.pi * rho))
+    k = rho / radius
+    ratio = 1.0 / np.maximum(1.0, k)
+    outside = np.sqrt(np.maximum(k**2 - 1.0, 0.0))
+    return np.asarray(((2.0 - k**2) * np.arcsin(ratio) + outside) / (0.8 * math.pi))
+
+
+def circle_means(
+    surface: Surface, point: FloatArray, normal: FloatArray, radii: FloatArray
+) -> FloatArray:
+    """Return the nodes' weights in the mean over circles about a point, shape (n, n_nodes).
+
+    Of as many of the circles, shape (n,), as lie on the surface.
+    """
+    turn = (
+        2.0
+        * np.pi
+        / _ON_CIRCLE
+        * (np.arange(_ON_CIRCLE) + _GOLDEN * np.arange(len(radii))[:, None])
+    )
+    offsets = radii[:, None, None] * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    points = point + offsets.reshape(-1, 2) @ plane_of(normal)
+    under = surface.pierced(points, normal, reach=float(radii.max()))
+    reach = _free(surface, under, normal, np.repeat(radii, _ON_CIRCLE))
+    means = []
+    for i in range(int((radii < reach).sum())):
+        on = slice(i * _ON_CIRCLE, (i + 1) * _ON_CIRCLE)
+        cells = surface.mesh.cells[surface.cell[under.face[on]]]
+        shares = surface.shape(under.face[on], under.uv[on]) / _ON_CIRCLE
+        means.append(np.bincount(cells.reshape(-1), shares.reshape(-1), surface.mesh.n_nodes))
+    return np.stack(means) if means else np.empty((0, surface.mesh.n_nodes))
 
 
 def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: float) -> Spread:

@@ -15,8 +15,9 @@ __all__ = [
     "Room",
     "Touch",
     "automatic_radius",
+    "edge_length",
+    "normal_at",
     "pressed_normal",
-    "resolved_radius",
     "room",
     "thickness",
     "touched",
@@ -128,7 +129,7 @@ def automatic_radius(surface: Surface, point: FloatArray, expected: float | None
     normal = _normal(surface, places)
     if normal is None:
         raise _on_edge(point, "a point farther from the edge, or radius=0 for the edge itself")
-    radius = resolved_radius(surface, point)
+    radius = _WELL_RESOLVED * _resolved(surface) * edge_length(surface, point)
     if expected is not None:
         radius = max(radius, _PATCH_OVER_CONTACT * expected)
     while (free := free_radius(surface, places[0].x[0], normal, radius)) <= radius:
@@ -136,10 +137,10 @@ def automatic_radius(surface: Surface, point: FloatArray, expected: float | None
     return radius
 
 
-def resolved_radius(surface: Surface, point: FloatArray) -> float:
-    """Return the radius of a patch about a point that the mesh resolves well, m; room or not."""
+def edge_length(surface: Surface, point: FloatArray) -> float:
+    """Return the mean length of the edges of the faces at a point, m."""
     face = np.concatenate([place.face for place in _places(surface, point)])
-    return _WELL_RESOLVED * _resolved(surface) * float(surface.edges(face).mean())
+    return float(surface.edges(face).mean())
 
 
 def warn_if_coarse(surface: Surface, patch: Patch) -> None:
@@ -195,11 +196,17 @@ def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
 
 def room(surface: Surface, point: FloatArray, radius: float) -> Room:
     """Return how thick a body is at a point, and how far its surface goes on, up to `radius`."""
+    normal = normal_at(surface, point)
+    opposite = surface.pierced(point[None], normal, reach=2.0 * surface.mesh.size, outward=False)
+    return Room(float(opposite.distance[0]), free_radius(surface, point, normal, radius))
+
+
+def normal_at(surface: Surface, point: FloatArray) -> FloatArray:
+    """Return the outward normal at a point of the surface, which is on no sharp edge."""
     normal = _normal(surface, _places(surface, point))
     if normal is None:
         raise _on_edge(point, "a point farther from the edge")
-    opposite = surface.pierced(point[None], normal, reach=2.0 * surface.mesh.size, outward=False)
-    return Room(float(opposite.distance[0]), free_radius(surface, point, normal, radius))
+    return normal
 
 
 def _places(surface: Surface, point: FloatArray) -> list[Place]:

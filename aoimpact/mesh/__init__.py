@@ -1,13 +1,13 @@
 """Meshes of solid elements: files, generators, elements and their sides, surface, points."""
 
-from .curvature import SHARP, SurfaceShape, surface_shape
+from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
 from .faces import reference_faces
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from .locate import node_at, weights_at
 from .mesh import Mesh, read_mesh
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
-from .surface import Place, Surface, boundary, plane_of
+from .surface import SHARP, Place, Surface, boundary, plane_of
 
 __all__ = [
     "KINDS",

@@ -19,14 +19,12 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, Frozen, InputError, IntArray, plain, positive
 from .elements import reference_element
-from .surface import Surface, plane_of
+from .surface import SHARP, Surface, plane_of
 
-__all__ = ["SHARP", "SurfaceShape", "surface_shape"]
+__all__ = ["SurfaceShape", "surface_shape"]
 
-
-# Faces that meet at more than 45° meet at a sharp edge: between the faces of a round body of few
-# linear elements there are up to 40°. Up to 75° it may still be a round body of very few.
-SHARP = np.sqrt(0.5)
+# Faces that meet at more than 75° meet at a sharp edge for certain; below, it may be a round body of
+# very few linear elements.
 _SURELY_SHARP = 0.25
 
 # The surface is a height over the tangent plane where it turns away by less than 60°.

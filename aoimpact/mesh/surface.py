@@ -14,7 +14,7 @@ from .elements import reference_element
 from .faces import reference_faces
 from .mesh import Mesh
 
-__all__ = ["Place", "Surface", "boundary", "plane_of"]
+__all__ = ["SHARP", "Place", "Surface", "boundary", "plane_of"]
 
 
 # A curved side may bulge this much beyond the ball around its nodes.
@@ -32,6 +32,10 @@ _LOST = 1.5
 
 # Coordinates this far outside still count as on the side: its edge belongs to both neighbours.
 _ON_EDGE = 1e-9
+
+# Faces that meet at more than 45° meet at a sharp edge: between the faces of a round body of few
+# linear elements there are up to 40°.
+SHARP = np.sqrt(0.5)
 
 # Middles of the edges of a side, from each corner to the next; a triangle's last one is no edge.
 _TRIANGLE_EDGES = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [0.0, 0.0]])
@@ -127,6 +131,32 @@ class Surface:
         normal = np.cross(tangents[:, 0], tangents[:, 1])
         unit: FloatArray = normal / np.linalg.norm(normal, axis=1, keepdims=True)
         return unit
+
+    @cached_property
+    def node_normals(self) -> FloatArray:
+        """Outward unit normals at the nodes, of each side that meets there, shape (3, n_nodes, 3).
+
+        Faces within 45° of each other are one smooth side; places without a further side are zero.
+        """
+        element = reference_element(self.mesh.kind)
+        nodes, normals = [], []
+        for side, face in enumerate(reference_faces(self.mesh.kind)):
+            on = np.flatnonzero(self.side == side)
+            places = (element.nodes[face.nodes] - face.origin) @ np.linalg.pinv(face.axes)
+            for local, uv in zip(face.nodes, places, strict=True):
+                nodes.append(self.mesh.cells[self.cell[on], local])
+                normals.append(self.normal(on, np.tile(uv, (len(on), 1))))
+        node, normal = np.concatenate(nodes), np.concatenate(normals)
+        found = np.zeros((3, self.mesh.n_nodes, 3))
+        for mean in found:
+            first = np.zeros(self.mesh.n_nodes, dtype=np.int64)
+            first[node[::-1]] = np.arange(len(node))[::-1]
+            alike = np.einsum("ni,ni->n", normal, normal[first[node]]) > SHARP
+            np.add.at(mean, node[alike], normal[alike])
+            node, normal = node[~alike], normal[~alike]
+        length = np.linalg.norm(found, axis=2, keepdims=True)
+        found /= np.where(length > 0.0, length, 1.0)
+        return found
 
     def edges(self, face: IntArray) -> FloatArray:
         """Return the mean length of the straight edges of each face, m, shape (n,)."""

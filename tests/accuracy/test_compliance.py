@@ -11,7 +11,9 @@ from aoimpact.fem.contact import contact_at
 from aoimpact.fem.material import Material
 from aoimpact.fem.model import FEModel
 from aoimpact.fields import energy_error
+from aoimpact.mesh import KINDS
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
+from aoimpact.reduction.interface import InterfaceSpace
 from aoimpact.reduction.reduction import antioscillators
 from aoimpact.reduction.star import rigid
 
@@ -34,11 +36,29 @@ def test_the_error_of_the_mesh_is_seen(radius: float) -> None:
     assert true < coarse.mesh < 4.0 * true
 
 
-def test_a_linear_field_has_no_error() -> None:
-    mesh = box_mesh((1.0, 1.0, 1.0), (2, 2, 2), kind="tetra10")
-    gradient = np.random.default_rng(1).normal(size=(3, 3))
-    scale = STEEL.E * (gradient**2).sum()
-    assert energy_error(mesh, STEEL, mesh.nodes @ gradient).max() < 1e-20 * scale
+@pytest.mark.parametrize("kind", KINDS)
+def test_uniform_stress_has_no_error_beside_its_load(kind: str) -> None:
+    body = FEModel.from_mesh(box_mesh((1.0, 0.8, 0.6), (2, 2, 2), kind=kind), STEEL)
+    assert body.mesh is not None
+    nodes = body.mesh.nodes
+    pulled = (nodes * [1.0, -STEEL.nu, -STEEL.nu]).reshape(-1)
+    ends = (nodes[:, 0] == 0.0) | (nodes[:, 0] == 1.0)
+    assert energy_error(body, pulled, ends).max() < 1e-20 * STEEL.E
+    # Without the load's traction on its ends, all of their stress is wrong.
+    assert energy_error(body, pulled, np.zeros(len(nodes), bool)).sum() > 0.02 * STEEL.E
+
+
+def test_false_stress_of_a_plate_of_one_layer_is_seen() -> None:
+    """Bent both ways linear elements shear, and lack the strain across; of that all are alike."""
+    plate = FEModel.from_mesh(box_mesh((0.2, 0.2, 0.01), (20, 20, 1)), STEEL)
+    assert plate.mesh is not None
+    x, y, z = plate.mesh.nodes.T
+    bent = np.stack([-x * (z - 0.005), -y * (z - 0.005), 0.5 * (x**2 + y**2)], axis=1).reshape(-1)
+    right = 0.2**2 * 2.0 * STEEL.E / (1.0 - STEEL.nu) * 0.01**3 / 12.0  # plane stress, curvature 1
+    true = float(bent @ (plate.K @ bent)) - right
+    none, every = np.zeros(len(x), bool), np.ones(len(x), bool)
+    assert 0.8 * true < energy_error(plate, bent, none).sum() < 1.6 * true
+    assert energy_error(plate, bent, every).sum() < 0.5 * true  # without the free surfaces
 
 
 def test_a_model_of_few_oscillators_knows_its_own_deflection() -> None:
@@ -47,6 +67,28 @@ def test_a_model_of_few_oscillators_knows_its_own_deflection() -> None:
     of_model = compliance_error(model, contact_time=2.0 * TIME)
     assert of_model is not None
     assert of_model.mesh == pytest.approx(estimated(BALL, 0.003).mesh, rel=1e-6)
+
+
+def test_each_place_of_a_model_of_several_knows_its_own_deflection() -> None:
+    tips = [BALL.contact(point=(x, 0.0, 0.0), radius=r) for x, r in ((-0.01, 0.004), (0.01, 0.003))]
+    model = InterfaceSpace(tips, contact_time=TIME).of_vectors(10)
+    of_model = compliance_error(model, contact_time=TIME, port=1)
+    assert of_model is not None
+    assert of_model.mesh == pytest.approx(estimated(BALL, 0.003).mesh, rel=1e-6)
+
+
+def test_a_point_s_own_indentation_is_its_error() -> None:
+    node, patch = BALL.contact(point=POLE), estimated(FINE, 0.003)
+    error = compliance_error(node, contact_time=TIME)
+    assert error is not None
+    right = patch.compliance - 0.6 / (0.003 * STEEL.plane_strain_modulus)
+    assert error.contact == pytest.approx(error.compliance - right, rel=0.03)
+
+
+def test_on_a_sharp_edge_nothing_is_known() -> None:
+    cube = FEModel.from_mesh(box_mesh((0.01, 0.01, 0.01), (3, 3, 3)), STEEL)
+    tip = cube.contact(point=(0.01, 0.01 / 3.0, 0.01), direction=(0.0, 0.0, -1.0))
+    assert compliance_error(tip, contact_time=TIME) is None
 
 
 def test_what_has_no_mesh_is_not_known() -> None:

@@ -107,3 +107,23 @@ def test_normals_of_a_ball_point_away_from_its_centre() -> None:
     normal = surface.normal(face, surface.middle(face))
     x, _ = surface.at(face, surface.middle(face))
     assert np.einsum("ni,ni->n", normal, x).min() > 0.999
+
+
+def test_normals_at_nodes_of_a_ball_are_radial() -> None:
+    mesh = sphere_mesh(0.01, 0.004)
+    normals = boundary(mesh).node_normals
+    on = mesh.node_sets["surface"]
+    radial = mesh.nodes[on] / 0.01
+    assert np.einsum("ni,ni->n", normals[0, on], radial).min() > 0.999
+    assert not normals[1:].any()
+    assert not normals[0, np.setdiff1d(np.arange(mesh.n_nodes), on)].any()
+
+
+def test_a_corner_of_a_box_has_the_normals_of_its_three_sides() -> None:
+    mesh = box_mesh((1.0, 2.0, 3.0), (2, 2, 2), kind="wedge")
+    normals = boundary(mesh).node_normals
+    corner = int(np.argmin(np.linalg.norm(mesh.nodes - [1.0, 2.0, 0.0], axis=1)))
+    found = sorted(map(tuple, normals[:, corner].tolist()))
+    assert found == [(0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)]
+    edge = int(np.argmin(np.linalg.norm(mesh.nodes - [1.0, 1.0, 0.0], axis=1)))
+    assert np.count_nonzero(normals[:, edge].any(axis=1)) == 2
