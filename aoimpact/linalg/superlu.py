@@ -43,7 +43,7 @@ CHECKED_DOFS = 10_000
 # of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs, growing slowly.
 _PER_ROOT_WIDTH = 40.0
 
-# Seconds of the elimination over n w^(3/2), measured on balls and a lens of tetra10 of 6 000 … 18 000
+# Seconds of the elimination over n w^(3/2), measured on balls and a lens of tetra10 of up to 18 000
 # dofs; from 50 000 on it takes many times as much.
 _PER_OPERATION = 1e-9
 
