@@ -88,7 +88,7 @@ def direct_seconds(
     per_operation : float
         Seconds per n w^(3/2) of the solver.
     """
-    return _SOLUTION * entries * (_ORDERING + solutions) + per_operation * n * width**1.5
+    return _SOLUTION * entries * (_ORDERING + solutions) + per_operation * n * math.pow(width, 1.5)
 
 
 def graph_width(matrix: Any) -> float:
