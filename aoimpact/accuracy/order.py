@@ -34,7 +34,7 @@ _SAFETY = 1.3
 # Oscillators that models begin with for each digit of the tolerance, about the median of what these
 # bodies need; growth from one to the next, with which no more than 2 n + 8 vectors are made to
 # return n, as a rule; and their end.
-_FIRST, _GROWTH, _MOST_ORDER = 2.5, 1.5, 600
+_FIRST, _GROWTH, _MOST_ORDER = 2.0, 1.5, 600
 
 # A message names a tolerance that can be met with this factor to spare.
 _EASED = 1.1
@@ -185,7 +185,7 @@ class _Search(Generic[R]):
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
         # Proven to be good as soon as `grow` ends.
-        self.orders = (math.ceil(-_FIRST * math.log10(rtol)),) * len(hierarchies)
+        self.orders = (max(1, round(-_FIRST * math.log10(rtol))),) * len(hierarchies)
 
     def grow(self) -> Iterator[R]:
         """Enlarge models until they are proven good; yield runs of larger ones on the way."""

@@ -154,8 +154,9 @@ def test_estimates_bound_true_errors():
                     true = QUANTITIES[number].difference(hit, full)
                     if true > 1e-6:
                         ratios.append(estimates[number] / true)
-    assert np.mean(np.array(ratios) >= 1.0) >= 0.98
-    assert min(ratios) > 0.5
+    rounding = 0.01  # of time integration, where the larger models are the whole bodies
+    assert np.mean(np.array(ratios) >= 1.0 - rounding) >= 0.98
+    assert min(ratios) > 0.8
     assert np.median(ratios) < 2.0
 
 
@@ -187,7 +188,8 @@ def test_work_is_that_of_building_models_of_2_n_and_8(own_solver):
                 built = sum(2 * n + 8 for n in orders.values())
                 shares.append((own_solver.solutions - before) / built)
     assert np.mean(np.array(shares) <= 1.5) >= 0.9
-    assert np.median(shares) <= 1.1
+    assert np.median(shares) <= 1.2
+    assert max(shares) <= 2.5
 
 
 @pytest.mark.slow
