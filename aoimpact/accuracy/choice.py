@@ -1,4 +1,4 @@
-"""The choice of the model: a run with the least models that give a quantity to a tolerance."""
+"""The choice of the model: a run with small models that give a quantity to a tolerance."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def choose_models(
     law_errors: Sequence[float] = (),
     linear_solver: Solver = "auto",
 ) -> R:
-    """Run with models of the least order, and say in the run how they were chosen.
+    """Run with models of small orders, and say in the run how they were chosen.
 
     Parameters
     ----------

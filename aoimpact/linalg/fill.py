@@ -14,11 +14,8 @@ __all__ = ["direct_seconds", "factor_entries", "graph_width"]
 Order = npt.NDArray[np.int32]
 
 # Estimated times, s, are compared with each other and mean nothing else: of a solution per entry of
-# the factors; and of a factorisation in solutions, an ordering with its checks and the elimination
-# per entry and dof. On beams, plates and blocks of 7 000 … 64 000 dofs a factorisation took
-# 26 … 124 solutions, within a factor of 1.7 of this.
-_SOLUTION = 1e-9
-_ORDERING, _ELIMINATION = 20.0, 0.06
+# the factors, and of an ordering with its checks in solutions.
+_SOLUTION, _ORDERING = 1e-9, 20.0
 
 
 def factor_entries(n: int, width: float, per_root_width: float) -> float:
@@ -39,9 +36,26 @@ def factor_entries(n: int, width: float, per_root_width: float) -> float:
     return per_root_width * n * math.sqrt(width)
 
 
-def direct_seconds(n: int, entries: float, solutions: int) -> float:
-    """Estimate the time of a sparse factorisation and so many solutions with it, s."""
-    return _SOLUTION * entries * (_ORDERING + _ELIMINATION * entries / n + solutions)
+def direct_seconds(
+    n: int, width: float, entries: float, solutions: int, *, per_operation: float
+) -> float:
+    """Estimate the time of a sparse factorisation and so many solutions with it, s.
+
+    The row of cubes of `factor_entries` takes some w³ operations for each: n w^(3/2) in all.
+
+    Parameters
+    ----------
+    n : int
+        Dofs.
+    width : float
+        See `graph_width`.
+    entries : float
+        Of the factors.
+    solutions : int
+    per_operation : float
+        Seconds per n w^(3/2) of the solver.
+    """
+    return _SOLUTION * entries * (_ORDERING + solutions) + per_operation * n * math.pow(width, 1.5)
 
 
 def graph_width(matrix: Any) -> float:

@@ -43,6 +43,10 @@ CHECKED_DOFS = 10_000
 # of tetra10, hexahedra 8, 20 and 27 of 3 700 … 45 000 dofs, growing slowly.
 _PER_ROOT_WIDTH = 40.0
 
+# Seconds of the elimination over n w^(3/2), measured on balls and a lens of tetra10 of up to 18 000
+# dofs; from 50 000 on it takes many times as much.
+_PER_OPERATION = 1e-9
+
 # Bytes per entry of L and U, each stored with an index.
 _BYTES = 16.0
 
@@ -202,7 +206,13 @@ def _memory(pencil: Pencil) -> float:
 
 
 def _seconds(pencil: Pencil, solutions: int) -> float:
-    return direct_seconds(pencil.n, _entries(pencil), solutions)
+    return direct_seconds(
+        pencil.n,
+        pencil.graph.width,
+        _entries(pencil),
+        solutions,
+        per_operation=_PER_OPERATION,
+    )
 
 
 SUPERLU = Method("superlu", _set_up, _memory, _seconds)

@@ -168,11 +168,12 @@ def test_errors_of_waves(endless, rtol):
 def test_slow_convergence_is_seen_through(endless):
     """Successive orders 50 and 51 of a sequence 1 + 1/n differ by 4e-4, but err by 2e-2.
 
-    A sequence that falls so slowly from one side is the worst: its error is twice the estimate.
+    A sequence that falls so slowly from one side is the worst: what is left of 1/n is 3 times the
+    difference to 1.5 n, of which the estimate makes 1.3.
     """
     for rtol in (1e-1, 1e-2):
         found, _ = search(lambda n: 1.0 + 1.0 / (n + 1), rtol, endless(1))
-        assert 1 / (found.orders[0] + 1) <= 2.0 * rtol
+        assert 1 / (found.orders[0] + 1) <= 3.0 / 1.3 * rtol
     found, _ = search(lambda n, m: 1.0 + 1.0 / (n + 1), 1e-1)
     assert found.orders == (9, 0)
 
