@@ -137,7 +137,7 @@ def _memory(pencil: Pencil) -> float:
 def _seconds(pencil: Pencil, solutions: int) -> float:
     return direct_seconds(
         pencil.n,
-        pencil.graph.width,
+        pencil.width,
         _entries(pencil),
         solutions,
         per_operation=_PER_OPERATION,

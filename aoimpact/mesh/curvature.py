@@ -23,8 +23,8 @@ from .surface import SHARP, Surface, plane_of
 
 __all__ = ["SurfaceShape", "surface_shape"]
 
-# Faces that meet at more than 75° meet at a sharp edge for certain; below, it may be a round body of
-# very few linear elements.
+# Faces that meet at more than 75° meet at a sharp edge for certain; below, it may be a round body
+# of very few linear elements.
 _SURELY_SHARP = 0.25
 
 # The surface is a height over the tangent plane where it turns away by less than 60°.
