@@ -10,6 +10,7 @@ from .keep import CONTROLLED, Keep, Named, keeper
 from .order import first_guess
 from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
 from .solve import TimeSolver, solve
+from .stressat import StressAt
 
 __all__ = [
     "COLUMNS",
@@ -22,6 +23,7 @@ __all__ = [
     "Named",
     "Quantity",
     "R",
+    "StressAt",
     "TimeSolver",
     "checked_linear_solver",
     "choose_models",

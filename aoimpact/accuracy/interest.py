@@ -9,6 +9,7 @@ from ..base import FloatArray, InputError, choice, warn
 from ..fem import ContactPoint
 from ..results import Handle, Run
 from .quantities import IMPACT_CHOICES, QUANTITIES, SCENE_CHOICES, Quantity, recorded
+from .stressat import StressAt, stress_quantity
 
 __all__ = ["impact_quantity", "scene_quantity"]
 
@@ -26,7 +27,7 @@ def impact_quantity(quantity: Any, projectile: Any, target: Any) -> Quantity:
     InputError, InputTypeError
         If there is no such quantity, or the point is on neither body, or on both.
     """
-    if isinstance(quantity, ContactPoint):
+    if isinstance(quantity, ContactPoint | StressAt):
         return _of_point(
             quantity,
             (projectile, target),
@@ -58,7 +59,7 @@ def scene_quantity(quantity: Any, bodies: Sequence[Any]) -> Quantity:
             return run[quantity].port_displacements[[quantity.at]]
 
         return Quantity("displacement", "m", history=recorded(place), lasting=True)
-    if isinstance(quantity, ContactPoint):
+    if isinstance(quantity, ContactPoint | StressAt):
         return _of_point(
             quantity,
             bodies,
@@ -70,9 +71,9 @@ def scene_quantity(quantity: Any, bodies: Sequence[Any]) -> Quantity:
 
 
 def _of_point(
-    point: ContactPoint, bodies: Sequence[Any], *, none: str, several: str, contact: str
+    point: ContactPoint | StressAt, bodies: Sequence[Any], *, none: str, several: str, contact: str
 ) -> Quantity:
-    """The displacement of a point of the one body that has it."""
+    """The displacement, or the stress, of a point of the one body that has it."""
     tips = [body[0] if isinstance(body, tuple) else body for body in bodies]
     on = [
         i for i, tip in enumerate(tips) if isinstance(tip, ContactPoint) and tip.body is point.body
@@ -87,6 +88,9 @@ def _of_point(
             f"quantity={point!r} is a point of {several}, which are one FEModel: give one of them "
             f"a model of its own, copy.copy(model), and take the point from that; {contact}"
         )
+
+    if isinstance(point, StressAt):
+        return stress_quantity(point, on[0])
 
     def displacement(run: Run, times: FloatArray) -> FloatArray:
         return run.bodies[on[0]].displacement_of(point.b, times)[None]

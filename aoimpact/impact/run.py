@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from ..accuracy import Quantity, R, TimeSolver, checked_linear_solver, choose_models, solve
+from ..accuracy import (
+    Quantity,
+    R,
+    StressAt,
+    TimeSolver,
+    checked_linear_solver,
+    choose_models,
+    solve,
+)
 from ..fem import ContactPoint
 from ..linalg import Solver
 from ..results import Handle, Result, Run, warn_of_misfit, warn_of_run
@@ -21,7 +29,7 @@ PlanOf = Callable[[Sequence[Any], bool], Plan]
 class RunOptions(NamedTuple):
     """How to run, as a caller says it; see `simulate`."""
 
-    quantity: str | Handle | ContactPoint | None
+    quantity: str | Handle | ContactPoint | StressAt | None
     rtol: float | None
     solver: TimeSolver | None
     energies: bool
