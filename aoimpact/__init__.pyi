@@ -1,3 +1,4 @@
+from .accuracy import StressAt as StressAt
 from .base import AOImpactError as AOImpactError
 from .base import AOImpactWarning as AOImpactWarning
 from .base import ConvergenceError as ConvergenceError

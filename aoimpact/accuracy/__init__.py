@@ -13,6 +13,7 @@ from .order import first_guess
 from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
 from .record import Record
 from .solve import TimeSolver, solve
+from .stressat import StressAt
 
 __all__ = [
     "COLUMNS",
@@ -29,6 +30,7 @@ __all__ = [
     "Quantity",
     "R",
     "Record",
+    "StressAt",
     "TimeSolver",
     "best_radius",
     "checked_linear_solver",

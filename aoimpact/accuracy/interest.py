@@ -10,6 +10,7 @@ from ..fem import ContactPoint
 from ..reduction import BodyModel, FullModel
 from ..results import Handle, Run
 from .quantities import IMPACT_CHOICES, QUANTITIES, SCENE_CHOICES, Quantity, recorded
+from .stressat import StressAt, stress_quantity
 
 __all__ = ["impact_quantity", "scene_quantity"]
 
@@ -27,7 +28,7 @@ def impact_quantity(quantity: Any, projectile: BodyModel, target: BodyModel) -> 
     InputError, InputTypeError
         If there is no such quantity, or the point is on neither body, or on both.
     """
-    if isinstance(quantity, ContactPoint):
+    if isinstance(quantity, ContactPoint | StressAt):
         return _of_point(
             quantity,
             (projectile, target),
@@ -59,7 +60,7 @@ def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
             return run[quantity].port_displacements[[quantity.at]]
 
         return Quantity("displacement", "m", history=recorded(place), lasting=True)
-    if isinstance(quantity, ContactPoint):
+    if isinstance(quantity, ContactPoint | StressAt):
         return _of_point(
             quantity,
             bodies,
@@ -71,9 +72,14 @@ def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
 
 
 def _of_point(
-    point: ContactPoint, bodies: Sequence[BodyModel], *, none: str, several: str, contact: str
+    point: ContactPoint | StressAt,
+    bodies: Sequence[BodyModel],
+    *,
+    none: str,
+    several: str,
+    contact: str,
 ) -> Quantity:
-    """The displacement of a point of the one body that has it."""
+    """The displacement, or the stress, of a point of the one body that has it."""
     meshed = ((i, body) for i, body in enumerate(bodies) if isinstance(body, FullModel))
     on = [i for i, body in meshed if body.body is point.body]
     if not on:
@@ -86,6 +92,9 @@ def _of_point(
             f"quantity={point!r} is a point of {several}, which are one FEModel: give one of them "
             f"a model of its own, copy.copy(model), and take the point from that; {contact}"
         )
+
+    if isinstance(point, StressAt):
+        return stress_quantity(point, on[0])
 
     def displacement(run: Run, times: FloatArray) -> FloatArray:
         return run.bodies[on[0]].displacement_of(point.b, times)[None]

@@ -13,6 +13,7 @@ from ..accuracy import (
     Quantity,
     R,
     Record,
+    StressAt,
     TimeSolver,
     checked_linear_solver,
     choose_models,
@@ -34,7 +35,7 @@ PlanOf = Callable[[Sequence[Any], bool], Plan]
 class RunOptions(NamedTuple):
     """How to run, as a caller says it; see `simulate`."""
 
-    quantity: str | Handle | ContactPoint | None
+    quantity: str | Handle | ContactPoint | StressAt | None
     rtol: float | None
     solver: TimeSolver | None
     energies: bool

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import Quantity, Record, TimeSolver, scene_quantity
+from ..accuracy import Quantity, Record, StressAt, TimeSolver, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -259,7 +259,7 @@ class Scene:
         solver: TimeSolver | None = None,
         energies: bool = True,
         preload: bool = False,
-        quantity: str | Handle | ContactPoint | None = None,
+        quantity: str | Handle | ContactPoint | StressAt | None = None,
         rtol: float | None = None,
         linear_solver: LinearSolver | None = None,
     ) -> Run:
@@ -277,7 +277,7 @@ class Scene:
             Whether to start from rest under gravity and the loads at t = 0, bodies pressed on each
             other, found by a static solve; velocities are then added. What no force presses stays
             where it was put, or moves aside as far as it must.
-        quantity : str, Handle or ContactPoint, optional
+        quantity : str, Handle, ContactPoint or StressAt, optional
             The quantity of interest: "force" (of every contact over the record), "peak_force",
             "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
             every contact), a handle, for the displacement of that contact coordinate over the

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..accuracy import Record, TimeSolver, impact_quantity
+from ..accuracy import Record, StressAt, TimeSolver, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
@@ -42,7 +42,7 @@ def simulate(
     solver: TimeSolver | None = None,
     gap: float = 0.0,
     energies: bool = True,
-    quantity: str | ContactPoint | None = None,
+    quantity: str | ContactPoint | StressAt | None = None,
     rtol: float | None = None,
     linear_solver: Solver | None = None,
 ) -> Result:
@@ -73,14 +73,15 @@ def simulate(
         Distance to go before the bodies touch, m, not negative.
     energies : bool, optional
         Whether to record energies as well.
-    quantity : str or ContactPoint, optional
+    quantity : str, ContactPoint or StressAt, optional
         The quantity of interest: "force" (over the record; the default), "peak_force", "peak_time",
         "impulse", "contact_duration" (of the first contact), "contact_count" (how often they
         touch), "rebound_velocity", "restitution", "projectile_displacement" or
         "target_displacement" (of the contact point, over the record); or a point of a body, for its
-        displacement over the record. Contact points are reduced as far as the tolerance allows, and
-        AO models truncated if this or `rtol` is given; `Result.models` are those taken. Only this
-        quantity is right to `rtol`: `Result.error.numbers` estimates the errors of the others.
+        displacement over the record, or a `StressAt`, for its stress. Contact points are reduced as
+        far as the tolerance allows, and AO models truncated if this or `rtol` is given;
+        `Result.models` are those taken. Only this quantity is right to `rtol`:
+        `Result.error.numbers` estimates the errors of the others.
     rtol : float, optional
         Its relative error by reduction and time integration, 1e-2 if left out; that of a history is
         its largest over the record, relative to the largest value. A solver that does not keep it

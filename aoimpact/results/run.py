@@ -248,7 +248,8 @@ class Run:
 
     @property
     def _asked_for_motion(self) -> bool:
-        return self.chosen is not None and "displacement" in self.chosen.quantity
+        """Over the whole record: for a displacement or a stress."""
+        return self.chosen is not None and self.chosen.quantity.endswith(("displacement", "stress"))
 
     def _doubt(self, index: int) -> None:
         warn_of_later_motion(self.plan, self, index)

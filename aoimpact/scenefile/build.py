@@ -17,7 +17,16 @@ from ..fem import ContactPoint, FEModel, Material, ModalDamping, Rayleigh, conta
 from ..impact import Scene, SceneCase
 from ..laws import ContactLaw, Hertz, Thornton
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
-from ..reduction import AOModel, FullModel, antioscillators, full, interface, modal, rigid
+from ..reduction import (
+    AOModel,
+    FullModel,
+    antioscillators,
+    body_model,
+    full,
+    interface,
+    modal,
+    rigid,
+)
 from ..results import Handle
 from .names import LAWS, SOLVERS
 
@@ -175,11 +184,11 @@ class Builder:
         }
         material = self.data["materials"][table["material"]]
         body = self.kept.once(["solid", solid, material], lambda: self._solid(name))
-        model = dict(table.get("model", {"type": "full"}))
+        model = dict(table.get("model", {"type": None}))
         kind = model.pop("type")
         touched, several = table["contact"], isinstance(table["contact"], list)
         with self.located(*place, "model"):
-            if kind != "full" and several != (kind == "interface"):
+            if kind not in (None, "full") and several != (kind == "interface"):
                 raise InputError(
                     "type: a list of contacts needs the model 'interface' or 'full', and "
                     "'interface' a list of them"
@@ -189,6 +198,8 @@ class Builder:
             with self.located(*place, "contact", *([i] if several else [])):
                 tips.append(body.contact(**contact))
         with self.located(*place, "model"):
+            if kind is None:
+                return body_model(name, tips)
             if kind == "full":
                 return full(*tips)
             return interface(tips, **model) if several else _REDUCTIONS[kind](tips[0], **model)

@@ -216,6 +216,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.Material,
         {"E": 1e9, "nu": 0.3, "rho": 1e3, "yield_strength": 1e7},
     ),
+    "StressAt": (
+        ao.StressAt,
+        {"body": BAR, "point": (0.1, 0.0, 0.0), "component": "xx"},
+    ),
     "Rayleigh": (ao.Rayleigh, {"alpha": 1.0, "beta": 1e-6}),
     "ModalDamping": (ao.ModalDamping, {"ratio": 0.1}),
     "Hertz.between": (

@@ -1,0 +1,84 @@
+"""The stress at a point of a body, as a quantity of interest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base import (
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    checked,
+    choice,
+    held_warnings,
+    place,
+)
+from ..fem import ContactPoint, FEModel
+from ..mesh import weights_at
+from ..results import Run
+from .quantities import Quantity
+
+__all__ = ["StressAt", "stress_quantity"]
+
+_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "von_mises")
+
+
+@dataclass(frozen=True, eq=False)
+class StressAt(Frozen):
+    """The stress at a point over the record, for ``simulate(quantity=StressAt(...))``.
+
+    Every trial of a model solves for the stress that it leaves out, so that the search takes ten
+    times as long as one for the force.
+
+    Parameters
+    ----------
+    body : FEModel or ContactPoint
+        The body that takes part, by itself or by where it is touched.
+    point : array_like, shape (3,)
+        Anywhere in the undeformed body or on its surface, m.
+    component : str, optional
+        "xx", "yy", "zz", "xy", "yz", "xz" or "von_mises".
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If the point is off the body, or the body has no mesh.
+
+    Examples
+    --------
+    >>> simulate(..., quantity=StressAt(plate, (0.1, 0.1, 0.0), "xx"), rtol=0.03)
+    """
+
+    body: Any
+    point: FloatArray
+    component: str = "von_mises"
+
+    def __post_init__(self) -> None:
+        model = self.body.body if isinstance(self.body, ContactPoint) else self.body
+        if not isinstance(model, FEModel):
+            raise InputTypeError(f"body must be an FEModel or a contact point, got {self.body!r}")
+        if model.mesh is None:
+            raise InputError(f"body {model!r} has no mesh, without which no stress is known")
+        object.__setattr__(self, "body", model)
+        checked(self, point=place)
+        choice("component", self.component, _COMPONENTS)
+        weights_at(model.mesh, self.point)
+        super().__post_init__()
+
+
+def stress_quantity(wanted: StressAt, number: int) -> Quantity:
+    """Return the stress at a point of the body with that number in the plan."""
+
+    def stress(run: Run, times: FloatArray) -> FloatArray:
+        if run.plan.bodies[number].wall:  # the body as one that does not deform
+            return np.full((1, len(times)), np.nan)
+        with held_warnings():  # of what it compares
+            found = run.bodies[number].probe(wanted.point, times=times).stress
+        name = wanted.component
+        return (found.von_mises if name == "von_mises" else found[name])[None]
+
+    return Quantity("stress", "Pa", history=stress, lasting=True)
