@@ -4,12 +4,14 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 `scenefile`, `batch`, `study` and `paper`.
 """
 
+from .checks import checked_duration
 from .scene import Scene, SceneCase
 from .simulate import checked_numbers, plan_impact, simulate
 
 __all__ = [
     "Scene",
     "SceneCase",
+    "checked_duration",
     "checked_numbers",
     "plan_impact",
     "simulate",

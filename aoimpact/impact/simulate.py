@@ -226,8 +226,8 @@ def plan_impact(
         For an argument that makes no sense.
     """
     _check_law(law)
-    speed, length, distance = checked_numbers(velocity, duration, gap, energies)
-    assert length is not None
+    speed, _, distance = checked_numbers(velocity, None, gap, energies)
+    length = checked_duration(duration)
     bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body.model, InterfaceModel):

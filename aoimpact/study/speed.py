@@ -20,7 +20,7 @@ from ..base import (
     quantity,
     sequence,
 )
-from ..impact import checked_numbers, simulate
+from ..impact import checked_duration, checked_numbers, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
 from ..laws import ContactLaw, effective_law
 from ..reduction import touched
@@ -95,9 +95,8 @@ def work_precision(
     """
     count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
     instance("law", law, ContactLaw)
-    velocity, length, gap = checked_numbers(velocity, duration, gap, False)
-    assert length is not None
-    duration = length
+    velocity, _, gap = checked_numbers(velocity, None, gap, False)
+    duration = checked_duration(duration)
     names = _methods(scipy)
     bodies = _star_body("projectile", projectile, velocity), _star_body("target", target, 0.0)
     scene = {

@@ -214,7 +214,7 @@ def test_a_free_beam_on_two_stops_obeys_the_law_of_the_lever():
     body = ao.FEModel.from_mesh(mesh, STEEL)
     places, load = (0.05, 0.1, 0.25), 30.0
     down = (0.0, 0.0, -1.0)
-    tips = [body.contact(point=(x, 0.01, 0.02), direction=down, radius=0) for x in places]
+    tips = [body.contact(point=(x, 0.01, 0.0), direction=down, radius=0) for x in places]
     scene = ao.Scene()
     beam, left, right = scene.add(ao.interface(tips, 12)), scene.add(WALL), scene.add(WALL)
     scene.connect(beam.port(0), left, ao.Linear(k=1e6))
@@ -314,7 +314,7 @@ def test_a_row_that_is_in_the_way_is_pushed_no_farther_than_it_must(order):
 def test_a_free_beam_that_is_not_in_reach_stays_where_it_was_put():
     body = ao.FEModel.from_mesh(ao.box_mesh((0.3, 0.02, 0.02), (6, 1, 1)), STEEL)
     down = (0.0, 0.0, -1.0)
-    tips = [body.contact(point=(x, 0.01, 0.02), direction=down, radius=0) for x in (0.05, 0.25)]
+    tips = [body.contact(point=(x, 0.01, 0.0), direction=down, radius=0) for x in (0.05, 0.25)]
     scene = ao.Scene()
     beam, pressed, wall = scene.add(ao.interface(tips, 8)), scene.add(BODY), scene.add(WALL)
     scene.connect(pressed, wall, ao.Linear(k=1e3))

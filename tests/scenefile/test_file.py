@@ -347,12 +347,13 @@ def test_linear_solvers_are_taken_and_named(tmp_path: Path) -> None:
     made = '"antioscillators", n = 2, method = "krylov", duration = 1e-3, solver = "superlu"'
     text = BAR.replace('"antioscillators", n = 2', made)
     assert ao.read_scene(written(tmp_path, text)).case()["target"].origin.solver == "superlu"
-    text = BAR.replace('model = { type = "antioscillators", n = 2 }', "")
-    text = text.replace("velocity = 1.0", 'velocity = 1.0\nlinear_solver = "superlu"')
+    linear = 'velocity = 1.0\nlinear_solver = "superlu"'
+    text = BAR.replace("velocity = 1.0", linear)
     with pytest.raises(
         ao.SceneFileError, match=f":{line(text, 'linear')}:1: .*give quantity or rt"
     ):
         ao.read_scene(written(tmp_path, text)).simulate()
+    text = text.replace('model = { type = "antioscillators", n = 2 }', "")
     hit = ao.read_scene(written(tmp_path, text + "tolerance = 0.1\n")).simulate()
     assert hit.models is not None
     assert hit.models[1].origin.solver == "superlu"
