@@ -112,7 +112,7 @@ def test_a_contact_of_a_scene_the_wrong_way_round() -> None:
     scene = ao.Scene()
     ball, target = scene.add(BALL, velocity=1.0), scene.add(star(plate()))
     scene.connect(target, ball, LAW)
-    with pytest.raises(ao.InputError, match="goes into the body at point .* swap the two bodies"):
+    with pytest.raises(ao.InputError, match=r"goes into the body at point .* swap the two bodies"):
         scene.simulate(duration=3e-4)
 
 
