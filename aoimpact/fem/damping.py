@@ -8,12 +8,24 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import InputTypeError, finite_array, nonnegative
+from ..base import InputError, InputTypeError, finite_array, nonnegative
 
-# rad/s; what frequencies squared come to is a number.
+# rad/s; what frequencies squared come to is a number, and so is that times the strongest damping.
 FASTEST = 1e100
+_STRONGEST = 1e100
 
 __all__ = ["FASTEST", "Damping", "ModalDamping", "Rayleigh", "damping_or_none"]
+
+
+def _coefficient(name: str, value: Any, unit: str = "") -> float:
+    """Return `value` as a float that any mode's frequency may be multiplied by."""
+    number = nonnegative(name, value, unit=unit)
+    if number > _STRONGEST:
+        raise InputError(
+            f"{name} must be at most {_STRONGEST:g}{unit and ' ' + unit}, got {number:g}: decays "
+            "of modes would be no numbers"
+        )
+    return number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,8 +47,8 @@ class Rayleigh:
     beta: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "alpha", nonnegative("alpha", self.alpha, unit="1/s"))
-        object.__setattr__(self, "beta", nonnegative("beta", self.beta, unit="s"))
+        object.__setattr__(self, "alpha", _coefficient("alpha", self.alpha, "1/s"))
+        object.__setattr__(self, "beta", _coefficient("beta", self.beta, "s"))
 
     def decay(self, omega: npt.ArrayLike) -> Any:
         """Return σ = (α + β ω²)/2, 1/s, of modes x'' + 2σx' + ω²x = f.
@@ -64,7 +76,7 @@ class ModalDamping:
     ratio: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "ratio", nonnegative("ratio", self.ratio))
+        object.__setattr__(self, "ratio", _coefficient("ratio", self.ratio))
 
     def decay(self, omega: npt.ArrayLike) -> Any:
         """Return σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f; takes ω as `Rayleigh.decay` does."""

@@ -60,6 +60,11 @@ class Tabulated(ContactLaw):
             )
         object.__setattr__(self, "indentation", tuple(depth.tolist()))
         object.__setattr__(self, "force_values", tuple(push.tolist()))
+        if not np.isfinite(_table(self.indentation, self.force_values)).all():
+            raise InputError(
+                f"indentation up to {depth[-1]:g} m and force up to {push[-1]:g} N have slopes or "
+                "energies that are no numbers; leave points out that are far from any motion"
+            )
 
     def __repr__(self) -> str:
         return (
@@ -92,10 +97,14 @@ def _increasing(name: str, unit: str, values: FloatArray, *, strictly: bool) -> 
 def _table(indentation: tuple[float, ...], force: tuple[float, ...]) -> FloatArray:
     """Return the core's table, shape (4, n): indentations, forces, slopes, energies."""
     depth, push = np.array(indentation), np.array(force)
-    with np.errstate(over="ignore"):  # of the inverse of a rise next to none
-        slope = scipy.interpolate.PchipInterpolator(depth, push).derivative()(depth)
     length = np.diff(depth)
-    # Hermite's cubic integrates to the trapezium's area and what the slopes add to it.
-    area = length * ((push[:-1] + push[1:]) / 2.0 + length * (slope[:-1] - slope[1:]) / 12.0)
-    energy = np.array([math.fsum(area[:i]) for i in range(len(depth))])
+    with np.errstate(over="ignore", invalid="ignore"):  # of a rise next to none, or next to all
+        try:
+            slope = scipy.interpolate.PchipInterpolator(depth, push).derivative()(depth)
+            # Hermite's cubic integrates to the trapezium's area and what the slopes add to it.
+            lean = length * (slope[:-1] - slope[1:]) / 12.0
+            area = length * ((push[:-1] + push[1:]) / 2.0 + lean)
+            energy = np.array([math.fsum(area[:i]) for i in range(len(depth))])
+        except (ValueError, OverflowError):  # of slopes or energies that are no numbers
+            return np.full((4, len(depth)), np.nan)
     return np.stack([depth, push, np.maximum(slope, 0.0), energy])

@@ -96,11 +96,13 @@ static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry
            fabs(value.damping) * rate_tail(entry) * AOI_NODES / 3.0;
 }
 
-/* What rests has the force of its rest when it sets off: what has no mass goes along with a dashpot only after the time
- * that this takes, which the nodes may not see. */
+/* By how much a force jumps at the start of a step where it goes on: the nodes have not seen what happens there. Of what
+ * has no mass it may jump, but for what rests: that has the force of its rest when it sets off. */
 static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
-    return run->rested && run->steps == 0 ? fabs(aoi_nodes_at_start(entry->force) - entry->start_force) : 0.0;
+    const int bent = aoi_contact_has_residual(run, entry->contact);
+    const int goes_on = bent ? run->rested && run->steps == 0 : entry->edge == AOI_EDGE_NONE;
+    return goes_on ? fabs(aoi_nodes_at_start(entry->force) - entry->start_force) : 0.0;
 }
 
 /* Whether the largest force of all may lie inside the step. Else what counts is what a wrong force does within
@@ -139,7 +141,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
         const double usual = force_scale(run, entry, impulse_scale, scale);
         const double size = fmax(usual, bent && !may_top(contact, entry, wrong) ? impulse_scale / h : 0.0);
         of->within = fmax(of->within, wrong / (tail_share * size));
-        of->within = fmax(of->within, bent ? force_jump(run, entry) / (run->rtol * usual) : 0.0);
+        of->within = fmax(of->within, force_jump(run, entry) / (run->rtol * usual));
     }
     of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * force_scale(run, entry, impulse_scale, scale);
     of->handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /

@@ -128,6 +128,8 @@ def test_it_is_a_value_that_owns_its_points():
     [
         ([0, 1e-5, 1e-5], [0, 1, 2], "indentation must increase .* after 1e-05 m comes 1e-05 m"),
         ([0, 2e-5, 1e-5], [0, 1, 2], "indentation must increase"),
+        ([0, 1e-4, 1e308], [0, 1, 2], r"indentation up to 1e\+308 m .* are no numbers"),
+        ([0, 1e200, 2e200], [0, 1e150, 2e150], "slopes or energies that are no numbers"),
         ([0, 1e-5, 2e-5], [0, 2, 1], "force must never fall .* after 2 N comes 1 N"),
         ([0, 1e-5], [1, 2], "force must be 0 N at indentation 0"),
         ([-1e-5, 1e-5], [0, 2], "must not be negative"),

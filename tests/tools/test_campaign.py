@@ -81,6 +81,17 @@ def test_dashpots_on_a_massless_coordinate_are_the_limit_of_small_masses() -> No
     assert np.abs(apart).max() < 2e-3
 
 
+@pytest.mark.parametrize("gap", [0.0, 1e-5])
+def test_a_dashpot_takes_a_load_that_sets_in_on_a_massless_coordinate(gap: float) -> None:
+    # At once, wherever its own damping is none yet; but for what the spring takes over the gap.
+    law = Law("HuntCrossley", {"k": 1e11, "damping": 1.0, "n": 1.5})
+    bodies = (Body(0.0, m=(1.5,), k=(6e8,)), Body(2.0))
+    case = Case(bodies, (Contact(0, 1, law, gap),), (Load(0, (0.0,), (5e4,)),), duration=1e-5)
+    outcome = Oracle(case, rtol=1e-9).run()
+    assert outcome.peak_times[0] == 0.0
+    assert outcome.peaks[0] == pytest.approx(5e4 - 6e8 * gap, rel=1e-12)
+
+
 def test_the_oracle_s_peak_is_the_largest_force_on_its_curve() -> None:
     # The second contact makes a kink in the force of the first, beside its top.
     frame = Frame((2.736, 5.153, 0.2668, 3.794), (1.411e12, 1.265e9, 1.16e8), (1.635e8, 0, 0, 0))

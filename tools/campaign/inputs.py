@@ -31,6 +31,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from .pool import PATIENCE, processor_time
+
 KINDS = {"mesh": "meshes", "matrix": "matrices", "scene": "scenefiles"}
 
 LIMIT_BYTES = 2**31
@@ -38,9 +40,6 @@ LIMIT_SECONDS = 10.0
 
 # A child is replaced after so many inputs, lest memory that libraries keep count against the limit.
 _PER_CHILD = 5000
-
-# How many times its time an input may wait for a processor, or for what never comes.
-_PATIENCE = 10.0
 
 
 @dataclass
@@ -199,12 +198,10 @@ class _Child:
         """By the processor's time: others may have it for long."""
         if self.since is None or (waited := time.monotonic() - self.since) < LIMIT_SECONDS:
             return False
-        return waited > _PATIENCE * LIMIT_SECONDS or self._used() - self.used > LIMIT_SECONDS
+        return waited > PATIENCE * LIMIT_SECONDS or self._used() - self.used > LIMIT_SECONDS
 
     def _used(self) -> float:
-        """s of the processor so far."""
-        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        return processor_time(self.process.pid)
 
     def ended(self) -> dict[str, Any]:
         """A report of the input that it did not survive."""

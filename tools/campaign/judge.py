@@ -133,7 +133,8 @@ def _third(case: Case, true: Outcome, verdict: Verdict) -> Verdict:
     second = newmark(case, _FAR / _SURE, _CHEAP)
     if second is None or not second.error < _FAR / _SURE:
         return verdict
-    off = as_settled(second, true)
+    # As small as its lesser contacts may be off, or what moves where nothing does.
+    off = min(as_settled(second, true), from_newmark(case, second, true))
     return replace(verdict, kind="apart", why=f"Newmark by {off:.2g}") if off > _FAR else verdict
 
 

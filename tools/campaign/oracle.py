@@ -5,9 +5,9 @@ load and the contact forces on it: an algebraic equation, solved whenever the ri
 asked for. Where a closed contact with a dashpot acts on it, the balance gives its velocity instead,
 and its deflection w = u - u_free is a variable; a dashpot that relaxes w in a millionth of a
 millionth of the record keeps that equation regular where the contact's own vanishes. A contact
-closes at the deflection that the coordinate has. So nothing is lost when a contact closes on it, or
-when it lets go at no force. A law that pulls lets go at a force: then the coordinate springs back
-at once, and what its springs had stored is lost.
+closes at the deflection that the coordinate has; where a load sets in, at the touch. So nothing is
+lost when a contact closes on it, or when it lets go at no force. A law that pulls lets go at a
+force: then the coordinate springs back at once, and what its springs had stored is lost.
 
 Pieces end where a contact closes, lets go, yields or turns back, and where a load bends. An event
 is found on the dense output of a step, from samples no farther apart than a sixth of it, and the
@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ import numpy.typing as npt
 from scipy.integrate import DOP853, Radau
 from scipy.optimize import brentq
 
+from . import massless
 from .case import Case
 from .formulas import Formula, Thornton
 from .motion import At, Dense, Motion, Phase, share
@@ -63,7 +65,7 @@ class Oracle:
     rtol : float, optional
         Of the integrators, relative to what is usual in the scene.
     longest : float, optional
-        s of computing.
+        s of the processor.
     nudge : ndarray, optional
         Relative change of coordinates and velocities at the start.
     """
@@ -83,6 +85,7 @@ class Oracle:
         self.marks: list[Mark] = []
         self._quiet_until: dict[int, float] = {}
         self._flips: dict[int, tuple[float, int]] = {}
+        self._held = np.zeros(len(case.contacts))  # by dashpots when a load sets in
 
     def run(self) -> Outcome:
         """Integrate the record.
@@ -90,11 +93,11 @@ class Oracle:
         Raises
         ------
         GaveUpError
-            If it takes longer than `longest` s, or an integrator gives up.
+            If it takes longer than `longest` s of the processor, or an integrator gives up.
         NoRestError
             If a start from rest has none.
         """
-        self._deadline = clock.monotonic() + self.longest
+        self._deadline = clock.process_time() + self.longest
         case, motion = self.case, self.motion
         with np.errstate(all="ignore"):
             y, closed = self._begin()
@@ -103,7 +106,13 @@ class Oracle:
             for end in [*sorted(bends), case.duration]:
                 motion.piece, self._end = t, end
                 t, y = self._piece(t, y, closed, end)
-            return Readout(motion, self.steps, self.marks).outcome(y)
+            found = Readout(motion, self.steps, self.marks).outcome(y)
+        more = self._held > found.peaks
+        return replace(
+            found,
+            peaks=np.where(more, self._held, found.peaks),
+            peak_times=np.where(more, 0.0, found.peak_times),
+        )
 
     # --------------------------------------------------------------- the start
 
@@ -114,6 +123,8 @@ class Oracle:
         closed = [False] * motion.count
         if case.preload:
             self._rest(y, closed)
+        else:
+            self._set_in(y, closed)
         if self.nudge is not None:
             y[: 2 * n] *= 1.0 + self.nudge[: 2 * n]
         self.marks += [Mark(0.0, c, True, 0.0, 0.0) for c in range(motion.count) if closed[c]]
@@ -139,6 +150,43 @@ class Oracle:
             port = system.first_port[i]
             if body.massless:
                 motion.warm[port] = places[i][0] - free[port]
+
+    def _set_in(self, y: FloatArray, closed: list[bool]) -> None:
+        """Loads that set in move what has no mass at once, up to the first dashpot in its way."""
+        motion, system = self.motion, self.motion.system
+        load = motion.loads(0.0)[0]
+        ports = tuple(int(p) for p in np.flatnonzero(system.residual * load))
+        if not ports:
+            return
+        place, w = (
+            system.port[: motion.ports] @ y[: 2 * system.n] + system.residual * load,
+            motion.warm,
+        )
+        elastic = {
+            c: (law, self.case.contacts[c].gap)
+            for c, law in enumerate(self.laws)
+            if not law.viscous and set(motion.ends[c]) & set(ports)
+        }
+        sizes = motion.length, motion.push
+        massless.balance(place, w, ports, elastic, motion.ends, motion.spring, sizes)
+        for c, law in enumerate(self.laws):
+            met = [end for end in zip(motion.ends[c], (1.0, -1.0), strict=True) if end[0] in ports]
+            over = float((system.sides @ (place + w) - system.gaps)[c])
+            if law.viscous and met and over > 0.0:
+                port, sign = met[0]
+                w[port] -= sign * over
+                for other in range(motion.count):  # met later
+                    closed[other] = closed[other] and port not in motion.ends[other]
+                closed[c] = True
+        depth = system.sides @ (place + w) - system.gaps
+        for c in np.flatnonzero(closed):
+            port, sign = next(
+                end for end in zip(motion.ends[c], (1.0, -1.0), strict=True) if end[0] in ports
+            )
+            pushes = np.zeros(motion.count)
+            for e, (law, _) in elastic.items():
+                pushes[e] = law.at(float(depth[e]))[0]
+            self._held[c] = -sign * (motion.spring[port] * w[port] + system.sides[:, port] @ pushes)
 
     # --------------------------------------------------------------- phases and events
 
@@ -257,7 +305,7 @@ class Oracle:
         motion = self.motion
 
         def rhs(t: float, y: FloatArray) -> FloatArray:
-            if clock.monotonic() > self._deadline:
+            if clock.process_time() > self._deadline:
                 raise GaveUpError("too slow")
             return motion.slope(y, motion.look(t, y, phase, rates=False))
 

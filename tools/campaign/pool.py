@@ -3,13 +3,27 @@
 from __future__ import annotations
 
 import multiprocessing as mp
+import os
 import time as clock
 from collections.abc import Callable, Iterable, Iterator
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from typing import Any
 
 # s that a child may take to start: its time begins when it does.
 _STARTING = 60.0
+
+# Others may have the processor for long: so many times a limit of its time may pass on the clock.
+PATIENCE = 10.0
+
+# s between looks at a child that is late.
+_BETWEEN_LOOKS = 0.5
+
+
+def processor_time(pid: int) -> float:
+    """s of the processor that a process has had so far."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
@@ -33,11 +47,23 @@ class _Worker:
         self.process.start()
         theirs.close()
         self.item: Any = None
-        self.since = 0.0
+        self.since = self.used = 0.0
 
     def give(self, item: Any) -> None:
         self.item, self.since = item, clock.monotonic() + _STARTING
         self.connection.send(item)
+
+    def begins(self) -> None:
+        self.since, self.used = clock.monotonic(), self._processor_time()
+
+    def overdue(self, limit: float) -> bool:
+        """By the processor's time."""
+        if (waited := clock.monotonic() - self.since) <= limit:
+            return False
+        return waited > PATIENCE * limit or self._processor_time() - self.used > limit
+
+    def _processor_time(self) -> float:
+        return processor_time(self.process.pid) if self.process.pid else 0.0
 
     def end(self) -> None:
         self.process.kill()
@@ -56,7 +82,7 @@ def each(
     items : iterable
     workers : int
     limit : float
-        s for one item.
+        s of the processor for one item.
     """
     left = iter(items)
     team = [_Worker(work) for _ in range(workers)]
@@ -66,7 +92,8 @@ def each(
             _next(worker, left, busy)
         while busy:
             first = min(worker.since for worker in busy)
-            ready = wait([w.connection for w in busy], max(0.0, first + limit - clock.monotonic()))
+            left_over = max(_BETWEEN_LOOKS, first + limit - clock.monotonic())
+            ready = wait([w.connection for w in busy], left_over)
             for worker in list(busy):
                 if worker.connection in ready:
                     try:
@@ -77,13 +104,13 @@ def each(
                         _next(_replaced(worker, team, work), left, busy)
                         continue
                     if message is None:
-                        worker.since = clock.monotonic()
+                        worker.begins()
                         continue
                     busy.remove(worker)
                     good, result = message
                     yield worker.item, "done" if good else "failed", result
                     _next(worker, left, busy)
-                elif clock.monotonic() - worker.since > limit:
+                elif worker.overdue(limit):
                     busy.remove(worker)
                     yield worker.item, "hangs", limit
                     _next(_replaced(worker, team, work), left, busy)
