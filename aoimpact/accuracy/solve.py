@@ -23,7 +23,7 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
     InputTypeError
         If `solver` is no solver.
     LawLimitError
-        If a contact grows wider than its patches.
+        If a contact grows wider than its patches, or deeper than its table; with its number.
     """
     if solver is None:
         full = any(isinstance(body, FullBody) for body in plan.bodies)
@@ -35,7 +35,8 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
             return Run(plan, *solve_adaptive(plan, solver))
         return Run(plan, *solve_newmark(plan, solver))
     except LawLimitError as error:
-        joint = next(joint for joint in plan.joints if joint.patched)
-        masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
-        mass = 1.0 / sum(1.0 / mass for mass in masses)
+        if error.contact is None:
+            raise
+        joint = plan.joints[error.contact]
+        mass = plan.reduced_mass(joint)
         raise wide_enough(error, joint.law, joint.ends, mass, plan.fastest) from None

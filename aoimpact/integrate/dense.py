@@ -14,7 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base import FloatArray
+from ..base import FloatArray, LawLimitError
 from ..scene import Plan
 from .band import IntArray, narrow_order
 from .events import Events
@@ -218,19 +218,21 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     ------
     ConvergenceError
         If the tolerance cannot be met; with the time.
+    LawLimitError
+        If a contact goes deeper than its law stands for; with its number.
     """
     order = _order(plan) if len(plan.joints) > 2 else None
     bodies, joints = _for_core(plan, order)
-    table, places, x, v, contacts, steps, rejected = _core.adaptive(
-        bodies,
-        joints,
-        rtol,
-        plan.duration,
-        None if plan.rest is None else np.concatenate(plan.rest.modes),
-        tuple([body.moving for body in plan.modal]),
-        tuple(plan.velocities),
-        most_steps,
-    )
+    rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
+    moving = tuple([body.moving for body in plan.modal])
+    try:
+        table, places, x, v, contacts, steps, rejected = _core.adaptive(
+            bodies, joints, rtol, plan.duration, rest, moving, tuple(plan.velocities), most_steps
+        )
+    except LawLimitError as error:
+        if order is not None and error.contact is not None:
+            error.contact = int(order[error.contact])
+        raise
     if order is not None:
         contacts = tuple([contacts[i] for i in np.argsort(order)])
     found = [_Found(*contact) for contact in contacts]

@@ -121,7 +121,7 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
             "smaller dt, or Newmark() without dt"
         )
     for i, joint in enumerate(plan.joints):
-        check_width(joint.law, plan.layout.contact(record.rows, i).indentation)
+        check_width(joint.law, plan.layout.contact(record.rows, i).indentation, i)
     return SteppedRecorder(plan, rule, record, run.start.ports), error
 
 
@@ -236,9 +236,7 @@ class _Stepping:
         if plan.fastest == 0.0:
             return shortest
         for joint in plan.joints:
-            masses = plan.bodies[joint.first].static_mass, plan.bodies[joint.second].static_mass
-            mass = 1.0 / sum(1.0 / mass for mass in masses)
-            time = rigid_contact_time(joint.law, mass, plan.fastest)
+            time = rigid_contact_time(joint.law, plan.reduced_mass(joint), plan.fastest)
             shortest = min(shortest, time / _FIRST_STEPS)
         return shortest
 

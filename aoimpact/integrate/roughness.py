@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import ConvergenceError
-from ..laws import ContactLaw, UserLaw
+from ..laws import ContactLaw
 from ..scene import Joint, Plan
 from .tolerances import ROUGHEST
 
@@ -32,7 +32,7 @@ def refuse_rough(plan: Plan, rtol: float) -> None:
         If a law is not.
     """
     for number, joint in enumerate(plan.joints):
-        if isinstance(joint.law, UserLaw):
+        if joint.law.by_caller:
             share = scatter(joint.law, _depth(plan, joint), plan.fastest)
             if share > min(rtol, ROUGHEST):
                 raise ConvergenceError(
@@ -72,8 +72,7 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
 
 def _depth(plan: Plan, joint: Joint) -> float:
     """The deepest indentation of rigid bodies; a micrometre where that is not known."""
-    masses = (plan.bodies[body].static_mass for body in (joint.first, joint.second))
-    energy = 0.5 * plan.fastest**2 / sum(1.0 / mass for mass in masses)
+    energy = 0.5 * plan.reduced_mass(joint) * plan.fastest**2
     try:
         with np.errstate(all="ignore"):
             return joint.law.stroke(energy) if energy > 0.0 else _SOME

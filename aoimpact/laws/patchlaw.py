@@ -69,10 +69,10 @@ def own_law(law: ContactLaw) -> ContactLaw:
     return law.law if isinstance(law, PatchLaw) else law
 
 
-def check_width(law: ContactLaw, indentation: FloatArray) -> None:
-    """Refuse a record in which the contact has grown wider than its patches."""
+def check_width(law: ContactLaw, indentation: FloatArray, contact: int) -> None:
+    """Refuse a record in which the contact of that number has grown wider than its patches."""
     if isinstance(law, PatchLaw) and float(indentation.max(initial=0.0)) > law.limit:
-        raise LawLimitError("the contact has grown wider than its patches")
+        raise LawLimitError("the contact has grown wider than its patches", contact)
 
 
 def wide_enough(
@@ -106,11 +106,12 @@ def wide_enough(
         wide = math.sqrt(law.law.relative_radius * float(depth))
         factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
     return LawLimitError(
-        f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law stands "
-        f"up to an indentation of {law.limit:.3g} m, where the contact is as wide as they are, "
-        "and less deep at the rate of a damped law; for this impact make the contact points with "
-        f"radius={_listed([factor * radius for radius in radii])} or more, where the bodies have "
-        "room"
+        f"{error.args[0].partition(': ')[0]}: with patches of radius {_listed(radii)} the law "
+        f"stands up to an indentation of {law.limit:.3g} m, where the contact is as wide as they "
+        "are, and less deep at the rate of a damped law; for this impact make the contact points "
+        f"with radius={_listed([factor * radius for radius in radii])} or more, where the bodies "
+        "have room",
+        error.contact,
     )
 
 

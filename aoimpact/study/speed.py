@@ -23,7 +23,7 @@ from ..impact import checked_numbers, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
 from ..laws import ContactLaw, effective_law
 from ..results import Result
-from ..scene import SceneBody, StarBody, scene_body
+from ..scene import SceneBody, StarBody, reduced_mass, scene_body
 from .scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
 from .table import Measurement, Reference, WorkPrecision
 
@@ -163,8 +163,7 @@ def _settings(
 
 
 def _contact_time(bodies: tuple[SceneBody, SceneBody], law: ContactLaw, velocity: float) -> float:
-    inverse = sum(1.0 / body.static_mass for body in bodies)
-    return rigid_contact_time(law, 1.0 / inverse, abs(velocity))
+    return rigid_contact_time(law, reduced_mass(*bodies), abs(velocity))
 
 
 def _newmark_runs(

@@ -95,6 +95,7 @@ def test_bodies_with_elements_keep_the_motion_that_their_models_leave_out() -> N
         {"target": beam_star(), "duration": 20e-3, "projectile": ao.rigid(mass=0.5)},  # meets twice
         {"duration": 1e-5},  # ends in contact
         {"law": ao.UserLaw(lambda depth, rate: 1e8 * depth)},
+        {"law": ao.UserLaw(lambda depth, rate: 1e8 * depth).within_patch(1e-10)},
         {"velocity": 0.0},
         {"velocity": -2.0},
         {"velocity": math.nan},

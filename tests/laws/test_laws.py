@@ -86,7 +86,7 @@ def test_derivatives_are_those_of_the_force(name, parameters, depth, rate):
 @settings(max_examples=20)
 def test_loading_is_monotone(name, parameters):
     law = law_of(name, *parameters)
-    depth = np.geomspace(1e-12, min(1e-3, law._limit()) * (1 - 1e-9), 300)
+    depth = np.geomspace(1e-12, min(1e-3, law.limit) * (1 - 1e-9), 300)
     assert (np.diff(law.force(depth)) > 0.0).all()
 
 
