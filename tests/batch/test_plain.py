@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from every_law import LAWS, law_of
 
 import aoimpact as ao
 from aoimpact import _core
@@ -63,6 +64,16 @@ def test_every_plain_impact_has_the_numbers_of_simulate() -> None:
     together = plain_numbers(PLAIN, NAMES)
     for one, found in zip(PLAIN, together, strict=True):
         assert bits(found) == bits(numbers_of(ao.simulate(**one))), one
+
+
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_every_law_of_the_core_is_plain(name: str) -> None:
+    one = case(target=ao.rigid(mass=math.inf), law=law_of(name))
+    found = plain_numbers([one], NAMES)[0]
+    if one["law"].by_caller:
+        assert found is None
+    else:
+        assert bits(found) == bits(numbers_of(ao.simulate(**one)))
 
 
 def test_other_cases_in_the_same_call_make_no_difference() -> None:

@@ -39,6 +39,13 @@ def test_every_law_is_documented_for_scene_files(name):
 
 
 @over_laws
+def test_what_a_law_says_of_its_rate_is_what_its_formula_does(name):
+    law = law_of(name)
+    moving = law.force(1e-5, np.array([-0.2, 0.0, 0.2]))
+    assert law.depends_on_rate == (len(set(moving.tolist())) > 1)
+
+
+@over_laws
 @given(parameters=parameters, rate=rates)
 @settings(max_examples=25)
 def test_no_force_without_contact(name, parameters, rate):
