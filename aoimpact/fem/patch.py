@@ -22,7 +22,7 @@ __all__ = ["Patch", "Spread", "free_radius", "half_space_compliance", "spread"]
 
 
 # Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
-# Kinks of the shape functions between faces are what limits it; see tests/test_patch.py.
+# Kinks of the shape functions between faces are what limits it; see tests/fem/test_patch.py.
 _RINGS, _AROUND = 24, 64
 
 # Successive rings are turned by this share of the angle between points, so that no two line up with

@@ -22,7 +22,7 @@ from .motion import DenseMotion
 
 __all__ = ["DenseRecorder", "adaptive_run"]
 
-# Columns of a row of the core's table (enum aoi_track).
+# Columns of a row of the core's table (enum aoi_row in csrc/adaptive/row.h).
 _START, _LENGTH, _CONTACTS = 0, 1, 3
 
 # Samples for curves: within each step of contact, and in free motion over the whole record.

@@ -32,9 +32,10 @@ __all__ = ["Measurement", "Reference", "WorkPrecision", "work_precision"]
 _ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 _SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
-# Default steps of Newmark's rule, as shares of the contact time, and the longest run of them.
+# More repeats than these are a slip of the pen.
 _MOST_REPEATS = 10_000
 
+# Default steps of Newmark's rule, as shares of the contact time, and the longest run of them.
 _NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
 
 # Seconds: short runs are repeated for the first, long ones for the second at most; one run of SciPy
