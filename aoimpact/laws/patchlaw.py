@@ -1,5 +1,7 @@
 """The contact law between bodies that touch over patches: without the patches' own deflection.
 
+Here it is decided which law acts; `PatchLaw` stands in law.py, beside `ContactLaw.within_patch`.
+
 Each body's finite elements contain the indentation of its patch, and the law contains all of the
 contact's. The deflection of an elastic half-space under the patch, c per force, is in both; it is
 taken out of the law, F = law(δ + c F). What then remains is the law's own contact, narrower than

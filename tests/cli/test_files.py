@@ -40,11 +40,12 @@ def test_all_formats_are_written_and_none_over_another(done: Any, tmp_path: Path
     assert [file.name for file in files] == alone
 
 
-def test_the_help_names_every_format(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_help_and_the_page_name_every_format(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["run", "--help"])
     text = capsys.readouterr().out
+    page = Path(__file__).parents[2].joinpath("docs", "scene-files.md").read_text(encoding="utf-8")
     for write in FORMATS:
-        assert write.__doc__ is not None
-        for word in re.findall(r"\b[A-Z]{3,}\b", write.__doc__):
+        for word in re.findall(r"\b[A-Z]{3,}\b", str(write.__doc__)):
             assert word in text, f"the help of --out in cli/main.py does not name {word}"
+            assert word in page.upper(), f"docs/scene-files.md does not name {word}"
