@@ -1,4 +1,7 @@
-"""The C core; csrc/aoimpact.h is its specification. Arrays are C-contiguous, outputs written."""
+"""The C core: csrc/python binds it, the headers of csrc and include/aoimpact.h specify it.
+
+Arrays are C-contiguous, outputs written.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,7 +21,7 @@ _Contact = tuple[int, int, int, int, float, _Law]  # body and port of each side,
 # Peak force, its time, impulse, intervals (start, end) and touches (impulse, pace) of a contact.
 _Pairs = list[tuple[float, float]]
 _Found = tuple[float, float, float, _Pairs, _Pairs]
-_Body = tuple[Any, ...]  # as python_newmark.c says
+_Body = tuple[Any, ...]  # as csrc/python/newmark.c says
 
 def law_force(
     law: _Law,

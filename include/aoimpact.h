@@ -7,6 +7,10 @@
  * in fixed steps (aoi_newmark) or to a tolerance (aoi_adaptive) take it as it is. What an adaptive run has written
  * (aoi_track) is read at any time (aoi_sampler), and tells when contacts began and ended.
  *
+ * What the Python package adds: finite elements and their reduction, damped AO models as bodies, the compliance of
+ * patches for a law, starts at rest under load, estimates of errors by more runs. An adaptive run here is one run:
+ * from a contact's second touch on errors grow with each, and one more run with a tenth of rtol shows by how much.
+ *
  * Rules that hold for every function
  *   Memory    The caller owns all memory. Nothing here allocates, frees, or keeps a pointer after it returns,
  *             except inside an object that the caller made, for as long as it uses it. The size functions say
@@ -16,6 +20,8 @@
  *             are for one thread at a time.
  *   Units     SI: m, kg, s, N, J, rad/s; omega2 is an angular frequency squared, (rad/s)^2.
  *   Returns   AOI_OK (0) or one of the codes below; then the outputs are not to be used.
+ *   Systems   What is asked of a linked system, and gets one that is not, returns AOI_ERROR_ARGUMENT, or 0 where
+ *             it returns a size.
  *   Arrays    Contiguous doubles; matrices by rows, [rows][columns].
  */
 #ifndef AOIMPACT_H
@@ -53,11 +59,14 @@ typedef enum aoi_status {
     AOI_ERROR_SOLVER,         /* the caller's linear solver reported a failure                     */
     AOI_ERROR_TOLERANCE,      /* even the shortest step does not meet the tolerance                */
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
-    AOI_ERROR_PATCH,          /* the contact has grown wider than the patch whose law it is        */
+    AOI_ERROR_PATCH,          /* a contact goes deeper than its law holds: its patch, or its table */
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
     AOI_ERROR_LAW_JUMPS,      /* less a patch's compliance the law has no force: its own jumps     */
     AOI_ERROR_STOPPED         /* the caller's pause said so                                        */
 } aoi_status;
+
+/* A status in words: a constant string, never NULL. */
+AOI_API const char *aoi_status_text(int status);
 
 /* By which the caller is heard while work takes long: ask(data), at least every few milliseconds. Where it
  * returns anything but 0, the function returns AOI_ERROR_STOPPED. ask may be NULL, and so may a pointer to
@@ -77,7 +86,9 @@ typedef struct aoi_star {
     const double *m, *k;
 } aoi_star;
 
-/* AOI_OK for a star as above with some mass in it, or what is wrong with it. */
+/* AOI_OK for a star as above with some mass in it, or what is wrong with it. The order of the oscillators is not
+ * looked at: for aoi_star_to_modal and aoi_star_modes k_i/m_i must ascend and be distinct, else they return
+ * AOI_ERROR_ARGUMENT. */
 AOI_API int aoi_star_check(const aoi_star *star);
 
 /* m_st = m0 + sum of m_i, eq. (10). */
@@ -229,13 +240,14 @@ typedef struct aoi_modes {
     const double *residual;        /* [ports][ports], m/N, symmetric                 */
     const double *gravity;         /* [n]                                            */
     const double *inertia;         /* [n], energy inertia v^2 / 2; NULL: 1           */
-    const double *centre;          /* [n], displacement of the centre of mass        */
+    const double *centre;          /* [n], displacement of the centre of mass; needed */
     const double *centre_residual; /* [ports], the same per force, beside the modes' */
     aoi_load load;
 } aoi_modes;
 
 /* The body that an AO model is, free of damping, gravity and loads: one port, n + 1 modes (or fewer). memory:
- * aoi_star_modes_size bytes, which the body keeps. Errors as aoi_star_to_modal. */
+ * aoi_star_modes_size bytes, which the body keeps. Errors as aoi_star_check and aoi_star_to_modal. Moving as a whole
+ * at V, its modes have the rates v_j = V m_st centre[j], m_st the static mass; that of a wall has V. */
 AOI_API size_t aoi_star_modes_size(const aoi_star *star);
 AOI_API int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body);
 
@@ -248,7 +260,7 @@ typedef struct aoi_contact {
 } aoi_contact;
 
 /* Bodies and contacts: what both integrators take, and never change. The caller sets the first block, has
- * aoi_system_link fill in the second, and then changes neither. Of the arrays of all bodies, b has the modes
+ * aoi_system_link fill in the second, zero before, and then changes neither. Of the arrays of all bodies, b has the modes
  * first[b] .. first[b+1]-1 and the ports first_port[b] .. first_port[b+1]-1; its contacts are contact_of[i]
  * for first_contact[b] <= i < first_contact[b+1], ascending. */
 typedef struct aoi_system {
@@ -311,7 +323,7 @@ typedef struct aoi_rule {
 
 /* A run in steps of dt. It lies in memory of the caller, aoi_newmark_size bytes, aligned as by malloc. */
 typedef struct aoi_newmark aoi_newmark;
-AOI_API size_t aoi_newmark_size(const aoi_system *system);
+AOI_API size_t aoi_newmark_size(const aoi_system *system); /* linked */
 
 /* Sets a run of a linked system to its beginning and writes column 0 of the record, which has so many columns,
  * and stays the caller's; energies: 0 leaves their rows alone. AOI_ERROR_ARGUMENT for a rule that is none,
@@ -341,10 +353,10 @@ typedef struct aoi_track {
  * of the caller, aoi_adaptive_size bytes, aligned as by malloc. Bodies that overlap at the start are in
  * contact from the start. What a step costs depends on the bodies that take part in it only. */
 typedef struct aoi_adaptive aoi_adaptive;
-AOI_API size_t aoi_adaptive_size(const aoi_system *system);
+AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* linked */
 
-/* Sets a run of a linked system to its beginning. AOI_ERROR_ARGUMENT where rtol or end is not positive,
- * AOI_ERROR_NOT_FINITE for x, v. */
+/* Sets a run of a linked system to its beginning. AOI_ERROR_ARGUMENT where rtol is not between 0 and 1 or end not
+ * positive, AOI_ERROR_NOT_FINITE for x, v. Rounding leaves rtol some 1e-13. */
 AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start,
                                double rtol, double end);
 
@@ -354,14 +366,14 @@ AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, cons
  * the law holds. */
 AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
 
-/* Values that the track must have free for any row of a run. */
+/* Values that the track must have free for any row of a run of a linked system. */
 AOI_API size_t aoi_adaptive_room(const aoi_system *system);
 
 /* The same to its end: AOI_ERROR_TOO_LONG where the track has no room for it. */
 AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
 
-/* Where a run is: the time, steps made and tried in vain; in which contact an error came up; the modes of all
- * bodies and their rates, at that time once it is the end. */
+/* Where a run is: the time, steps made and tried in vain; the contact of AOI_ERROR_PATCH or AOI_ERROR_LAW; the
+ * modes of all bodies and their rates, at that time once it is the end. */
 typedef struct aoi_progress {
     double time;
     size_t steps, rejected, failed;
@@ -379,7 +391,7 @@ AOI_API aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact);
 
 /* A track read at any times. It lies in memory of the caller, aoi_sampler_size bytes, aligned as by malloc. */
 typedef struct aoi_sampler aoi_sampler;
-AOI_API size_t aoi_sampler_size(const aoi_system *system);
+AOI_API size_t aoi_sampler_size(const aoi_system *system); /* linked */
 
 /* To the beginning of a track, which it keeps. AOI_ERROR_ARGUMENT for one that does not start with all bodies,
  * or names what is not in the system, or has contacts in a row of no length, or rows that go back in time, or

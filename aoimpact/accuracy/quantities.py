@@ -1,8 +1,8 @@
 """The quantities of interest: what an impact or a scene is summed up by.
 
-`QUANTITIES` is the only list of them. `simulate(quantity=)`, the errors of a result, the names that
-a sweep keeps, the units of its columns and the comparison of models all read it. A new quantity is
-one more entry, a test in tests/accuracy/test_quantities.py and a line of docs/scene-files.md.
+`QUANTITIES` is the only table of them. `simulate(quantity=)`, the errors of a result, the names
+that a sweep keeps, the units of its columns and the comparison of models all read it.
+CONTRIBUTING.md says what goes with a new one.
 """
 
 from __future__ import annotations

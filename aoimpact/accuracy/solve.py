@@ -24,7 +24,7 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
     InputTypeError
         If `solver` is no solver.
     LawLimitError
-        If a contact grows wider than its patches.
+        If a contact grows wider than its patches, or deeper than its table; with its number.
     """
     if solver is None:
         full = any(isinstance(body, FullBody) for body in plan.bodies)
@@ -36,8 +36,9 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
             return Run(plan, *solve_adaptive(plan, solver))
         return Run(plan, *solve_newmark(plan, solver))
     except LawLimitError as error:
-        contact = next(contact for contact in plan.contacts if contact.patched)
-        masses = (plan.bodies[body].static_mass for body in (contact.first, contact.second))
-        mass = 1.0 / sum(1.0 / mass for mass in masses)
+        if error.contact is None:
+            raise
+        contact = plan.contacts[error.contact]
+        mass = plan.reduced_mass(contact)
         ends = [touched(plan.bodies[body].model, port) for body, port in contact.ports]
         raise wide_enough(error, contact.law, ends, mass, plan.fastest) from None

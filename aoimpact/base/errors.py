@@ -56,7 +56,21 @@ class MeshError(InputError):
 
 
 class LawLimitError(InputError):
-    """A contact goes deeper than its law stands for: beyond its patch, or its table."""
+    """A contact goes deeper than its law stands for: beyond its patch, or its table.
+
+    Attributes
+    ----------
+    contact : int or None
+        Its number in the scene; None where it is not a run that failed.
+    """
+
+    def __init__(self, message: str, contact: int | None = None) -> None:
+        super().__init__(message)
+        self.contact = contact
+
+    def __str__(self) -> str:
+        message = super().__str__()
+        return message if self.contact is None else f"contact {self.contact}: {message}"
 
 
 class MissingFileError(MeshError, FileNotFoundError):
@@ -153,7 +167,12 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
 
 
 def core_error(
-    code: int, what: str, time: float, indentation: float = math.nan, rate: float = math.nan
+    code: int,
+    what: str,
+    time: float,
+    indentation: float = math.nan,
+    rate: float = math.nan,
+    contact: int = -1,
 ) -> AOImpactError:
     """Return the exception for a status of the C core (``aoi_status``).
 
@@ -167,12 +186,17 @@ def core_error(
         Simulated time of the failing step, s; negative where time has no meaning.
     indentation, rate : float, optional
         Where a contact law gave no force, m and m/s; NaN: not known.
+    contact : int, optional
+        That went deeper than its law stands for; negative: not known.
     """
     kind, text = _CORE.get(code, (AOImpactError, f"unknown status {code} of the core"))
     when = f" at t = {time:.6g} s" if time >= 0.0 else ""
     if not math.isnan(indentation):
         text += f", at indentation = {indentation:.6g} m and rate = {rate:.6g} m/s"
-    return kind(f"{what}{when}: {text}")
+    error = kind(f"{what}{when}: {text}")
+    if isinstance(error, LawLimitError) and contact >= 0:
+        error.contact = contact
+    return error
 
 
 def law_answer_error(answer: object, indentation: float, rate: float) -> InputTypeError:

@@ -19,7 +19,6 @@ from .. import _core
 from ..base import AOImpactError, FloatArray, held_warnings
 from ..impact import checked_numbers, plan_impact
 from ..integrate import Adaptive
-from ..laws import UserLaw
 from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, knows
 from ..results import least_said
 from ..scene import normal_gap
@@ -115,7 +114,7 @@ class _Parts:
         models = (case["projectile"], case["target"])
         if not all(isinstance(model, (AOModel, ModalModel)) for model in models):
             return None
-        if isinstance(case["law"], UserLaw):  # calls Python at every step
+        if case["law"].by_caller:  # calls Python at every step
             return None
         with held_warnings() as messages:
             try:

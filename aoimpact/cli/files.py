@@ -60,7 +60,7 @@ def _figures(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]
 
 
 def _fields(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
-    """Each body with a mesh: a figure at the peak force, and .pvd with .vtu files for ParaView."""
+    """Each body with a mesh: PNG at the peak force; .pvd, which names VTU files, for ParaView."""
     bodies = result.bodies if isinstance(result, Run) else (result.projectile, result.target)
     files = []
     for (name, member), body in zip(scene.members, bodies, strict=True):
@@ -72,7 +72,8 @@ def _fields(scene: SceneFile, result: Result | Run, folder: Path) -> list[Path]:
     return files
 
 
-# What ``aoimpact run --out`` writes of a result; each returns the files that it made.
+# What ``aoimpact run --out`` writes of a result; each returns the files that it made, and says in
+# capitals what they are. Of a sweep `write_sweep` writes a table and a figure instead.
 FORMATS: tuple[Callable[[SceneFile, Result | Run, Path], list[Path]], ...] = (
     _histories,
     _figures,

@@ -176,7 +176,7 @@ class FEModel(Frozen):
 
         Examples
         --------
-        >>> from aoimpact.generate import box_mesh
+        >>> from aoimpact.mesh import box_mesh
         >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
         >>> FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
         FEModel(120 dofs, 44 nodes, 10 hexahedron, 0.027 kg, 12 dofs constrained)

@@ -30,7 +30,7 @@ __all__ = [
 
 
 # Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
-# Kinks of the shape functions between faces are what limits it; see tests/test_patch.py.
+# Kinks of the shape functions between faces are what limits it; see tests/fem/test_patch.py.
 _RINGS, _AROUND = 24, 64
 
 # Points of a circle over which the displacement is averaged.

@@ -35,6 +35,17 @@ _AS_ONE = 1e-6
 # A pass that leaves more than this of the last change shows motions too soft for passes.
 _SLOW = 0.5
 
+# s² of the passes, as a share of the mean of K_ii over that of M_ii, which is near the highest ω²:
+# below ω₁² of all but the longest bodies, and above what rounding takes for a singular matrix.
+_NEAR_K = 1e-9
+
+# A change relative to the solution that is rounding; one that may be, and is if it shrinks no more
+# than so.
+_AT_ROUNDING, _NEAR_ROUNDING, _STALLED = 1e-14, 1e-10, 0.9
+
+# Of a translation's energy, the share beside all rigid motions that is rounding: 1e-6 of its size.
+_OF_ANOTHER_MOTION = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class StaticMode:
@@ -140,7 +151,7 @@ def displacement(
                 "(a piece not connected, an element without stiffness); see body.frequencies(10)"
             ) from None
     # Each pass leaves s²/(ω₁² + s²) of the error, so s² lies far below most elastic ω².
-    s2 = 1e-9 * float(K.diagonal().sum() / M.diagonal().sum())
+    s2 = _NEAR_K * float(K.diagonal().sum() / M.diagonal().sum())
     near_k = invert(s2)
     x, before = np.zeros_like(b), np.inf
     while True:
@@ -148,7 +159,7 @@ def displacement(
         change -= rigid @ (rigid.T @ (M @ change))
         x += change
         size = float(np.linalg.norm(change) / np.linalg.norm(x))
-        if size <= 1e-14 or (size <= 1e-10 and size > 0.9 * before):  # at rounding
+        if size <= _AT_ROUNDING or (size <= _NEAR_ROUNDING and size > _STALLED * before):
             return x
         if not size <= _SLOW * before:  # nan, too
             return _by_grounding(body, b, near_k)
@@ -201,4 +212,4 @@ def translates(tip: ContactPoint) -> bool:
     body = tip.body
     along = body.translation(tip.direction)
     rest = along - body.rigid_modes @ (body.rigid_modes.T @ (body.M @ along))
-    return float(rest @ (body.M @ rest)) <= 1e-12 * float(along @ (body.M @ along))
+    return float(rest @ (body.M @ rest)) <= _OF_ANOTHER_MOTION * float(along @ (body.M @ along))

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base import FloatArray
+from ..base import FloatArray, LawLimitError
 from ..scene import Plan
 from .band import IntArray, narrow_order
 from .events import Events
@@ -22,7 +22,7 @@ from .motion import DenseMotion
 
 __all__ = ["DenseRecorder", "adaptive_run"]
 
-# Columns of a row of the core's table (enum aoi_track).
+# Columns of a row of the core's table (enum aoi_row in csrc/adaptive/row.h).
 _START, _LENGTH, _CONTACTS = 0, 1, 3
 
 # Samples for curves: within each step of contact, and in free motion over the whole record.
@@ -218,19 +218,21 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     ------
     ConvergenceError
         If the tolerance cannot be met; with the time.
+    LawLimitError
+        If a contact goes deeper than its law stands for; with its number.
     """
     order = _order(plan) if len(plan.contacts) > 2 else None
     bodies, contacts = _for_core(plan, order)
-    table, places, x, v, intervals, steps, rejected = _core.adaptive(
-        bodies,
-        contacts,
-        rtol,
-        plan.duration,
-        None if plan.rest is None else np.concatenate(plan.rest.modes),
-        tuple([body.moving for body in plan.modal]),
-        tuple(plan.velocities),
-        most_steps,
-    )
+    rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
+    moving = tuple([body.moving for body in plan.modal])
+    try:
+        table, places, x, v, intervals, steps, rejected = _core.adaptive(
+            bodies, contacts, rtol, plan.duration, rest, moving, tuple(plan.velocities), most_steps
+        )
+    except LawLimitError as error:
+        if order is not None and error.contact is not None:
+            error.contact = int(order[error.contact])
+        raise
     if order is not None:
         intervals = tuple([intervals[i] for i in np.argsort(order)])
     found = [_Found(*of) for of in intervals]

@@ -121,7 +121,7 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
             "smaller dt, or Newmark() without dt"
         )
     for i, contact in enumerate(plan.contacts):
-        check_width(contact.law, plan.layout.contact(record.rows, i).indentation)
+        check_width(contact.law, plan.layout.contact(record.rows, i).indentation, i)
     return SteppedRecorder(plan, rule, record, run.start.ports), error
 
 
@@ -236,9 +236,7 @@ class _Stepping:
         if plan.fastest == 0.0:
             return shortest
         for contact in plan.contacts:
-            masses = plan.bodies[contact.first].static_mass, plan.bodies[contact.second].static_mass
-            mass = 1.0 / sum(1.0 / mass for mass in masses)
-            time = rigid_contact_time(contact.law, mass, plan.fastest)
+            time = rigid_contact_time(contact.law, plan.reduced_mass(contact), plan.fastest)
             shortest = min(shortest, time / _FIRST_STEPS)
         return shortest
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import ConvergenceError
-from ..laws import ContactLaw, UserLaw
+from ..laws import ContactLaw
 from ..scene import Contact, Plan
 from .tolerances import ROUGHEST
 
@@ -32,7 +32,7 @@ def refuse_rough(plan: Plan, rtol: float) -> None:
         If a law is not.
     """
     for number, contact in enumerate(plan.contacts):
-        if isinstance(contact.law, UserLaw):
+        if contact.law.by_caller:
             share = scatter(contact.law, _depth(plan, contact), plan.fastest)
             if share > min(rtol, ROUGHEST):
                 raise ConvergenceError(
@@ -72,8 +72,7 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
 
 def _depth(plan: Plan, contact: Contact) -> float:
     """The deepest indentation of rigid bodies; a micrometre where that is not known."""
-    masses = (plan.bodies[body].static_mass for body in (contact.first, contact.second))
-    energy = 0.5 * plan.fastest**2 / sum(1.0 / mass for mass in masses)
+    energy = 0.5 * plan.reduced_mass(contact) * plan.fastest**2
     try:
         with np.errstate(all="ignore"):
             return contact.law.stroke(energy) if energy > 0.0 else _SOME

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from ..base import ConvergenceError, warn
-from ..laws import UserLaw
 from ..scene import Plan
 from .adaptive import Adaptive
 from .comparison import difference, most_touches
@@ -58,7 +57,7 @@ def _refuse_gain(plan: Plan, run: DenseRecorder) -> None:
         With the shortest touch.
     """
     fed = plan.gravity or plan.loads or plan.preload
-    if fed or any(isinstance(contact.law, UserLaw) for contact in plan.contacts):
+    if fed or any(contact.law.by_caller for contact in plan.contacts):
         return
     bodies = [body.modal for body in plan.bodies]
     pairs = list(zip(bodies, plan.velocities, strict=True))

@@ -1,4 +1,4 @@
-"""What every contact law does; the laws themselves stand in the files laws_*.py."""
+"""What every contact law does; the laws themselves stand in the other files."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ __all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw"]
 # What for_core gives; opaque to all but the binding.
 CoreLaw = tuple[Any, ...]
 
-# Of c dF/dδ, up to which a law with a patch's compliance is used; as in law.c.
+# Of c dF/dδ, up to which a law with a patch's compliance is used, as in csrc/law/law.c. There what
+# is left is twenty times as stiff as the law; of two like bodies the contact is 0.8 of the patch.
 MOST_SHARE = 0.95
 
 # Of the parameters of laws, beside k, whose unit follows from the power of the indentation; and how
@@ -63,6 +64,7 @@ class ContactLaw:
     _name: ClassVar[str]
     _depends_on_rate: ClassVar[bool] = False
     _has_memory: ClassVar[bool] = False
+    _by_caller: ClassVar[bool] = False
 
     # Of the indentation, where no parameter n says so.
     _power: ClassVar[float] = 1.5
@@ -97,7 +99,13 @@ class ContactLaw:
         ]
         return ", ".join([type(self).__name__, *parts])
 
+    @property
+    def by_caller(self) -> bool:
+        """Whether functions of the caller's give the force: slow, rough or wrong as they may be."""
+        return self._by_caller
+
     def _parameters(self) -> tuple[float, ...]:
+        """Return what the core makes the law from, in the order of its row in csrc/law."""
         raise NotImplementedError
 
     def _kind(self) -> str:
@@ -108,14 +116,15 @@ class ContactLaw:
         """What the core needs besides numbers: a table, or the user's functions."""
         return None
 
-    def _limit(self) -> float:
+    @property
+    def limit(self) -> float:
         """Deepest indentation that the law stands for, m."""
         return math.inf
 
     def for_core(self) -> CoreLaw:
         """Return the law as the core's ``take_law`` reads it; new for every call of the core."""
         # A note is the core's word on where and why a law gave no force.
-        return self._kind(), self._parameters(), 0.0, self._limit(), _NO_NOTE.copy(), self._data()
+        return self._kind(), self._parameters(), 0.0, self.limit, _NO_NOTE.copy(), self._data()
 
     def force(self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0) -> Any:
         """Return the contact force, on the loading branch where there is history.
@@ -184,7 +193,7 @@ class ContactLaw:
         """
         c = positive("compliance", compliance, unit="m/N")
         wide = positive("radius", radius, unit="m", infinite=True)
-        deepest = min(self._steepest(c), self._limit())
+        deepest = min(self._steepest(c), self.limit)
         curvature = self.relative_radius if relative_radius is None else relative_radius
         if curvature is not None:
             deepest = min(deepest, wide * (wide / positive("relative_radius", curvature, unit="m")))
@@ -204,7 +213,7 @@ class ContactLaw:
             there = np.asarray(delta)
             return compliance * self._evaluate(there, np.zeros(there.shape))[1] - MOST_SHARE
 
-        within = _INDENTATIONS[self._limit() >= _INDENTATIONS]
+        within = _INDENTATIONS[self.limit >= _INDENTATIONS]
         first = _first_beyond(excess, within)
         if first is None:
             return math.inf
@@ -214,7 +223,10 @@ class ContactLaw:
                 "of the law; take a larger patch"
             )
         low, high = within[first - 1], within[first]
-        return float(scipy.optimize.brentq(lambda d: float(excess(d)), low, high, xtol=1e-18))
+        try:
+            return float(scipy.optimize.brentq(lambda d: float(excess(d)), low, high, xtol=1e-18))
+        except ValueError:  # no change of sign: a rough law does not answer twice alike
+            return float(low)
 
     def _work(self, indentation: float) -> float:
         """Return ∫ F dδ up to an indentation on the way in, at no rate, J."""
@@ -239,7 +251,7 @@ class ContactLaw:
             If it lies beyond the range of numbers.
         """
         wanted = positive("energy", energy, unit="J")
-        end = min(math.log(self._limit() * (1.0 - 1e-12)), _LONGEST)
+        end = min(math.log(self.limit * (1.0 - 1e-12)), _LONGEST)
 
         def excess(log_indentation: float) -> float:
             work = max(self._work(math.exp(log_indentation)), _LEAST_WORK)
@@ -352,8 +364,9 @@ class PatchLaw(ContactLaw):
     def __str__(self) -> str:
         return f"{self.law}, less {quantity(self.compliance, 'm/N', 3)} of the patches"
 
-    def _limit(self) -> float:
-        return self.limit
+    @property
+    def by_caller(self) -> bool:
+        return self.law.by_caller
 
     def for_core(self) -> CoreLaw:
         name, parameters, _, _, note, data = self.law.for_core()

@@ -1,5 +1,7 @@
 """The contact law between bodies that touch over patches: without the patches' own deflection.
 
+Here it is decided which law acts; `PatchLaw` stands in law.py, beside `ContactLaw.within_patch`.
+
 Each body's finite elements contain the indentation of its patch, and the law contains all of the
 contact's. The deflection of an elastic half-space under the patch, c per force, is in both; it is
 taken out of the law, F = law(δ + c F). What then remains is the law's own contact, narrower than
@@ -69,10 +71,10 @@ def own_law(law: ContactLaw) -> ContactLaw:
     return law.law if isinstance(law, PatchLaw) else law
 
 
-def check_width(law: ContactLaw, indentation: FloatArray) -> None:
-    """Refuse a record in which the contact has grown wider than its patches."""
+def check_width(law: ContactLaw, indentation: FloatArray, contact: int) -> None:
+    """Refuse a record in which the contact of that number has grown wider than its patches."""
     if isinstance(law, PatchLaw) and float(indentation.max(initial=0.0)) > law.limit:
-        raise LawLimitError("the contact has grown wider than its patches")
+        raise LawLimitError("the contact has grown wider than its patches", contact)
 
 
 def wide_enough(
@@ -111,11 +113,12 @@ def wide_enough(
         wide = math.sqrt(law.law.relative_radius * float(depth))
         factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
     return LawLimitError(
-        f"{str(error).partition(': ')[0]}: with patches of radius {_listed(radii)} the law"
+        f"{error.args[0].partition(': ')[0]}: with patches of radius {_listed(radii)} the law"
         f"{of_surface} stands up to an indentation of {law.limit:.3g} m, where the contact is as "
         "wide as they are, and less deep at the rate of a damped law; for this impact make the "
         f"contact points with radius={_listed([factor * radius for radius in radii])} or more, "
-        "where the bodies have room"
+        "where the bodies have room",
+        error.contact,
     )
 
 

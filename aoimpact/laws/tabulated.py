@@ -75,7 +75,8 @@ class Tabulated(ContactLaw):
     def _parameters(self) -> tuple[float, ...]:
         return ()
 
-    def _limit(self) -> float:
+    @property
+    def limit(self) -> float:
         return self.indentation[-1]
 
     def _data(self) -> FloatArray:

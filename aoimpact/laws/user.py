@@ -58,6 +58,7 @@ class UserLaw(ContactLaw):
     depends_on_rate: bool = True
     pulls: bool = False
     _name = "user"
+    _by_caller = True
 
     def __post_init__(self) -> None:
         boolean("depends_on_rate", self.depends_on_rate)

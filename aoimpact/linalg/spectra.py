@@ -34,6 +34,21 @@ _LEAST_SHIFT = 1e-30
 # double precision can still carry 1e-9.
 _RIGID = 1e-12
 
+# The first guess of s², as a share of the mean of K_ii over that of M_ii, which is near the highest
+# ω²: K + s²M is definite to rounding, and the lowest ω² are still told apart.
+_FIRST_SHIFT = 1e-4
+
+# ω²/s² of the first elastic mode where s² is kept. Below, K would be lost beside s²M; above, s²M
+# beside K. It is found anew so often at most: once, but for the slenderest of bodies.
+_SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 1e-3, 1e5, 3
+
+# Steps of inverse iteration that give ω² its order of magnitude from a random vector.
+_INVERSE_STEPS = 4
+
+# s² as `_FIRST_SHIFT`, and passes, by which strain is taken out of rigid modes: each leaves
+# s²/(ω² + s²) of it.
+_STRAIN_SHIFT, _STRAIN_PASSES = 1e-10, 3
+
 
 def shifted(
     K: Any,
@@ -62,10 +77,10 @@ def shifted(
     current = first or solver_at(_first_shift(K, M))
     if rigid is None:
         return current
-    for _ in range(3):
+    for _ in range(_GUESSES):
         # A motion that was missed among the rigid ones has no elastic eigenvalue at all.
         elastic = max(_first_elastic(K, M, current, rigid), _LEAST_SHIFT * _first_shift(K, M))
-        if 1e-3 * current.s2 <= elastic <= 1e5 * current.s2:
+        if _SHIFT_BELOW * current.s2 <= elastic <= _SHIFT_ABOVE * current.s2:
             break
         current = solver_at(elastic)
     return current
@@ -73,13 +88,13 @@ def shifted(
 
 def _first_shift(K: Any, M: Any) -> float:
     """A guess of s², (rad/s)², large enough for K + s²M to be definite, small beside K."""
-    return 1e-4 * float(K.diagonal().sum() / M.diagonal().sum())
+    return _FIRST_SHIFT * float(K.diagonal().sum() / M.diagonal().sum())
 
 
 def _first_elastic(K: Any, M: Any, current: LinearSolver, rigid: FloatArray) -> float:
     """An upper bound of the first elastic ω² that is right in its order of magnitude."""
     x = np.random.default_rng(1).standard_normal(K.shape[0])
-    for _ in range(4):
+    for _ in range(_INVERSE_STEPS):
         x = current.solve(M @ x)
         x -= rigid @ (rigid.T @ (M @ x))
         x /= np.sqrt(x @ (M @ x))
@@ -107,9 +122,9 @@ def _without_strain(K: Any, M: Any, modes: FloatArray) -> FloatArray:
     """Take the last elastic rounding out of rigid modes, and make them M-orthonormal."""
     if modes.shape[1]:
         # Each pass leaves s²/(ω² + s²) of the strain, so s² lies far below any elastic ω².
-        s2 = 1e-10 * float(K.diagonal().sum() / M.diagonal().sum())
+        s2 = _STRAIN_SHIFT * float(K.diagonal().sum() / M.diagonal().sum())
         near_k = linear_solver(Pencil(K, M, s2))
-        for _ in range(3):
+        for _ in range(_STRAIN_PASSES):
             modes = modes - near_k.solve(K @ modes)
         modes = scipy.linalg.solve_triangular(
             scipy.linalg.cholesky(modes.T @ (M @ modes)), modes.T, trans="T"

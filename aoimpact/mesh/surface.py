@@ -41,6 +41,12 @@ SHARP = np.sqrt(0.5)
 _TRIANGLE_EDGES = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [0.0, 0.0]])
 _SQUARE_EDGES = np.array([[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]])
 
+# Distances, as a share of the side's size, that are none: what Newton's iteration leaves.
+_SAME_PLACE = 1e-9
+
+# A determinant, relative to the largest entry squared, of tangents that are one direction.
+_SINGULAR = 1e-12
+
 # Pairs of a point and a side that are worked on at a time: some 100 MB for 27 nodes.
 _CHUNK = 50_000
 
@@ -197,7 +203,7 @@ class Surface:
                 break
         x = self.at(face, uv)[0]
         distance = np.linalg.norm(x - point, axis=1)
-        shared = np.flatnonzero(distance <= distance.min() + 1e-9 * radius[face].max())
+        shared = np.flatnonzero(distance <= distance.min() + _SAME_PLACE * radius[face].max())
         shared = shared[np.argsort(distance[shared], kind="stable")]
         found = Place(face, uv, x, distance)
         return [found.take(shared[i : i + 1]) for i in range(len(shared))]
@@ -271,7 +277,7 @@ class Surface:
                 break
         x, tangents = self.at(face, uv)
         # What has not converged, on a face that the line misses, is nowhere near its point.
-        missed = np.linalg.norm((points - x) @ across.T, axis=1) > 1e-9 * self.balls[1][face]
+        missed = np.linalg.norm((points - x) @ across.T, axis=1) > _SAME_PLACE * self.balls[1][face]
         uv[missed] = np.inf
         return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
 
@@ -335,7 +341,7 @@ def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
     (a, b), (c, d) = matrix[:, 0].T, matrix[:, 1].T
     det = a * d - b * c
     size = np.abs(matrix).max(axis=(1, 2))
-    safe = np.where(np.abs(det) > 1e-12 * size**2, det, np.inf)
+    safe = np.where(np.abs(det) > _SINGULAR * size**2, det, np.inf)
     step = np.stack([d * right[:, 0] - b * right[:, 1], a * right[:, 1] - c * right[:, 0]], axis=1)
     step /= safe[:, None]
     cut: FloatArray = np.clip(step, -_LONGEST, _LONGEST)

@@ -17,7 +17,7 @@ from ..impact import simulate
 from ..integrate import Newmark, find_impulse
 from ..laws import Hertz
 from ..mesh import box_mesh
-from ..reduction import AOModel, ModalModel, antioscillators, modal, rigid
+from ..reduction import AOModel, FullModel, ModalModel, antioscillators, full, modal, rigid
 from ..results import Result
 from .sphere import BALL_MASS, RADIUS, STEEL, VELOCITY, SphereStudy
 from .table import Row, Table
@@ -85,7 +85,7 @@ class BeamStudy:
 
     @cached_property
     def tip(self) -> ContactPoint:
-        """The centre of the top surface; also the full finite-element model."""
+        """The centre of the top surface."""
         top = (0.5 * LENGTH, 0.5 * WIDTH, WIDTH)
         return self.body.contact(point=top, direction=(0.0, 0.0, -1.0), radius=0)
 
@@ -136,7 +136,7 @@ class BeamStudy:
     @cached_property
     def full_short(self) -> Result:
         """One-AO sphere on the beam's finite elements, 200 µs."""
-        return self.hit(self.spheres.oscillator, self.tip, self.short)
+        return self.hit(self.spheres.oscillator, full(self.tip), self.short)
 
     @cached_property
     def ao_long(self) -> Result:
@@ -151,7 +151,7 @@ class BeamStudy:
     @cached_property
     def full_long(self) -> Result:
         """One-AO sphere on the beam's finite elements, 20 ms."""
-        return self.hit(self.spheres.oscillator, self.tip, self.long)
+        return self.hit(self.spheres.oscillator, full(self.tip), self.long)
 
     @cached_property
     def converged(self) -> Result:
@@ -161,7 +161,7 @@ class BeamStudy:
     def hit(
         self,
         projectile: AOModel,
-        target: AOModel | ContactPoint,
+        target: AOModel | FullModel,
         duration: float,
         dt: float | None = None,
     ) -> Result:

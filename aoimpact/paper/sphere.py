@@ -17,7 +17,7 @@ from ..impact import simulate
 from ..integrate import Newmark
 from ..laws import Hertz
 from ..mesh import paper_sphere_mesh, sphere_mesh
-from ..reduction import AOModel, ModalModel, antioscillators, modal, rigid
+from ..reduction import AOModel, FullModel, ModalModel, antioscillators, full, modal, rigid
 from ..results import Result
 from .table import Row, Table
 
@@ -83,7 +83,7 @@ class SphereStudy:
 
     @cached_property
     def tip(self) -> ContactPoint:
-        """The point of the sphere that is touched; also the full finite-element model."""
+        """The point of the sphere that is touched."""
         body = FEModel.from_mesh(paper_sphere_mesh(), STEEL)
         return body.contact(point=(RADIUS, 0.0, 0.0), direction=(1.0, 0.0, 0.0), radius=0)
 
@@ -118,7 +118,7 @@ class SphereStudy:
     @cached_property
     def full(self) -> Result:
         """Both spheres by all their finite elements."""
-        return self.pair(self.tip)
+        return self.pair(full(self.tip))
 
     @cached_property
     def one_ao(self) -> Result:
@@ -153,7 +153,7 @@ class SphereStudy:
             AOModel(m0=0.001 * mass, m=np.array([0.999 * mass]), k=np.array([275.7e6]))
         )
 
-    def pair(self, body: AOModel | ModalModel | ContactPoint, speed: float = VELOCITY) -> Result:
+    def pair(self, body: AOModel | ModalModel | FullModel, speed: float = VELOCITY) -> Result:
         """Run two like bodies against each other; contact times go as V^(-1/5), and so does dt."""
         slower = (VELOCITY / speed) ** 0.2
         dt = self.star_dt if isinstance(body, AOModel) else self.dt

@@ -40,6 +40,10 @@ _ROUNDING = 1e-12
 # An oscillator with less than this share of the static mass carries none: it is rounding.
 _NO_MASS = 1e-13
 
+# A residual mass below 0 by no more than this share of the static mass is none: the rounding of
+# thousands of masses.
+_ROUNDING_OF_MASS = 1e-11
+
 
 @dataclass(frozen=True, eq=False)
 class _Oscillators:
@@ -273,7 +277,7 @@ def _model(
 ) -> AOModel:
     """Put the star together; what its oscillators do not hold is the residual mass, eq. (10)."""
     residual = static.mass - math.fsum(found.m)
-    if residual < 0.0 and residual > -1e-11 * static.mass:
+    if residual < 0.0 and residual > -_ROUNDING_OF_MASS * static.mass:
         residual = 0.0
     return AOModel(
         m0=residual,

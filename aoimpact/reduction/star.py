@@ -37,6 +37,9 @@ _LARGEST, _LEAST = 1e100, 1e-100
 # Of a rigid body, kg: its weight, momentum and energy are numbers.
 _HEAVIEST, _LIGHTEST = 1e200, 1e-200
 
+# ω² that differ by no more than their rounding, two units in the last place, are one.
+_ONE_FREQUENCY = 4e-16
+
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class AOModel(Frozen):
@@ -409,7 +412,7 @@ def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, 
     order = np.argsort(k / m, kind="stable")
     m, k = m[order], k[order]
     omega2 = k / m
-    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > 4e-16 * omega2)
+    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > _ONE_FREQUENCY * omega2)
     if len(starts) == len(m):
         return np.ascontiguousarray(m), np.ascontiguousarray(k)
     return np.add.reduceat(m, starts), np.add.reduceat(k, starts)

@@ -4,7 +4,7 @@ from .bodies import StarBody, scene_body
 from .body import SceneBody
 from .contact import Contact, FreeMotion, Load, normal_gap
 from .full_body import FullBody
-from .plan import Plan
+from .plan import Plan, reduced_mass
 from .rows import BodyRows, RecordLayout
 from .stepped import Equations, SteppedBody
 
@@ -21,5 +21,6 @@ __all__ = [
     "StarBody",
     "SteppedBody",
     "normal_gap",
+    "reduced_mass",
     "scene_body",
 ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..base import FloatArray
-from ..laws import ContactLaw, PatchLaw, Tabulated
+from ..laws import ContactLaw
 from .rows import BodyRows
 
 __all__ = ["Contact", "FreeMotion", "Load", "OmittedMass", "Port", "normal_gap"]
@@ -59,11 +59,6 @@ class Contact(NamedTuple):
     def ports(self) -> tuple[Port, Port]:
         """The two places that touch."""
         return Port(self.first, self.first_port), Port(self.second, self.second_port)
-
-    @property
-    def patched(self) -> bool:
-        """Whether something has been taken out of the law, or it ends."""
-        return isinstance(self.law, (PatchLaw, Tabulated))
 
     def port_of(self, body: int) -> int:
         """Return where one of the two is touched."""

@@ -17,7 +17,12 @@ from .contact import Contact, FreeMotion, Load, OmittedMass
 from .preload import Equilibrium, equilibrium
 from .rows import RecordLayout
 
-__all__ = ["Plan"]
+__all__ = ["Plan", "reduced_mass"]
+
+
+def reduced_mass(first: SceneBody, second: SceneBody) -> float:
+    """Return 1/(1/m1 + 1/m2) of two bodies' static masses, kg: they meet as it would a wall."""
+    return 1.0 / (1.0 / first.static_mass + 1.0 / second.static_mass)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +141,10 @@ class Plan:
     def weight_of(self, body: int) -> FloatArray | None:
         """Return the forces of gravity on the coordinates that are stepped; None without."""
         return self.bodies[body].weight(self.gravity) if self.gravity else None
+
+    def reduced_mass(self, contact: Contact) -> float:
+        """Return the reduced mass of the two bodies of a contact, kg."""
+        return reduced_mass(self.bodies[contact.first], self.bodies[contact.second])
 
     # ------------------------------------------------------------------- the start
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from .. import _core
 from ..base import FloatArray
-from ..laws import ContactLaw, UserLaw
+from ..laws import ContactLaw
 
 __all__ = ["Springs"]
 
@@ -69,8 +69,8 @@ class Springs:
         self._kinds = [
             _Kind(
                 law.for_core(),
-                law._limit(),
-                _OWN_STRIDES if isinstance(law, UserLaw) else _STRIDES,
+                law.limit,
+                _OWN_STRIDES if law.by_caller else _STRIDES,
                 np.array(numbers),
             )
             for law, numbers in which.items()

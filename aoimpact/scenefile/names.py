@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import MISSING, fields
-from typing import Any
+from typing import Any, get_type_hints
 
 from .. import laws
 from ..integrate import Adaptive, Newmark
@@ -149,10 +149,18 @@ _SURFACE = Table({"material": needed(Reference("materials")), "radius": needed(_
 _SURFACES = Table({"between": needed(Listed(_SURFACE, 2)), "angle": optional(Number("rad"))})
 
 
+# By the annotation of a parameter.
+_KIND_OF: dict[Any, Kind] = {
+    **dict.fromkeys((float, float | None), Number()),
+    bool: Flag(),
+    str: Text(),
+}
+
+
 def _parameters(cls: Any) -> Table:
     """The parameters of a frozen object of numbers, words and flags, by its own fields."""
-    kinds: dict[str, Kind] = {"bool": Flag(), "str": Text()}
-    names = {entry.name: kinds.get(str(entry.type), Number()) for entry in fields(cls)}
+    types = get_type_hints(cls)
+    names = {entry.name: _KIND_OF[types[entry.name]] for entry in fields(cls)}
     if issubclass(cls, laws.HertzianLaw):  # its k may be that of Hertz's theory
         names["k"] = Either((Number(), _SURFACES))
     left_out = {entry.name for entry in fields(cls) if entry.default is not MISSING}

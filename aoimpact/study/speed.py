@@ -25,7 +25,7 @@ from ..integrate import Adaptive, Newmark, rigid_contact_time
 from ..laws import ContactLaw, effective_law
 from ..reduction import touched
 from ..results import Result
-from ..scene import SceneBody, StarBody, scene_body
+from ..scene import SceneBody, StarBody, reduced_mass, scene_body
 from .scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
 from .table import Measurement, Reference, WorkPrecision
 
@@ -34,9 +34,10 @@ __all__ = ["Measurement", "Reference", "WorkPrecision", "work_precision"]
 _ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 _SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
-# Default steps of Newmark's rule, as shares of the contact time, and the longest run of them.
+# More repeats than these are a slip of the pen.
 _MOST_REPEATS = 10_000
 
+# Default steps of Newmark's rule, as shares of the contact time, and the longest run of them.
 _NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
 
 # Seconds: short runs are repeated for the first, long ones for the second at most; one run of SciPy
@@ -167,8 +168,7 @@ def _settings(
 
 
 def _contact_time(bodies: tuple[SceneBody, SceneBody], law: ContactLaw, velocity: float) -> float:
-    inverse = sum(1.0 / body.static_mass for body in bodies)
-    return rigid_contact_time(law, 1.0 / inverse, abs(velocity))
+    return rigid_contact_time(law, reduced_mass(*bodies), abs(velocity))
 
 
 def _newmark_runs(

@@ -71,6 +71,9 @@ static int is_quick(const aoi_system *system)
 
 size_t aoi_adaptive_room(const aoi_system *system)
 {
+    if (!system->first) {
+        return 0;
+    }
     return AOI_TRACK_FIXED + system->contact_count * AOI_TRACK_CONTACT_SIZE +
            AOI_TRACK_STATE * system->body_count + 2 * system->first[system->body_count];
 }
@@ -111,6 +114,9 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
 
 size_t aoi_adaptive_size(const aoi_system *system)
 {
+    if (!system->first) {
+        return 0;
+    }
     aoi_adaptive counted = {.span = aoi_system_span(system)};
     return lay_out(&counted, system, NULL);
 }
@@ -205,7 +211,7 @@ static int take_state(const double *from, size_t count, double *to)
 int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start, double rtol,
                        double end)
 {
-    if (!system->first || !(rtol > 0.0) || !(end > 0.0) || !isfinite(end)) {
+    if (!system->first || !(rtol > 0.0 && rtol < 1.0) || !(end > 0.0) || !isfinite(end)) {
         return AOI_ERROR_ARGUMENT;
     }
     const size_t modes = aoi_system_most_modes(system), all = system->first[system->body_count];

@@ -1,5 +1,5 @@
 /* Open contacts beside closed ones: whether they touch within a step. What the contact forces make of their
- * indentation is split into a polynomial and free oscillations, so that the search of free motion.c, which steps over
+ * indentation is split into a polynomial and free oscillations, so that the search of free.c, which steps over
  * no touch, sees all of it. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"

@@ -466,6 +466,7 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
     }
     aoi_legendre_fit(values, entry->legendre);
     const double *c = entry->legendre;
+    /* A term may vanish by chance, or by symmetry: its neighbour counts a fifth. */
     const double last = fabs(c[AOI_NODES]) + 0.2 * fabs(c[AOI_NODES - 1]);
     const double before = fabs(c[AOI_NODES - 2]) + 0.2 * fabs(c[AOI_NODES - 3]);
     /* The terms left out go on falling as the last ones did. */

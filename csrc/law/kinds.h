@@ -1,6 +1,6 @@
 /* Private to law/: what the files of contact laws hand to law.c, their kinds in tables. */
-#ifndef AOIMPACT_LAW_H
-#define AOIMPACT_LAW_H
+#ifndef AOI_LAW_KINDS_H
+#define AOI_LAW_KINDS_H
 
 #include "aoimpact.h"
 

@@ -1,7 +1,7 @@
 /* The contact equations of a scene, coupled through the bodies that contacts share.
  *
  * With the other contacts' forces given, each contact is an equation of its own: it sees its bodies
- * come to z = free - sum of the others' C F (and their rate w likewise), and contact.c finds its own
+ * come to z = free - sum of the others' C F (and their rate w likewise), and equation.c finds its own
  * force F(z, w), whatever corners and jumps its law has. What is left,
  *   z_i = free_i - sum_(j not i) C_ij F_j(z_j, w_j),
  * is solved by Newton's method on all contacts at once. Its functions are tame: F rises with z by no

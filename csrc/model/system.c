@@ -165,7 +165,10 @@ size_t aoi_system_span(const aoi_system *system)
     return span;
 }
 
-size_t aoi_record_rows(const aoi_system *system) { return aoi_record_body(system, system->body_count); }
+size_t aoi_record_rows(const aoi_system *system)
+{
+    return system->first ? aoi_record_body(system, system->body_count) : 0;
+}
 
 size_t aoi_record_contact(const aoi_system *system, size_t contact)
 {

@@ -41,6 +41,9 @@ static size_t lay_out(aoi_newmark *run, const aoi_system *system, void *block)
 
 size_t aoi_newmark_size(const aoi_system *system)
 {
+    if (!system->first) {
+        return 0;
+    }
     return lay_out(NULL, system, NULL) +
            aoi_scene_most(system->body_count, system->first_port[system->body_count],
                           system->contact_count, aoi_system_span(system));

@@ -430,6 +430,7 @@ static int scene_step(aoi_scene *scene, double time)
     }
     for (size_t c = 0; c < scene->contact_count && status == AOI_OK; c++) {
         status = contact_advance(e, c, &scene->state[c]);
+        scene->failed = c;
     }
     if (status == AOI_OK) {
         find_push(scene);

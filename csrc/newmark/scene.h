@@ -26,6 +26,7 @@ typedef struct aoi_scene {
     size_t *first_port;
     void *memory;
 
+    size_t failed; /* contact that went deeper than its law holds */
     aoi_coupled coupled;
     aoi_contact_state *state; /* of the contacts */
     double *displacement, *free_displacement, *free_velocity; /* of all ports                  */

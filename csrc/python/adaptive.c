@@ -323,7 +323,8 @@ PyObject *adaptive(PyObject *self, PyObject *args)
     running all = {.run = NULL};
     const aoi_system *system = &all.made.system;
     aoi_start start;
-    double rtol, end, time = 0.0;
+    double rtol, end;
+    aoi_progress reached = {.time = 0.0};
     Py_ssize_t most_steps;
     (void)self;
     if (!PyArg_ParseTuple(args, "O!O!ddOOOn", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts, &rtol, &end,
@@ -338,13 +339,13 @@ PyObject *adaptive(PyObject *self, PyObject *args)
         }
         if (!all.buffers.failed && status == AOI_OK) {
             status = run_to_end(all.run, system, end, &all.track, (size_t)most_steps);
-            time = aoi_adaptive_progress(all.run).time;
+            reached = aoi_adaptive_progress(all.run);
         }
     }
     if (!all.buffers.failed && !PyErr_Occurred()) {
         result = status == AOI_OK ? adaptive_result(all.run, system, &all.track, end)
-                                  : raise_of_laws(status, "adaptive run", time, all.made.law,
-                                                  system->contact_count);
+                                  : raise_of_laws(status, "adaptive run", reached.time, all.made.law,
+                                                  system->contact_count, (Py_ssize_t)reached.failed);
     }
     release_run(&all);
     return result;

@@ -44,13 +44,14 @@ void need_tuple(held *buffers, PyObject *tuple, Py_ssize_t size);
 /* Whether a tuple, not empty, begins with that word. */
 int is_kind(PyObject *tuple, const char *kind);
 
-/* Raises what a function of aoimpact.errors returns for the arguments, a tuple, which it takes over. */
+/* Raises what a function of aoimpact.base.errors returns for the arguments, a tuple, which it takes over. */
 PyObject *raise_made(const char *maker, PyObject *arguments);
 
-/* Raises what aoimpact.errors makes of a status: the one table of the core's codes stands there.
- * raise_at: for AOI_ERROR_LAW, with the state in which a law gave NaN. */
+/* Raises what aoimpact.base.errors makes of a status: the one table of the core's codes stands there.
+ * raise_at: with the state in which a law gave NaN; and the contact that is to blame, or -1. */
 PyObject *raise_status(int status, const char *what, double time);
-PyObject *raise_at(int status, const char *what, double time, double indentation, double rate);
+PyObject *raise_at(int status, const char *what, double time, double indentation, double rate,
+                   Py_ssize_t contact);
 
 /* Releases the buffers; None, or NULL with an error raised. */
 PyObject *finish(held *buffers, int status, const char *what);
@@ -79,8 +80,10 @@ void listener_regain(listener *ear);
 int take_law(held *buffers, PyObject *tuple, aoi_law *law);
 
 /* raise_status for a run with count laws, any of which may have stopped it; what a law written in
- * Python has raised stays as it is. The buffers must still be held. */
-PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count);
+ * Python has raised stays as it is. contact: which went deeper than its law holds, if that is the status.
+ * The buffers must still be held. */
+PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count,
+                        Py_ssize_t contact);
 
 /* (start, indices, values) of a matrix of n rows. */
 int take_sparse(held *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix);

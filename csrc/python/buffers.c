@@ -106,15 +106,16 @@ PyObject *raise_made(const char *maker, PyObject *arguments)
     return NULL;
 }
 
-PyObject *raise_at(int status, const char *what, double time, double indentation, double rate)
+PyObject *raise_at(int status, const char *what, double time, double indentation, double rate,
+                   Py_ssize_t contact)
 {
     return raise_made("core_error",
-                      Py_BuildValue("(isddd)", status, what, time, indentation, rate));
+                      Py_BuildValue("(isdddn)", status, what, time, indentation, rate, contact));
 }
 
 PyObject *raise_status(int status, const char *what, double time)
 {
-    return raise_at(status, what, time, (double)NAN, (double)NAN);
+    return raise_at(status, what, time, (double)NAN, (double)NAN, -1);
 }
 
 PyObject *finish(held *buffers, int status, const char *what)

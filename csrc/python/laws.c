@@ -120,7 +120,8 @@ int take_law(held *buffers, PyObject *tuple, aoi_law *law)
     return aoi_law_check(law);
 }
 
-PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count)
+PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count,
+                        Py_ssize_t contact)
 {
     double indentation = (double)NAN, rate = (double)NAN;
     int why = AOI_ERROR_LAW;
@@ -135,7 +136,8 @@ PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law
     /* A NaN that the run only met as its own trouble. */
     const int of_a_law = !isnan(indentation) && status != AOI_ERROR_PATCH &&
                          status != AOI_ERROR_ARGUMENT;
-    return raise_at(of_a_law ? why : status, what, time, indentation, rate);
+    return raise_at(of_a_law ? why : status, what, time, indentation, rate,
+                    status == AOI_ERROR_PATCH ? contact : -1);
 }
 
 /* Looks at signals now and then; 0 where one has raised. */
@@ -145,7 +147,7 @@ static int heard(size_t i) { return i % 4096 != 0 || PyErr_CheckSignals() == 0; 
 static PyObject *finish_law(held *buffers, int status, const aoi_law *law)
 {
     if (!buffers->failed && status != AOI_OK && status != AOI_ERROR_ARGUMENT) {
-        (void)raise_of_laws(status, "contact law", -1.0, law, 1);
+        (void)raise_of_laws(status, "contact law", -1.0, law, 1, -1);
         buffers->failed = 1;
     }
     return finish(buffers, status, "contact law");

@@ -330,7 +330,7 @@ PyObject *newmark_scene(PyObject *self, PyObject *args)
     }
     if (!buffers.failed && status != AOI_OK) {
         raise_of_laws(status, "Newmark step", rule.dt * (double)(done + 1), all.law,
-                      scene->contact_count);
+                      scene->contact_count, (Py_ssize_t)scene->failed);
     }
     parts_release(&all, !buffers.failed && !PyErr_Occurred());
     held_release(&buffers);

@@ -64,6 +64,9 @@ static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *bloc
 
 size_t aoi_sampler_size(const aoi_system *system)
 {
+    if (!system->first) {
+        return 0;
+    }
     aoi_sampler counted = {.most_modes = aoi_system_most_modes(system)};
     return lay_out(&counted, system, NULL);
 }

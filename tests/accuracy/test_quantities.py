@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.accuracy.quantities import QUANTITIES
+from aoimpact.accuracy.quantities import IMPACT_CHOICES, QUANTITIES, SCENE_CHOICES
 
 
 def run(mass=1.0, velocity=1.0, duration=0.01, **options):
@@ -87,6 +87,16 @@ def test_every_quantity_is_on_its_page():
         of_scenes = quantity.selectable and quantity.of_contacts
         assert name in table, f"docs/scene-files.md has no row for {name}"
         assert table[name] == (quantity.unit, quantity.selectable, of_scenes)
+
+
+@pytest.mark.parametrize(
+    ("run_of", "choices"),
+    [(ao.simulate, IMPACT_CHOICES), (ao.Scene.simulate, SCENE_CHOICES)],
+    ids=["simulate", "Scene.simulate"],
+)
+def test_every_quantity_is_in_the_docstrings(run_of, choices):
+    missing = [name for name in choices if f'"{name}"' not in run_of.__doc__]
+    assert not missing, f"name them in the docstring of {run_of.__qualname__}, at `quantity`"
 
 
 def test_every_quantity_has_a_difference():

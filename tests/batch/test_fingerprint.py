@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from every_law import LAWS, law_of
 
 import aoimpact as ao
 from aoimpact.batch.fingerprint import DIGEST_SIZE, Fingerprints
@@ -54,6 +55,13 @@ def test_order_of_keywords_does_not_count() -> None:
 )
 def test_any_change_shows(change: dict[str, Any]) -> None:
     assert digest(case(**change)) != digest(case())
+
+
+def test_every_law_has_a_digest_of_its_own_which_changes_with_its_stiffness() -> None:
+    laws = [law_of(name) for name in LAWS] + [law_of(name, k=2e10) for name in LAWS]
+    own = set(map(digest, laws))
+    assert len(own) == len(set(laws))
+    assert set(map(digest, (law_of(name) for name in LAWS))) <= own
 
 
 def test_what_was_computed_and_kept_does_not_count() -> None:

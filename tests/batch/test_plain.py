@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from every_law import LAWS, law_of
 
 import aoimpact as ao
 from aoimpact import _core
@@ -64,6 +65,16 @@ def test_every_plain_impact_has_the_numbers_of_simulate() -> None:
         assert bits(found) == bits(numbers_of(ao.simulate(**one))), one
 
 
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_every_law_of_the_core_is_plain(name: str) -> None:
+    one = case(target=ao.rigid(mass=math.inf), law=law_of(name))
+    found = plain_numbers([one], NAMES)[0]
+    if one["law"].by_caller:
+        assert found is None
+    else:
+        assert bits(found) == bits(numbers_of(ao.simulate(**one)))
+
+
 def test_other_cases_in_the_same_call_make_no_difference() -> None:
     alone = [bits(plain_numbers([one], NAMES)[0]) for one in PLAIN]
     assert [bits(found) for found in plain_numbers(PLAIN[::-1], NAMES)[::-1]] == alone
@@ -95,6 +106,7 @@ def test_bodies_with_elements_keep_the_motion_that_their_models_leave_out() -> N
         {"duration": 1e-5},  # ends in contact
         {"gap": 1.0},  # ends before it
         {"law": ao.UserLaw(lambda depth, rate: 1e8 * depth)},
+        {"law": ao.UserLaw(lambda depth, rate: 1e8 * depth).within_patch(1e-10)},
         {"velocity": 0.0},
         {"velocity": -2.0},
         {"velocity": math.nan},

@@ -185,8 +185,71 @@ static void intervals_of_a_bouncing_ball(void)
     free(run);
 }
 
+/* All its masses at V: of a free star the contact, of any the centre of mass. */
+static void a_star_moves_as_a_whole(void)
+{
+    const double m[SPRINGS] = {0.5, 0.2, 0.1}, k[SPRINGS] = {1e4, 4e4, 1e5}, speed = 3.0;
+    for (int i = 0; i < 4; i++) {
+        const aoi_star star = {SPRINGS, i % 2 ? 0.3 : 0.0, i / 2 ? 2e4 : 0.0, m, k};
+        void *memory = malloc(aoi_star_modes_size(&star));
+        aoi_modes body;
+        double contact = 0.0, centre = 0.0, twice_energy = 0.0;
+        CHECK(aoi_star_modes(&star, memory, &body) == AOI_OK, "star %d", i);
+        for (size_t j = 0; j < body.n; j++) {
+            const double v = speed * aoi_star_static_mass(&star) * body.centre[j];
+            contact += body.shape[j] * v;
+            centre += body.centre[j] * v;
+            twice_energy += v * v;
+        }
+        CHECK(near(centre, speed, 1e-12), "star %d: centre of mass at %g m/s", i, centre);
+        CHECK(near(twice_energy, aoi_star_static_mass(&star) * speed * speed, 1e-12), "star %d: m V^2", i);
+        CHECK(near(contact, speed, 1e-12) || (star.m0 == 0.0 && star.k0 > 0.0), "star %d: %g m/s", i, contact);
+        free(memory);
+    }
+}
+
+static void what_is_not_linked_is_refused(void)
+{
+    const double k = 1e6;
+    double omega = 0.0, shape = 1.0;
+    aoi_law law;
+    CHECK(aoi_law_create(&law, "linear", 1, &k) == AOI_OK, "law");
+    const aoi_modes ball = {.n = 1, .ports = 1, .omega = &omega, .shape = &shape, .push = &shape, .centre = &shape};
+    const aoi_modes balls[] = {ball, ball};
+    const aoi_contact wrong = {{0, 5}, {0, 0}, 0.0, &law};
+    aoi_system system = {.body_count = 2, .contact_count = 1, .body = balls, .contact = &wrong};
+    const aoi_rule rule = {1e-6, 0.25, 0.5};
+    const aoi_start start = {NULL, NULL, 0};
+    aoi_track track = {.capacity = 0};
+    size_t links[20];
+    double room[8];
+    CHECK(aoi_system_size(&system) <= sizeof links, "room for links");
+    CHECK(aoi_system_link(&system, links) == AOI_ERROR_ARGUMENT, "a body that is not there");
+    CHECK(aoi_adaptive_size(&system) == 0 && aoi_adaptive_room(&system) == 0, "no adaptive run");
+    CHECK(aoi_newmark_size(&system) == 0 && aoi_sampler_size(&system) == 0, "no fixed steps, no output");
+    CHECK(aoi_record_rows(&system) == 0, "no record");
+    CHECK(aoi_adaptive_start((aoi_adaptive *)room, &system, &start, 1e-6, 1.0) == AOI_ERROR_ARGUMENT, "adaptive");
+    CHECK(aoi_newmark_start((aoi_newmark *)room, &system, &rule, &start, 0, room, 8) == AOI_ERROR_ARGUMENT, "steps");
+    CHECK(aoi_sampler_start((aoi_sampler *)room, &system, &track) == AOI_ERROR_ARGUMENT, "dense output");
+}
+
+static void every_status_has_words_of_its_own(void)
+{
+    const char *unknown = aoi_status_text(-1);
+    CHECK(strcmp(aoi_status_text(AOI_ERROR_STOPPED + 1), unknown) == 0, "beyond the last");
+    for (int a = AOI_OK; a <= AOI_ERROR_STOPPED; a++) {
+        CHECK(strcmp(aoi_status_text(a), unknown) != 0, "status %d", a);
+        for (int b = AOI_OK; b < a; b++) {
+            CHECK(strcmp(aoi_status_text(a), aoi_status_text(b)) != 0, "status %d as %d", a, b);
+        }
+    }
+}
+
 int main(void)
 {
+    a_star_moves_as_a_whole();
+    what_is_not_linked_is_refused();
+    every_status_has_words_of_its_own();
     a_star_is_a_body_in_its_modes();
     both_integrators_move_one_system_alike();
     intervals_of_a_bouncing_ball();

@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 import ast
 import ctypes
+import itertools
 import math
 import platform
 import random
@@ -25,6 +26,8 @@ import scipy.sparse as sp
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.base import errors
+from aoimpact.batch import plain
+from aoimpact.integrate import dense
 from aoimpact.linalg.superlu import factorize
 from aoimpact.reduction.modalbody import modal_body
 
@@ -573,6 +576,39 @@ def test_every_status_of_the_core_has_its_exception() -> None:
         assert isinstance(error, (ValueError, RuntimeError))
         assert "1.5e-06 s" in str(error)
         assert "unknown" not in str(error)
+
+
+def enumerated(file: str, last: str) -> list[str]:
+    """The names of the enum of a file of csrc up to that one, which count from 0."""
+    text = (HEADER.parents[1] / "csrc" / file).read_text()
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    (body,) = (one for one in re.findall(r"enum \w*\s*\{(.*?)\}", text, re.S) if last in one)
+    names = [entry.split("=")[0].strip() for entry in body.split(",")]
+    return names[: names.index(last) + 1]
+
+
+def test_columns_are_where_the_core_writes_them() -> None:
+    row = enumerated("adaptive/row.h", "AOI_TRACK_FIXED")
+    named = ("START", "LENGTH", "CONTACTS")
+    columns = (dense._START, dense._LENGTH, dense._CONTACTS)
+    assert tuple(row.index(f"AOI_TRACK_{name}") for name in named) == columns
+    answers = enumerated("python/many.c", "ANSWER_VELOCITIES")
+    ours = [getattr(plain, name.removeprefix("ANSWER")) for name in answers[:-1]]
+    assert [*ours, plain._FIRST, plain._SECOND] == list(range(len(answers) + 1))
+
+
+def test_the_core_s_laws_are_in_the_header_and_in_the_fuzzer() -> None:
+    """csrc/law has the table; the header says what a law's parameters are, fuzz.h tries it."""
+    root = HEADER.parents[1]
+    sources = sorted((root / "csrc" / "law").glob("*.c"))
+    rows = [re.findall(r'\{"(\w+)",\s*(\d+),', of.read_text()) for of in sources]
+    laws = dict(itertools.chain.from_iterable(rows))
+    assert len(laws) > 8
+    said = re.search(r"Makes the law of that name(.*?)\*/", HEADER.read_text(), re.S)
+    assert said is not None
+    assert set(re.findall(r"(\w+)(?=: k\b| and \w+: k\b)", said[1])) == set(laws)
+    fuzzer = (root / "tests" / "c" / "fuzz" / "fuzz.h").read_text()
+    assert dict(re.findall(r'\{"(\w+)", (\d)\}', fuzzer)) == laws
 
 
 def test_statuses_arrive_as_their_exceptions() -> None:

@@ -136,7 +136,7 @@ def test_star_modal_and_full_model_die_away_alike(damping):
             duration=20.0,
             solver=ao.Newmark(dt=4e-3, estimate=False),
         )
-        for target in (tip, ao.antioscillators(tip), ao.modal(tip, body.n_dofs))
+        for target in (ao.full(tip), ao.antioscillators(tip), ao.modal(tip, body.n_dofs))
     ]
     full = hits[0]
     assert full.peak_force > 0
@@ -152,9 +152,9 @@ def test_star_modal_and_full_model_die_away_alike(damping):
 
 def test_a_large_full_model_with_damping_of_its_modes_says_what_to_do():
     K, M = beam(1600, fixed=[0])
-    tip = ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01)).contact(dof=7)
+    body = ao.full(ao.FEModel(K=K, M=M, damping=ao.ModalDamping(0.01)).contact(dof=7))
     with pytest.raises(ao.InputError, match="give Rayleigh"):
-        scene_body("target", tip, 0.0).stepped()
+        scene_body("target", body, 0.0).stepped()
 
 
 @pytest.mark.parametrize("damping", [ao.Rayleigh(alpha=300.0, beta=2e-6), ao.ModalDamping(0.05)])

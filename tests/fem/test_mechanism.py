@@ -9,10 +9,10 @@ import pytest
 
 import aoimpact as ao
 from aoimpact.fem import mechanism
+from aoimpact.mesh.elements import KINDS
 from aoimpact.mesh.generate import box_mesh
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
-KINDS = ("hexahedron", "hexahedron20", "hexahedron27", "tetra", "tetra10", "wedge")
 D = 0.02
 
 # Where equal blocks stand, in their own widths; which joints they make is in the name.

@@ -34,8 +34,8 @@ def struck(target: Any, duration: float = 2e-3) -> ao.Result:
             duration=duration,
             solver=ao.Adaptive(rtol=1e-6),
         )
-    # What the later contacts are wrong by is not looked at here.
-    assert all("touched again" in text for text in said)
+    # Neither what the later contacts are wrong by nor the law of a single node is looked at here.
+    assert all("touched again" in text or "at a single node" in text for text in said)
     return hit
 
 
@@ -147,7 +147,7 @@ def test_the_whole_body_has_no_error() -> None:
     assert error is not None
     assert error.max() < 1e-4
     scene = ao.Scene()
-    full = scene.add(cantilever())
+    full = scene.add(ao.full(cantilever()))
     scene.apply(full, force=100.0)
     run = scene.simulate(duration=1e-5, solver=ao.Newmark(dt=1e-6, estimate=False))
     assert run[full].field([5e-6]).error is None

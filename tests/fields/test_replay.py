@@ -49,7 +49,7 @@ def at_the_ends(x: FloatArray) -> npt.NDArray[np.bool_]:
 
 @cache
 def full_cantilever() -> ao.Result:
-    return impact(cantilever(), ao.Newmark(dt=5e-7, estimate=False))
+    return impact(ao.full(cantilever()), ao.Newmark(dt=5e-7, estimate=False))
 
 
 def uncorrected(hit: ao.Result, times: FloatArray) -> FloatArray:
@@ -92,7 +92,7 @@ def test_a_modal_basis_needs_the_correction_where_it_is_struck() -> None:
 
 @cache
 def full_beam() -> ao.Result:
-    return paper_impact(beam_tip(), ao.Newmark(dt=5e-7, estimate=False))
+    return paper_impact(ao.full(beam_tip()), ao.Newmark(dt=5e-7, estimate=False))
 
 
 @cache
@@ -160,7 +160,7 @@ def test_a_free_body_struck_off_its_centre_flies_turns_and_bends_as_the_full_one
             projectile=bar, target=wall, law=law, velocity=2.0, duration=6e-4, solver=solver
         )
         for bar, solver in (
-            (tip, ao.Newmark(dt=5e-7, estimate=False)),
+            (ao.full(tip), ao.Newmark(dt=5e-7, estimate=False)),
             (ao.antioscillators(tip, 12), ao.Adaptive(rtol=1e-8)),
         )
     ]
@@ -178,7 +178,7 @@ def test_a_free_body_struck_off_its_centre_flies_turns_and_bends_as_the_full_one
 def test_a_full_model_in_an_adaptive_run_is_its_own_field() -> None:
     times = np.linspace(0.0, 9.5e-4, 25)
     exact = full_cantilever().target.field(times)
-    found = impact(cantilever(), ao.Adaptive(rtol=1e-8)).target.field(times)
+    found = impact(ao.full(cantilever()), ao.Adaptive(rtol=1e-8)).target.field(times)
     size = np.abs(exact.displacement).max()
     np.testing.assert_allclose(found.displacement, exact.displacement, atol=2e-5 * size)
 
@@ -199,7 +199,7 @@ def test_a_beam_let_go_under_its_own_weight_and_a_load() -> None:
         run = scene.simulate(duration=4e-3, solver=solver)
         return run[held].probe(nodes=clamp, times=times).stress["xx"]
 
-    exact = let_go(cantilever(), ao.Newmark(dt=8e-6, estimate=False))
+    exact = let_go(ao.full(cantilever()), ao.Newmark(dt=8e-6, estimate=False))
     for solver in (ao.Adaptive(), ao.Newmark(dt=8e-6, estimate=False)):
         found = let_go(ao.antioscillators(cantilever(), 5), solver)
         assert np.abs(found - exact).max() < 0.01 * np.abs(exact).max()
@@ -250,7 +250,7 @@ def test_damped_bodies_too(damping: Any) -> None:
     full, few = (
         impact(target, solver).target.probe(nodes=clamp, times=times).stress["xx"]
         for target, solver in (
-            (tip, ao.Newmark(dt=2e-6, estimate=False)),
+            (ao.full(tip), ao.Newmark(dt=2e-6, estimate=False)),
             (ao.antioscillators(tip, 8), ao.Adaptive()),
         )
     )

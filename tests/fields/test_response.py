@@ -231,8 +231,8 @@ def test_at_rest_under_its_weight_a_body_carries_the_static_stress(solver: Any) 
         assert seen == pytest.approx(run[beam].probe((0.05, 0.01, 0.02)).stress["xx"][-1], rel=1e-6)
         return stress
 
-    full = at_rest(tips[0], ao.Newmark(dt=1e-6, estimate=False))
-    several = at_rest(tips, ao.Newmark(dt=1e-6, estimate=False))
+    full = at_rest(ao.full(tips[0]), ao.Newmark(dt=1e-6, estimate=False))
+    several = at_rest(ao.full(*tips), ao.Newmark(dt=1e-6, estimate=False))
     np.testing.assert_allclose(several, full, atol=1e-7 * np.abs(full).max())
     for model in (star, ao.interface(tips, 6)):
         np.testing.assert_allclose(

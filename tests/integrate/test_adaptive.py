@@ -573,20 +573,20 @@ def test_a_full_model_is_the_star_of_all_its_antioscillators():
     tip = ao.FEModel(K=K, M=M).contact(dof=9)
     options = {"law": ao.Hertz(k=1e4), "velocity": 0.1, "duration": 1.0}
     options["projectile"] = ao.rigid(mass=0.1)
-    full = hit(1e-9, target=tip, **options)
+    full = hit(1e-9, target=ao.full(tip), **options)
     star = hit(1e-9, target=ao.antioscillators(tip), **options)
     assert full.target.label == "full(20)"
     assert full.peak_force == star.peak_force
-    newmark = hit(target=tip, solver=ao.Newmark(dt=2e-5), **options)
+    newmark = hit(target=ao.full(tip), solver=ao.Newmark(dt=2e-5), **options)
     assert newmark.peak_force == pytest.approx(full.peak_force, rel=1e-4)
 
 
 def test_adaptive_is_the_default_for_stars_and_newmark_for_full_models():
     K, M = beam(4, fixed=[0, 8])
-    tip = ao.FEModel(K=K, M=M).contact(dof=3)
+    body = ao.full(ao.FEModel(K=K, M=M).contact(dof=3))
     assert hit(solver=None).solver.startswith("Adaptive")
     options = {"law": ao.Hertz(k=1e4), "velocity": 0.1, "duration": 2.0, "solver": None}
-    assert hit(target=tip, projectile=ao.rigid(mass=0.1), **options).solver.startswith("Newmark")
+    assert hit(target=body, projectile=ao.rigid(mass=0.1), **options).solver.startswith("Newmark")
 
 
 def test_results_pickle_with_their_dense_output():

@@ -28,9 +28,9 @@ def star(m0: float, damping: Any = None) -> ao.AOModel:
     return ao.AOModel(m0=m0, k0=1e5, m=[0.1, 0.2], k=[1e6, 1e7], damping=damping)
 
 
-def full(damping: Any = None) -> ao.ContactPoint:
+def full(damping: Any = None) -> ao.FullModel:
     K, M = beam(8, fixed=(0, 16))
-    return ao.FEModel(K=1e4 * K, M=M, damping=damping).contact(dof=7)
+    return ao.full(ao.FEModel(K=1e4 * K, M=M, damping=damping).contact(dof=7))
 
 
 def interface() -> ao.InterfaceModel:
@@ -108,7 +108,7 @@ def test_rows_of_a_forced_motion_are_products_with_the_coordinates() -> None:
     for seen, whole in zip(
         forced.observed(sp.csr_array(body.b[None]), t), forced.observed(None, t), strict=True
     ):
-        np.testing.assert_allclose(seen[0], body.b @ whole)
+        np.testing.assert_allclose(seen[0], body.tips[0].b @ whole)
 
 
 def test_equations_of_a_star_have_its_receptance() -> None:

@@ -152,7 +152,7 @@ def test_star_modal_and_full_model_of_one_body_are_one(fixed):
     tip = ao.FEModel(K=K, M=M).contact(dof=11 if fixed else 12)
     options = {"law": ao.Hertz(k=1e4), "velocity": 0.1, "duration": 2.0}
     ball = ao.rigid(mass=0.1)
-    full = pair(2e-3, projectile=ball, target=tip, **options)
+    full = pair(2e-3, projectile=ball, target=ao.full(tip), **options)
     star = pair(2e-3, projectile=ball, target=ao.antioscillators(tip), **options)
     modal = pair(2e-3, projectile=ball, target=ao.modal(tip, K.shape[0]), **options)
     assert full.peak_force > 0
@@ -178,8 +178,8 @@ def test_full_models_as_projectile_and_target():
     k, v = 10.0, 1e-3
     hit = pair(
         1e-3,
-        projectile=body.contact(dof=200),
-        target=body.contact(dof=0),
+        projectile=ao.full(body.contact(dof=200)),
+        target=ao.full(body.contact(dof=0)),
         law=ao.Linear(k=k),
         velocity=v,
         duration=4.0,
@@ -263,8 +263,8 @@ def test_a_beam_touched_in_two_places_is_its_modes():
     omega2, phi = scipy.linalg.eigh(K.toarray(), M.toarray())
     dt, zero = 2e-3, np.zeros(K.shape[0])
     rule, law = Newmark(dt=dt), ao.Hertz(k=1e4)
-    tip = ao.FEModel(K=K, M=M).contact(dof=5)
-    full_body = replace(scene_body("target", tip, 0.0).stepped(), B=b)
+    body = ao.full(ao.FEModel(K=K, M=M).contact(dof=5))
+    full_body = replace(scene_body("target", body, 0.0).stepped(), B=b)
     in_modes = SteppedModes(
         omega=np.sqrt(omega2),
         decay=zero,

@@ -27,11 +27,14 @@ def rippled(share):
     return lambda d, rate: hertz(d, rate) * (1.0 + share * math.sin(1e12 * d))
 
 
-def hit(function, rtol):
+def hit(law, rtol):
+    """A ball against a wall, under a law or a function of indentation and rate."""
+    if not isinstance(law, ao.ContactLaw):
+        law = ao.UserLaw(law, depends_on_rate=False)
     return ao.simulate(
         projectile=ao.rigid(mass=MASS),
         target=ao.rigid(mass=math.inf),
-        law=ao.UserLaw(function, depends_on_rate=False),
+        law=law,
         velocity=1.0,
         duration=200e-6,
         solver=ao.Adaptive(rtol=rtol),
@@ -65,6 +68,27 @@ def test_smooth_and_kinked_laws_do_not_scatter(function):
 def test_a_law_that_scatters_by_more_than_the_tolerance_is_refused_soon(function, rtol):
     with pytest.raises(ao.ConvergenceError, match=r"contact 0: .* not smooth .* scatters by"):
         hit(function, rtol)
+
+
+def test_a_patch_hides_nothing_of_a_rough_law():
+    law = ao.UserLaw(noisy(1e-6), depends_on_rate=False).within_patch(1e-10)
+    with pytest.raises(ao.ConvergenceError, match="not smooth"):
+        hit(law, 1e-8)
+
+
+@pytest.mark.parametrize("compliance", [0.0, 1e-12])
+def test_a_law_that_is_meant_to_give_energy_may(compliance):
+    """Between two walls a ball gets faster with every touch of F = k d (1 - rate)."""
+    law = ao.UserLaw(lambda d, rate: 1e8 * d * (1.0 - min(max(rate, -0.9), 0.9)))
+    law = law.within_patch(compliance) if compliance else law
+    scene = ao.Scene()
+    ball = scene.add(ao.rigid(mass=MASS), velocity=1.0)
+    left, right = (scene.add(ao.rigid(mass=math.inf)) for _ in range(2))
+    scene.connect(ball, right, law, gap=1e-4)
+    scene.connect(left, ball, law, gap=1e-4)
+    run = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=1e-6))
+    assert min(len(contact.intervals) for contact in run.contacts) > 1
+    assert run.energy.kinetic[-1] > 2.0 * run.energy.kinetic[0]
 
 
 def test_a_law_that_scatters_by_less_keeps_the_tolerance():

@@ -39,6 +39,13 @@ def test_every_law_is_documented_for_scene_files(name):
 
 
 @over_laws
+def test_what_a_law_says_of_its_rate_is_what_its_formula_does(name):
+    law = law_of(name)
+    moving = law.force(1e-5, np.array([-0.2, 0.0, 0.2]))
+    assert law.depends_on_rate == (len(set(moving.tolist())) > 1)
+
+
+@over_laws
 @given(parameters=parameters, rate=rates)
 @settings(max_examples=25)
 def test_no_force_without_contact(name, parameters, rate):
@@ -86,7 +93,7 @@ def test_derivatives_are_those_of_the_force(name, parameters, depth, rate):
 @settings(max_examples=20)
 def test_loading_is_monotone(name, parameters):
     law = law_of(name, *parameters)
-    depth = np.geomspace(1e-12, min(1e-3, law._limit()) * (1 - 1e-9), 300)
+    depth = np.geomspace(1e-12, min(1e-3, law.limit) * (1 - 1e-9), 300)
     assert (np.diff(law.force(depth)) > 0.0).all()
 
 

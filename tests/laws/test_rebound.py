@@ -125,7 +125,7 @@ def test_integration_of_any_force(force):
 
 
 def test_no_published_formula_delivers_its_nominal_restitution():
-    """design.md: nominal .5 gives .66 with Hunt and Crossley's 3(1-e)/(2V), .47 with Flores's."""
+    """Nominal .5 gives .66 with Hunt and Crossley's 3(1-e)/(2V), .47 with Flores's."""
     published = ao.HuntCrossley(K, 3 * (1 - 0.5) / (2 * SPEED))
     assert ao.restitution(published, MASS, SPEED) == pytest.approx(0.66, abs=0.01)
     flores = ao.Flores(K, 0.5, SPEED)

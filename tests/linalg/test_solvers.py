@@ -1,5 +1,8 @@
 """Linear solvers: one answer from all of them, and a clear word where there is none."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -11,17 +14,38 @@ from aoimpact.linalg import pardiso, solvers
 from aoimpact.linalg.fill import graph_width
 from aoimpact.linalg.method import Inverse, Method
 from aoimpact.linalg.pencil import Pencil
-from aoimpact.linalg.solvers import METHODS, LinearSolver, linear_solver
+from aoimpact.linalg.solvers import METHODS, SOLVERS, LinearSolver, linear_solver
 from aoimpact.linalg.superlu import estimated_entries
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
 
 from slender import rod
 
+ROOT = Path(__file__).parents[2]
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
 needs_pardiso = pytest.mark.skipif(not pardiso.is_installed(), reason="py-mkl-pardiso is not there")
-DIRECT = ["superlu", pytest.param("pardiso", marks=needs_pardiso)]
-EVERY = [*DIRECT, "multigrid", pytest.param(spla.factorized, id="a function")]
+
+
+def named(methods):
+    """The methods as parameters, skipped where their package is not there."""
+    return [
+        pytest.param(of.name, marks=() if of.is_installed() else pytest.mark.skip("not installed"))
+        for of in methods
+    ]
+
+
+DIRECT = named(of for of in METHODS.values() if of.direct)
+EVERY = [*named(METHODS.values()), pytest.param(spla.factorized, id="a function")]
+
+
+def test_every_solver_is_named_where_solvers_are_listed():
+    listed = "{" + ", ".join(f'"{name}"' for name in SOLVERS) + "} or callable"
+    package = ROOT / "aoimpact"
+    for file in package.rglob("*.py"):
+        for found in re.findall(r'\{"auto", .*?\} or callable', file.read_text(encoding="utf-8")):
+            assert found == listed, f"{file.relative_to(ROOT)}: of METHODS it is {listed}"
+    page = (ROOT / "docs" / "scene-files.md").read_text(encoding="utf-8")
+    assert all(page.count(f'"{name}"') >= 2 for name in SOLVERS), "`solver` and `linear_solver`"
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +96,7 @@ def factorised(block, bar):
     return [(t, ao.antioscillators(t, 3, order="frequency", solver="superlu")) for t in tips]
 
 
-@pytest.mark.parametrize("solver", EVERY[1:])
+@pytest.mark.parametrize("solver", EVERY)
 def test_anti_oscillators_do_not_depend_on_the_solver_and_name_it(factorised, solver):
     for tip, reference in factorised:
         assert reference.origin.solver == "superlu"

@@ -18,7 +18,7 @@ BARE = ao.FEModel(K=BAR.K, M=BAR.M)
 OFF, CENTRAL = (0.175, 0.01, 0.0), (0.1, 0.01, 0.0)
 
 MODELS = {
-    "full": lambda tip: tip,
+    "full": ao.full,
     "eigen": lambda tip: ao.antioscillators(tip, 5),
     "krylov": lambda tip: ao.antioscillators(tip, 5, method="krylov", contact_time=1e-4),
     "modal": lambda tip: ao.modal(tip, 12),
@@ -106,7 +106,7 @@ def held_column():
     return frame, ao.FEModel(K=frame.K, M=frame.M)
 
 
-def test_a_held_target_needs_no_centre(recwarn):
+def test_a_held_target_needs_no_centre():
     frame, bare = held_column()
     tip = frame.contact(point=OFF, direction=(0, 0, 1), radius=0)
     other = bare.contact(dof=int(np.argmax(tip.b)))
@@ -115,7 +115,6 @@ def test_a_held_target_needs_no_centre(recwarn):
         ao.simulate(**impact(projectile=ball, target=ao.antioscillators(one, 5)))
         for one in (tip, other)
     ]
-    assert not recwarn
     assert hits[1].restitution == pytest.approx(hits[0].restitution, rel=1e-9)
     assert np.isnan(hits[1].target.centre_velocity).all()
 

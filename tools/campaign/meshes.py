@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 
 import aoimpact as ao
+from aoimpact.mesh import KINDS
 
 from .mutate import damaged
 
@@ -66,8 +67,6 @@ _FORMATS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("xdmf", ".xdmf", {"data_format": "Binary"}),
 )
 
-_KINDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27", "wedge")
-
 
 @dataclass(frozen=True)
 class Seed:
@@ -95,7 +94,7 @@ class Given:
 
 def _boxes() -> list[meshio.Mesh]:
     boxes = []
-    for kind in _KINDS:
+    for kind in KINDS:
         box = ao.box_mesh((1.0, 0.5, 0.5), (2, 1, 1), kind=kind)
         sides = {"xmin": np.flatnonzero(box.nodes[:, 0] == 0.0)}
         everything = np.arange(len(box.cells))

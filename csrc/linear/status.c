@@ -1,0 +1,23 @@
+/* What the codes that functions return mean. */
+#include "aoimpact.h"
+
+const char *aoi_status_text(int status)
+{
+    static const char *const text[] = {
+        [AOI_OK] = "all went well",
+        [AOI_ERROR_ARGUMENT] = "an argument is out of its range",
+        [AOI_ERROR_NOT_FINITE] = "an infinity or NaN came up where none may be",
+        [AOI_ERROR_NOT_POSITIVE] = "a mass, stiffness or pivot that must be positive is not",
+        [AOI_ERROR_NO_CONVERGENCE] = "an iteration reached its limit",
+        [AOI_ERROR_UNREACHED] = "the contact functional does not move the body",
+        [AOI_ERROR_SOLVER] = "the linear solver failed",
+        [AOI_ERROR_TOLERANCE] = "even the shortest step does not meet the tolerance",
+        [AOI_ERROR_TOO_LONG] = "the run needs more rows than there is room for",
+        [AOI_ERROR_PATCH] = "a contact goes deeper than its law holds",
+        [AOI_ERROR_LAW] = "a contact law gave no number",
+        [AOI_ERROR_LAW_JUMPS] = "less its patch's compliance a contact law has no force: its own jumps",
+        [AOI_ERROR_STOPPED] = "the caller's pause said so",
+    };
+    const int known = status >= 0 && (size_t)status < sizeof text / sizeof text[0];
+    return known ? text[status] : "unknown status";
+}

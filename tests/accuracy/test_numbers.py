@@ -1,0 +1,143 @@
+"""Models chosen for one number say of every other one how wrong it may be, and that is true."""
+
+import csv
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.accuracy import COLUMNS, QUANTITIES
+from aoimpact.cli.files import as_json, numbers, rows
+from aoimpact.impact.scene import SceneCase
+
+from twelve import IMPACTS
+
+NUMBERS = {name: one for name, one in QUANTITIES.items() if one.number is not None}
+STRUCK = ("tip of a cantilever, for long", "held plate", "rod on rod", "slow")
+
+
+def strike(name, **options):
+    projectile, target, law, velocity, duration = IMPACTS[name]()
+    case = {"projectile": projectile, "target": target, "law": law, "velocity": velocity}
+    return ao.simulate(**(case | {"duration": duration} | options))
+
+
+def whole(name):
+    """With all oscillators of both bodies."""
+    projectile, target, *_ = IMPACTS[name]()
+    bodies = (
+        body if isinstance(body, ao.AOModel) else ao.antioscillators(body)
+        for body in (projectile, target)
+    )
+    return strike(name, **dict(zip(("projectile", "target"), bodies, strict=True)))
+
+
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2])
+@pytest.mark.parametrize("name", STRUCK)
+def test_the_error_said_of_every_number_is_true(name, rtol):
+    hit, right = strike(name, quantity="peak_force", rtol=rtol), whole(name)
+    assert set(hit.error.numbers) == {*NUMBERS, "contacts"}
+    assert hit.error.numbers["peak_force"] == hit.error.reduction <= rtol
+    for name, quantity in NUMBERS.items():
+        found, exact = quantity.number(hit), quantity.number(right)
+        scale = max(abs(exact), 0.0 if quantity.least is None else quantity.least(right))
+        assert abs(found - exact) <= (1.5 * hit.error.numbers[name] + 1e-3) * scale, name
+    if len(hit.contacts) != len(right.contacts):
+        assert hit.error.numbers["contacts"] == math.inf
+
+
+def test_a_summary_tells_what_was_controlled():
+    hit = strike("tip of a cantilever, for long", quantity="peak_force", rtol=1e-2)
+    assert hit.error.numbers["restitution"] > 0.1
+    lines = {line[2:20].strip(): line[20:].strip() for line in repr(hit).splitlines()[1:]}
+    assert "(to " in lines["peak force"].partition(" at ")[0]
+    assert "not controlled: may be" in lines["restitution"]
+    assert "not controlled: may be" in lines["rebound velocity"]
+    assert "not controlled" in lines["impulse"]
+    assert lines["asked for"].startswith("peak force to 1 %; error: reduction ")
+    assert "not controlled" in hit._repr_html_()
+    assert (hit.error.quantity, hit.error.rtol) == ("peak_force", 1e-2)
+
+
+def test_models_that_were_given_have_nothing_to_tell():
+    hit = strike("slow", target=ao.rigid(mass=1.0), projectile=ao.rigid(mass=1.0))
+    assert not hit.error.numbers
+    assert "controlled" not in repr(hit)
+    assert "error of the peak" in repr(hit)
+
+
+def _lines(table):
+    """Lines of a printed table, with two spaces between columns."""
+    return [re.sub(r" {2,}", "  ", line.strip()) for line in repr(table).splitlines()]
+
+
+def test_every_column_of_a_sweep_has_its_error_beside_it(tmp_path):
+    projectile, target, law, velocity, duration = IMPACTS["tip of a cantilever, for long"]()
+    base = {"projectile": projectile, "target": target, "law": law, "duration": duration}
+    grid = {"velocity": [velocity, 2.0 * velocity]}
+    table = ao.sweep(base | {"quantity": "peak_force", "rtol": 1e-2}, grid)
+    assert {f"{name}_error" for name in COLUMNS} <= set(table.quantities)
+    assert (table["peak_force_error"] <= 1e-2).all()
+    assert (table["restitution_error"] > 1e-2).all()
+    assert "restitution_error" in repr(table)
+    assert "restitution_error" in table._repr_html_()
+    assert (table["peak_force_controlled"] == 1.0).all()
+    assert (table["restitution_controlled"] == 0.0).all()
+    shown = dict(zip(*(line.split("  ") for line in _lines(table)[:2]), strict=True))
+    assert shown["restitution"].endswith("*")
+    assert not shown["peak_force [N]"].endswith("*")
+    assert "* not controlled" in repr(table)
+    table.to_csv(tmp_path / "table.csv")
+    with open(tmp_path / "table.csv", encoding="utf-8") as file:
+        [headings, first, _] = csv.reader(file)
+    told = dict(zip(headings, first, strict=True))
+    assert float(told["restitution_error"]) == table["restitution_error"][0]
+    assert json.loads(as_json(rows(table)))["rows"][0]["restitution_error"] > 1e-2
+    given = base | {"projectile": ao.rigid(mass=0.1), "target": ao.rigid(mass=0.2)}
+    assert not any(name.endswith("_error") for name in ao.sweep(given, grid).quantities)
+    some = ao.sweep(given, grid | {"rtol": [None, 1e-2]}, keep="restitution")
+    assert np.isnan(some["restitution_error"]).tolist() == [True, False] * 2
+
+
+def test_machines_read_the_errors_of_what_they_asked_for():
+    hit = strike("held plate", quantity="peak_force", rtol=1e-1)
+    told = json.loads(as_json(numbers(hit, ("peak_force", "restitution"))))["quantities"]
+    assert told["restitution_error"] == hit.error.numbers["restitution"]
+
+
+def test_in_a_scene_the_numbers_of_each_contact_have_theirs():
+    ball, tip, law, velocity, duration = IMPACTS["tip of a cantilever, for long"]()
+    scene = ao.Scene()
+    flying, beam = scene.add(ball, velocity=velocity), scene.add(tip)
+    scene.connect(flying, beam, law)
+    run = scene.simulate(duration=duration, quantity="peak_force", rtol=1e-2)
+    right = whole("tip of a cantilever, for long")
+    true = abs(run.contacts[0].impulse / right.impulse - 1.0)
+    assert true <= run.error.numbers["contacts.0.impulse"] <= 2.0 * true
+    assert true > 0.05
+    assert run.error.numbers["contacts.0.peak_force"] <= 1e-2
+    kept = ao.simulate_many(
+        [(SceneCase(scene, {"quantity": "peak_force"}), duration)],
+        keep="contacts.0.impulse",
+    )
+    assert kept[0]["contacts.0.impulse_error"] == run.error.numbers["contacts.0.impulse"]
+    assert "(to " in repr(run)
+
+
+def test_duration_is_the_record_s_and_the_old_name_of_the_contact_s_is_told():
+    hit = strike("slow", quantity="contact_duration", rtol=1e-2)
+    with pytest.warns(ao.AOImpactWarning, match="'contact_duration' now: duration is the record's"):
+        old = strike("slow", quantity="duration", rtol=1e-2)
+    assert old.error.quantity == hit.error.quantity == "contact_duration"
+    assert old.contact_duration == hit.contact_duration
+    assert strike("slow", quantity="rebound", rtol=1e-2).error.quantity == "rebound_velocity"
+
+
+def test_a_number_that_there_is_not_has_no_error():
+    with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
+        hit = strike("slow", quantity="peak_force", rtol=1e-2, duration=2e-4)
+    assert math.isnan(hit.error.numbers["restitution"])
+    assert "restitution        none\n" in repr(hit)

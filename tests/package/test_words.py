@@ -1,0 +1,81 @@
+"""What comments and docstrings say can be followed: files that they name exist, examples run."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import importlib
+import io
+import re
+import tokenize
+from collections.abc import Iterator
+from fnmatch import fnmatch
+from pathlib import Path
+
+import pytest
+
+import aoimpact as ao
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("aoimpact", "benchmarks", "csrc", "docs", "examples", "include", "paper-results")
+FOLDERS += ("tests", "tools")
+ENDS = (".py", ".pyi", ".c", ".h", ".md", ".toml")
+FILES = [
+    file
+    for place in (*(ROOT.joinpath(folder).rglob("*") for folder in FOLDERS), ROOT.glob("*.*"))
+    for file in place
+    if file.suffix in ENDS and "build" not in file.parts
+]
+KNOWN = [f"/{file.relative_to(ROOT).as_posix()}" for file in FILES]
+
+# A file of the project: "csrc/law/law.c", "law.c", "tests/c/test_*.c"; "../" is left out.
+NAMED = re.compile(r"(?<![\w./<-])(?:\.\./)*((?:[\w.*-]+/)*[\w*]+\.(?:py|pyi|c|h|md))\b(?![/\w])")
+OTHERS = {"Python.h"}
+
+
+def said(file: Path) -> Iterator[str]:
+    """The comments and docstrings of a file; all of a page."""
+    text = file.read_text(encoding="utf-8")
+    if file.suffix in (".py", ".pyi"):
+        for token in tokenize.generate_tokens(io.StringIO(text).readline):
+            if token.type == tokenize.COMMENT:
+                yield token.string
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):
+                yield ast.get_docstring(node) or ""
+    elif file.suffix in (".c", ".h"):
+        yield from re.findall(r"/\*.*?\*/", text, re.DOTALL)
+    elif file.suffix == ".md" and file.name != "CHANGELOG.md":  # which tells of the past
+        yield text
+
+
+def test_every_file_that_is_named_exists() -> None:
+    named = {
+        (file.relative_to(ROOT).as_posix(), name)
+        for file in FILES
+        for text in said(file)
+        for name in NAMED.findall(text)
+    }
+    assert len(named) > 50
+    stale = [
+        f"{file} names {name}"
+        for file, name in sorted(named)
+        if name not in OTHERS and not any(fnmatch(known, f"*/{name}") for known in KNOWN)
+    ]
+    assert not stale, "\n".join(stale)
+
+
+EXAMPLES = [
+    file.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".")
+    for file in sorted(ROOT.joinpath("aoimpact").rglob("*.py"))
+    if ">>> " in file.read_text(encoding="utf-8")
+]
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples_say_what_comes_out(name: str) -> None:
+    module = importlib.import_module(name)
+    public = {each: getattr(ao, each) for each in dir(ao) if not each.startswith("__")}
+    done = doctest.testmod(module, extraglobs=public | vars(module))
+    assert done.attempted > 0
+    assert done.failed == 0
