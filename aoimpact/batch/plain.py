@@ -19,6 +19,7 @@ from .. import _core
 from ..base import AOImpactError, FloatArray, held_warnings
 from ..impact import checked_numbers, plan_impact
 from ..integrate import Adaptive
+from ..laws import ContactLaw
 from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, knows
 from ..results import least_said
 from ..scene import normal_gap
@@ -181,6 +182,8 @@ def plain_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, 
 def _given(case: Any) -> _Given | None:
     """The numbers of a case; None where `simulate` has to look at it."""
     if not isinstance(case, Mapping) or not _REQUIRED <= case.keys() <= _KEYWORDS:
+        return None
+    if not isinstance(case["law"], ContactLaw):
         return None
     solver = case.get("solver") or _BY_DEFAULT
     if not isinstance(solver, Adaptive):

@@ -5,6 +5,7 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 """
 
 from .checks import checked_duration
+from .defaults import fitted_pair, meeting
 from .scene import Scene, SceneCase
 from .simulate import checked_numbers, plan_impact, simulate
 
@@ -13,6 +14,8 @@ __all__ = [
     "SceneCase",
     "checked_duration",
     "checked_numbers",
+    "fitted_pair",
+    "meeting",
     "plan_impact",
     "simulate",
 ]

@@ -17,7 +17,7 @@ from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
 from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel, touched
 
-__all__ = ["Meeting", "chosen_law", "fitted", "meeting", "turned", "turns"]
+__all__ = ["Meeting", "chosen_law", "fitted", "fitted_pair", "meeting", "turned", "turns"]
 
 # A contact of Hertz's law lasts 2.94 times its depth over the speed (Johnson, eq. 11.25).
 _DURATION_OVER_DEPTH = 2.94
@@ -172,3 +172,14 @@ def fitted(body: BodyModel, port: int, met: Meeting | None) -> BodyModel:
     if np.isclose(radius, tip.patch.radius):
         return body
     return replace(body, tips=(*body.tips[:port], contact_at(tip, radius), *body.tips[port + 1 :]))
+
+
+def fitted_pair(
+    projectile: BodyModel, target: BodyModel, met: Meeting | None
+) -> tuple[BodyModel, BodyModel]:
+    """Return projectile and target with the patches that suit their impact, as `fitted`.
+
+    Like bodies stay one.
+    """
+    first = fitted(projectile, 0, met)
+    return first, first if target == projectile else fitted(target, 0, met)

@@ -16,7 +16,7 @@ from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touche
 from ..results import Result, Run
 from ..scene import Contact, Plan, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
-from .defaults import chosen_law, fitted, meeting, turned, turns
+from .defaults import chosen_law, fitted_pair, meeting, turned, turns
 from .run import RunOptions, run_models
 
 __all__ = ["checked_numbers", "plan_impact", "simulate"]
@@ -182,8 +182,7 @@ def _complete(
     length = numbers.duration
     if length is None or any(isinstance(body, FullModel) for body in bodies):
         met = meeting(law, bodies, numbers.velocity)
-        first = fitted(bodies[0], 0, met)
-        bodies = first, first if bodies[1] == bodies[0] else fitted(bodies[1], 0, met)
+        bodies = fitted_pair(*bodies, met)
         if length is None:
             if met is None:
                 raise InputError("duration was left out, and cannot be foreseen here; give it")

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..accuracy import QUANTITIES, Hierarchy, first_guess, model_hierarchy
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
-from ..impact import plan_impact, simulate
+from ..impact import fitted_pair, meeting, plan_impact, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw
 from ..linalg import Solver, checked_solver
@@ -80,6 +80,8 @@ def compare(
     if not orders and not full:
         raise InputError("full=False without oscillators leaves no model to compare with")
     bodies = _body("projectile", projectile), _body("target", target)
+    # Over the same patches: `simulate` would fit those of full models alone.
+    bodies = fitted_pair(*bodies, meeting(law, bodies, velocity))
 
     def quick(models: Models) -> Result:
         with held_warnings():

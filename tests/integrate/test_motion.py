@@ -101,14 +101,15 @@ def test_a_body_goes_through_the_states_of_its_run(which: str) -> None:
 
 def test_rows_of_a_forced_motion_are_products_with_the_coordinates() -> None:
     body, rule = full(), ao.Newmark(dt=1e-3, estimate=False)
+    b = body.tips[0].b
     one = scene_body("body", body, 0.0)
     forces = np.sin(np.linspace(0.0, 3.0, 101))[None]
     forced = ForcedMotion(one.stepped().equations, rule, 1e-3, forces, one.coordinates)
     t = np.array([0.0123, 0.05, 0.1])
     for seen, whole in zip(
-        forced.observed(sp.csr_array(body.b[None]), t), forced.observed(None, t), strict=True
+        forced.observed(sp.csr_array(b[None]), t), forced.observed(None, t), strict=True
     ):
-        np.testing.assert_allclose(seen[0], body.tips[0].b @ whole)
+        np.testing.assert_allclose(seen[0], b @ whole)
 
 
 def test_equations_of_a_star_have_its_receptance() -> None:

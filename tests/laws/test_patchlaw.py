@@ -24,6 +24,7 @@ from aoimpact.laws.patchlaw import effective_law, own_law
 from aoimpact.laws.plastic import Thornton
 from aoimpact.laws.viscous import KuwabaraKono, LankaraniNikravesh, Tsuji
 from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh, sphere_mesh
+from aoimpact.reduction.full import full
 from aoimpact.reduction.modes import modal
 from aoimpact.reduction.reduction import antioscillators
 from aoimpact.reduction.star import AOModel, rigid
@@ -102,10 +103,10 @@ def test_a_single_node_is_a_fifth_off() -> None:
 
 def test_the_full_model_and_both_solvers_agree() -> None:
     # On 927 dofs; each body's own model, and the star of all its modes.
-    full, few = tip("coarse", 0.0045), sphere("coarse", 0.0045)
+    whole, few = full(tip("coarse", 0.0045)), sphere("coarse", 0.0045)
     step = Newmark(dt=0.1e-6, estimate=False)
     runs = [
-        simulate(projectile=full, target=full, law=LAW, solver=step, **SCENE),
+        simulate(projectile=whole, target=whole, law=LAW, solver=step, **SCENE),
         simulate(projectile=few, target=few, law=LAW, solver=step, **SCENE),
         simulate(projectile=few, target=few, law=LAW, **SCENE),
     ]

@@ -51,6 +51,23 @@ def test_the_full_model_is_what_errors_are_relative_to(table):
     assert table["full"].force == table["full"].displacement == 0.0
 
 
+def test_all_models_meet_over_the_same_patches_where_their_radius_was_left_out():
+    """Oscillators enough for all of the motion are the full model, but for its steps."""
+    mesh = ao.box_mesh((0.1, 0.1, 0.02), (6, 6, 2), kind="hexahedron20")
+    plate = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=ENDS)
+    table = ao.compare(
+        projectile=ao.rigid(mass=0.03),
+        target=plate.contact(point=(0.05, 0.05, 0.02)),
+        law=law(STEEL, 0.01, ALUMINIUM),
+        velocity=1.0,
+        duration=2e-4,
+        oscillators=(2, 20),
+        modes=(),
+    )
+    assert table["AO(2)"].displacement > 0.05
+    assert table["AO(20)"].displacement < 2e-3
+
+
 def test_without_the_full_model_the_largest_star_is():
     reduced = ao.antioscillators(beam(ENDS), 2)
     table = ao.compare(
