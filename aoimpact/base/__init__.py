@@ -1,4 +1,4 @@
-"""What every room may use: errors, checks of arguments, units, read-only records, tables."""
+"""What every folder may use: errors, checks of arguments, units, read-only records, tables."""
 
 from .arrays import FloatArray, IntArray
 from .axes import error_axes, given_axes

@@ -28,6 +28,7 @@ from aoimpact import _core
 from aoimpact.base import errors
 from aoimpact.batch import plain
 from aoimpact.integrate import dense
+from aoimpact.laws.law import MOST_SHARE
 from aoimpact.linalg.superlu import factorize
 from aoimpact.reduction.modalbody import modal_body
 
@@ -595,6 +596,11 @@ def test_columns_are_where_the_core_writes_them() -> None:
     answers = enumerated("python/many.c", "ANSWER_VELOCITIES")
     ours = [getattr(plain, name.removeprefix("ANSWER")) for name in answers[:-1]]
     assert [*ours, plain._FIRST, plain._SECOND] == list(range(len(answers) + 1))
+
+
+def test_a_law_between_patches_ends_where_the_core_s_does() -> None:
+    source = (HEADER.parents[1] / "csrc" / "law" / "law.c").read_text()
+    assert re.findall(r"MOST_SHARE = ([\d.]+);", source) == [f"{MOST_SHARE:g}"]
 
 
 def test_the_core_s_laws_are_in_the_header_and_in_the_fuzzer() -> None:
