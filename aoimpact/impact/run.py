@@ -42,7 +42,7 @@ def run_models(
     interest: Callable[[], Quantity],
     view: Callable[[Run], R],
 ) -> R:
-    """Run bodies as they are, or with the least models that give a quantity to a tolerance.
+    """Run bodies as they are, or with small models that give a quantity to a tolerance.
 
     Parameters
     ----------
