@@ -26,9 +26,11 @@ __all__ = ["Orders", "first_guess", "least_orders"]
 # difference may vanish by chance, .01 of the error was seen for numbers; the largest of four is
 # above .75 of it for histories and, in 99 of 100 cases, above .64 for peaks and .83 for other
 # numbers (1 763 errors below .1 on ten bodies: beams, plates, blocks, a bracket, a disc, spheres).
-# The medians are 1.2 … 2. So errors are within so many times the largest difference.
+# The medians are 1.2 … 2. But single numbers may fall as 1/n from one side, whose error is 3 times
+# its difference to 1.5 n: the peak force of two spheres that touch at a node does. So errors of
+# histories and of numbers are within so many times the largest difference.
 _COMPARED, _BEYOND, _SHARE_BEYOND = 4, 8, 0.5
-_SAFETY = 1.3
+_SAFETY, _SAFETY_OF_NUMBERS = 1.3, 3.0
 
 # Oscillators that models begin with for each digit of the tolerance, about the median of what these
 # bodies need; growth from one to the next, with which no more than 2 n + 8 vectors are made to
@@ -256,7 +258,9 @@ class _Search(Generic[R]):
         return all(one.is_whole(n) for one, n in zip(self.hierarchies, orders, strict=True))
 
     def _safety(self) -> float:
-        return 1.0 if self._is_whole(self._larger()[-1]) else _SAFETY
+        if self._is_whole(self._larger()[-1]):
+            return 1.0
+        return _SAFETY if self.quantity.is_history else _SAFETY_OF_NUMBERS
 
     def _error(self, orders: _Orders) -> float:
         """The error that the larger models show; if it is above the tolerance, at least that."""

@@ -50,7 +50,11 @@ class StressAt(Frozen):
 
     Examples
     --------
-    >>> simulate(..., quantity=StressAt(plate, (0.1, 0.1, 0.0), "xx"), rtol=0.03)
+    >>> steel = Material(E=210e9, nu=0.3, rho=7800)
+    >>> plate = FEModel.from_mesh(box_mesh((0.2, 0.2, 0.01), (8, 8, 1)), steel)
+    >>> opposite = StressAt(plate, (0.1, 0.1, 0.0), "xx")  # simulate(..., quantity=opposite)
+    >>> opposite.component
+    'xx'
     """
 
     body: Any

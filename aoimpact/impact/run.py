@@ -73,7 +73,7 @@ def run_models(
     view: Callable[[Run], R],
     law_errors: Sequence[float] = (),
 ) -> R:
-    """Run bodies as they are, or with the least models that give a quantity to a tolerance.
+    """Run bodies as they are, or with small models that give a quantity to a tolerance.
 
     Parameters
     ----------

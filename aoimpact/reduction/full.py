@@ -72,9 +72,10 @@ def full(*tips: ContactPoint) -> FullModel:
 
     Examples
     --------
-    >>> tip = body.contact(point=(0.01, 0, 0))
-    >>> simulate(projectile=full(tip), target=rigid(mass=math.inf), law=Hertz(k=1e10),
-    ...          velocity=1.0, duration=1e-4)
+    >>> steel = Material(E=210e9, nu=0.3, rho=7800)
+    >>> cube = FEModel.from_mesh(box_mesh((0.01, 0.01, 0.01), (3, 3, 3)), steel)
+    >>> full(cube.contact(point=(0.005, 0.005, 0.0))).label
+    'full(192)'
     """
     return FullModel(tips)
 

@@ -461,8 +461,8 @@ def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
 
     Examples
     --------
-    >>> ball(0.01, Material(E=210e9, nu=0.3, rho=7800)).m0
-    0.032672563597333846
+    >>> ball(0.01, Material(E=210e9, nu=0.3, rho=7800))
+    AOModel(no oscillators, 0.03267 kg, free)
     """
     r = positive("radius", radius, unit="m")
     checked_material = instance("material", material, Material)

@@ -78,7 +78,7 @@ def test_each_place_of_a_model_of_several_knows_its_own_deflection() -> None:
 
 
 def test_a_point_s_own_indentation_is_its_error() -> None:
-    node, patch = BALL.contact(point=POLE), estimated(FINE, 0.003)
+    node, patch = BALL.contact(point=POLE, radius=0), estimated(FINE, 0.003)
     error = compliance_error(node, contact_time=TIME)
     assert error is not None
     right = patch.compliance - 0.6 / (0.003 * STEEL.plane_strain_modulus)
@@ -87,7 +87,8 @@ def test_a_point_s_own_indentation_is_its_error() -> None:
 
 def test_on_a_sharp_edge_nothing_is_known() -> None:
     cube = FEModel.from_mesh(box_mesh((0.01, 0.01, 0.01), (3, 3, 3)), STEEL)
-    tip = cube.contact(point=(0.01, 0.01 / 3.0, 0.01), direction=(0.0, 0.0, -1.0))
+    place = (0.01, 0.01 / 3.0, 0.01)
+    tip = cube.contact(point=place, direction=(0.0, 0.0, -1.0), radius=0)
     assert compliance_error(tip, contact_time=TIME) is None
 
 

@@ -116,7 +116,7 @@ def test_in_a_scene_the_numbers_of_each_contact_have_theirs():
     run = scene.simulate(duration=duration, quantity="peak_force", rtol=1e-2)
     right = whole("tip of a cantilever, for long")
     true = abs(run.contacts[0].impulse / right.impulse - 1.0)
-    assert true <= run.error.numbers["contacts.0.impulse"] <= 2.0 * true
+    assert true <= run.error.numbers["contacts.0.impulse"] <= 4.0 * true
     assert true > 0.05
     assert run.error.numbers["contacts.0.peak_force"] <= 1e-2
     kept = ao.simulate_many(
