@@ -28,7 +28,7 @@ from measuring import Line, best_times, print_table
 import aoimpact as ao
 from aoimpact import _core
 from aoimpact.fem.assembly import stiffness_mass
-from aoimpact.linalg.superlu import factorize
+from aoimpact.linalg import factorize
 from aoimpact.paper.beam import ALUMINIUM, beam_model
 from aoimpact.scene import FullBody, StarBody
 from aoimpact.study.scenes import beam_star

@@ -92,6 +92,15 @@ def test_a_dashpot_takes_a_load_that_sets_in_on_a_massless_coordinate(gap: float
     assert outcome.peaks[0] == pytest.approx(5e4 - 6e8 * gap, rel=1e-12)
 
 
+def test_a_contact_that_is_hardly_one_yet_is_looked_at_again() -> None:
+    # Within the hysteresis where another begins, it is no event there, nor does it begin later.
+    oracle = Oracle(Case((Body(1.0), WALL), (Contact(0, 1, HERTZ),), duration=1e-3))
+    one, other = (
+        SimpleNamespace(depth=np.array([depth]), rate=np.array([1e-8])) for depth in (5e-21, 6e-21)
+    )
+    assert not oracle._quiet(one, other, 1e-14, oracle._phase([False]))
+
+
 def test_the_oracle_s_peak_is_the_largest_force_on_its_curve() -> None:
     # The second contact makes a kink in the force of the first, beside its top.
     frame = Frame((2.736, 5.153, 0.2668, 3.794), (1.411e12, 1.265e9, 1.16e8), (1.635e8, 0, 0, 0))

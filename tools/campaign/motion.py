@@ -20,7 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 
 # Relaxation of the dashpot that keeps the equation of a massless coordinate regular, as a share of
 # the record.
-_LAG = 1e-12
+LAG = 1e-12
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,12 @@ class Motion:
         Deflections found last, by which the search for the next begins.
     piece : float
         When the loads bent last, s.
+    lag : float
+        Of the dashpot on what has no mass, as a share of the record.
     """
 
-    def __init__(self, case: Case) -> None:
-        self.case = case
+    def __init__(self, case: Case, lag: float = LAG) -> None:
+        self.case, self.lag = case, lag
         self.laws: list[Formula] = [formula(contact.law) for contact in case.contacts]
         self.system: System = system_of(case)
         self.count = len(case.contacts)
@@ -141,7 +143,7 @@ class Motion:
         values = {c: self.laws[c].at(float(depth[c])) for c in closed}
         flow = self._still[:0]
         if phase.own:
-            lag = _LAG * self.case.duration
+            lag = self.lag * self.case.duration
             flow = massless.flow(speed, w, phase.own, values, self.ends, self.spring, lag)
             speed[list(phase.own)] += flow
         if phase.solved and rates:

@@ -30,7 +30,7 @@ from scipy.optimize import brentq
 from . import massless
 from .case import Case
 from .formulas import Formula, Thornton
-from .motion import At, Dense, Motion, Phase, share
+from .motion import LAG, At, Dense, Motion, Phase, share
 from .outcome import Outcome
 from .readout import Mark, Readout, Step
 from .rest import rest
@@ -68,6 +68,8 @@ class Oracle:
         s of the processor.
     nudge : ndarray, optional
         Relative change of coordinates and velocities at the start.
+    lag : float, optional
+        Of the dashpot on what has no mass, as a share of the record.
     """
 
     def __init__(
@@ -76,9 +78,10 @@ class Oracle:
         rtol: float = 1e-11,
         longest: float = 30.0,
         nudge: FloatArray | None = None,
+        lag: float = LAG,
     ) -> None:
         self.case, self.rtol, self.longest, self.nudge = case, rtol, longest, nudge
-        self.motion = Motion(case)
+        self.motion = Motion(case, lag)
         self.laws = self.motion.laws
         self._deadline, self._end = math.inf, case.duration
         self.steps: list[Step] = []
@@ -158,10 +161,8 @@ class Oracle:
         ports = tuple(int(p) for p in np.flatnonzero(system.residual * load))
         if not ports:
             return
-        place, w = (
-            system.port[: motion.ports] @ y[: 2 * system.n] + system.residual * load,
-            motion.warm,
-        )
+        place = system.port[: motion.ports] @ y[: 2 * system.n] + system.residual * load
+        w = motion.warm
         elastic = {
             c: (law, self.case.contacts[c].gap)
             for c, law in enumerate(self.laws)
@@ -256,6 +257,8 @@ class Oracle:
             reach = 2.0 * h * max(map(abs, rates))
             inside = depths[0] > 0.0
             if inside != (depths[1] > 0.0) or min(map(abs, depths)) <= reach:
+                return False
+            if inside != phase.closed[c]:  # by less than the hysteresis, until now
                 return False
             if law.viscous and not law.pulls and inside:
                 shares = [share(law, d, v) for d, v in zip(depths, rates, strict=True)]
