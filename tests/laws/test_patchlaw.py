@@ -145,7 +145,7 @@ def held_block() -> ContactPoint:
     """The whole of a face's middle is the patch."""
     mesh = box_mesh((0.04, 0.04, 0.04), (4, 4, 4), kind="hexahedron20")
     body = FEModel.from_mesh(mesh, STEEL, fixed=[("xmax", "xyz")])
-    return body.contact(point=(0.0, 0.02, 0.02), direction=(1, 0, 0), radius="auto")
+    return body.contact(point=(0.0, 0.02, 0.02), direction=(1, 0, 0), radius=0.0105)
 
 
 @cache
