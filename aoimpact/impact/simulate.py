@@ -86,7 +86,7 @@ def simulate(
         Its relative error by reduction and time integration, 1e-2 if left out; that of a history is
         its largest over the record, relative to the largest value. A solver that does not keep it
         is refused. `Result.error` has the errors of mesh and contact as well.
-    linear_solver : {"auto", "banded", "superlu", "pardiso", "multigrid"} or callable, optional
+    linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
 
     Returns

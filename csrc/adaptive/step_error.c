@@ -10,6 +10,7 @@
 #include "adaptive/step.h"
 #include "linear/vector.h"
 #include "law/law.h"
+#include "motion/modes.h"
 #include "motion/radau.h"
 #include "motion/nodes.h"
 #include "collocation/collocation.h"
@@ -24,6 +25,9 @@ static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 /* At the ends of a contact the force is no smooth function of time, and the quadrature of its defect
  * misses part of it. */
 static const double END_SHARE = 0.03;
+
+/* Times no farther apart than so many roundings of the record's end are the same. */
+static const double ROUNDINGS = 16.0;
 
 /* A step is not tried at more than 1/0.9 of the length that its error allows. */
 static const double CAUTION = 0.9;
@@ -96,12 +100,22 @@ static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry
            fabs(value.damping) * rate_tail(entry) * AOI_NODES / 3.0;
 }
 
-/* By how much a force jumps at the start of a step where it goes on: the nodes have not seen what happens there. Of what
- * has no mass it may jump, but for what rests: that has the force of its rest when it sets off. */
+/* Whether a load on one of the two bodies has just begun to change otherwise. */
+static int load_bent(const aoi_adaptive *run, const aoi_contact_step *entry)
+{
+    const aoi_contact *of = &run->system->contact[entry->contact];
+    const double now = aoi_run_now(run), slack = ROUNDINGS * DBL_EPSILON * run->end;
+    return aoi_modes_next_bend(&run->system->body[of->body[0]], now - slack) <= now + slack ||
+           aoi_modes_next_bend(&run->system->body[of->body[1]], now - slack) <= now + slack;
+}
+
+/* By how much a force jumps at the start of a step where it goes on though a load bends there: the nodes have not seen
+ * it. Of what has no mass it may jump, but for what rests: that has the force of its rest when it sets off. */
 static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const int bent = aoi_contact_has_residual(run, entry->contact);
-    const int goes_on = bent ? run->rested && run->steps == 0 : entry->edge == AOI_EDGE_NONE;
+    const int goes_on = bent ? run->rested && run->steps == 0
+                             : entry->edge == AOI_EDGE_NONE && load_bent(run, entry);
     return goes_on ? fabs(aoi_nodes_at_start(entry->force) - entry->start_force) : 0.0;
 }
 

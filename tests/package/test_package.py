@@ -93,13 +93,16 @@ def test_promised_results_are_there() -> None:
 
 
 @pytest.mark.slow
-def test_example_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    readme = Path(__file__).parents[2] / "README.md"
-    blocks = re.findall(r"^```python\n(.*?)^```$", readme.read_text("utf-8"), re.M | re.S)
+@pytest.mark.parametrize("page", ["README.md", "docs/guide.md"])
+def test_examples_of_the_pages_run(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = Path(__file__).parents[2].joinpath(page).read_text("utf-8")
+    blocks = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     for block in blocks:
-        exec(compile(block, str(readme), "exec"), names)
+        exec(compile(block, page, "exec"), names)
     hit = names["hit"]
     assert isinstance(hit, ao.Result)
     assert hit.peak_force > 0.0

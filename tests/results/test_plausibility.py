@@ -67,7 +67,7 @@ def test_yield_is_said_from_the_pressure_on_at_which_it_begins() -> None:
     wide = math.sqrt(R * (quiet.peak_force / law.k) ** (2 / 3))
     share = 1.5 * quiet.peak_force / (math.pi * wide**2) / (1.6 * SOFT.yield_strength)
     assert share < 1.0
-    joint = quiet.run.plan.joints[0]
+    joint = quiet.run.plan.contacts[0]
     force = limits(quiet.run.plan, joint).pressure
     assert quiet.peak_force / force == pytest.approx(share**3, rel=1e-12)
     assert force == pytest.approx(
@@ -101,7 +101,7 @@ def test_the_curvature_follows_from_both_materials_where_the_law_does_not_have_i
     )
     law = ao.Hertz.between(STEEL, R, SOFT, math.inf)
     one, other = (strike(floor, 1e-3, law, projectile=ball) for law in (law, ao.Hertz(law.k)))
-    known, found = (limits(hit.run.plan, hit.run.plan.joints[0]) for hit in (one, other))
+    known, found = (limits(hit.run.plan, hit.run.plan.contacts[0]) for hit in (one, other))
     assert found == pytest.approx(known, rel=1e-12)
 
 
