@@ -468,5 +468,5 @@ class SceneCase:
     scene: Any
     keywords: dict[str, Any]
 
-    def simulate(self, *, duration: float) -> Any:
+    def simulate(self, *, duration: float | None = None) -> Any:
         return self.scene.simulate(duration=duration, **self.keywords)

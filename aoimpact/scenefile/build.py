@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ from ..reduction import (
     AOModel,
     FullModel,
     antioscillators,
+    ball,
     body_model,
     full,
     interface,
@@ -50,6 +52,7 @@ _IMPACT_KEYWORDS = {
     "duration": "duration",
     "gap": "gap",
     "quantity": "quantity",
+    "rtol": "rtol",
     "tolerance": "rtol",
     "linear_solver": "linear_solver",
 }
@@ -58,6 +61,7 @@ _IMPACT_KEYWORDS = {
 # And of [scene], of `Scene.simulate`.
 _SCENE_KEYWORDS = {
     "preload": "preload",
+    "rtol": "rtol",
     "tolerance": "rtol",
     "linear_solver": "linear_solver",
 }
@@ -111,7 +115,7 @@ class Builder:
         keywords = {
             **bodies,
             "law": self._law("impact"),
-            **{keyword: table[name] for name, keyword in _IMPACT_KEYWORDS.items() if name in table},
+            **self._keywords("impact", _IMPACT_KEYWORDS),
             **self._solver("impact"),
         }
         wanted = table.get("quantity")
@@ -121,8 +125,8 @@ class Builder:
                 keywords["quantity"] = _point(roles, wanted)
         return keywords
 
-    def scene(self) -> tuple[SceneCase, float]:
-        """Return a scene with what its run is given, and its duration."""
+    def scene(self) -> tuple[SceneCase, float | None]:
+        """Return a scene with what its run is given, and its duration, if that is given."""
         table = self.data["scene"]
         with self.located("scene"):
             scene = Scene(gravity=table.get("gravity", 0.0))
@@ -147,13 +151,21 @@ class Builder:
             with self.located("scene", "loads", i):
                 force = (load["times"], load["forces"]) if "times" in load else load["force"]
                 scene.apply(_handle(handles, load["body"]), force=force)
-        keywords = self._solver("scene") | {
-            keyword: table[name] for name, keyword in _SCENE_KEYWORDS.items() if name in table
-        }
+        keywords = self._solver("scene") | self._keywords("scene", _SCENE_KEYWORDS)
         if "quantity" in table:
             with self.located("scene", "quantity"):
                 keywords["quantity"] = _scene_quantity(handles, bodies, table["quantity"])
-        return SceneCase(scene, keywords), table["duration"]
+        return SceneCase(scene, keywords), table.get("duration")
+
+    def _keywords(self, kind: str, names: Mapping[str, str]) -> dict[str, Any]:
+        """The keywords of a run that its table gives."""
+        table = self.data[kind]
+        if "tolerance" in table:
+            if "rtol" in table:
+                with self.located(kind, "tolerance"):
+                    raise InputError("it is the former name of rtol; leave it out")
+            warnings.warn("tolerance is now called rtol", DeprecationWarning, stacklevel=2)
+        return {keyword: table[name] for name, keyword in names.items() if name in table}
 
     def _solver(self, kind: str) -> dict[str, Any]:
         table = self.data[kind]
@@ -169,6 +181,9 @@ class Builder:
         if "mass" in table:
             with self.located(*place):
                 return rigid(**table)
+        if "ball" in table:
+            with self.located(*place):
+                return ball(table["ball"], self._material(table["material"]))
         if "m0" in table:
             with self.located(*place):
                 return AOModel(**table | self._damping(name))
@@ -243,11 +258,14 @@ class Builder:
         with self.located("materials", name):
             return Material(**self.data["materials"][name])
 
-    def _law(self, *place: str | int) -> ContactLaw:
+    def _law(self, *place: str | int) -> ContactLaw | None:
+        """The law of an impact or a contact; None where it is left out."""
         table: Any = self.data
-        for part in (*place, "law"):
+        for part in place:
             table = table[part]
-        table = dict(table)
+        if "law" not in table:
+            return None
+        table = dict(table["law"])
         with self.located(*place, "law"):
             if isinstance(table.get("k"), Mapping):
                 surfaces = [

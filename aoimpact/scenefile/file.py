@@ -226,7 +226,8 @@ class SceneFile:
         except (InputError, InputTypeError) as error:
             # The argument that a message begins with is a key of the table more often than not.
             word = str(error).partition(" ")[0].partition("=")[0].rstrip(":")
-            word = {"rtol": "tolerance"}.get(word, word) if place == (self.kind,) else word
+            if word == "rtol" and (*place, word) not in self.spots:
+                word = "tolerance"  # its former name
             finer = (*place, word) if (*place, word) in self.spots else place
             raise SceneFileError(self._at(finer, str(error))) from error
         except AOImpactError as error:

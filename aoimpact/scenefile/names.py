@@ -122,6 +122,7 @@ _DAMPING = Table(
 _BODY = Variants(
     {
         "mass": Table({"mass": needed(Number("kg"))}),
+        "ball": Table({"ball": needed(Number("m")), "material": needed(Reference("materials"))}),
         "m0": Table(
             {
                 "m0": needed(Number("kg")),
@@ -194,7 +195,7 @@ _SOLVER = Tagged("type", {name: _parameters(solver) for name, solver in SOLVERS.
 
 # How a run is made, and what it reports.
 _RUN = {
-    "duration": needed(Number("s")),
+    "duration": optional(Number("s")),
     "solver": optional(_SOLVER),
     "report": optional(Listed(Text())),
 }
@@ -212,9 +213,10 @@ _IMPACT = Table(
         "target": needed(Reference("bodies")),
         "velocity": needed(Number("m/s")),
         "gap": optional(Number("m")),
-        "law": needed(_LAW),
+        "law": optional(_LAW),
         "quantity": optional(Either((Text(), _displacement(Reference("bodies"))))),
-        "tolerance": optional(Number()),
+        "rtol": optional(Number()),
+        "tolerance": optional(Number()),  # the former name of rtol
         "linear_solver": _LINEAR_SOLVER,
     }
     | _RUN
@@ -234,7 +236,7 @@ _END = Either((Text(), Table({"body": needed(Text()), "port": optional(Integer()
 _BETWEEN = Table(
     {
         "between": needed(Listed(_END, 2)),
-        "law": needed(_LAW),
+        "law": optional(_LAW),
         "gap": optional(Number("m")),
         "name": optional(Text()),
     }
@@ -258,7 +260,8 @@ _PORT = Table({"body": needed(Text()), "port": needed(Integer())})
 _SCENE = Table(
     {
         "quantity": optional(Either((Text(), _displacement(Text(), port=_PORT)))),
-        "tolerance": optional(Number()),
+        "rtol": optional(Number()),
+        "tolerance": optional(Number()),  # the former name of rtol
         "linear_solver": _LINEAR_SOLVER,
         "gravity": optional(Number("m/s²")),
         "preload": optional(Flag()),

@@ -90,7 +90,7 @@ def seeds(folder: Path) -> list[dict[str, Any]]:
             more='fixed = [{ nodes = "base", hold = "xyz" }]',
             contact="{ point = [2.0, 1.5, 1.0], direction = [-1, -1, -1], radius = 0 }",
         ).replace(_BOX, '"box.msh"')
-        + _impact("bar", _HERTZ, 'quantity = "peak_force"\ntolerance = 0.05'),
+        + _impact("bar", _HERTZ, 'quantity = "peak_force"\nrtol = 0.05'),
         _STEEL
         + _BALL
         + _body(
