@@ -115,12 +115,18 @@ def held_warnings() -> Iterator[list[str]]:
         _held.reset(token)
 
 
-def warn(message: str) -> None:
-    """Issue an `AOImpactWarning` that points at the line outside this package that led to it."""
+def warn(message: str) -> bool:
+    """Issue an `AOImpactWarning` that points at the line outside this package that led to it.
+
+    Returns
+    -------
+    bool
+        False where it is held back; see `held_warnings`.
+    """
     held = _held.get()
     if held is not None:
         held.append(message)
-        return
+        return False
     package = __name__.partition(".")[0]
     level = 2
     frame = sys._getframe(1)
@@ -128,6 +134,7 @@ def warn(message: str) -> None:
         frame = frame.f_back
         level += 1
     warnings.warn(message, AOImpactWarning, stacklevel=level)
+    return True
 
 
 # The codes of the C core (enum aoi_status): one table, code -> exception class and what it means.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
-from weakref import WeakSet
+from weakref import WeakKeyDictionary, WeakSet
 
 from ..base import InputError, positive, real, warn
 from ..fem import ContactPoint
@@ -21,8 +21,9 @@ _SLOWEST, _FASTEST = 1e-60, 1e60
 # s; its cube is a number, and so is the distance that the fastest body covers.
 _LONGEST = 1e100
 
-# Contact points that have been warned of: once is enough for each.
+# Contact points that have been warned of, once is enough for each, and what was found of them.
 _told_of: WeakSet[ContactPoint] = WeakSet()
+_node_errors: WeakKeyDictionary[ContactPoint, float | None] = WeakKeyDictionary()
 
 
 def checked_duration(duration: Any) -> float:
@@ -84,12 +85,15 @@ def warn_of_nodes(run: Run, names: Sequence[str]) -> None:
             tip = touched(run.plan.bodies[body].model, port)
             if tip is None or tip.patch or tip.body.mesh is None or tip in _told_of:
                 continue
-            _told_of.add(tip)
-            error = run.error.contact
+            if tip not in _node_errors:
+                _node_errors[tip] = run.error.contact
+            error = _node_errors[tip]
             off = "" if error is None else f", here by some {100.0 * error:.2g} %"
-            warn(
+            told = warn(
                 f"{names[body]} is touched at a single {'point' if tip.node is None else 'node'}: "
                 "its own indentation follows the mesh, and the law contains that of the real body "
                 f"already, so the force is too small{off}; leave radius out, or give the radius of "
                 "a patch"
             )
+            if told:
+                _told_of.add(tip)

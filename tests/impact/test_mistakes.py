@@ -6,6 +6,8 @@ A steel ball of 10 mm strikes an aluminium plate of 100 × 80 × 6 mm at 1 m/s.
 from __future__ import annotations
 
 import math
+import re
+import warnings
 from typing import Any
 
 import pytest
@@ -127,3 +129,20 @@ def test_a_whole_body_in_place_of_a_contact() -> None:
 def test_a_speed_for_which_the_method_is_not() -> None:
     with pytest.warns(ao.AOImpactWarning, match="of the speed of waves, 5092 m/s"):
         strike(star(plate()), velocity=100.0)
+
+
+def test_a_single_node_under_hertz_s_law_is_said_once_with_its_error() -> None:
+    struck = star(plate())
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        for _ in range(2):
+            strike(struck)
+    assert sum("single node" in str(each.message) for each in said) == 1
+    assert re.search(r"here by some \d", str(said[0].message))
+
+
+def test_a_direction_the_wrong_way_round() -> None:
+    up = plate().contact(point=MIDDLE, direction=(0, 0, 1))
+    words = r"target: direction \(0, 0, 1\) goes out of the body .* leave direction out"
+    with pytest.raises(ao.InputError, match=words):
+        strike(up)
