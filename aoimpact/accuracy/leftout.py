@@ -1,9 +1,11 @@
 """How wrong a run is by its meshes and its contact laws: from compliance to force by the star.
 
-What a contact point's compliance leaves out (`compliance_error`) acts as a spring in series with
-the contact law. One more run of the reduced models with the law that much softer or stiffer tells
-what it does to any quantity. The errors of two bodies, and of several contacts, are taken to act
-together.
+What a contact point's compliance leaves out (`compliance_error`) is given back to the reduced
+models, and one more run tells what it does to any quantity. Elements that are too stiff make the
+whole body so: all of its springs are taken as much softer as makes up for the compliance that is
+missing at the frequency of the contact. In a plate this is bending: a spring in series at the
+contact would say a twentieth of it. What the half-space leaves out is near the contact, and acts as
+such a spring. The errors of two bodies, and of several contacts, are taken to act together.
 """
 
 from __future__ import annotations
@@ -11,12 +13,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..base import AOImpactError, held_warnings
 from ..integrate import Events
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
+from ..reduction import SHIFT_TIMES_DURATION, AOModel, FullModel, InterfaceModel
 from ..results import LeftOut, Result, Run
 from ..scene import Contact, FullBody, Plan
 from .compliance import ComplianceError, compliance_error
@@ -71,9 +75,11 @@ class LeftOutFinder:
         known = [ends for ends in found if ends]
         if not known:
             return LeftOut()
-        mesh = [sum(end.mesh for end in ends or ()) for ends in found]
-        contact = [sum(abs(end.contact) for end in ends or ()) for ends in found]
-        in_mesh, mesh_numbers = self._changes(run, _in_series(run, mesh))
+        softening: dict[int, float] = {}
+        for end in (end for ends in known for end in ends):
+            softening[end.body] = max(end.softening, softening.get(end.body, 0.0))
+        contact = [math.fsum(abs(end.error.contact) for end in ends or ()) for ends in found]
+        in_mesh, mesh_numbers = self._changes(run, _softer(run, softening))
         in_contact, contact_numbers = self._changes(run, _in_series(run, contact))
         if any(self.law_errors):
             in_law, law_numbers = self._changes(run, _stiffer(run, self.law_errors))
@@ -98,16 +104,34 @@ class LeftOutFinder:
         return change, {name: altered.scale * error for name, error in numbers.items()}
 
 
+@dataclass(frozen=True)
+class _End:
+    """What the compliance of a body at a contact leaves out.
+
+    Attributes
+    ----------
+    body : int
+        Its number in the plan.
+    error : ComplianceError
+    softening : float
+        By which share its springs are too stiff.
+    """
+
+    body: int
+    error: ComplianceError
+    softening: float
+
+
 @dataclass(frozen=True, eq=False)
 class _Altered:
-    """A plan with other laws, and what changes are to be multiplied by; None: as it was."""
+    """A plan with other laws or bodies, and by what changes are multiplied; None: as it was."""
 
     plan: Plan | None
     scale: float = 1.0
 
 
-def _of_contact(plan: Plan, events: Events, contact: Contact) -> list[ComplianceError] | None:
-    """What the compliances at a contact leave out; none of models given by numbers."""
+def _of_contact(plan: Plan, events: Events, contact: Contact) -> list[_End] | None:
+    """What the compliances at a contact leave out; none of rigid models, and of given numbers."""
     if not events.contacts:
         return []
     contact_time = next(
@@ -119,8 +143,9 @@ def _of_contact(plan: Plan, events: Events, contact: Contact) -> list[Compliance
     found = []
     for body, port in contact.ports:
         model = plan.bodies[body].model
-        points = getattr(model, "contact_points", ())
-        if not points:
+        assert not isinstance(model, FullModel)
+        points = model.contact_points
+        if not points or model.n == 0:
             continue
         if points[port].patch is None and not isinstance(law, HertzianLaw):
             continue  # such a law leaves the bodies' own indentation to them
@@ -132,8 +157,38 @@ def _of_contact(plan: Plan, events: Events, contact: Contact) -> list[Compliance
         )
         if error is None:
             return None
-        found.append(error)
+        shift = SHIFT_TIMES_DURATION / (model.contact_time or contact_time)
+        found.append(_End(body, error, error.mesh / _strain_energy(model, shift, port)))
     return found
+
+
+def _strain_energy(model: AOModel | InterfaceModel, shift: float, port: int) -> float:
+    """xᵀKx of the deflection x under a unit force at i s, m/N: what softer springs add to bᵀx."""
+    softer, stiffer = (
+        _with_springs(model, 1.0 + change).dynamic_compliance(shift, port)
+        for change in (-_DIFFERENCE, _DIFFERENCE)
+    )
+    return float(softer - stiffer) / (2.0 * _DIFFERENCE)
+
+
+def _with_springs(model: Any, factor: float) -> Any:
+    """A model of a body whose stiffness is so many times as much."""
+    if isinstance(model, AOModel):
+        return replace(model, k0=factor * model.k0, k=factor * model.k)
+    return replace(model, omega=math.sqrt(factor) * model.omega, residual=model.residual / factor)
+
+
+def _softer(run: Run, softening: Mapping[int, float]) -> _Altered:
+    """The bodies with springs that are softer by these shares."""
+    largest = max(softening.values(), default=0.0)
+    if largest == 0.0:
+        return _Altered(None)
+    scale = max(1.0, largest / _SMALL)
+    bodies = list(run.plan.bodies)
+    for body, share in softening.items():
+        model = _with_springs(bodies[body].model, 1.0 - share / scale)
+        bodies[body] = replace(bodies[body], model=model)
+    return _Altered(replace(run.plan, bodies=tuple(bodies), energies=False), scale)
 
 
 def _contact_radius(law: ContactLaw, force: float) -> float | None:

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary, WeakSet
 from ..base import InputError, positive, real, warn
 from ..fem import ContactPoint
 from ..laws import HertzianLaw, own_law
-from ..reduction import touched
+from ..reduction import AOModel, touched
 from ..results import Run
 from ..scene import Plan
 
@@ -82,7 +82,10 @@ def warn_of_nodes(run: Run, names: Sequence[str]) -> None:
         if not isinstance(own_law(contact.law), HertzianLaw):
             continue
         for body, port in contact.ports:
-            tip = touched(run.plan.bodies[body].model, port)
+            model = run.plan.bodies[body].model
+            tip = touched(model, port)
+            if isinstance(model, AOModel) and model.n == 0:
+                continue  # it has no indentation of its own
             if tip is None or tip.patch or tip.body.mesh is None or tip in _told_of:
                 continue
             if tip not in _node_errors:

@@ -181,7 +181,7 @@ def test_true_errors_are_below_the_estimates_and_not_far_below() -> None:
 def test_what_a_node_adds_is_known(case: int) -> None:
     of, kind, divisions, _ = CASES[case]
     body = of.model(kind, divisions)
-    tip = body.contact(point=of.point)
+    tip = body.contact(point=of.point, radius=0)
     error = compliance_error(tip, contact_time=of.time, contact_radius=of.contact)
     assert error is not None
     assert error.compliance - of.remaining() < 1.1 * error.total
@@ -204,7 +204,7 @@ def test_no_other_radius_is_much_better_than_the_best(case: int) -> None:
         return error.total
 
     best = best_radius(
-        body.contact(point=of.point),
+        body.contact(point=of.point, radius=0),
         contact_time=of.time,
         contact_radius=of.contact,
         invert=lambda _: solver,

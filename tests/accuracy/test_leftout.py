@@ -1,0 +1,67 @@
+"""The errors of mesh and contact, carried from compliance to what was asked for."""
+
+from __future__ import annotations
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+ALU = ao.Material(E=70e9, nu=0.33, rho=2700)
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+BALL = ao.ball(0.01, STEEL)
+
+
+def plate(across: int, kind: str) -> ao.FEModel:
+    mesh = ao.box_mesh((0.1, 0.1, 0.006), (across, across, 1), kind=kind)
+    return ao.FEModel.from_mesh(mesh, ALU)
+
+
+def strike(body: ao.FEModel, **more: object) -> ao.Result:
+    tip = body.contact(point=(0.05, 0.05, 0.006))
+    return ao.simulate(projectile=BALL, target=tip, velocity=1.0, **more)
+
+
+def test_bricks_that_lock_in_bending_are_seen_in_the_force() -> None:
+    """One layer of linear bricks as long as the plate is thick, against quadratic ones."""
+    rough, fine = (
+        strike(plate(across, kind), quantity="peak_force")
+        for across, kind in ((16, "hexahedron"), (20, "hexahedron20"))
+    )
+    true = abs(rough.peak_force / fine.peak_force - 1.0)
+    assert true > 0.02
+    assert true < rough.error.total + fine.error.total
+    assert rough.error.mesh > 5.0 * fine.error.mesh
+
+
+def test_the_sum_of_all_parts_is_the_total_and_travels() -> None:
+    hit = strike(plate(8, "hexahedron20"))
+    error = hit.error
+    parts = (error.mesh, error.contact, error.reduction, error.time)
+    assert error.total == pytest.approx(math.fsum(parts))
+    assert f"± {100.0 * sum(error.parts('peak_force').values()):.2g} %" in repr(hit)
+    assert pickle.loads(pickle.dumps(hit)).error.mesh == error.mesh
+    assert hit.at(np.array([1e-5])).error.contact == error.contact
+
+
+def test_what_a_model_given_by_numbers_leaves_out_is_not_known() -> None:
+    star = ao.AOModel(m0=0.01, k0=1e6, m=[0.1], k=[1e8])
+    law = ao.Hertz(k=1e9)
+    hit = ao.simulate(projectile=BALL, target=star, law=law, velocity=1.0, duration=1e-3)
+    assert hit.error.mesh is None
+    assert hit.error.contact is None
+    assert hit.error.total is None
+
+
+def test_more_stiffness_of_the_law_from_doubtful_curvatures_counts_as_contact() -> None:
+    """On facets of a coarse ball the curvature is known to some percent."""
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=0.01, size=0.005), STEEL)
+    tip = ball.contact(point=(0, 0, 0.01))
+    hit = ao.simulate(projectile=BALL, target=tip, velocity=1.0)
+    exact = ao.Hertz.between(STEEL, 0.01, STEEL, 0.01)
+    given = ao.simulate(projectile=BALL, target=tip, law=exact, velocity=1.0)
+    assert hit.error.contact > given.error.contact
+    assert hit.peak_force == pytest.approx(given.peak_force, rel=hit.error.total)
