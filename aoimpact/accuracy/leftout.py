@@ -20,7 +20,13 @@ import numpy as np
 from ..base import AOImpactError, held_warnings
 from ..integrate import Events
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
-from ..reduction import SHIFT_TIMES_DURATION, AOModel, FullModel, InterfaceModel
+from ..reduction import (
+    SHIFT_TIMES_DURATION,
+    AOModel,
+    FullModel,
+    InterfaceModel,
+    dynamic_compliance,
+)
 from ..results import LeftOut, Result, Run
 from ..scene import Contact, FullBody, Plan
 from .compliance import ComplianceError, compliance_error
@@ -165,10 +171,10 @@ def _of_contact(plan: Plan, events: Events, contact: Contact) -> list[_End] | No
 def _strain_energy(model: AOModel | InterfaceModel, shift: float, port: int) -> float:
     """xᵀKx of the deflection x under a unit force at i s, m/N: what softer springs add to bᵀx."""
     softer, stiffer = (
-        _with_springs(model, 1.0 + change).dynamic_compliance(shift, port)
+        dynamic_compliance(_with_springs(model, 1.0 + change), shift, port)
         for change in (-_DIFFERENCE, _DIFFERENCE)
     )
-    return float(softer - stiffer) / (2.0 * _DIFFERENCE)
+    return (softer - stiffer) / (2.0 * _DIFFERENCE)
 
 
 def _with_springs(model: Any, factor: float) -> Any:

@@ -122,18 +122,6 @@ class InterfaceModel(Frozen):
         shape: FloatArray = self.modes @ (self.participation[port] / (self.omega**2 + s**2))
         return shape
 
-    def dynamic_compliance(self, s: float, port: int = 0) -> float:
-        """Return bᵀ(K + s²M)⁻¹b of the model at one of its ports, m/N.
-
-        Parameters
-        ----------
-        s : float
-            rad/s, positive.
-        port : int, optional
-        """
-        shares = self.participation[port] ** 2 / (self.omega**2 + s**2)
-        return float(shares.sum() + self.residual[port, port])
-
     @property
     def n(self) -> int:
         """Number of modes, rigid ones included."""

@@ -287,20 +287,6 @@ class AOModel(Frozen):
         force = self.k0 + s**2 * self.m0 + float(self.k @ (1.0 - follow))
         return self.expand(np.concatenate([[1.0], follow]) / force)
 
-    def dynamic_compliance(self, s: float, port: int = 0) -> float:
-        """Return bᵀ(K + s²M)⁻¹b of the model, m/N: its receptance at the frequency i s.
-
-        Parameters
-        ----------
-        s : float
-            rad/s, positive.
-        port : int, optional
-            0: there is one contact point.
-        """
-        inertia = s**2 * self.m
-        with_oscillators = float((self.k * inertia / (self.k + inertia)).sum())
-        return 1.0 / (self.k0 + s**2 * self.m0 + with_oscillators)
-
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return displacement over force at the contact coordinate.
 
