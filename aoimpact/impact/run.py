@@ -92,6 +92,7 @@ def run_models(
     law_errors : sequence of float, optional
         Of each contact, where the law was found from the surfaces; see `LeftOutFinder`.
     """
+    meshed = any(body.contact_points for body in bodies)
     chooses = options.chooses(bodies)
     linear_solver = checked_linear_solver(options.linear_solver, chosen=chooses)
     if chooses:
@@ -111,13 +112,14 @@ def run_models(
         plan = plan_of(bodies, options.energies)
         run = record.run(plan, partial(solve, solver=options.solver))
         warn_of_misfit(run.plan, run, names)
-        if plan.contacts and any(body.contact_points for body in bodies):
+        if plan.contacts and meshed:
             finder = LeftOutFinder(interest(), options.solver, view, law_errors)
             run = replace(run, left_out=finder)
         done = view(run)
     record.warn_if_cut()
     whole = done.run if isinstance(done, Result) else done
     warn_of_centres(whole.plan, names)
-    warn_of_nodes(whole, names)
+    if meshed:
+        warn_of_nodes(whole, names)
     warn_of_run(whole)
     return done

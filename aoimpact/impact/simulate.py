@@ -115,15 +115,8 @@ def simulate(
             turned(model, (0,)) if turn else model
             for model, turn in zip(models, impact.turns, strict=True)
         )
-        return plan_impact(
-            first,
-            second,
-            impact.law,
-            velocity=numbers.velocity,
-            duration=impact.record.length,
-            gap=numbers.gap,
-            energies=energies,
-        )
+        known = numbers._replace(duration=impact.record.length)
+        return _planned(first, second, impact.law, known, energies)
 
     result = run_models(
         plan_of,
@@ -225,8 +218,15 @@ def plan_impact(
         For an argument that makes no sense.
     """
     _check_law(law)
-    speed, _, distance = checked_numbers(velocity, None, gap, energies)
-    length = checked_duration(duration)
+    numbers = checked_numbers(velocity, checked_duration(duration), gap, energies)
+    return _planned(projectile, target, law, numbers, energies)
+
+
+def _planned(
+    projectile: Any, target: Any, law: ContactLaw, numbers: ImpactNumbers, energies: bool
+) -> Plan:
+    speed, length, distance = numbers
+    assert length is not None
     bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body.model, InterfaceModel):
