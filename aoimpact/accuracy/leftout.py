@@ -78,11 +78,10 @@ class LeftOutFinder:
         ]
         if None in found:
             return LeftOut()
-        known = [ends for ends in found if ends]
-        if not known:
-            return LeftOut()
+        if not any(body.model.contact_points for body in plan.bodies):
+            return LeftOut()  # given by numbers
         softening: dict[int, float] = {}
-        for end in (end for ends in known for end in ends):
+        for end in (end for ends in found for end in ends or ()):
             softening[end.body] = max(end.softening, softening.get(end.body, 0.0))
         contact = [math.fsum(abs(end.error.contact) for end in ends or ()) for ends in found]
         in_mesh, mesh_numbers = self._changes(run, _softer(run, softening))

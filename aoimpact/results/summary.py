@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from .result import Result
 
 
+# Errors below this share are rounding.
+_ROUNDING = 1e-9
+
+
 def summary_rows(result: Result) -> list[tuple[str, str]]:
     """Return (name, value with unit) for everything that a user asks first."""
     rows = [
@@ -95,7 +99,7 @@ def _within(result: Result, name: str) -> str:
     parts = result.error.parts(name)
     total = sum(part for part in parts.values() if part is not None)
     listed = ", ".join(
-        f"{cause} {'not known' if part is None else f'{100.0 * part:.2g}'}"
+        f"{cause} {'not known' if part is None else _percent(part)}"
         for cause, part in parts.items()
     )
     return f" ± {100.0 * total:.2g} % ({listed})"
@@ -115,7 +119,7 @@ def _contact(result: Result) -> str:
 
 def _error(result: Result) -> str:
     parts = [
-        f"{name} {'not known' if value is None else f'{100.0 * value:.2g} %'}"
+        f"{name} {'not known' if value is None else f'{_percent(value)} %'}"
         for name, value in (
             ("mesh", result.error.mesh),
             ("contact", result.error.contact),
@@ -128,3 +132,7 @@ def _error(result: Result) -> str:
         return ", ".join(parts)
     asked = f"{result.error.quantity} to {100.0 * (result.error.rtol or 0.0):.2g} %; error: "
     return asked.replace("_", " ") + ", ".join(parts)
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g}" if share >= _ROUNDING else "0"
