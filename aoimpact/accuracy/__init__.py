@@ -3,7 +3,7 @@
 For what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
 
-from .choice import checked_linear_solver, choose_models
+from .choice import checked_linear_solver, checked_rtol, choose_models
 from .compliance import ComplianceError, best_radius, compliance_error
 from .hierarchy import FixedModel, Hierarchy, Models, model_hierarchy
 from .interest import impact_quantity, scene_quantity
@@ -34,6 +34,7 @@ __all__ = [
     "TimeSolver",
     "best_radius",
     "checked_linear_solver",
+    "checked_rtol",
     "choose_models",
     "compliance_error",
     "first_guess",

@@ -20,7 +20,7 @@ from .quantities import Quantity, R, number_errors
 from .record import Record
 from .solve import solve
 
-__all__ = ["checked_linear_solver", "choose_models"]
+__all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
@@ -49,6 +49,23 @@ def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
             "or rtol as well, or make them by antioscillators(tip, n, solver=...)"
         )
     return checked_solver(solver, name="linear_solver")
+
+
+def checked_rtol(rtol: float | None) -> float:
+    """Return the tolerance that is meant, the default one if None.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If it is out of range.
+    """
+    tolerance = positive("rtol", _RTOL if rtol is None else rtol)
+    if not _TIGHTEST <= tolerance < 1.0:
+        raise InputError(
+            f"rtol must be from {_TIGHTEST:g} to below 1, got {tolerance:g}: models of fewer "
+            "degrees of freedom are compared to no more digits"
+        )
+    return tolerance
 
 
 def choose_models(
@@ -93,12 +110,7 @@ def choose_models(
     ConvergenceError
         If neither the largest models tried nor the given solver meet the tolerance.
     """
-    tolerance = positive("rtol", _RTOL if rtol is None else rtol)
-    if not _TIGHTEST <= tolerance < 1.0:
-        raise InputError(
-            f"rtol must be from {_TIGHTEST:g} to below 1, got {tolerance:g}: models of fewer "
-            "degrees of freedom are compared to no more digits"
-        )
+    tolerance = checked_rtol(rtol)
     steps = isinstance(solver, Newmark)
     in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
     asked = rtol is not None

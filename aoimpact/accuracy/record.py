@@ -58,7 +58,8 @@ class Record:
             wanted = _until_over(run)
             if wanted <= length or length >= self._longest:
                 break
-            length = min(max(wanted, _AS_LONG_AGAIN * length), self._longest)
+            further = wanted if math.isfinite(wanted) else _AS_LONG_AGAIN * length
+            length = min(further, self._longest)
         self._cut = wanted > length
         self.length = min(wanted, length)
         self._settled = last

@@ -315,9 +315,13 @@ class Scene:
         if not preload:
             self._refuse_overlap()
         record = self._record(length)
-        fitted = self._fitted()
-        bodies, which = _different(fitted)
         around = self._turns()
+        fitted = self._fitted()
+        for i, body in enumerate(fitted):
+            # Of several places each has a way of its own, which their model must know.
+            if isinstance(body, FullModel) and len(body.tips) > 1:
+                fitted[i], around[i] = turned(body, around[i]), ()
+        bodies, which = _different(fitted)
 
         def plan_of(models: Sequence[Any], energies: bool) -> Plan:
             placed = [turned(models[i], ports) for i, ports in zip(which, around, strict=True)]

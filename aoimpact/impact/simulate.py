@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..accuracy import Record, StressAt, TimeSolver, impact_quantity
+from ..accuracy import Record, StressAt, TimeSolver, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
@@ -108,7 +108,10 @@ def simulate(
     """
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
-    impact = _complete(projectile, target, law, numbers)
+    bodies = body_model("projectile", projectile), body_model("target", target)
+    impact_quantity(quantity, *bodies)  # bad input is said before any work is done
+    checked_rtol(rtol)
+    impact = _complete(*bodies, law, numbers)
 
     def plan_of(models: Sequence[Any], energies: bool) -> Plan:
         first, second = (
@@ -159,9 +162,9 @@ class _Impact(NamedTuple):
 
 
 def _complete(
-    projectile: Any, target: Any, law: ContactLaw | None, numbers: ImpactNumbers
+    projectile: BodyModel, target: BodyModel, law: ContactLaw | None, numbers: ImpactNumbers
 ) -> _Impact:
-    bodies = body_model("projectile", projectile), body_model("target", target)
+    bodies = projectile, target
     around = _turns(*bodies)
     error = 0.0
     if law is None:

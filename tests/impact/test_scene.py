@@ -775,3 +775,31 @@ def test_a_record_longer_than_numbers_reach_is_refused(solver):
     else:
         with pytest.raises(ao.InputError, match=r"dt=1e-05 s over duration=1e.100 s"):
             ao.simulate(**strike, duration=1e100)
+
+
+def test_a_body_between_two_others_passes_the_blow_on_whatever_is_left_out():
+    """Three like balls in a row: the middle one is touched on both sides."""
+    body = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.006), STEEL)
+    front, back = (0, 0, 0.01), (0, 0, -0.01)
+    runs = []
+    for given in ({}, {"direction": (0, 0, -1)}):
+        scene = ao.Scene()
+        one = scene.add(body.contact(point=back, **given), velocity=1.0)
+        two = scene.add([body.contact(point=place, **given) for place in (front, back)])
+        three = scene.add(body.contact(point=front, **given))
+        scene.connect(one, two.port(0))
+        scene.connect(two.port(1), three)
+        runs.append([contact.events.peak_force for contact in scene.simulate().contacts])
+    assert runs[0] == pytest.approx(runs[1], rel=1e-6)
+    assert runs[0][1] > 0.8 * runs[0][0]
+
+
+def test_a_record_that_is_left_out_is_no_longer_than_the_impact():
+    """On a soft cantilever the contact lasts far longer than of rigid bodies."""
+    mesh = ao.box_mesh((0.4, 0.02, 0.005), (40, 2, 1), kind="hexahedron20")
+    beam = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])
+    tip = beam.contact(point=(0.3, 0.01, 0.005))
+    star = ao.antioscillators(tip, 16, method="krylov", contact_time=1.6e-4, duration=5e-3)
+    hit = ao.simulate(projectile=ao.ball(0.01, STEEL), target=star, velocity=0.2)
+    assert hit.duration == pytest.approx(2.0 * hit.contacts[-1][1], rel=1e-6)
+    assert hit.duration < 20e-3
