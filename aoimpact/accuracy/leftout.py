@@ -13,12 +13,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from ..base import AOImpactError, held_warnings
-from ..integrate import Events
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import (
     SHIFT_TIMES_DURATION,
@@ -35,14 +33,11 @@ from .solve import TimeSolver, solve
 
 __all__ = ["LeftOutFinder"]
 
-# A run is repeated with laws that are stiffer or softer by no more than this, and the change is
+# A run is repeated with laws or bodies stiffer or softer by no more than this, and the change is
 # scaled: peak forces go with a power of the stiffness below 1, so this is linear to 5 %.
 _SMALL = 0.1
 
-# Where the search for an indentation begins, m.
-_SHALLOW = 1e-9
-
-# Rates of a law's force are taken over this share of the indentation.
+# Slopes are taken over this share of the indentation, or of the springs.
 _DIFFERENCE = 1e-3
 
 
@@ -72,10 +67,7 @@ class LeftOutFinder:
         plan = run.plan
         if any(isinstance(body, FullBody) for body in plan.bodies):
             return LeftOut()  # each run of such a body costs as much as the first
-        found = [
-            _of_contact(plan, events, contact)
-            for events, contact in zip(run.events, plan.contacts, strict=True)
-        ]
+        found = [_of_contact(run, i) for i in range(len(plan.contacts))]
         if None in found:
             return LeftOut()
         if not any(body.model.contact_points for body in plan.bodies):
@@ -135,8 +127,9 @@ class _Altered:
     scale: float = 1.0
 
 
-def _of_contact(plan: Plan, events: Events, contact: Contact) -> list[_End] | None:
+def _of_contact(run: Run, number: int) -> list[_End] | None:
     """What the compliances at a contact leave out; none of rigid models, and of given numbers."""
+    plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return []
     contact_time = next(
@@ -157,7 +150,7 @@ def _of_contact(plan: Plan, events: Events, contact: Contact) -> list[_End] | No
         error = compliance_error(
             model,
             contact_time=contact_time,
-            contact_radius=_contact_radius(law, events.peak_force),
+            contact_radius=_contact_radius(run, number),
             port=port,
         )
         if error is None:
@@ -176,10 +169,13 @@ def _strain_energy(model: AOModel | InterfaceModel, shift: float, port: int) -> 
     return (softer - stiffer) / (2.0 * _DIFFERENCE)
 
 
-def _with_springs(model: Any, factor: float) -> Any:
+def _with_springs(
+    model: AOModel | InterfaceModel | FullModel, factor: float
+) -> AOModel | InterfaceModel:
     """A model of a body whose stiffness is so many times as much."""
     if isinstance(model, AOModel):
         return replace(model, k0=factor * model.k0, k=factor * model.k)
+    assert isinstance(model, InterfaceModel)
     return replace(model, omega=math.sqrt(factor) * model.omega, residual=model.residual / factor)
 
 
@@ -196,32 +192,25 @@ def _softer(run: Run, softening: Mapping[int, float]) -> _Altered:
     return _Altered(replace(run.plan, bodies=tuple(bodies), energies=False), scale)
 
 
-def _contact_radius(law: ContactLaw, force: float) -> float | None:
-    """Of the contact at a force, m; None of a law that does not know how wide its contact is."""
-    if law.relative_radius is None:
-        return None
-    return math.sqrt(law.relative_radius * _depth(law, force))
+def _depth(run: Run, number: int) -> float:
+    """The deepest indentation of a contact as its own law sees it, m."""
+    contact, deepest = run.plan.contacts[number], run.contacts[number].indentation.max()
+    if not isinstance(contact.law, PatchLaw):
+        return float(deepest)
+    return float(deepest + contact.law.compliance * run.events[number].peak_force)
 
 
-def _depth(law: ContactLaw, force: float) -> float:
-    """The indentation, m, at which a law has a force without rate."""
-    low, high = 0.0, _SHALLOW
-    while law.force(high) < force:
-        low, high = high, 2.0 * high
-    while high - low > 1e-6 * high:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if law.force(middle) < force else (low, middle)
-    return high
+def _contact_radius(run: Run, number: int) -> float | None:
+    """Of a contact at its deepest, m; None of a law that does not know how wide it is."""
+    radius = own_law(run.plan.contacts[number].law).relative_radius
+    return None if radius is None else math.sqrt(radius * _depth(run, number))
 
 
 def _in_series(run: Run, compliances: Sequence[float]) -> _Altered:
     """The laws with so much compliance, m/N, more or less in series with each."""
-    slopes = [
-        _slope(own_law(contact.law), events.peak_force) if events.contacts else 0.0
-        for contact, events in zip(run.plan.contacts, run.events, strict=True)
-    ]
-    shares = [slope * change for slope, change in zip(slopes, compliances, strict=True)]
-    largest = max(shares, default=0.0)
+    largest = max(
+        (_slope(run, i) * change for i, change in enumerate(compliances) if change), default=0.0
+    )
     if largest == 0.0:
         return _Altered(None)
     scale = max(1.0, largest / _SMALL)
@@ -232,11 +221,13 @@ def _in_series(run: Run, compliances: Sequence[float]) -> _Altered:
     return _Altered(_with(run.plan, contacts), scale)
 
 
-def _slope(law: ContactLaw, force: float) -> float:
-    """dF/dδ of a law at a force, N/m."""
-    depth = _depth(law, force)
-    low, high = law.force(np.array([1.0 - _DIFFERENCE, 1.0 + _DIFFERENCE]) * depth)
-    return float(high - low) / (2.0 * _DIFFERENCE * depth)
+def _slope(run: Run, number: int) -> float:
+    """dF/dδ of a contact's own law where it is deepest, N/m; from below, where the law may end."""
+    depth = _depth(run, number)
+    low, high = own_law(run.plan.contacts[number].law).force(
+        np.array([1.0 - _DIFFERENCE, 1.0 - 1e-12]) * depth
+    )
+    return float(high - low) / (_DIFFERENCE * depth)
 
 
 def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:

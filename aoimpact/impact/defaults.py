@@ -19,11 +19,9 @@ from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel, touched
 
 __all__ = ["Meeting", "chosen_law", "fitted", "fitted_pair", "meeting", "turned", "turns"]
 
-# A contact of Hertz's law lasts 2.94 times its depth over the speed (Johnson, eq. 11.25).
-_DURATION_OVER_DEPTH = 2.94
-
-# Logarithms of depth, m, between which that of an impact lies, and to which it is found.
-_SHALLOWEST, _DEEPEST, _EXACT = math.log(1e-15), math.log(1e3), 1e-3
+# A contact lasts about three times its depth over the speed: 2.94 by Hertz's law (Johnson,
+# eq. 11.25), π by a linear one.
+_DURATION_OVER_DEPTH = 3.0
 
 
 def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = False) -> bool:
@@ -129,21 +127,23 @@ class Meeting(NamedTuple):
 def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Meeting | None:
     """Estimate an impact by rigid bodies, which go deeper than elastic ones.
 
-    None where the law ends before, or nothing is known of the masses.
+    None where nothing moves, both masses are infinite, or the law never takes the energy.
+
+    Parameters
+    ----------
+    law : ContactLaw
+    bodies : sequence of two models
+    velocity : float
+        At which they meet, m/s.
     """
     masses = [_mass(body) for body in bodies]
     if velocity == 0.0 or all(math.isinf(mass) for mass in masses):
         return None
     energy = 0.5 * velocity**2 / math.fsum(1.0 / mass for mass in masses)
-    low, high = _SHALLOWEST, _DEEPEST
     try:
-        while high - low > _EXACT:
-            middle = 0.5 * (low + high)
-            deep = law.potential(math.exp(middle)) >= energy
-            low, high = (low, middle) if deep else (middle, high)
+        depth = law.stroke(energy)
     except AOImpactError:
         return None
-    depth = math.exp(high)
     wide = None if law.relative_radius is None else math.sqrt(law.relative_radius * depth)
     return Meeting(_DURATION_OVER_DEPTH * depth / abs(velocity), wide)
 

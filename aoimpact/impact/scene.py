@@ -363,6 +363,8 @@ class Scene:
         bodies = list(self._bodies)
         known: dict[tuple[BodyModel, int], BodyModel] = {}
         for contact in self._contacts:
+            if not any(isinstance(bodies[body], FullModel) for body, _ in contact.ports):
+                continue
             met = self._meeting(contact)
             for body, port in contact.ports:
                 key = bodies[body], port

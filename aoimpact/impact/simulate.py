@@ -109,8 +109,10 @@ def simulate(
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
-    impact_quantity(quantity, *bodies)  # bad input is said before any work is done
-    checked_rtol(rtol)
+    interest = partial(impact_quantity, quantity, *bodies)
+    if options.asked:  # bad input is said before any work is done
+        checked_rtol(rtol)
+        interest()
     impact = _complete(*bodies, law, numbers)
 
     def plan_of(models: Sequence[Any], energies: bool) -> Plan:
@@ -127,7 +129,7 @@ def simulate(
         options,
         record=impact.record,
         names=_NAMES,
-        interest=partial(impact_quantity, quantity, *impact.bodies),
+        interest=interest,
         view=_result,
         law_errors=(impact.law_error,),
     )

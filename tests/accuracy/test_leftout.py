@@ -76,3 +76,17 @@ def test_what_is_taken_as_rigid_has_no_error_of_its_mesh() -> None:
     assert [model.label for model in hit.models] == ["rigid", "rigid"]
     assert hit.error.mesh == 0.0
     assert hit.error.total == pytest.approx(hit.error.reduction + hit.error.time, abs=1e-2)
+
+
+def test_a_law_that_ends_just_beyond_the_impact_has_its_errors() -> None:
+    """The slope of a table is asked for within it, whether it goes on or not."""
+    tip = plate(16, "hexahedron20").contact(point=(0.05, 0.05, 0.006), radius=0.005)
+    hertz = ao.Hertz.between(STEEL, 0.01, ALU, math.inf)
+    whole = ao.simulate(projectile=BALL, target=tip, law=hertz, velocity=0.5, duration=1.5e-4)
+    deepest = (1.02 * whole.peak_force / hertz.k) ** (2.0 / 3.0)
+    depths = np.linspace(0.0, deepest, 200)[1:]
+    table = ao.Tabulated(depths, hertz.force(depths))
+    hit = ao.simulate(projectile=BALL, target=tip, law=table, velocity=0.5, duration=1.5e-4)
+    # Of the same size: models are chosen for each impact anew.
+    assert 0.5 < hit.error.mesh / whole.error.mesh < 2.0
+    assert math.isfinite(hit.error.contact)
