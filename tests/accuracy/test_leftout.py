@@ -89,4 +89,5 @@ def test_a_law_that_ends_just_beyond_the_impact_has_its_errors() -> None:
     hit = ao.simulate(projectile=BALL, target=tip, law=table, velocity=0.5, duration=1.5e-4)
     # Of the same size: models are chosen for each impact anew.
     assert 0.5 < hit.error.mesh / whole.error.mesh < 2.0
-    assert math.isfinite(hit.error.contact)
+    # Infinite where what is left out would lead beyond the table.
+    assert hit.error.contact > 0.0
