@@ -193,6 +193,8 @@ def _laws() -> Iterator[tuple[str, tuple[Callable[..., Any], dict[str, Any]]]]:
 
 
 # What is called, with what, and which of its arguments are made odd.
+LABELS = np.stack([np.arange(BAR.n_dofs), np.ones(BAR.n_dofs, int)], axis=1)
+
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     **dict(_laws()),
     "AOModel": (
@@ -289,6 +291,12 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"point": (0.1, 0, 0), "direction": (-1, 0, 0), "radius": 0.0, "expected": None},
     ),
     "FEModel.contact of a dof": (BAR.contact, {"dof": 0}),
+    "FEModel.contact of a node": (
+        BAR.contact,
+        {"node": 3, "direction": (-1, 0, 0), "radius": 0.0},
+    ),
+    "FEModel.contact of a functional": (BAR.contact, {"b": np.eye(BAR.n_dofs)[0]}),
+    "FEModel of labels": (ao.FEModel, {"K": BAR.K, "M": BAR.M, "labels": LABELS}),
     "FEModel.translation": (BAR.translation, {"direction": (1, 0, 0)}),
     "FEModel.com_functional": (BAR.com_functional, {"direction": (1, 0, 0)}),
     "FEModel.inverse": (BAR.inverse, {"s2": 1e8, "solver": "auto", "solutions": 1}),
