@@ -36,6 +36,7 @@ from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import Mesh, Surface, surface_shape
 from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
+from .labels import labelled_rows
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
@@ -60,6 +61,9 @@ _HELD = 1e-12
 # How far the length of a unit vector may be from 1.
 _UNIT = 1e-9
 
+# How far the length of a functional's resultant may be from 1 for it to be a mean displacement.
+_MEAN = 1e-9
+
 # Entries of a functional whose squares, times masses and stiffnesses, are numbers.
 _SMALLEST, _LARGEST = 1e-50, 1e50
 
@@ -77,6 +81,8 @@ class Body(Protocol):
     def nodes(self) -> FloatArray | None: ...
     @property
     def free(self) -> IntArray | None: ...
+    @property
+    def labels(self) -> IntArray | None: ...
     @property
     def mesh(self) -> Mesh | None: ...
     @property
@@ -104,8 +110,8 @@ class Body(Protocol):
 class ContactPoint(Frozen):
     """A place on a body, and the direction in which it is touched there.
 
-    Made by `FEModel.contact`; of a functional of one's own, by ``ContactPoint(body, b)``. It stands
-    for the full finite-element model wherever `simulate` takes a body.
+    Made by `FEModel.contact`. It stands for the full finite-element model wherever `simulate` takes
+    a body.
 
     Attributes
     ----------
@@ -254,11 +260,13 @@ def contact_point(
     *,
     point: npt.ArrayLike | None = None,
     direction: npt.ArrayLike | None = None,
+    node: int | None = None,
     dof: int | None = None,
+    b: npt.ArrayLike | None = None,
     radius: float | str = "auto",
     expected: float | None = None,
 ) -> ContactPoint:
-    """Return the functional of a place on a body, or of a single dof; see `FEModel.contact`."""
+    """Return the functional of a place on a body, of a dof, or of one's own; see `FEModel`."""
     if isinstance(radius, str):
         choice("radius", radius, ("auto",))
     else:
@@ -267,14 +275,23 @@ def contact_point(
         if radius != "auto":
             raise InputError(f'expected is for radius="auto", but radius={radius!r} was given')
         expected = positive("expected", expected, unit="m")
+    _check_one({"point": point, "node": node, "dof": dof, "b": b}, direction)
+    if b is not None:
+        return _of_functional(body, b, radius)
     if dof is not None:
-        if point is not None or direction is not None:
-            raise InputError("give either dof, or point and direction, not both")
         if radius not in ("auto", 0.0):
             raise InputError(f"radius={radius}: a single dof has no patch; give point, or radius=0")
         return _at_dof(body, integer("dof", dof, low=0, high=body.n_dofs - 1))
-    if point is None:
-        raise InputTypeError("contact needs dof, or point and direction")
+    if node is not None:
+        if body.nodes is None:
+            return _at_label(body, node, direction, radius)
+        where = body.nodes[_node_number(body, node)]
+        try:
+            return contact_point(
+                body, point=where, direction=direction, radius=radius, expected=expected
+            )
+        except InputError as error:
+            raise type(error)(f"node {node}: {error}") from error
     if body.nodes is None or body.free is None:
         raise InputError(
             "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"
@@ -295,6 +312,18 @@ def contact_point(
     if touch.patch is not None:
         warn_if_coarse(body.surface, touch.patch)
     return replace(_at_touch(body, touch), directed=along is not None)
+
+
+def _check_one(given: dict[str, Any], direction: Any) -> None:
+    names = [name for name, value in given.items() if value is not None]
+    if not names:
+        raise InputTypeError("contact needs point or node, and direction; or dof; or b")
+    if len(names) > 1:
+        raise InputError(f"give either {' or '.join(names)}, not both")
+    if direction is not None and names[0] in ("dof", "b"):
+        raise InputError(
+            f"give either {names[0]}, or point and direction, not both: {names[0]} has its own"
+        )
 
 
 def contact_at(tip: ContactPoint, radius: float) -> ContactPoint:
@@ -328,6 +357,86 @@ def _at_dof(body: Body, dof: int) -> ContactPoint:
         return ContactPoint(body, b, None, None, None)
     node, component = divmod(int(body.free[dof]), 3)
     return ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node)
+
+
+def _of_functional(body: Body, b: Any, radius: float | str) -> ContactPoint:
+    """The contact of a functional of one's own, with as much of a place as it has."""
+    values = finite_array("b", b, ndim=1).copy()
+    if len(values) != body.n_dofs:
+        cure = "; take b[body.free]" if body.nodes is not None else ""
+        whole = body.nodes is not None and len(values) == 3 * len(body.nodes)
+        raise InputError(
+            f"b must have one entry for each of the {body.n_dofs} rows of K, got {len(values)}"
+            + (cure if whole else "")
+        )
+    tip = ContactPoint(body, values)
+    if body.nodes is not None:
+        length = float(np.linalg.norm(tip.resultant))
+        if abs(length - 1.0) <= _MEAN:
+            tip = replace(tip, direction=tip.resultant / length)
+    if radius in ("auto", 0.0):
+        return tip
+    return _with_patch(tip, float(radius))
+
+
+def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:
+    """The same functional with the patch of which it is said to carry the pressure."""
+    body = tip.body
+    if body.surface is None or body.material is None:
+        raise InputError(
+            f"radius={radius}: a patch needs the faces of a mesh; make the body with "
+            "FEModel.from_mesh(mesh, material), or leave radius out"
+        )
+    if tip.direction is None:
+        length = float(np.linalg.norm(tip.resultant))
+        raise InputError(
+            f"radius={radius}: a patch carries the whole force, but b sums up to {length:.4g} "
+            "along its direction; scale b so that it is 1, or leave radius out"
+        )
+    assert body.nodes is not None
+    centre = (tip._nodal_forces @ tip.direction) @ body.nodes
+    place = body.surface.nearest(centre)[0]
+    if float(place.distance[0]) > radius:
+        raise InputError(
+            f"radius={radius}: the forces of b act about {plain(centre)} m, farther than that from "
+            "the surface of the mesh; leave radius out"
+        )
+    touch = touched(body.surface, body.material, place.x[0], tip.direction, radius)
+    return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
+
+
+def _node_number(body: Body, node: Any) -> int:
+    """The place in `nodes` of a node that is named by its label or, without labels, by that."""
+    assert body.nodes is not None
+    if body.labels is None:
+        return integer("node", node, low=0, high=len(body.nodes) - 1)
+    assert body.free is not None
+    rows = labelled_rows(body.labels, integer("node", node))
+    return int(body.free[rows[0]]) // 3
+
+
+def _at_label(body: Body, node: Any, direction: Any, radius: float | str) -> ContactPoint:
+    """A node of a body whose nodes are known by their labels only."""
+    label = integer("node", node)
+    if body.labels is None:
+        raise InputError(
+            "node: this body has neither nodes nor labels; give dof, or build it with "
+            "FEModel(K=, M=, labels=)"
+        )
+    if radius not in ("auto", 0.0):
+        raise InputError(f"radius={radius}: a body without a mesh has no patch; give radius=0")
+    if direction is None:
+        raise InputTypeError("contact needs direction: a body without a mesh has no normal")
+    along = unit_vector("direction", direction)
+    rows = labelled_rows(body.labels, label)
+    b = np.zeros(body.n_dofs)
+    b[rows] = along[body.labels[rows, 1] - 1]
+    if not b.any():
+        raise InputError(
+            f"node {label} with direction {plain(along)}: its free components are "
+            f"{', '.join(map(str, body.labels[rows, 1]))}, none of them along it"
+        )
+    return ContactPoint(body, b, along)
 
 
 def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:

@@ -112,11 +112,12 @@ def wide_enough(
         of_surface = f" of relative_radius={law.law.relative_radius:.3g} m"
         wide = math.sqrt(law.law.relative_radius * float(depth))
         factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
+    wanted = [max(radius, factor * min(radii)) for radius in radii]
     return LawLimitError(
         f"{error.args[0].partition(': ')[0]}: with patches of radius {_listed(radii)} the law"
         f"{of_surface} stands up to an indentation of {law.limit:.3g} m, where the contact is as "
         "wide as they are, and less deep at the rate of a damped law; for this impact make the "
-        f"contact points with radius={_listed([factor * radius for radius in radii])} or more, "
+        f"contact points with radius={_listed(wanted)} or more, "
         "where the bodies have room",
         error.contact,
     )
