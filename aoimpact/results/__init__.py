@@ -1,6 +1,6 @@
 """The results of a run: histories, events, energies, tables, plots."""
 
-from .misfit import warn_of_misfit
+from .misfit import warn_of_lag, warn_of_misfit
 from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
 from .plausibility import least_said, warn_of_run
 from .result import Result
@@ -18,6 +18,7 @@ __all__ = [
     "Result",
     "Run",
     "least_said",
+    "warn_of_lag",
     "warn_of_misfit",
     "warn_of_run",
 ]
