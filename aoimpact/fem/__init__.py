@@ -2,7 +2,7 @@
 
 from .assembly import stiffness_mass
 from .audit import Audit, audited
-from .contact import Body, ContactPoint, contact_at, contact_point
+from .contact import Body, ContactPoint, contact_at, contact_point, contact_within
 from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch, image_field
@@ -43,6 +43,7 @@ __all__ = [
     "checked_labels",
     "contact_at",
     "contact_point",
+    "contact_within",
     "damping_or_none",
     "displacement",
     "edge_length",

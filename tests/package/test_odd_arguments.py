@@ -444,6 +444,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Handle.port": (ao.Handle(0).port, {"at": 0}),
     "Run.at": (HIT.run.at, {"times": [1e-4]}),
     "Run.to_csv": (HIT.run.to_csv, {"path": "run.csv", "names": None}),
+    "Run.to_dataframe": (HIT.run.to_dataframe, {"names": None}),
+    "Run.to_xarray": (HIT.run.to_xarray, {"names": None}),
     "SweepTable": _again(SWEEP),
     "SweepTable.to_csv": (SWEEP.to_csv, {"path": None}),
     "Comparison": _again(COMPARED),
@@ -503,6 +505,7 @@ ALSO = {
     "omega2": ("modes must have shape",),
     "omega": ("participation must have shape",),
     "data": ("is missing",),
+    "names": ("which is not installed",),
 }
 
 # A function of the user's has errors of its own, and may be slow; a value of a sweep may be a list.
