@@ -53,6 +53,7 @@ from ..mesh import (
 from .assembly import stiffness_mass
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
+from .labels import axes_of, checked_labels
 from .material import Material
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
@@ -63,6 +64,10 @@ __all__ = ["FEModel"]
 # Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
 # likely in millimetres.
 _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
+
+# Elastic force of a translation, over the largest entry of K, that what prints K with few digits
+# leaves.
+_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -83,14 +88,18 @@ class FEModel(Frozen):
         Inherited by the models made from this one.
     name : str, optional
         What results, tables and plots are to call it; inherited as well.
+    labels : array_like of int, shape (n_dofs, 2), optional
+        For each row of K its node's number in the program that it comes from, and its component:
+        1, 2, 3 for displacements, 4, 5, 6 for rotations, 0 for what has no direction. For
+        ``contact(node=)``.
 
     Attributes
     ----------
     mesh : Mesh or None
     material : Material or None
     mass : float or None
-        Of the whole body, kg, from 1ᵀM1; None if M does not determine it (no nodes, or
-        an M without the dofs of the supports).
+        Of the whole body, kg, from 1ᵀM1; None if M does not determine it: neither nodes nor
+        labels, or an M without the dofs of the supports.
 
     Raises
     ------
@@ -104,6 +113,7 @@ class FEModel(Frozen):
     free: IntArray | None = None
     damping: Damping | None = None
     name: str = ""
+    labels: IntArray | None = None
     mesh: Mesh | None = field(init=False, default=None)
     material: Material | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
@@ -118,12 +128,16 @@ class FEModel(Frozen):
         factors = check_stiffness(K)
         check_mass(M)
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
+        labels = checked_labels(self.labels, K.shape[0])
         mass = momentum = None
-        if nodes is not None and K.shape[0] == 3 * len(nodes):
-            momentum = M @ _translations(free)
-            mass = _checked_total(momentum.T @ _translations(free))
+        along = axes_of(free, labels)
+        whole = nodes is not None and K.shape[0] == 3 * len(nodes)
+        if along is not None and (whole or (nodes is None and _translates(K, along))):
+            momentum = M @ along
+            mass = _checked_total(momentum.T @ along)
         damping = damping_or_none(self.damping)
         self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
+        self._set(labels=labels)
         if nodes is not None:
             if mass is not None:
                 _warn_of_units(mass, float(np.ptp(nodes, axis=0).max()))
@@ -231,12 +245,12 @@ class FEModel(Frozen):
         Raises
         ------
         InputError
-            If the model has no nodes.
+            If the model has neither nodes nor labels.
         """
-        along = unit_vector("direction", direction)
-        if self.free is None:
+        along, axes = unit_vector("direction", direction), axes_of(self.free, self.labels)
+        if axes is None:
             raise InputError("a translation needs nodes: make the model with FEModel(..., nodes=)")
-        return along[self.free % 3]
+        return axes @ along
 
     def com_functional(self, direction: npt.ArrayLike) -> FloatArray:
         """Return h, shape (n_dofs,), with hᵀx the displacement of the centre of mass.
@@ -251,7 +265,7 @@ class FEModel(Frozen):
         Raises
         ------
         InputError
-            If the model has no nodes, or M was given without the constrained dofs.
+            If the model has neither nodes nor labels, or M was given without the constrained dofs.
         """
         along = unit_vector("direction", direction)
         if self._momentum is None or self.mass is None:
@@ -329,11 +343,13 @@ class FEModel(Frozen):
         *,
         point: npt.ArrayLike | None = None,
         direction: npt.ArrayLike | None = None,
+        node: int | None = None,
         dof: int | None = None,
+        b: npt.ArrayLike | None = None,
         radius: float | str = "auto",
         expected: float | None = None,
     ) -> ContactPoint:
-        """Return the place where this body is touched: a point, a patch, or a single dof.
+        """Return the place where this body is touched: a point, a patch, a dof, or any functional.
 
         Parameters
         ----------
@@ -345,8 +361,15 @@ class FEModel(Frozen):
             The projectile's direction of travel, for the projectile and for the target, any length
             but zero. By default the surface's inward normal, or, where the body turns out to be the
             projectile, the outward one.
+        node : int, optional
+            In place of `point`: the node's label, of a body with `labels`; else its number in
+            `nodes`, from 0.
         dof : int, optional
             Row of K, in place of `point` and `direction`.
+        b : array_like, shape (n_dofs,), optional
+            In place of all these: a functional of one's own, so that the contact's displacement is
+            u = bᵀX and its force f loads the body with b f. Without a patch, unless `radius` names
+            that of the disc over which b spreads Hertz's pressure.
         radius : float or "auto", optional
             Of the patch that carries the contact under Hertz's pressure, m. "auto" takes twice the
             `expected` contact radius, or what the mesh resolves well if that is more; `simulate`
@@ -370,9 +393,29 @@ class FEModel(Frozen):
         -----
         AOImpactWarning
             If the point taken is not the one given, or the mesh is too coarse for the radius given.
+
+        Examples
+        --------
+        The mean of two nodes' displacements along z:
+
+        >>> import numpy as np
+        >>> from aoimpact.mesh import box_mesh
+        >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
+        >>> body = FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700))
+        >>> b = np.zeros(body.n_dofs)
+        >>> b[[3 * 20 + 2, 3 * 21 + 2]] = 0.5
+        >>> body.contact(b=b)
+        ContactPoint(functional of 2 dofs of a body of 132 dofs)
         """
         return contact_point(
-            self, point=point, direction=direction, dof=dof, radius=radius, expected=expected
+            self,
+            point=point,
+            direction=direction,
+            node=node,
+            dof=dof,
+            b=b,
+            radius=radius,
+            expected=expected,
         )
 
     @cached_property
@@ -384,6 +427,12 @@ class FEModel(Frozen):
 def _translations(dofs: IntArray | None) -> FloatArray:
     assert dofs is not None
     return np.eye(3)[dofs % 3]
+
+
+def _translates(K: Any, axes: FloatArray) -> bool:
+    """Whether no translation meets elastic force: beside that of the single dofs, only rounding."""
+    force = np.abs(K @ axes).max(initial=0.0)
+    return bool(axes.any(axis=0).all() and force <= _ROUNDING * np.abs(K.data).max(initial=0.0))
 
 
 def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | None, IntArray | None]:

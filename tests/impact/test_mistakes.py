@@ -13,6 +13,8 @@ from typing import Any
 import pytest
 
 import aoimpact as ao
+from aoimpact.fem import ContactSurface
+from aoimpact.laws import law_between
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
@@ -146,3 +148,39 @@ def test_a_direction_the_wrong_way_round() -> None:
     words = r"target: direction \(0, 0, 1\) goes out of the body .* leave direction out"
     with pytest.raises(ao.InputError, match=words):
         strike(up)
+
+
+def test_a_projectile_that_flies_away_is_refused_before_any_model_is_made(own_solver: Any) -> None:
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.01), STEEL).contact(point=(0, 0, -0.01))
+    target = plate().contact(point=MIDDLE)
+    with pytest.raises(ao.InputError, match="velocity=-1 m/s: the projectile flies away"):
+        ao.simulate(ball, target, -1.0, linear_solver=own_solver)
+    assert own_solver.calls == []
+
+
+def test_a_patch_too_small_for_the_contact_is_refused_by_small_models(own_solver: Any) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ao.AOImpactWarning)  # the mesh is too coarse for it, too
+        target = plate().contact(point=MIDDLE, radius=1e-4)
+    with pytest.raises(ao.InputError, match=r"make the contact points with radius=0\.00\d+ m or"):
+        ao.simulate(ao.ball(0.01, STEEL), target, 1.0, linear_solver=own_solver)
+    assert own_solver.solutions < 40
+
+
+def test_a_whole_body_without_keywords() -> None:
+    with pytest.raises(ao.InputTypeError, match=r"projectile is a whole FEModel\("):
+        ao.simulate(plate(), plate(), 1.0)
+
+
+def test_a_ball_of_ten_metres() -> None:
+    with pytest.raises(ao.InputError, match="no room for larger ones there: check that radii"):
+        ao.simulate(ao.ball(10, STEEL), plate().contact(point=MIDDLE), 1.0)
+
+
+def test_cylinders_that_touch_along_a_line() -> None:
+    along = ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    roller = ContactSurface(STEEL, (100.0, 1e-5), along, error=0.1)
+    askew = ContactSurface(STEEL, (100.0, 1e-5), ((1e-5, 1.0, 0.0), (1.0, -1e-5, 0.0)), error=0.1)
+    for other in (roller, askew):
+        with pytest.raises(ao.InputError, match="not touch in a point: give law=, such as Linear"):
+            law_between(roller, other, projectile_direction=DOWN, target_direction=DOWN)

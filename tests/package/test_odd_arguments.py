@@ -193,6 +193,8 @@ def _laws() -> Iterator[tuple[str, tuple[Callable[..., Any], dict[str, Any]]]]:
 
 
 # What is called, with what, and which of its arguments are made odd.
+LABELS = np.stack([np.arange(BAR.n_dofs), np.ones(BAR.n_dofs, int)], axis=1)
+
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     **dict(_laws()),
     "AOModel": (
@@ -289,6 +291,12 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"point": (0.1, 0, 0), "direction": (-1, 0, 0), "radius": 0.0, "expected": None},
     ),
     "FEModel.contact of a dof": (BAR.contact, {"dof": 0}),
+    "FEModel.contact of a node": (
+        BAR.contact,
+        {"node": 3, "direction": (-1, 0, 0), "radius": 0.0},
+    ),
+    "FEModel.contact of a functional": (BAR.contact, {"b": np.eye(BAR.n_dofs)[0]}),
+    "FEModel of labels": (ao.FEModel, {"K": BAR.K, "M": BAR.M, "labels": LABELS}),
     "FEModel.translation": (BAR.translation, {"direction": (1, 0, 0)}),
     "FEModel.com_functional": (BAR.com_functional, {"direction": (1, 0, 0)}),
     "FEModel.inverse": (BAR.inverse, {"s2": 1e8, "solver": "auto", "solutions": 1}),
@@ -424,6 +432,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Handle.port": (ao.Handle(0).port, {"at": 0}),
     "Run.at": (HIT.run.at, {"times": [1e-4]}),
     "Run.to_csv": (HIT.run.to_csv, {"path": "run.csv", "names": None}),
+    "Run.to_dataframe": (HIT.run.to_dataframe, {"names": None}),
+    "Run.to_xarray": (HIT.run.to_xarray, {"names": None}),
     "SweepTable": _again(SWEEP),
     "SweepTable.to_csv": (SWEEP.to_csv, {"path": None}),
     "Comparison": _again(COMPARED),
@@ -483,6 +493,7 @@ ALSO = {
     "omega2": ("modes must have shape",),
     "omega": ("participation must have shape",),
     "data": ("is missing",),
+    "names": ("which is not installed",),
 }
 
 # A function of the user's has errors of its own, and may be slow; a value of a sweep may be a list.
