@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 import math
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import fields
@@ -193,7 +194,8 @@ def _laws() -> Iterator[tuple[str, tuple[Callable[..., Any], dict[str, Any]]]]:
 
 
 # What is called, with what, and which of its arguments are made odd.
-LABELS = np.stack([np.arange(BAR.n_dofs), np.ones(BAR.n_dofs, int)], axis=1)
+LABELS = np.stack([BAR.free // 3 + 1, BAR.free % 3 + 1], axis=1)
+MATRICES = ao.write_matrices(BAR, tempfile.mkdtemp())
 
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     **dict(_laws()),
@@ -323,6 +325,16 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"tip": TIP, "contact_time": 1e-4, "duration": None, "solver": "auto"},
     ),
     "check_patch": (ao.check_patch, {"tip": PATCH, "expected": 1e-3}),
+    "AOModel.to_json": (STAR.to_json, {"path": "model.json"}),
+    "FEModel.audit": (BAR.audit, {"frequencies": 2}),
+    "write_matrices": (ao.write_matrices, {"what": STAR, "folder": "matrices"}),
+    "read_matrices": (
+        ao.read_matrices,
+        {
+            **{"K": MATRICES["K"], "M": MATRICES["M"], "dofs": LABELS, "nodes": BAR.nodes},
+            **{"length": 1.0, "mass": 1.0, "damping": None, "name": ""},
+        },
+    ),
     "AOModel.receptance": (STAR.receptance, {"omega": 1.0}),
     "AOModel.truncated": (STAR.truncated, {"n": 1}),
     "AOModel.expand": (ao.antioscillators(TIP, 2).expand, {"coordinates": np.zeros(3)}),
@@ -588,7 +600,7 @@ def test_every_argument_takes_odd_values_or_names_them(
 
 # Made by every run and by nobody else: to check what the package itself has made would cost a plain
 # impact a tenth of its time.
-ONLY_RETURNED = {"Result", "Run"}
+ONLY_RETURNED = {"Audit", "Result", "Run"}
 
 
 def test_everything_public_is_tried_with_each_argument() -> None:
