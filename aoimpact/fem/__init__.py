@@ -1,7 +1,7 @@
 """Finite-element models: material, supports, assembly, damping, and the contact functional."""
 
 from .assembly import stiffness_mass
-from .contact import Body, ContactPoint, contact_at, contact_point
+from .contact import Body, ContactPoint, contact_at, contact_point, contact_within
 from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch, image_field
@@ -38,6 +38,7 @@ __all__ = [
     "check_patch",
     "contact_at",
     "contact_point",
+    "contact_within",
     "damping_or_none",
     "displacement",
     "edge_length",

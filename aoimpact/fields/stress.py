@@ -141,28 +141,47 @@ def nodal_stress(mesh: Mesh, material: Material, displacement: FloatArray) -> St
 
 
 def stress_rows(mesh: Mesh, material: Material, nodes: IntArray) -> sp.csr_array:
-    """Return the stress at a few nodes as a linear function of all displacements.
+    """Return the stress at some nodes as a linear function of all displacements.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    material : Material
+    nodes : ndarray of int
+        Each once.
 
     Returns
     -------
     scipy.sparse.csr_array, shape (6 len(nodes), 3 n_nodes)
         Its product with the displacements is `nodal_stress` there, component by component.
     """
-    element = reference_element(mesh.kind)
-    count = elements_at(mesh)
-    rows = sp.lil_array((6 * len(nodes), 3 * mesh.n_nodes))
-    for i, node in enumerate(nodes):
-        around, local = np.nonzero(mesh.cells == node)
-        cells = mesh.cells[around]
-        slopes = _slopes_at_nodes(mesh.nodes[cells], element)[np.arange(len(local)), local]
-        total = np.zeros((mesh.n_nodes, 3))
-        np.add.at(total, cells, slopes / count[node])
-        touched = np.unique(cells)
-        for j in range(3):
-            gradient = np.zeros((len(touched), 3, 3))
-            gradient[:, j] = total[touched]
-            rows[6 * i : 6 * i + 6, 3 * touched + j] = _hooke(gradient, material).T
-    return rows.tocsr()
+    # The stress by each ∂u_j/∂x_i, (3 i, 3 j, 6).
+    unit = np.zeros((3, 3, 3, 3))
+    for j, i in np.ndindex(3, 3):
+        unit[i, j, j, i] = 1.0
+    stress = _hooke(unit, material)
+    slopes = _averaged_slopes(mesh, nodes)
+    rows = [sp.kron(slope, by.T, format="csr") for slope, by in zip(slopes, stress, strict=True)]
+    return rows[0] + rows[1] + rows[2]
+
+
+def _averaged_slopes(mesh: Mesh, nodes: IntArray) -> list[sp.csr_array]:
+    """∂/∂x, ∂/∂y, ∂/∂z at some nodes of a function given at all, each (len(nodes), n_nodes)."""
+    element, count = reference_element(mesh.kind), elements_at(mesh)
+    row = np.full(mesh.n_nodes, -1)
+    row[nodes] = np.arange(len(nodes))
+    around = np.flatnonzero((row[mesh.cells] >= 0).any(axis=1))
+    found: list[tuple[IntArray, IntArray, FloatArray]] = []
+    for batch in batches(len(around), element):
+        cells = mesh.cells[around[batch]]
+        cell, local = np.nonzero(row[cells] >= 0)
+        slopes = _slopes_at_nodes(mesh.nodes[cells], element)[cell, local]
+        at = cells[cell, local]
+        slopes /= count[at][:, None, None]
+        found.append((np.repeat(row[at], cells.shape[1]), cells[cell].ravel(), slopes))
+    i, j, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    shape = (len(nodes), mesh.n_nodes)
+    return [sp.csr_array((values[..., axis].ravel(), (i, j)), shape=shape) for axis in range(3)]
 
 
 def batches(n_cells: int, element: ReferenceElement) -> Iterator[slice]:

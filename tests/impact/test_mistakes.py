@@ -13,6 +13,8 @@ from typing import Any
 import pytest
 
 import aoimpact as ao
+from aoimpact.fem import ContactSurface
+from aoimpact.laws import law_between
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
@@ -168,3 +170,17 @@ def test_a_patch_too_small_for_the_contact_is_refused_by_small_models(own_solver
 def test_a_whole_body_without_keywords() -> None:
     with pytest.raises(ao.InputTypeError, match=r"projectile is a whole FEModel\("):
         ao.simulate(plate(), plate(), 1.0)
+
+
+def test_a_ball_of_ten_metres() -> None:
+    with pytest.raises(ao.InputError, match="no room for larger ones there: check that radii"):
+        ao.simulate(ao.ball(10, STEEL), plate().contact(point=MIDDLE), 1.0)
+
+
+def test_cylinders_that_touch_along_a_line() -> None:
+    along = ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    roller = ContactSurface(STEEL, (100.0, 1e-5), along, error=0.1)
+    askew = ContactSurface(STEEL, (100.0, 1e-5), ((1e-5, 1.0, 0.0), (1.0, -1e-5, 0.0)), error=0.1)
+    for other in (roller, askew):
+        with pytest.raises(ao.InputError, match="not touch in a point: give law=, such as Linear"):
+            law_between(roller, other, projectile_direction=DOWN, target_direction=DOWN)
