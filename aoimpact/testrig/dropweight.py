@@ -72,7 +72,7 @@ class DropWeight(Frozen):
     mass, impact_velocity, gravity : float
         kg, m/s, m/s².
     start, end : float
-        First and last touch, s; of a filtered force, where that has fallen to 1 % of its peak.
+        First and last touch, s.
     simulated : bool
         Whether the bodies are those of a simulation, which cannot break.
     """
@@ -146,8 +146,11 @@ class DropWeight(Frozen):
     # ---------------------------------------------------------------------- output
 
     def plot_deflection(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the force over the deflection; keywords go to ``Axes.plot``. Returns the axes."""
-        shown = self._shown
+        """Draw the force over the deflection while they touch; returns the axes.
+
+        Keywords go to ``Axes.plot``.
+        """
+        shown = slice(*np.searchsorted(self.t, [self.start, self.end]))
         across = (self.deflection[shown], "deflection", "m")
         curves: list[Curve] = [(self.force[shown], {})]
         return draw_curves(ax, across, "force", "N", curves, kwargs)
@@ -232,7 +235,8 @@ def drop_weight(
     gravity : float, optional
         g, m/s²; 9.80665, and of a result none, since `simulate` has none.
     cfc : float, optional
-        Channel frequency class by which the force is filtered; see `Signal.filtered`.
+        Channel frequency class by which the force is filtered; see `Signal.filtered`. Integrated is
+        the force before the filter: integrals need none, and it smears the ends of the contact.
     start : float, optional
         t_i, s; of a result its first contact, else where the force first passes 1 % of its peak:
         give it where the channel is noisier than that.
@@ -274,10 +278,9 @@ def drop_weight(
     kilograms, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
     pull = nonnegative("gravity", _STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²")
     signal = _force(source, cfc)
-    begin = _start(source, signal, start)
-    end = source.contacts[-1][1] if simulated and cfc is None else _end(signal, begin)
+    begin, end = _touches(source, signal, start)
     with np.errstate(all="ignore"):
-        v, deflection = _motion(signal, kilograms, speed, pull, begin)
+        v, deflection = _motion(signal.raw or signal, kilograms, speed, pull, begin)
         energy = 0.5 * kilograms * (speed - v) * (speed + v) + kilograms * pull * deflection
     if not np.isfinite(energy).all():
         raise InputError(
@@ -312,37 +315,34 @@ def _force(source: Any, cfc: float | None) -> Signal:
     return contact_force(source, rate, margin).filtered(frequency)
 
 
-def _start(source: Any, signal: Signal, given: float | None) -> float:
-    """First touch: of a simulation, as told, or where the force passes a share of its peak.
+def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:
+    """First and last touch: of a simulation, as told, or where a share of the peak is passed.
 
-    That of the force before it was filtered, since a filter smears it ahead.
+    A filter smears the force ahead, so the first is sought before it; a load cell rings on, so the
+    last is sought after it.
     """
-    if isinstance(source, Result) and not source.contacts:
-        raise InputError("the bodies do not touch within the record: nothing to evaluate")
-    if given is not None:
-        return real("start", given, unit="s")
+    begin = None if start is None else real("start", start, unit="s")
     if isinstance(source, Result):
-        return source.contacts[0][0]
-    before = signal.raw or signal
-    peak = float(before.values.max())
+        if not source.contacts:
+            raise InputError("the bodies do not touch within the record: nothing to evaluate")
+        return source.contacts[0][0] if begin is None else begin, source.contacts[-1][1]
+    force = signal.raw or signal
+    peak = float(force.values.max())
     if peak <= 0.0:
         raise InputError(
-            f"the force is never positive (its least is {before.values.min():g} N): compression "
+            f"the force is never positive (its least is {force.values.min():g} N): compression "
             "must count as positive; change the sign"
         )
-    first = int(np.argmax(before.values > _BEGINS * peak))
-    return float(before.t[max(first - 1, 0)])
-
-
-def _end(signal: Signal, begin: float) -> float:
-    """Last touch: where the force falls below a share of its peak for good."""
+    first = int(np.argmax(force.values > _BEGINS * peak))
     last = int(np.flatnonzero(signal.values > _BEGINS * signal.values.max())[-1])
-    if not signal.t[0] <= begin < signal.t[last]:
+    if begin is None:
+        begin = float(force.t[max(first - 1, 0)])
+    if not force.t[0] <= begin < force.t[last]:
         raise InputError(
-            f"start must lie in the record before the force ends, {signal.t[0]:g} to "
-            f"{signal.t[last]:g} s, got {begin:g} s"
+            f"start must lie in the record before the force ends, {force.t[0]:g} to "
+            f"{force.t[last]:g} s, got {begin:g} s"
         )
-    return float(signal.t[min(last + 1, len(signal.t) - 1)])
+    return begin, float(force.t[min(last + 1, len(force.t) - 1)])
 
 
 def _motion(
@@ -350,7 +350,7 @@ def _motion(
 ) -> tuple[FloatArray, FloatArray]:
     """Velocity and deflection: exact for a force that is straight between samples.
 
-    Before the first touch the impactor falls freely; what a filter smears before it acts there.
+    Before the first touch the impactor falls freely.
     """
     t, a = signal.t, gravity - signal.values / mass
     h = np.diff(t)

@@ -92,10 +92,12 @@ class ShockSpectrum(Frozen):
         """
         named = f"{100.0 * self.damping_ratio:.3g} % damping"
         ax = given_axes(ax)
-        ax.plot(self.frequencies, self.maximax, **{"label": f"maximax, {named}"} | kwargs)
+        wide: dict[str, Any] = {"color": "0.8", "lw": 5.0, "linestyle": "-"} if parts else {}
+        style = {"label": f"maximax, {named}"} | wide | kwargs
+        ax.plot(self.frequencies, self.maximax, **style)
         if parts:
-            ax.plot(self.frequencies, self.primary, label="primary", lw=1.0)
-            ax.plot(self.frequencies, self.residual, label="residual", lw=1.0)
+            ax.plot(self.frequencies, self.primary, label="primary", lw=1.2)
+            ax.plot(self.frequencies, self.residual, label="residual", lw=1.2)
         ax.set(xscale="log", yscale="log")
         ax.set_xlabel("natural frequency (Hz)")
         ax.set_ylabel(label(self.kind, self.unit))
