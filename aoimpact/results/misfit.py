@@ -135,7 +135,7 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
     ports = {contact.port_of(body) for contact in plan.contacts if contact.touches(body)}
     if since > fitted and not all(knows(model, since, port, _BALANCED_AFTER) for port in ports):
         warn(
-            f"displacement and velocity of a body that was fitted to a contact of "
+            f"displacement and velocity of {run.names[body]}, fitted to a contact of "
             f"{quantity(fitted, 's')} may be wrong by tens of percent until t = "
             f"{quantity(float(run.t[-1]), 's')}: the model gives the force, but not the free "
             f"vibration after it; make it with duration={since:.2g} and more oscillators, or give "

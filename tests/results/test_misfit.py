@@ -69,7 +69,7 @@ def test_a_contact_cut_off_is_no_short_one(tip):
         ao.simulate(
             projectile=BALL, target=fitted(tip, 90e-6), law=LAW, velocity=1.0, duration=20e-6
         )
-    assert len(said) == 1
+    assert not any("fitted" in str(each.message) for each in said)
 
 
 def test_what_does_not_matter_is_not_said():
