@@ -1,9 +1,20 @@
 """The whole body in a run: displacement and stress over time, pictures, files."""
 
 from .fields import Field, Probe
+from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
 from .response import Response
 from .stress import Stress
 from .stresserror import energy_error
 
-__all__ = ["Field", "Probe", "Response", "Stress", "energy_error", "response_of"]
+__all__ = [
+    "Field",
+    "MovingBody",
+    "Probe",
+    "Response",
+    "Stress",
+    "energy_error",
+    "movie_path",
+    "response_of",
+    "write_movie",
+]
