@@ -5,7 +5,7 @@ from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
 from .response import Response
 from .stress import Stress
-from .stresserror import energy_error
+from .stresserror import energy_error, missing_energy
 
 __all__ = [
     "Field",
@@ -14,6 +14,7 @@ __all__ = [
     "Response",
     "Stress",
     "energy_error",
+    "missing_energy",
     "movie_path",
     "response_of",
     "write_movie",
