@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from typing import Any
 
 
 def shown_warnings(_conf: Any, _file: str) -> None:
-    """Let an example's warnings stand among what it prints."""
+    """Let an example's warnings stand among what it prints, and nothing of scikit-fem's log."""
+    logging.getLogger("skfem").setLevel(logging.WARNING)
     warnings.showwarning = lambda message, kind, *_: print(f"{kind.__name__}: {message}")  # type: ignore[assignment]
 
 
