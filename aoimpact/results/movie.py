@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, InputError, integer
+from ..base import FloatArray, InputError, finite_array, integer, nonnegative, positive
 from ..fem import ContactPoint
 from ..fields import MovingBody, movie_path, write_movie
 from ..mesh import sphere_mesh
@@ -37,13 +37,15 @@ def write_impact_movie(
     fps: float,
 ) -> Path:
     """Write a movie of an impact; see `Result.movie`."""
+    count = integer("frames", frames, low=2, high=10_000)
+    enlarged = None if scale is None else nonnegative("scale", scale)
+    speed = positive("fps", fps, unit="Hz")
+    wanted = np.linspace(*_span(hit), count)
+    if times is not None:
+        wanted = np.atleast_1d(finite_array("times", times, unit="s"))
     movie_path(path)
-    if times is None:
-        wanted = np.linspace(*_span(hit), integer("frames", frames, low=2, high=10_000))
-    else:
-        wanted = np.atleast_1d(np.asarray(times))
     bodies, down = _bodies(hit, wanted)
-    return write_movie(path, bodies, wanted, down=down, scale=scale, fps=fps)
+    return write_movie(path, bodies, wanted, down=down, scale=enlarged, fps=speed)
 
 
 def _span(hit: Result) -> tuple[float, float]:

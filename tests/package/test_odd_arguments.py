@@ -553,6 +553,8 @@ ALSO = {
     "omega": ("participation must have shape",),
     "data": ("is missing",),
     "names": ("which is not installed",),
+    # What is sound goes on to a path that is none: to draw would take long.
+    **dict.fromkeys(("times", "frames", "scale", "fps"), ("path must end in .gif",)),
 }
 
 # A function of the user's has errors of its own, and may be slow; a value of a sweep may be a list.
