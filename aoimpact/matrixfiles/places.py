@@ -50,7 +50,8 @@ def read_places(nodes: Any) -> Places:
         return _labelled(None, array)
     file = file_path("nodes", nodes)
     existing(file)
-    head = file.open("rb").read(4096)
+    with file.open("rb") as stream:
+        head = stream.read(4096)
     if b"\0" not in head:
         text = file.read_text(encoding="latin-1")
         for read in (_abaqus, _nastran, _table):

@@ -407,4 +407,4 @@ def _coordinates(pair: _Pair, places: Places, length: float) -> dict[str, Any]:
 
 def _moves_without(pair: _Pair) -> bool:
     """Whether nodes that have no rows hold nothing: a body that is free does not feel them."""
-    return FEModel(K=pair.K, M=pair.M, labels=pair.labels).mass is not None
+    return _body(pair, None, 1.0, None, "").mass is not None

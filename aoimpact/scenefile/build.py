@@ -181,13 +181,13 @@ class Builder:
         table, place = self.data["bodies"][name], ("bodies", name)
         if "mass" in table:
             with self.located(*place):
-                return rigid(**table)
+                return rigid(**table, name=name)
         if "ball" in table:
             with self.located(*place):
-                return ball(table["ball"], self._material(table["material"]))
+                return ball(table["ball"], self._material(table["material"]), name=name)
         if "m0" in table:
             with self.located(*place):
-                return AOModel(**table | self._damping(name))
+                return AOModel(**table | self._damping(name), name=name)
         return self.kept.once(
             ["model", table, self._given_material(name)], lambda: self._model(name)
         )
@@ -246,7 +246,9 @@ class Builder:
             with self.located(*place, "fixed", i):
                 supports.append((_support_nodes(entry, mesh), entry["hold"]))
         with self.located(*place, *(["fixed"] if supports else [])):
-            return FEModel.from_mesh(mesh, material, fixed=supports or None, **self._damping(name))
+            return FEModel.from_mesh(
+                mesh, material, fixed=supports or None, name=name, **self._damping(name)
+            )
 
     def _of_matrices(self, name: str) -> FEModel:
         given = dict(self.data["bodies"][name]["matrices"])

@@ -448,6 +448,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Handle.port": (ao.Handle(0).port, {"at": 0}),
     "Run.at": (HIT.run.at, {"times": [1e-4]}),
     "Run.to_csv": (HIT.run.to_csv, {"path": "run.csv", "names": None}),
+    "Result.movie": (
+        FIELDS.movie,
+        {"path": "movie.avi", "times": None, "frames": 3, "scale": None, "fps": 15.0},
+    ),
     "Run.to_dataframe": (HIT.run.to_dataframe, {"names": None}),
     "Run.to_xarray": (HIT.run.to_xarray, {"names": None}),
     "Signal": (
@@ -549,6 +553,8 @@ ALSO = {
     "omega": ("participation must have shape",),
     "data": ("is missing",),
     "names": ("which is not installed",),
+    # What is sound goes on to a path that is none: to draw would take long.
+    **dict.fromkeys(("times", "frames", "scale", "fps"), ("path must end in .gif",)),
 }
 
 # A function of the user's has errors of its own, and may be slow; a value of a sweep may be a list.
