@@ -35,6 +35,7 @@ from .errors import (
     MeshError,
     MissingFileError,
     MissingPackageError,
+    RoomError,
     SceneFileError,
     SingularError,
     WorkerError,
@@ -46,16 +47,26 @@ from .heard import heard
 from .memory import available, require
 from .packages import optional_package
 from .progress import bar
-from .style import COLOURS, DASHES, error_axes, given_axes, label, legend, new_axes, styled
+from .style import (
+    COLOURS,
+    Curve,
+    draw_curves,
+    error_axes,
+    given_axes,
+    label,
+    legend,
+    new_axes,
+    styled,
+)
 from .units import Scale, quantity, scale_for, scale_of
 
 __all__ = [
     "COLOURS",
-    "DASHES",
     "FARTHEST",
     "AOImpactError",
     "AOImpactWarning",
     "ConvergenceError",
+    "Curve",
     "FloatArray",
     "Frozen",
     "InputError",
@@ -66,6 +77,7 @@ __all__ = [
     "MeshError",
     "MissingFileError",
     "MissingPackageError",
+    "RoomError",
     "Scale",
     "SceneFileError",
     "SingularError",
@@ -76,6 +88,7 @@ __all__ = [
     "boolean",
     "checked",
     "choice",
+    "draw_curves",
     "error_axes",
     "file_path",
     "finite_array",

@@ -8,7 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from .arrays import FloatArray
 from .errors import InputTypeError
+from .units import scale_for, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,6 +20,8 @@ if TYPE_CHECKING:
 __all__ = [
     "COLOURS",
     "DASHES",
+    "Curve",
+    "draw_curves",
     "error_axes",
     "given_axes",
     "label",
@@ -23,6 +29,9 @@ __all__ = [
     "new_axes",
     "styled",
 ]
+
+# What is drawn, and keywords of ``Axes.plot``.
+Curve = tuple[FloatArray, dict[str, Any]]
 
 # Blue, vermilion, green, purple, orange, sky blue, black.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -114,3 +123,43 @@ def error_axes(ax: Axes, across: str, up: str) -> Axes:
     ax.grid(True, which="major", alpha=0.3)
     legend(ax)
     return ax
+
+
+def draw_curves(
+    ax: Any,
+    across: tuple[FloatArray, str, str],
+    name: str,
+    unit: str,
+    curves: list[Curve],
+    kwargs: dict[str, Any] | None = None,
+) -> Axes:
+    """Draw curves of one quantity on axes that are labelled with fitting units, and return these.
+
+    Parameters
+    ----------
+    ax : Axes or None
+        Of a new figure if None. Where they bear curves of these units, the prefixes stay.
+    across : (values, name, unit)
+        Of the horizontal axis.
+    name, unit : str
+        Of the vertical axis.
+    curves : list of (values, keywords of ``Axes.plot``)
+    kwargs : dict, optional
+        For all curves.
+    """
+    ax = given_axes(ax)
+    x, x_name, x_unit = across
+    largest = max(float(np.max(np.abs(y), initial=0.0)) for y, _ in curves)
+    reach = float(np.max(np.abs(x), initial=0.0))
+    x_scale = scale_of(ax.get_xlabel(), x_unit) or scale_for(reach, x_unit)
+    y_scale = scale_of(ax.get_ylabel(), unit) or scale_for(largest, unit)
+    for y, style in curves:
+        ax.plot(x_scale.factor * x, y_scale.factor * y, **style | (kwargs or {}))
+    ax.set_xlabel(label(x_name, x_scale.unit))
+    ax.set_ylabel(label(name, y_scale.unit))
+    ax.grid(True, alpha=0.3)
+    if x_unit == "s":
+        ax.margins(x=0.0)
+    legend(ax)
+    made: Axes = ax
+    return made

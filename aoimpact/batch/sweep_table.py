@@ -196,7 +196,7 @@ class SweepTable(Frozen):
             text += f", {len(self.errors)} failed; row {first}: {_message(self.errors[first])}"
         controlled = [self.data[name] for name in self.columns if name.endswith(CONTROLLED)]
         if any((column == 0.0).any() for column in controlled):
-            text += f"; {_MARK} not controlled by the tolerance: see its error"
+            text += f"; {_MARK} not controlled: models were chosen for another number"
         return text
 
     def __repr__(self) -> str:

@@ -1,10 +1,12 @@
 """Finite-element models: material, supports, assembly, damping, and the contact functional."""
 
 from .assembly import stiffness_mass
-from .contact import Body, ContactPoint, contact_at, contact_point
+from .audit import Audit, audited
+from .contact import Body, ContactPoint, contact_at, contact_point, contact_within
 from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch, image_field
+from .labels import checked_labels
 from .material import Material
 from .mechanism import refuse_mechanism
 from .model import FEModel
@@ -22,6 +24,7 @@ from .touch import Room, edge_length, room
 
 __all__ = [
     "FASTEST",
+    "Audit",
     "Body",
     "ContactPoint",
     "ContactSurface",
@@ -34,10 +37,13 @@ __all__ = [
     "Rayleigh",
     "Room",
     "StaticMode",
+    "audited",
     "centre_of",
     "check_patch",
+    "checked_labels",
     "contact_at",
     "contact_point",
+    "contact_within",
     "damping_or_none",
     "displacement",
     "edge_length",

@@ -20,10 +20,12 @@ from ..base import (
     InputError,
     InputTypeError,
     IntArray,
+    RoomError,
     boolean,
     checked,
     choice,
     finite_array,
+    held_warnings,
     integer,
     nonnegative,
     place,
@@ -36,20 +38,21 @@ from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import Mesh, Surface, surface_shape
 from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
-from .labels import labelled_rows
+from .labels import labelled_rows, one_node
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
 from .touch import (
     Touch,
     automatic_radius,
+    edge_length,
     pressed_normal,
     thickness,
     touched,
     warn_if_coarse,
 )
 
-__all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
+__all__ = ["Body", "ContactPoint", "contact_at", "contact_point", "contact_within"]
 
 
 # A point closer to a node than this fraction of the body's size is that node.
@@ -60,6 +63,11 @@ _HELD = 1e-12
 
 # How far the length of a unit vector may be from 1.
 _UNIT = 1e-9
+
+# Where the surface has less room than a patch was to have, it is made smaller by at least so much,
+# a little within where the surface was found to end, but no smaller than this many edges of
+# elements: forces on less are those on a point.
+_SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 
 # How far the length of a functional's resultant may be from 1 for it to be a mean displacement.
 _MEAN = 1e-9
@@ -241,10 +249,14 @@ class ContactPoint(Frozen):
         if self.point is None or self.direction is None:
             dofs = np.flatnonzero(self.b)
             where = f"dof {dofs[0]}" if len(dofs) == 1 else f"functional of {len(dofs)} dofs"
+            label = None if self.body.labels is None else one_node(self.body.labels, self.b)
+            where = where if label is None else f"node {label}, {where}"
             return f"ContactPoint({where} of {body})"
         where = ", ".join(f"{x:.4g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
         what = "point" if self.node is None else f"node {self.node}"
+        if self.node is not None and self.body.labels is not None:
+            what = f"node {one_node(self.body.labels, self.b)}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
         return f"ContactPoint({what} at ({where}) m along ({along}) of {body})"
@@ -291,7 +303,7 @@ def contact_point(
                 body, point=where, direction=direction, radius=radius, expected=expected
             )
         except InputError as error:
-            raise type(error)(f"node {node}: {error}") from error
+            raise InputError(f"node {node}: {error}") from error
     if body.nodes is None or body.free is None:
         raise InputError(
             "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"
@@ -305,8 +317,8 @@ def contact_point(
         normal = pressed_normal(body.surface, body.nodes[node], along)
         return replace(_at_node(body, node, along), normal=normal)
     if isinstance(radius, str):
-        chosen = automatic_radius(body.surface, where, expected)
-        tip = _at_touch(body, touched(body.surface, body.material, where, along, chosen))
+        wanted = automatic_radius(body.surface, where, expected)
+        tip = _with_room(body, where, along, wanted)
         return replace(tip, directed=along is not None, automatic=True)
     touch = touched(body.surface, body.material, where, along, radius)
     if touch.patch is not None:
@@ -317,7 +329,7 @@ def contact_point(
 def _check_one(given: dict[str, Any], direction: Any) -> None:
     names = [name for name, value in given.items() if value is not None]
     if not names:
-        raise InputTypeError("contact needs point or node, and direction; or dof; or b")
+        raise InputTypeError("contact needs what is touched: point=(x, y, z), node=, dof= or b=")
     if len(names) > 1:
         raise InputError(f"give either {' or '.join(names)}, not both")
     if direction is not None and names[0] in ("dof", "b"):
@@ -327,13 +339,54 @@ def _check_one(given: dict[str, Any], direction: Any) -> None:
 
 
 def contact_at(tip: ContactPoint, radius: float) -> ContactPoint:
-    """Return the same contact with a patch of another radius, m."""
+    """Return the same contact with a patch of another radius, m.
+
+    Raises
+    ------
+    RoomError
+        If the body has no room for it.
+    """
     body = tip.body
     assert body.surface is not None
     assert body.material is not None
     assert tip.point is not None
     touch = touched(body.surface, body.material, tip.point, tip.direction, radius)
     return replace(_at_touch(body, touch), directed=tip.directed, automatic=tip.automatic)
+
+
+def contact_within(tip: ContactPoint, radius: float) -> ContactPoint:
+    """Return the same contact with a patch of that radius, m, or of the largest that has room.
+
+    Raises
+    ------
+    InputError
+        If there is none for any that the mesh shows.
+    """
+    assert tip.point is not None
+    found = _with_room(tip.body, tip.point, tip.direction, radius)
+    return replace(found, directed=tip.directed, automatic=tip.automatic)
+
+
+def _with_room(
+    body: Body, point: FloatArray, along: FloatArray | None, radius: float
+) -> ContactPoint:
+    """The contact with a patch of that radius, or of one that has room."""
+    assert body.surface is not None
+    assert body.material is not None
+    with held_warnings():  # what is to be said of the point has been said
+        least = min(radius, _LEAST_PATCH * edge_length(body.surface, point))
+        while True:
+            try:
+                touch = touched(body.surface, body.material, point, along, radius)
+                return _at_touch(body, touch)
+            except RoomError as error:
+                radius = min(_WITHIN * error.room, _SMALLER * radius)
+                if radius < least:
+                    raise InputError(
+                        f"point {plain(point)} m has no room for a contact over a patch: "
+                        f"{error.reason}; choose a point farther from there, refine the mesh about "
+                        "it, or take radius=0, a single node"
+                    ) from None
 
 
 def _without_faces(
@@ -463,10 +516,17 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
     fixed[body.free] = False
     if np.abs(forces[fixed]).max(initial=0.0) > _HELD:
         nodes = np.flatnonzero(np.abs(forces * fixed).reshape(-1, 3).any(axis=1))
-        raise InputError(
-            f"point {plain(touch.point)} m with direction {plain(touch.direction)}: the contact "
-            f"rests on nodes held by the supports in that direction, the first is {nodes[0]}; "
-            "choose another point or direction, a smaller radius, or release the nodes in fixed"
+        assert body.nodes is not None
+        away = np.linalg.norm(body.nodes[nodes] - touch.point, axis=1)
+        reason = (
+            f"the contact rests on nodes held by the supports in that direction, the first is "
+            f"{nodes[0]}"
+        )
+        raise RoomError(
+            f"point {plain(touch.point)} m with direction {plain(touch.direction)}: {reason}; "
+            "choose another point or direction, a smaller radius, or release the nodes in fixed",
+            float(away.min()),
+            reason,
         )
     node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - _AT_NODE else None
     return ContactPoint(

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base import FloatArray, InputError, InputTypeError, IntArray
 
-__all__ = ["axes_of", "checked_labels", "labelled_rows", "missing_node"]
+__all__ = ["axes_of", "checked_labels", "labelled_rows", "missing_node", "one_node"]
 
 # Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
 _MOST = 6
@@ -72,6 +72,12 @@ def labelled_rows(labels: IntArray, node: int) -> IntArray:
     if not len(rows):
         raise missing_node(labels, node)
     return rows
+
+
+def one_node(labels: IntArray, b: FloatArray) -> int | None:
+    """Return the label of the node on which alone a functional is; None if it is on several."""
+    nodes = np.unique(labels[b != 0.0, 0])
+    return int(nodes[0]) if len(nodes) == 1 else None
 
 
 def missing_node(labels: IntArray, node: int) -> InputError:

@@ -51,6 +51,7 @@ from ..mesh import (
     unresisted_motions,
 )
 from .assembly import stiffness_mass
+from .audit import Audit, audited
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
 from .labels import axes_of, checked_labels
@@ -417,6 +418,31 @@ class FEModel(Frozen):
             radius=radius,
             expected=expected,
         )
+
+    def audit(self, *, frequencies: int = 8) -> Audit:
+        """Return the figures by which a mistake of units or files is seen.
+
+        Parameters
+        ----------
+        frequencies : int, optional
+            How many of the lowest natural frequencies to compute.
+
+        Returns
+        -------
+        Audit
+            Mass, centre of mass, extent, mean density, ‖K r‖ of the rigid motions r, frequencies,
+            and ``doubts``: what is not like a body, and which unit would make it so. Printed, it is
+            a table.
+
+        Examples
+        --------
+        >>> from aoimpact.mesh import box_mesh
+        >>> bar = FEModel.from_mesh(box_mesh((1, 0.1, 0.1), (8, 1, 1)), Material(70e9, 0.3, 2700))
+        >>> audit = bar.audit(frequencies=0)
+        >>> round(audit.mass, 6), audit.doubts
+        (27.0, ())
+        """
+        return audited(self, frequencies=integer("frequencies", frequencies, low=0))
 
     @cached_property
     def surface(self) -> Surface | None:

@@ -129,7 +129,7 @@ def simulate(
         impact.bodies,
         options,
         record=impact.record,
-        names=_NAMES,
+        names=_called(bodies),
         interest=interest,
         view=_result,
         law_errors=(impact.law_error,),
@@ -175,7 +175,7 @@ def _complete(
             (turned(body, (0,)) if turn else body, 0)
             for body, turn in zip(bodies, around, strict=True)
         ]
-        found = chosen_law(ends, _NAMES)
+        found = chosen_law(ends, _called(bodies))
         law, error = found.law, found.error
     _check_law(law)
     length = numbers.duration
@@ -258,6 +258,14 @@ def _pair(projectile: Any, target: Any, speed: float) -> tuple[SceneBody, SceneB
             "it back (gravity, a load, a body behind it)"
         )
     return bodies
+
+
+def _called(bodies: Sequence[BodyModel]) -> list[str]:
+    """What messages call the bodies: their role, and their own name."""
+    return [
+        f"{role} ({body.name})" if body.name else role
+        for role, body in zip(_NAMES, bodies, strict=True)
+    ]
 
 
 def _check_law(law: Any) -> None:

@@ -18,18 +18,14 @@ import numpy as np
 
 from ..base import (
     COLOURS,
+    Curve,
     FloatArray,
     InputError,
-    Scale,
     choice,
+    draw_curves,
     finite_array,
-    given_axes,
-    label,
-    legend,
     new_axes,
     quantity,
-    scale_for,
-    scale_of,
 )
 from ..laws import own_law
 from .table import body_names
@@ -41,7 +37,6 @@ if TYPE_CHECKING:
     from .result import Result
     from .run import Run
 
-Curve = tuple[FloatArray, dict[str, Any]]
 During = Literal["contact", "record"] | tuple[float, float]
 
 # Shown before and after the contact, as a share of its length.
@@ -120,7 +115,7 @@ def plot_indentation(
     """Draw the indentation over time."""
     run, which = shown(result.run, during)
     curves: list[Curve] = [(run.contacts[0].indentation[which], {})]
-    return _draw(ax, (run.t[which], "time", "s"), "indentation", "m", curves, kwargs)
+    return draw_curves(ax, (run.t[which], "time", "s"), "indentation", "m", curves, kwargs)
 
 
 def plot_energy(
@@ -158,7 +153,7 @@ def plot_energy(
         (values[which], {"label": told, "linestyle": dashes, "color": colour})
         for values, told, dashes, colour in styles
     ]
-    return _draw(ax, (run.t[which], "time", "s"), "energy", "J", curves, kwargs)
+    return draw_curves(ax, (run.t[which], "time", "s"), "energy", "J", curves, kwargs)
 
 
 def plot_displacement(
@@ -178,7 +173,7 @@ def plot_displacement(
         if not rigid and np.isfinite(centre).all():
             dashed = {"label": f"{body.name}, centre of mass", "color": colour, "linestyle": "--"}
             curves.append((centre, dashed))
-    return _draw(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)
+    return draw_curves(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)
 
 
 def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
@@ -192,13 +187,12 @@ def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> A
     which = slice(0, int(touching[-1]) + 2) if touching.size else which
     across = (at.approach[which], "approach of the centres of mass", "m")
     curves: list[Curve] = [(at.force[which], {"label": "modified law"})]
-    ax = _draw(ax, across, "contact force", "N", curves, kwargs)
+    ax = draw_curves(ax, across, "contact force", "N", curves, kwargs)
     law = getattr(own_law(result.law), "force", None)
     if touching.size and callable(law):
         depth = np.linspace(0.0, float(result.indentation.max()), 200)
         style = {"color": "0.4", "linestyle": "--", "label": "contact law", "zorder": 1}
-        _curve(ax, _axis_scales(ax, "m", "N"), depth, np.asarray(law(depth)), style)
-        legend(ax)
+        ax = draw_curves(ax, (depth, *across[1:]), "contact force", "N", [(law(depth), style)])
     return ax
 
 
@@ -212,7 +206,7 @@ def plot_forces(
         (contact.force[which], {"label": contact.name} if several else {})
         for contact in run.contacts
     ]
-    return _draw(ax, (run.t[which], "time", "s"), "contact force", "N", curves, kwargs)
+    return draw_curves(ax, (run.t[which], "time", "s"), "contact force", "N", curves, kwargs)
 
 
 def plot_places(
@@ -230,45 +224,4 @@ def plot_places(
         (body.displacement[which], {"label": name})
         for name, body in zip(called, run.bodies, strict=True)
     ]
-    return _draw(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)
-
-
-def _draw(
-    ax: Axes | None,
-    across: tuple[FloatArray, str, str],
-    name: str,
-    unit: str,
-    curves: list[Curve],
-    kwargs: dict[str, Any],
-) -> Axes:
-    """Draw curves over (values, name, unit) `across`, on axes labelled with units."""
-    ax = given_axes(ax)
-    x, x_name, x_unit = across
-    largest = max(float(np.max(np.abs(y), initial=0.0)) for y, _ in curves)
-    scales = _axis_scales(ax, x_unit, unit)
-    x_scale = scales[0] or scale_for(float(np.max(np.abs(x), initial=0.0)), x_unit)
-    y_scale = scales[1] or scale_for(largest, unit)
-    for y, style in curves:
-        _curve(ax, (x_scale, y_scale), x, y, style | kwargs)
-    ax.set_xlabel(label(x_name, x_scale.unit))
-    ax.set_ylabel(label(name, y_scale.unit))
-    ax.grid(True, alpha=0.3)
-    if x_unit == "s":
-        ax.margins(x=0.0)
-    legend(ax)
-    return ax
-
-
-def _axis_scales(ax: Axes, x_unit: str, y_unit: str) -> tuple[Scale | None, Scale | None]:
-    return scale_of(ax.get_xlabel(), x_unit), scale_of(ax.get_ylabel(), y_unit)
-
-
-def _curve(
-    ax: Axes,
-    scales: tuple[Scale | None, Scale | None],
-    x: FloatArray,
-    y: FloatArray,
-    style: dict[str, Any],
-) -> None:
-    x_factor, y_factor = (1.0 if scale is None else scale.factor for scale in scales)
-    ax.plot(x_factor * x, y_factor * y, **style)
+    return draw_curves(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)

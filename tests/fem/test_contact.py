@@ -184,7 +184,7 @@ def test_a_patch_too_small_for_the_mesh_is_said() -> None:
         ({"point": (0.018, 0.02, 0.005)}, r"is inside the body, 0.005 m from .*a point on the"),
         ({"point": (0.02, 0.02, 0.02), "radius": 0.004}, r"is off the body, 0.01 m from the near"),
         ({"point": (0.02, 0.0, 0.01), "radius": 0}, "sharp edge or corner.* or give direction"),
-        ({"point": (0.02, 0.0, 0.01), "radius": 0.004}, "sharp edge or corner.*choose a point in"),
+        ({"point": (0.02, 0.0, 0.01), "radius": 0.004}, "sharp edge or corner.*choose a point fa"),
         ({"point": (0.02, 0.0, 0.01), "radius": "auto"}, "sharp edge or corner.*choose a point fa"),
         (
             {"point": (0.021, 0.02, 0.01), "direction": (1, 0, 0)},
@@ -241,6 +241,22 @@ def test_a_body_without_a_mesh_has_neither_patches_nor_normals() -> None:
         FEModel(K=FREE.K, M=FREE.M).contact(dof=3).resultant  # noqa: B018
 
 
+def test_a_radius_left_out_is_as_large_as_there_is_room() -> None:
+    """1 mm from the edge of a side with elements of 5 mm, and 3 mm from held nodes."""
+    near = THICK.contact(point=(0.001, 0.02, 0.02))
+    assert near.patch is not None
+    assert 0.0005 < near.patch.radius < 0.001
+    with pytest.raises(InputError, match=r"no room for a contact over a patch: .* rests on nodes"):
+        HELD.contact(point=(0.003, 0.01, 0.02), direction=(1, 0, -1))
+
+
+def test_what_is_off_the_surface_is_said_once_however_often_a_patch_is_tried() -> None:
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        THICK.contact(point=(0.001, 0.02, 0.0203))
+    assert len(said) == 1
+
+
 # ------------------------------------------------------------- functionals and labels
 
 
@@ -293,7 +309,7 @@ def test_a_functional_that_is_no_mean_has_no_direction() -> None:
         ({"b": np.ones(FREE.n_dofs), "direction": DOWN}, "give either b, or point and direction"),
         ({"node": 99999, "direction": DOWN}, "node must be from 0 to"),
         ({"node": 1, "point": (0, 0, 0)}, "give either point or node"),
-        ({}, "contact needs point or node"),
+        ({}, "contact needs what is touched"),
     ],
 )
 def test_what_is_no_functional_is_refused(given: dict[str, Any], words: str) -> None:
@@ -328,6 +344,7 @@ def test_a_label_names_its_node_in_any_order_of_the_rows() -> None:
     mode, expected = static_mode(tip), static_mode(same)
     assert mode.mass == pytest.approx(expected.mass, rel=1e-9)
     assert centre_of(tip, mode.phi)[1] == pytest.approx(FREE.mass, rel=1e-12)
+    assert repr(tip).startswith("ContactPoint(node 109, functional of 3 dofs of a body of")
 
 
 def test_an_unknown_label_is_refused_with_those_near() -> None:

@@ -93,16 +93,13 @@ def test_promised_results_are_there() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", ["README.md", "docs/guide.md"])
-def test_examples_of_the_pages_run(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    text = Path(__file__).parents[2].joinpath(page).read_text("utf-8")
+def test_examples_of_the_readme_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = Path(__file__).parents[2].joinpath("README.md").read_text("utf-8")
     blocks = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     for block in blocks:
-        exec(compile(block, page, "exec"), names)
+        exec(compile(block, "README.md", "exec"), names)
     hit = names["hit"]
     assert isinstance(hit, ao.Result)
     assert hit.peak_force > 0.0
@@ -140,6 +137,15 @@ def test_every_public_name_says_what_it_is() -> None:
         assert inspect.getdoc(thing), name
         for member in own_members(thing):
             assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
+
+
+def test_every_public_name_is_in_the_help_and_on_the_site() -> None:
+    pages = Path(__file__).parents[2].glob("docs/api/*.rst")
+    listed = {line.strip() for page in pages for line in page.read_text("utf-8").splitlines()}
+    for name in set(ao.__all__) - {"__version__"}:
+        assert re.search(rf"\b{name}\b", ao.__doc__ or ""), name
+        assert name in listed, f"docs/api/ does not list {name}"
+    assert set(dir(ao)) == set(ao.__all__)
 
 
 # ------------------------------------------------------------------------------------- imports
