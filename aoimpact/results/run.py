@@ -59,6 +59,16 @@ class Handle:
         As it was added, for messages.
     scene : str
         The mark of the scene that it is of.
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+    >>> run = scene.simulate(duration=1e-3)
+    >>> round(float(run[ball].velocity[-1]), 6)
+    -1.0
     """
 
     body: int
@@ -119,6 +129,18 @@ class Run:
         The times asked for, s; the solver's own if None.
     left_out : LeftOut or callable
         What meshes and contact laws leave out, or what finds that of the run when it is asked.
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9), name="wall")
+    >>> run = scene.simulate(duration=1e-3)
+    >>> run.contacts[number].name, len(run.contacts[number].intervals)
+    ('wall', 1)
+    >>> round(float(run.at([0.0])[ball].velocity[0]), 6)
+    1.0
     """
 
     plan: Plan
