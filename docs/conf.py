@@ -63,7 +63,7 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "write_computation_times": False,
     "download_all_examples": False,
-    "reset_modules": ("matplotlib", "sitetools.shown_warnings"),
+    "reset_modules": ("matplotlib", "sitetools.settle"),
 }
 
 

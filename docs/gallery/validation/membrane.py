@@ -172,5 +172,7 @@ for on, label, style in (
     ax.plot(1e3 * run.t, 1e3 * run[ball].displacement, style, label=f"ball, {label}")
 ax.axhline(1.052, color="0.4", lw=0.8)
 ax.annotate("measured largest deflection", (12, 1.052), ha="right", va="bottom")
-ax.set(xlabel="time (ms)", ylabel="displacement (mm)", title="7.93 g/cm³, 0.6125 m/s")
+ax.set(
+    xlabel="time (ms)", ylabel="displacement (mm)", ylim=(-2.4, 1.4), title="7.93 g/cm³, 0.6125 m/s"
+)
 ax.legend()

@@ -126,7 +126,7 @@ for velocity, style in ((1.0, "-"), (5.0, "--"), (10.0, ":")):
     hit = ao.simulate(projectile=sphere, target=sphere, law=law, velocity=velocity, duration=100e-6)
     hit = hit.at(np.linspace(0, hit.contact_duration, 400))
     ax.plot(1e6 * hit.approach, hit.force / 1e3, style, label=f"{velocity:g} m/s")
-depth = np.linspace(0, 250e-6, 100)
+depth = np.linspace(0, 180e-6, 100)
 ax.plot(1e6 * depth, law.force(depth) / 1e3, color="0.6", lw=1, label="Hertz")
 ax.set(xlabel="approach of the centres of mass (µm)", ylabel="force (kN)")
 ax.legend()
@@ -199,7 +199,7 @@ for hit, style, label in (
     left.plot(1e6 * short, hit.at(short).force, style, label=label)
     right.plot(1e3 * long, 1e3 * hit.at(long).target.displacement, style)
 left.set(xlabel="time (µs)", ylabel="force (N)")
-right.set(xlabel="time (ms)", ylabel="displacement of the struck point (mm)")
+right.set(xlabel="time (ms)", ylabel="displacement of the beam (mm)")
 fig.legend(loc="outside upper center", ncols=2)
 
 # %%
