@@ -513,7 +513,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         lambda **values: FILE.replaced(values),
         {"velocity": 1.0},
     ),
-    "KrylovSpace sharpened": (_space, {"sharpened": False}),
+    "KrylovSpace sharpened": (_space, {"sharpened": False, "known": None}),
     "KrylovSpace.antioscillators": (lambda **n: _space().antioscillators(**n), {"n": 2}),
     "KrylovSpace.of_vectors": (lambda **n: _space().of_vectors(**n), {"n": 2}),
     "KrylovSpace.factored": (lambda **n: _space().factored(**n), {"n": 2}),
