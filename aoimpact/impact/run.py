@@ -20,7 +20,7 @@ from ..accuracy import (
     solve,
 )
 from ..fem import ContactPoint
-from ..linalg import Solver
+from ..linalg import LinearSolver, Solver
 from ..reduction import AOModel, BodyModel, FullModel
 from ..results import Handle, Result, Run, warn_of_lag, warn_of_misfit, warn_of_run
 from ..scene import Plan
@@ -72,6 +72,7 @@ def run_models(
     interest: Callable[[], Quantity],
     view: Callable[[Run], R],
     law_errors: Sequence[float] = (),
+    known: dict[Any, LinearSolver] | None = None,
 ) -> R:
     """Run bodies as they are, or with small models that give a quantity to a tolerance.
 
@@ -91,6 +92,8 @@ def run_models(
         What the caller makes of a run: a `Result`, or the `Run` itself.
     law_errors : sequence of float, optional
         Of each contact, where the law was found from the surfaces; see `LeftOutFinder`.
+    known : dict of body to LinearSolver, optional
+        Those that have been set up on the way here; see `least_orders`.
     """
     meshed = any(body.contact_points for body in bodies)
     chooses = options.chooses(bodies)
@@ -107,6 +110,7 @@ def run_models(
             record=record,
             law_errors=law_errors,
             linear_solver=linear_solver,
+            known=known,
         )
     else:
         plan = plan_of(bodies, options.energies)
