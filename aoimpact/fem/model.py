@@ -54,7 +54,7 @@ from .assembly import stiffness_mass
 from .audit import Audit, audited
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
-from .labels import axes_of, checked_labels
+from .labels import axes_of, checked_labels, node_numbers
 from .material import Material
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
@@ -214,6 +214,50 @@ class FEModel(Frozen):
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
         model._set(mesh=solid, material=material, damping=damped, name=called)
+        return model
+
+    def with_mesh(self, mesh: str | os.PathLike[str] | Mesh | Any, material: Material) -> FEModel:
+        """Return this body, its K and M, with the mesh that its nodes are those of.
+
+        What belongs to a surface is then known: patches, Hertz's law, stress. For matrices of
+        another program.
+
+        Parameters
+        ----------
+        mesh : path, meshio.Mesh or Mesh
+            In metres. Its nodes are found by where they are; those that no row of K belongs to are
+            constrained.
+        material : Material
+            Of the surface, for contact and stress; K and M stay as they are.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If the body has no nodes, one of them is not a node of the mesh, or `material` is none.
+        MeshError
+            If the mesh cannot be read.
+
+        Examples
+        --------
+        >>> from aoimpact.mesh import box_mesh
+        >>> bar, steel = box_mesh((0.1, 0.01, 0.01), (10, 1, 1)), Material(210e9, 0.3, 7800)
+        >>> made = FEModel.from_mesh(bar, steel)
+        >>> FEModel(K=made.K, M=made.M, nodes=bar.nodes).with_mesh(bar, steel)
+        FEModel(132 dofs, 44 nodes, 10 hexahedron, 0.078 kg, free)
+        """
+        if not isinstance(material, Material):
+            raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
+        if self.nodes is None or self.free is None:
+            raise InputError("with_mesh: this body has no nodes; give FEModel(nodes=)")
+        solid = read_mesh(mesh)
+        node, component = np.divmod(self.free, 3)
+        numbers = np.arange(len(self.nodes))
+        numbers[node] = node_numbers(self.nodes, node, solid.nodes, solid.size)
+        free = 3 * numbers[node] + component
+        model = object.__new__(type(self))
+        model._set(K=self.K, M=self.M, nodes=solid.nodes, free=free, labels=self.labels)
+        model._set(mass=self.mass, _momentum=self._momentum, mesh=solid, material=material)
+        model._set(damping=self.damping, name=self.name)
         return model
 
     @property

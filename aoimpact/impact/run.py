@@ -22,7 +22,7 @@ from ..accuracy import (
 )
 from ..base import bar
 from ..fem import ContactPoint
-from ..linalg import Solver
+from ..linalg import LinearSolver, Solver
 from ..reduction import AOModel, BodyModel, FullModel
 from ..results import Handle, Result, Run, warn_of_lag, warn_of_misfit, warn_of_run
 from ..scene import Plan
@@ -75,6 +75,7 @@ def run_models(
     view: Callable[[Run], R],
     law_errors: Sequence[float] = (),
     began: float,
+    known: dict[Any, LinearSolver] | None = None,
 ) -> R:
     """Run bodies as they are, or with small models that give a quantity to a tolerance.
 
@@ -96,6 +97,8 @@ def run_models(
         Of each contact, where the law was found from the surfaces; see `LeftOutFinder`.
     began : float
         When the call began, by `perf_counter`, s.
+    known : dict of body to LinearSolver, optional
+        Those that have been set up on the way here; see `least_orders`.
     """
     meshed = any(body.contact_points for body in bodies)
     chooses = options.chooses(bodies)
@@ -113,6 +116,7 @@ def run_models(
                 record=record,
                 law_errors=law_errors,
                 linear_solver=linear_solver,
+                known=known,
             )
         done = _with_cost(done, began)
     else:

@@ -12,7 +12,7 @@ from ..accuracy import Record, StressAt, TimeSolver, checked_rtol, impact_quanti
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
-from ..linalg import Solver
+from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
 from ..results import Result, Run
 from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
@@ -136,6 +136,7 @@ def simulate(
         view=_result,
         law_errors=(impact.law_error,),
         began=began,
+        known=impact.known,
     )
     if result.in_contact_at_end and duration is not None:
         warn(
@@ -158,6 +159,8 @@ class _Impact(NamedTuple):
     law_error : float
         Relative error of its stiffness, where it was found from the surfaces.
     record : Record
+    known : dict of body to LinearSolver
+        That have been set up on the way.
     """
 
     bodies: tuple[BodyModel, BodyModel]
@@ -165,12 +168,13 @@ class _Impact(NamedTuple):
     law: ContactLaw
     law_error: float
     record: Record
+    known: dict[Any, LinearSolver]
 
 
 def _complete(
     projectile: BodyModel, target: BodyModel, law: ContactLaw | None, numbers: ImpactNumbers
 ) -> _Impact:
-    bodies = projectile, target
+    bodies, known = (projectile, target), dict[Any, LinearSolver]()
     around = _turns(*bodies)
     error = 0.0
     if law is None:
@@ -184,14 +188,14 @@ def _complete(
     length = numbers.duration
     if length is None or any(isinstance(body, FullModel) for body in bodies):
         met = meeting(law, bodies, numbers.velocity)
-        bodies = fitted_pair(*bodies, met)
+        bodies = fitted_pair(*bodies, met, known)
         if length is None:
             if met is None:
                 raise InputError("duration was left out, and cannot be foreseen here; give it")
             record = Record(numbers.gap / abs(numbers.velocity) + met.contact_time, given=False)
     if length is not None:
         record = Record(length, given=True)
-    return _Impact(bodies, around, law, error, record)
+    return _Impact(bodies, around, law, error, record, known)
 
 
 def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:

@@ -86,6 +86,8 @@ def _abaqus(file: Path, text: str) -> FloatArray | None:
         for line in block.splitlines()
         if line.strip() and not line.startswith("**")
     ]
+    if not lines:
+        raise spoilt(file, "its *NODE has no nodes")
     rows = [[one.strip() for one in line.split(",")][:4] for line in lines]
     return _numbers(file, [row + ["0"] * (4 - len(row)) for row in rows])
 

@@ -193,8 +193,9 @@ class Builder:
         )
 
     def _given_material(self, name: str) -> Any:
-        """The table of a body's material; None of a body of matrices."""
-        material = self.data["bodies"][name].get("material")
+        """The table of a body's material; None of matrices without one."""
+        table = self.data["bodies"][name]
+        material = table.get("matrices", table).get("material")
         return None if material is None else self.data["materials"][material]
 
     def _model(self, name: str) -> Any:
@@ -256,7 +257,10 @@ class Builder:
             if key in given:
                 file, *matrix = [given[key]] if isinstance(given[key], str) else given[key]
                 given[key] = (self.folder / file, *matrix) if matrix else self.folder / file
-        given |= {key: self.folder / given[key] for key in ("dofs", "nodes") if key in given}
+        files = [key for key in ("dofs", "nodes", "mesh") if key in given]
+        given |= {key: self.folder / given[key] for key in files}
+        if "material" in given:
+            given["material"] = self._material(given["material"])
         with self.located("bodies", name, "matrices"):
             return read_matrices(**given, **self._damping(name))
 

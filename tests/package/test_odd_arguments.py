@@ -199,6 +199,7 @@ CHANNEL = Path(tempfile.mkdtemp()) / "drop.csv"
 CHANNEL.write_text("t,F\n0,0\n1,1\n2,0\n")
 CELL = ao.LoadCell(nose=0.1, carriage=1.0, stiffness=1e8)
 LABELS = np.stack([BAR.free // 3 + 1, BAR.free % 3 + 1], axis=1)
+BARE = ao.FEModel(K=BAR.K, M=BAR.M, nodes=BAR.nodes, free=BAR.free)
 MATRICES = ao.write_matrices(BAR, tempfile.mkdtemp())
 
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
@@ -330,6 +331,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "check_patch": (ao.check_patch, {"tip": PATCH, "expected": 1e-3}),
     "AOModel.to_json": (STAR.to_json, {"path": "model.json"}),
+    "FEModel.with_mesh": (BARE.with_mesh, {"mesh": BAR.mesh, "material": STEEL}),
     "FEModel.audit": (BAR.audit, {"frequencies": 2}),
     "write_matrices": (ao.write_matrices, {"what": STAR, "folder": "matrices"}),
     "read_matrices": (
@@ -337,6 +339,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {
             **{"K": MATRICES["K"], "M": MATRICES["M"], "dofs": LABELS, "nodes": BAR.nodes},
             **{"length": 1.0, "mass": 1.0, "damping": None, "name": ""},
+            **{"mesh": BAR.mesh, "material": STEEL},
         },
     ),
     "AOModel.receptance": (STAR.receptance, {"omega": 1.0}),
@@ -458,7 +461,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.Signal,
         {"t": [0.0, 1.0], "values": [0.0, 1.0], "unit": "N", "name": "force", "raw": None},
     ),
-    "Signal.of": (ao.Signal.of, {"source": HIT, "rate": 1e6, "margin": 0.0}),
+    "Signal.of": (ao.Signal.of, {"source": HIT, "contact": 0, "rate": 1e6, "margin": 0.0}),
     "Signal.resampled": (SIGNAL.resampled, {"rate": 2e5}),
     "Signal.filtered": (SIGNAL.filtered, {"cfc": 600}),
     "read_signal": (
@@ -510,7 +513,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         lambda **values: FILE.replaced(values),
         {"velocity": 1.0},
     ),
-    "KrylovSpace sharpened": (_space, {"sharpened": False}),
+    "KrylovSpace sharpened": (_space, {"sharpened": False, "known": None}),
     "KrylovSpace.antioscillators": (lambda **n: _space().antioscillators(**n), {"n": 2}),
     "KrylovSpace.of_vectors": (lambda **n: _space().of_vectors(**n), {"n": 2}),
     "KrylovSpace.factored": (lambda **n: _space().factored(**n), {"n": 2}),

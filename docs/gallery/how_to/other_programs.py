@@ -89,9 +89,9 @@ tip = bar.contact(node=corner, direction=(0, 0, -1))
 print(tip)
 
 # %%
-# A single node under a law like Hertz's is softer than the surface that it stands for, which ``simulate`` says. Spread
-# the contact by a functional ``b=`` over the nodes of the face, or make the body of its mesh. Here it is the mean
-# of the nodes on the last 30 mm of the upper side:
+# A single node under a law like Hertz's is softer than the surface that it stands for, which ``simulate`` says. Without
+# a mesh, spread the contact by a functional ``b=`` over the nodes of the face. Here it is the mean of the nodes on the
+# last 30 mm of the upper side:
 
 upper = np.flatnonzero((mesh.nodes[:, 2] > 0.0199) & (mesh.nodes[:, 0] > 0.17))
 rows = np.isin(bar.labels[:, 0], 101 + upper) & (bar.labels[:, 1] == 3)
@@ -103,6 +103,29 @@ hit = ao.simulate(
     duration=3e-3,
 )
 print(f"{hit.peak_force:.1f} N")
+
+# %%
+# With the mesh of the same model
+# -------------------------------
+# With ``mesh=`` (a file in the same unit, or a mesh in metres) and the ``material`` of its surface, the matrices stay as
+# they are, and the surface is known: the contact is a patch, the law may be left out, and stresses can be had.
+
+on_mesh = ao.read_matrices(
+    folder / "bar.sti",
+    folder / "bar.mas",
+    nodes=folder / "bar.inp",
+    length=1e-3,
+    mass=1e3,
+    mesh=mesh,
+    material=ao.Material(E=70e9, nu=0.33, rho=2700),
+)
+steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+hit = ao.simulate(
+    projectile=ao.ball(radius=0.01, material=steel),
+    target=on_mesh.contact(point=(0.19, 0.01, 0.02)),
+    velocity=1.0,
+)
+print(hit)
 
 # %%
 # A star in another program
