@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -260,10 +260,35 @@ class FEModel(Frozen):
         model._set(damping=self.damping, name=self.name)
         return model
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What cannot be made again: without what is kept in between, and matrices of a mesh."""
+        state = {item.name: getattr(self, item.name) for item in fields(self)}
+        if self.mesh is not None:
+            del state["K"], state["M"]
+        return state
+
+    def __getattr__(self, name: str) -> Any:
+        """K and M of an unpickled body with a mesh, assembled when they are first asked for."""
+        known = vars(self)
+        if name not in ("K", "M") or known.get("mesh") is None:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        K, M = stiffness_mass(known["mesh"], known["material"])
+        free = known["free"]
+        if len(free) < K.shape[0]:
+            K, M = K[free][:, free], M[free][:, free]
+        self._set(K=K, M=M)
+        return vars(self)[name]
+
+    def __copy__(self) -> FEModel:
+        """A body of its own that shares all that is known of this one."""
+        copied = object.__new__(type(self))
+        vars(copied).update(vars(self))
+        return copied
+
     @property
     def n_dofs(self) -> int:
         """Number of free degrees of freedom."""
-        return int(self.K.shape[0])
+        return int(self.K.shape[0]) if self.free is None else len(self.free)
 
     def __repr__(self) -> str:
         parts = [repr(self.name)] if self.name else []
