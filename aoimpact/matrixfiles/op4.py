@@ -315,7 +315,7 @@ class _Text:
         lines = [one.rstrip(b"\r").ljust(full)[:full] for one in self._block(n_lines)]
         printed = b"".join(lines)[: count * self._width]
         if printed[-self._width :].strip() == b"" and count:
-            raise self._wrong(f"{count} numbers should end here")
+            raise self._wrong(f"{count} numbers should end here: is it cut short?")
         return printed
 
     def _block(self, n_lines: int) -> list[bytes]:
@@ -331,7 +331,9 @@ class _Text:
     def _integers(self, count: int) -> list[int]:
         words = self._next().split()
         if len(words) != count:
-            raise self._wrong(f"{count} integers should stand here, got {len(words)} words")
+            raise self._wrong(
+                f"{count} integers should stand here, got {len(words)} words: is it cut short?"
+            )
         return [self._integer(word) for word in words]
 
     def _integer(self, word: bytes) -> int:
