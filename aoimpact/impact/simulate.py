@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
+from time import perf_counter
 from typing import Any, NamedTuple
 
 from ..accuracy import Record, StressAt, TimeSolver, checked_rtol, impact_quantity
@@ -113,6 +114,7 @@ def simulate(
     >>> round(hit.peak_force, 1), round(hit.law.k / 1e9, 2)  # N, GN/m^1.5
     (1001.5, 10.88)
     """
+    began = perf_counter()
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
@@ -140,6 +142,7 @@ def simulate(
         interest=interest,
         view=_result,
         law_errors=(impact.law_error,),
+        began=began,
         known=impact.known,
     )
     if result.in_contact_at_end and duration is not None:
