@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
+from time import perf_counter
 from typing import Any, NamedTuple
 
 from ..accuracy import Record, StressAt, TimeSolver, checked_rtol, impact_quantity
@@ -106,6 +107,7 @@ def simulate(
         If the record ends in contact, the step is too large for any digit to be right, a body's
         centre of mass is not known, or its model was fitted to another contact time.
     """
+    began = perf_counter()
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
@@ -133,6 +135,7 @@ def simulate(
         interest=interest,
         view=_result,
         law_errors=(impact.law_error,),
+        began=began,
         known=impact.known,
     )
     if result.in_contact_at_end and duration is not None:

@@ -15,7 +15,16 @@ from functools import partial
 
 import numpy as np
 
-from ..base import InputError, InputTypeError, boolean, instance, integer, positive, warn
+from ..base import (
+    InputError,
+    InputTypeError,
+    bar,
+    boolean,
+    instance,
+    integer,
+    positive,
+    warn,
+)
 from ..fem import ContactPoint, moves_rigidly
 from ..linalg import LinearSolver, Solver
 from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
@@ -138,7 +147,8 @@ class KrylovSpace:
         It is made for much less, and holds the whole space as long as it lives.
         """
         vectors = integer("n", n, low=0)
-        omega2, coordinates = self._space.ritz_on_basis(self._first + vectors)
+        with bar(f"model of {self.tip.body.n_dofs} dofs", unit="solution"):
+            omega2, coordinates = self._space.ritz_on_basis(self._first + vectors)
         return star_of_modes(
             self.tip,
             omega2,

@@ -16,6 +16,7 @@ from ..base import (
     InputError,
     InputTypeError,
     SingularError,
+    bar,
     choice,
     heard,
     integer,
@@ -265,7 +266,9 @@ def antioscillators(
     if n is None:
         found = _ordered(_all_oscillators(tip, static), by)
     else:
-        found = _wanted_oscillators(tip, static, integer("n", n, low=0, high=dofs - 1), by, solvers)
+        wanted = integer("n", n, low=0, high=dofs - 1)
+        with bar(f"constraint modes of {dofs} dofs", unit="solution"):
+            found = _wanted_oscillators(tip, static, wanted, by, solvers)
         if len(found.m) < n:
             warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
         found = found.take(np.arange(min(n, len(found.m))))

@@ -20,7 +20,7 @@ from ..base import FloatArray
 from ..integrate import Eventful, Events
 from . import plot
 from .export import as_dataframe, result_dataset
-from .motion import BodyResult, Energy, ErrorEstimate
+from .motion import BodyResult, Cost, Energy, ErrorEstimate
 from .movie import write_impact_movie
 from .plot import During
 from .run import Run
@@ -99,6 +99,11 @@ class Result(Eventful):
     def error(self) -> ErrorEstimate:
         """What is known of the errors; ``error.numbers`` of each number by its name."""
         return self.run.error
+
+    @property
+    def cost(self) -> Cost:
+        """Seconds spent on models and on the run."""
+        return self.run.cost
 
     @property
     def models(self) -> tuple[Any, ...] | None:

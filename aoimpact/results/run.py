@@ -29,7 +29,7 @@ from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
 from .export import as_dataframe, as_dataset
 from .misfit import warn_of_later_motion
-from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
+from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, ErrorEstimate, LeftOut
 from .plot import During
 from .summary import place_words, support_words
 from .table import ROLES, body_names, different, run_columns, write_csv
@@ -119,6 +119,8 @@ class Run:
         The times asked for, s; the solver's own if None.
     left_out : LeftOut or callable
         What meshes and contact laws leave out, or what finds that of the run when it is asked.
+    modelled : float
+        How long it took to choose and to make the models, s.
     """
 
     plan: Plan
@@ -127,6 +129,7 @@ class Run:
     chosen: Chosen | None = None
     asked: FloatArray | None = None
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
+    modelled: float = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         """What has been computed on the way does not travel, but what finds errors cannot."""
@@ -145,6 +148,11 @@ class Run:
     def duration(self) -> float:
         """Length of the record, s."""
         return self.recorder.duration
+
+    @property
+    def cost(self) -> Cost:
+        """Seconds spent on models and on the run."""
+        return Cost(self.modelled, self.recorder.seconds)
 
     @property
     def models(self) -> tuple[Any, ...] | None:
@@ -477,7 +485,7 @@ class Run:
         bodies, contacts = len(self.plan.bodies), len(self.events)
         if max(bodies, contacts) > _SHOWN:
             lines.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
-        lines.append(("solver", self.solver))
+        lines += [("solver", self.solver), ("cost", str(self.cost))]
         return lines
 
     def __repr__(self) -> str:
