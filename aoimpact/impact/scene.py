@@ -7,6 +7,7 @@ import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -307,6 +308,7 @@ class Scene:
             If gravity has no effect on a constrained AO model given by numbers or without nodes, a
             body's centre of mass is not known, or its model was fitted to another contact time.
         """
+        began = perf_counter()
         length = None if duration is None else checked_duration(duration)
         boolean("energies", energies)
         boolean("preload", preload)
@@ -337,6 +339,7 @@ class Scene:
             interest=partial(self._interest, quantity, fitted),
             view=_itself,
             law_errors=self._law_errors,
+            began=began,
             known=known,
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
+from time import perf_counter
 from typing import Any, NamedTuple
 
 from ..accuracy import Record, StressAt, TimeSolver, checked_rtol, impact_quantity
@@ -105,7 +106,15 @@ def simulate(
     AOImpactWarning
         If the record ends in contact, the step is too large for any digit to be right, a body's
         centre of mass is not known, or its model was fitted to another contact time.
+
+    Examples
+    --------
+    >>> ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800))
+    >>> hit = ao.simulate(projectile=ball, target=ball, velocity=1.0)
+    >>> round(hit.peak_force, 1), round(hit.law.k / 1e9, 2)  # N, GN/m^1.5
+    (1001.5, 10.88)
     """
+    began = perf_counter()
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
@@ -133,6 +142,7 @@ def simulate(
         interest=interest,
         view=_result,
         law_errors=(impact.law_error,),
+        began=began,
         known=impact.known,
     )
     if result.in_contact_at_end and duration is not None:

@@ -15,7 +15,16 @@ from functools import partial
 
 import numpy as np
 
-from ..base import InputError, InputTypeError, boolean, instance, integer, positive, warn
+from ..base import (
+    InputError,
+    InputTypeError,
+    bar,
+    boolean,
+    instance,
+    integer,
+    positive,
+    warn,
+)
 from ..fem import ContactPoint, moves_rigidly
 from ..linalg import LinearSolver, Solver
 from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
@@ -71,6 +80,14 @@ class KrylovSpace:
         If `contact_time` is shorter than what the mesh resolves.
     SingularError
         If the contact moves part of the body as a mechanism.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> space = ao.KrylovSpace(bar.contact(point=(0.1, 0.005, 0.005)), contact_time=1e-4)
+    >>> [space.antioscillators(n).n for n in (2, 3)]  # the second costs one more solution
+    [2, 3]
     """
 
     def __init__(
@@ -138,7 +155,8 @@ class KrylovSpace:
         It is made for much less, and holds the whole space as long as it lives.
         """
         vectors = integer("n", n, low=0)
-        omega2, coordinates = self._space.ritz_on_basis(self._first + vectors)
+        with bar(f"model of {self.tip.body.n_dofs} dofs", unit="solution"):
+            omega2, coordinates = self._space.ritz_on_basis(self._first + vectors)
         return star_of_modes(
             self.tip,
             omega2,
