@@ -79,6 +79,8 @@ class LeftOutFinder:
             softening[end.body] = max(end.softening, softening.get(end.body, 0.0))
         contact = [math.fsum(end.contact for end in ends or ()) for ends in found]
         in_mesh, mesh_numbers = self._changes(run, _softer(run, softening))
+        if self.quantity.local is not None:
+            in_mesh += self.quantity.local(run)
         in_contact, contact_numbers = self._changes(run, _in_series(run, contact))
         if any(self.law_errors):
             in_law, law_numbers = self._changes(run, _stiffer(run, self.law_errors))

@@ -4,7 +4,7 @@ from .fields import Field, Probe
 from .replay import response_of
 from .response import Response
 from .stress import Stress
-from .stresserror import energy_error, missing_energy
+from .stresserror import energy_error, missing_energy, stresses_around
 
 __all__ = [
     "Field",
@@ -14,4 +14,5 @@ __all__ = [
     "energy_error",
     "missing_energy",
     "response_of",
+    "stresses_around",
 ]
