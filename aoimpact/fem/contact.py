@@ -38,7 +38,7 @@ from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import Mesh, Surface, surface_shape
 from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
-from .labels import labelled_rows
+from .labels import labelled_rows, one_node
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
@@ -146,6 +146,16 @@ class ContactPoint(Frozen):
     ------
     InputError, InputTypeError
         If an attribute is of another type or shape, or b is zero.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> end = bar.contact(point=(0.1, 0.005, 0.005))
+    >>> end.direction.round(6), end.patch.radius > 0.0
+    (array([-1.,  0.,  0.]), True)
+    >>> bool(abs(end.b.sum()) > 0.99)  # of a force along x
+    True
     """
 
     body: Body
@@ -249,10 +259,14 @@ class ContactPoint(Frozen):
         if self.point is None or self.direction is None:
             dofs = np.flatnonzero(self.b)
             where = f"dof {dofs[0]}" if len(dofs) == 1 else f"functional of {len(dofs)} dofs"
+            label = None if self.body.labels is None else one_node(self.body.labels, self.b)
+            where = where if label is None else f"node {label}, {where}"
             return f"ContactPoint({where} of {body})"
         where = ", ".join(f"{x:.4g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
         what = "point" if self.node is None else f"node {self.node}"
+        if self.node is not None and self.body.labels is not None:
+            what = f"node {one_node(self.body.labels, self.b)}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
         return f"ContactPoint({what} at ({where}) m along ({along}) of {body})"

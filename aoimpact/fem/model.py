@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -54,7 +54,7 @@ from .assembly import stiffness_mass
 from .audit import Audit, audited
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
-from .labels import axes_of, checked_labels
+from .labels import axes_of, checked_labels, node_numbers
 from .material import Material
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
@@ -106,6 +106,15 @@ class FEModel(Frozen):
     ------
     InputError, InputTypeError
         If a matrix is not what it has to be, or the shapes do not match.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+    >>> chain = ao.FEModel(K=K, M=M, name="chain")
+    >>> chain.frequencies(2).round(1)  # Hz
+    array([139.1, 364.2])
+    >>> end = chain.contact(dof=1)
     """
 
     K: Any
@@ -216,10 +225,79 @@ class FEModel(Frozen):
         model._set(mesh=solid, material=material, damping=damped, name=called)
         return model
 
+    def with_mesh(self, mesh: str | os.PathLike[str] | Mesh | Any, material: Material) -> FEModel:
+        """Return this body, its K and M, with the mesh that its nodes are those of.
+
+        What belongs to a surface is then known: patches, Hertz's law, stress. For matrices of
+        another program.
+
+        Parameters
+        ----------
+        mesh : path, meshio.Mesh or Mesh
+            In metres. Its nodes are found by where they are; those that no row of K belongs to are
+            constrained.
+        material : Material
+            Of the surface, for contact and stress; K and M stay as they are.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If the body has no nodes, one of them is not a node of the mesh, or `material` is none.
+        MeshError
+            If the mesh cannot be read.
+
+        Examples
+        --------
+        >>> from aoimpact.mesh import box_mesh
+        >>> bar, steel = box_mesh((0.1, 0.01, 0.01), (10, 1, 1)), Material(210e9, 0.3, 7800)
+        >>> made = FEModel.from_mesh(bar, steel)
+        >>> FEModel(K=made.K, M=made.M, nodes=bar.nodes).with_mesh(bar, steel)
+        FEModel(132 dofs, 44 nodes, 10 hexahedron, 0.078 kg, free)
+        """
+        if not isinstance(material, Material):
+            raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
+        if self.nodes is None or self.free is None:
+            raise InputError("with_mesh: this body has no nodes; give FEModel(nodes=)")
+        solid = read_mesh(mesh)
+        node, component = np.divmod(self.free, 3)
+        numbers = np.arange(len(self.nodes))
+        numbers[node] = node_numbers(self.nodes, node, solid.nodes, solid.size)
+        free = 3 * numbers[node] + component
+        model = object.__new__(type(self))
+        model._set(K=self.K, M=self.M, nodes=solid.nodes, free=free, labels=self.labels)
+        model._set(mass=self.mass, _momentum=self._momentum, mesh=solid, material=material)
+        model._set(damping=self.damping, name=self.name)
+        return model
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What cannot be made again: without what is kept in between, and matrices of a mesh."""
+        state = {item.name: getattr(self, item.name) for item in fields(self)}
+        if self.mesh is not None:
+            del state["K"], state["M"]
+        return state
+
+    def __getattr__(self, name: str) -> Any:
+        """K and M of an unpickled body with a mesh, assembled when they are first asked for."""
+        known = vars(self)
+        if name not in ("K", "M") or known.get("mesh") is None:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        K, M = stiffness_mass(known["mesh"], known["material"])
+        free = known["free"]
+        if len(free) < K.shape[0]:
+            K, M = K[free][:, free], M[free][:, free]
+        self._set(K=K, M=M)
+        return vars(self)[name]
+
+    def __copy__(self) -> FEModel:
+        """A body of its own that shares all that is known of this one."""
+        copied = object.__new__(type(self))
+        vars(copied).update(vars(self))
+        return copied
+
     @property
     def n_dofs(self) -> int:
         """Number of free degrees of freedom."""
-        return int(self.K.shape[0])
+        return int(self.K.shape[0]) if self.free is None else len(self.free)
 
     def __repr__(self) -> str:
         parts = [repr(self.name)] if self.name else []

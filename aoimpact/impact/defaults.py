@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +16,16 @@ from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
 from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel, touched
 
-__all__ = ["Meeting", "chosen_law", "fitted", "fitted_pair", "meeting", "turned", "turns"]
+__all__ = [
+    "Meeting",
+    "chosen_law",
+    "fitted",
+    "fitted_pair",
+    "mass_of",
+    "meeting",
+    "turned",
+    "turns",
+]
 
 # A contact lasts about three times its depth over the speed: 2.94 by Hertz's law (Johnson,
 # eq. 11.25), π by a linear one.
@@ -136,7 +144,7 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
     velocity : float
         At which they meet, m/s.
     """
-    masses = [_mass(body) for body in bodies]
+    masses = [mass_of(body) for body in bodies]
     if velocity == 0.0 or all(math.isinf(mass) for mass in masses):
         return None
     energy = 0.5 * velocity**2 / math.fsum(1.0 / mass for mass in masses)
@@ -148,8 +156,8 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
     return Meeting(_DURATION_OVER_DEPTH * depth / abs(velocity), wide)
 
 
-def _mass(body: BodyModel) -> float:
-    """What moves at least as much as the static mass, kg; infinite of what is held."""
+def mass_of(body: BodyModel) -> float:
+    """Return what moves at least as much as the static mass, kg; infinite of what is held."""
     if isinstance(body, AOModel):
         return math.inf if body.constrained else body.static_mass
     of = body.body
@@ -158,14 +166,28 @@ def _mass(body: BodyModel) -> float:
     return float(of.M.diagonal().sum()) if of.mass is None else of.mass
 
 
-def fitted(body: BodyModel, port: int, met: Meeting | None) -> BodyModel:
-    """Return a body with the patch that suits an impact, where that was left to be chosen."""
+def fitted(
+    body: BodyModel,
+    port: int,
+    met: Meeting | None,
+    known: dict[Any, LinearSolver] | None = None,
+) -> BodyModel:
+    """Return a body with the patch that suits an impact, where that was left to be chosen.
+
+    Solvers that are set up for it are put into `known`, by their finite-element body.
+    """
     if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
         return body
     tip = body.tips[port]
     if tip.patch is None or not tip.automatic:
         return body
-    invert: Callable[[float], LinearSolver] = cache(tip.body.inverse)
+
+    def invert(s2: float) -> LinearSolver:
+        solver = tip.body.inverse(s2)
+        if known is not None:
+            known[tip.body] = solver
+        return solver
+
     radius = best_radius(
         tip, contact_time=met.contact_time, contact_radius=met.contact_radius, invert=invert
     )
@@ -177,11 +199,14 @@ def fitted(body: BodyModel, port: int, met: Meeting | None) -> BodyModel:
 
 
 def fitted_pair(
-    projectile: BodyModel, target: BodyModel, met: Meeting | None
+    projectile: BodyModel,
+    target: BodyModel,
+    met: Meeting | None,
+    known: dict[Any, LinearSolver] | None = None,
 ) -> tuple[BodyModel, BodyModel]:
     """Return projectile and target with the patches that suit their impact, as `fitted`.
 
     Like bodies stay one.
     """
-    first = fitted(projectile, 0, met)
-    return first, first if target == projectile else fitted(target, 0, met)
+    first = fitted(projectile, 0, met, known)
+    return first, first if target == projectile else fitted(target, 0, met, known)

@@ -90,6 +90,8 @@ def read_op4(file: Path, size: int) -> list[Found]:
         return list(_Binary(file, content).matrices() if _binary(content) else _text(file, content))
     except (struct.error, IndexError):
         raise spoilt(file, "it ends within a matrix: it is cut short") from None
+    except OverflowError:
+        raise spoilt(file, "a count or row in it is beyond any") from None
 
 
 # ------------------------------------------------------------------------------- binary
@@ -207,7 +209,8 @@ def _check(
     """Refuse strings that go beyond the last row."""
     if len(strings.rows):
         counts = np.frombuffer(strings.counts, np.int64) // (2 if kind > 2 else 1)
-        last = np.frombuffer(strings.rows, np.int64) + counts
+        rows = np.frombuffer(strings.rows, np.int64)
+        last = np.minimum(rows, n_rows + 1) + counts  # any row, without overflow
         if last.max() > n_rows:
             raise wrong(f"{name}: a column goes to row {last.max()}, but there are {n_rows}")
 
@@ -243,6 +246,7 @@ class _Text:
     def __init__(self, file: Path, lines: list[bytes], at: int) -> None:
         self._file, self._lines, self.at = file, lines, at
         self._parts: list[bytes] = []
+        self._ends: list[int] = []  # the line at which each ends
         self._numbers = 0
 
     def matrix(self) -> Found:
@@ -272,9 +276,19 @@ class _Text:
         _check(self._wrong, name, strings, abs(n_rows), kind)
         try:
             numbers = _Printed(self._parts, self._width)
-        except ValueError as error:
-            raise spoilt(self._file, f"{name}: {error}") from None
+        except ValueError:
+            raise self._no_number() from None
         return strings.found(self._file, name, kind, (abs(n_rows), n_cols), numbers)
+
+    def _no_number(self) -> InputError:
+        """The error at the first string of numbers that are none."""
+        for part, line in zip(self._parts, self._ends, strict=True):
+            try:
+                _Printed([part], self._width)
+            except ValueError:
+                found = part[: self._per_line * self._width].decode("latin-1")
+                return spoilt(self._file, f"numbers should stand here, got {found!r}", line)
+        return spoilt(self._file, "its numbers cannot be read")
 
     def _sparse(self, strings: _Strings, col: int, big: bool) -> int:
         """Take a string of a sparse column; return its words."""
@@ -291,6 +305,7 @@ class _Text:
     def _string(self, strings: _Strings, row: int, col: int, count: int) -> None:
         strings.add(self._numbers, row, col, count)
         self._parts.append(self._take(count))
+        self._ends.append(self.at)
         self._numbers += count
 
     def _take(self, count: int) -> bytes:
@@ -301,7 +316,7 @@ class _Text:
         lines = [one.rstrip(b"\r").ljust(full)[:full] for one in self._block(n_lines)]
         printed = b"".join(lines)[: count * self._width]
         if printed[-self._width :].strip() == b"" and count:
-            raise self._wrong(f"{count} numbers should end here")
+            raise self._wrong(f"{count} numbers should end here: is it cut short?")
         return printed
 
     def _block(self, n_lines: int) -> list[bytes]:
@@ -317,7 +332,9 @@ class _Text:
     def _integers(self, count: int) -> list[int]:
         words = self._next().split()
         if len(words) != count:
-            raise self._wrong(f"{count} integers should stand here, got {len(words)} words")
+            raise self._wrong(
+                f"{count} integers should stand here, got {len(words)} words: is it cut short?"
+            )
         return [self._integer(word) for word in words]
 
     def _integer(self, word: bytes) -> int:

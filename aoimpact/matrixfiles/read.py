@@ -23,8 +23,9 @@ from ..base import (
     positive,
     warn,
 )
-from ..fem import Damping, FEModel, audited, checked_labels
+from ..fem import Damping, FEModel, Material, audited, checked_labels
 from ..linalg import factorize
+from ..mesh import read_mesh
 from .dofs import read_dofs
 from .formats import read_file
 from .found import Found, spoilt, symmetric
@@ -71,6 +72,8 @@ def read_matrices(
     nodes: Any = None,
     length: float = 1.0,
     mass: float = 1.0,
+    mesh: Any = None,
+    material: Material | None = None,
     damping: Damping | None = None,
     name: str = "",
 ) -> FEModel:
@@ -99,6 +102,12 @@ def read_matrices(
     length, mass : float, optional
         The files' units, in m and kg: millimetres and tonnes (with N and s) are ``length=1e-3,
         mass=1e3``. The unit of time is the second.
+    mesh : path, meshio.Mesh or Mesh, optional
+        A mesh file in the files' unit (or a mesh in metres) whose nodes are those of the matrices,
+        by their places; with the `material` of its surface. Then the contact is a patch of the
+        surface, the law may be left out, and there are stresses, as of `FEModel.from_mesh`. Where
+        `nodes` is left out they are this file's.
+    material : Material, optional
     damping : Rayleigh or ModalDamping, optional
     name : str, optional
 
@@ -133,6 +142,8 @@ def read_matrices(
     FEModel(108 dofs, 36 nodes, 27 kg, free)
     """
     units = _unit("length", length, "m"), _unit("mass", mass, "kg")
+    if (mesh is None) != (material is None):
+        raise InputTypeError("mesh and material, of the surface: give both or none")
     stiffness, inertia = _chosen(K, M)
     with _naming("dofs"):
         labels = _labels(dofs, stiffness, inertia)
@@ -140,11 +151,31 @@ def read_matrices(
     _check_order(pair)
     pair = _condensed(_scaled(pair, *units))
     with _naming("nodes"):
-        places = None if nodes is None else read_places(nodes)
+        places = _places(nodes, mesh, units[0])
     body = _body(pair, places, units[0], damping, name)
+    if mesh is not None and material is not None:
+        with _naming("mesh"):
+            scaled = isinstance(mesh, (str, os.PathLike))
+            solid = read_mesh(mesh, scale=units[0]) if scaled else read_mesh(mesh)
+            try:
+                body = body.with_mesh(solid, material)
+            except InputError as error:
+                raise InputError(
+                    f"{error} It lies there by nodes and length={units[0]:g}"
+                ) from error
     for doubt in audited(body, frequencies=0).doubts:
         warn(f"{pair.called}: {doubt}")
     return body
+
+
+def _places(nodes: Any, mesh: Any, length: float) -> Places | None:
+    """Where the nodes are, in the files' unit: as given, or those of the mesh."""
+    if nodes is not None or mesh is None:
+        return None if nodes is None else read_places(nodes)
+    if isinstance(mesh, (str, os.PathLike)):
+        return read_places(mesh)
+    solid = read_mesh(mesh)
+    return np.arange(1, solid.n_nodes + 1), solid.nodes / length
 
 
 def _unit(name: str, value: float, unit: str) -> float:
@@ -301,8 +332,16 @@ def _without_held(pair: _Pair) -> _Pair:
 
 
 def _check_order(pair: _Pair) -> None:
-    """Refuse a mass in the place of the stiffness."""
+    """Refuse a mass in the place of the stiffness, and rows that have lost their diagonal."""
     of_mass = pair.M.diagonal()
+    for name, matrix in (("K", pair.K), ("M", pair.M)):
+        size = np.asarray(abs(matrix).sum(axis=1)).ravel()
+        without = np.flatnonzero((matrix.diagonal() == 0.0) & (size > 0.0))
+        if len(without) and not (name == "K" and _multiplier(pair, int(without[0]))):
+            raise InputError(
+                f"{pair.called}: {name} has no entry on the diagonal of {_at(pair, without[0])}, "
+                f"but others in its row ({len(without)} such rows): is the file cut short?"
+            )
     largest = float(np.abs(pair.K.diagonal()).max(initial=0.0))
     heaviest = float(np.abs(of_mass).max(initial=0.0))
     if 0.0 < largest < _LEAST_OMEGA2 * heaviest:
@@ -310,6 +349,19 @@ def _check_order(pair: _Pair) -> None:
             f"{pair.called}: entries of K are up to {largest:.3g} and those of M up to "
             f"{heaviest:.3g}, so that no frequency reaches 1 rad/s: are K and M exchanged?"
         )
+
+
+def _at(pair: _Pair, row: int) -> str:
+    """A row as its program calls it."""
+    if pair.labels is None:
+        return f"row {row + 1}"
+    node, component = pair.labels[row]
+    return f"dof {node}.{component}"
+
+
+def _multiplier(pair: _Pair, row: int) -> bool:
+    """Whether a row without stiffness of its own is one of Abaqus' internal ones."""
+    return pair.labels is not None and bool(pair.labels[row, 0] <= 0)
 
 
 def _scaled(pair: _Pair, length: float, mass: float) -> _Pair:
@@ -326,12 +378,8 @@ def _condensed(pair: _Pair) -> _Pair:
     light = np.asarray(abs(pair.M).sum(axis=1)).ravel() == 0.0
     if not light.any():
         return pair
-    if pair.labels is None:
-        at = f"row {np.flatnonzero(light)[0] + 1}"
-        inner = np.zeros_like(light)
-    else:
-        node, component = pair.labels[np.flatnonzero(light)[0]]
-        at = f"dof {node}.{component}"
+    at, inner = _at(pair, int(np.flatnonzero(light)[0])), np.zeros_like(light)
+    if pair.labels is not None:
         inner = (pair.labels[:, 0] <= 0) | (pair.labels[:, 1] > 3)
     if (light & ~inner).any() or (~light).sum() > _CONDENSED:
         raise InputError(
@@ -368,7 +416,8 @@ def _body(
     try:
         return FEModel(**given)
     except InputError as error:
-        raise type(error)(f"{pair.called}: {error}") from error
+        cause = "is one of the files cut short, of another model, or in other units?"
+        raise type(error)(f"{pair.called}: {error}; {cause}") from error
 
 
 def _coordinates(pair: _Pair, places: Places, length: float) -> dict[str, Any]:
@@ -407,4 +456,4 @@ def _coordinates(pair: _Pair, places: Places, length: float) -> dict[str, Any]:
 
 def _moves_without(pair: _Pair) -> bool:
     """Whether nodes that have no rows hold nothing: a body that is free does not feel them."""
-    return FEModel(K=pair.K, M=pair.M, labels=pair.labels).mass is not None
+    return _body(pair, None, 1.0, None, "").mass is not None

@@ -50,6 +50,28 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
     ------
     SceneFileError
         If the file cannot be read or is wrong: every problem with its line and column.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import tempfile
+    >>> text = '''
+    ... [bodies.ball]
+    ... mass = 0.03
+    ...
+    ... [impact]
+    ... projectile = "ball"
+    ... target = "ball"
+    ... velocity = 1.0
+    ... duration = 1e-3
+    ... law = { type = "Hertz", k = 1e9 }
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "two.toml")
+    ...     _ = path.write_text(text)
+    ...     hit = ao.read_scene(path).simulate()
+    >>> round(hit.restitution, 6)
+    1.0
     """
     file = file_path("path", path)
     try:
@@ -81,6 +103,32 @@ class SceneFile:
         As tomllib gives it.
     spots : mapping
         Line and column of every place in it.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import tempfile
+    >>> text = '''
+    ... [bodies.ball]
+    ... mass = 0.03
+    ...
+    ... [impact]
+    ... projectile = "ball"
+    ... target = "ball"
+    ... velocity = 1.0
+    ... duration = 1e-3
+    ... law = { type = "Hertz", k = 1e9 }
+    ...
+    ... [sweep.over]
+    ... velocity = [0.5, 1.0]
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "two.toml")
+    ...     _ = path.write_text(text)
+    ...     file = ao.read_scene(path)
+    ...     table = ao.sweep(file, file.grid)
+    >>> table.shape
+    (2,)
     """
 
     path: Path
@@ -130,10 +178,15 @@ class SceneFile:
 
     @property
     def members(self) -> tuple[tuple[str, str], ...]:
-        """The name of each body in the result, and its name in [bodies]."""
+        """What the files of each body are called, and its name in [bodies].
+
+        Its name in its scene; in an impact that in [bodies], or its role if both bodies are one.
+        """
         table = self.data[self.kind]
         if self.kind == "impact":
-            return tuple((role, table[role]) for role in ("projectile", "target"))
+            roles = ("projectile", "target")
+            alike = table["projectile"] == table["target"]
+            return tuple((role if alike else table[role], table[role]) for role in roles)
         return tuple((member_name(member), member["body"]) for member in table["bodies"])
 
     def has_mesh(self, body: str) -> bool:

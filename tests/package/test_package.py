@@ -88,7 +88,10 @@ def test_promised_results_are_there() -> None:
     assert all(start < end for start, end in hit.contacts)
     assert hasattr(hit.error, "reduction")
     assert hasattr(hit.error, "time")
-    for name in ("plot_force", "plot_indentation", "plot_energy", "plot_displacement", "to_csv"):
+    for name in (
+        *("plot", "plot_force", "plot_indentation", "plot_energy", "plot_displacement"),
+        *("movie", "to_csv", "to_dataframe", "to_xarray"),
+    ):
         assert callable(getattr(hit, name))
 
 
@@ -137,6 +140,15 @@ def test_every_public_name_says_what_it_is() -> None:
         assert inspect.getdoc(thing), name
         for member in own_members(thing):
             assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"
+
+
+def test_every_public_name_is_in_the_help_and_on_the_site() -> None:
+    pages = Path(__file__).parents[2].glob("docs/api/*.rst")
+    listed = {line.strip() for page in pages for line in page.read_text("utf-8").splitlines()}
+    for name in set(ao.__all__) - {"__version__"}:
+        assert re.search(rf"\b{name}\b", ao.__doc__ or ""), name
+        assert name in listed, f"docs/api/ does not list {name}"
+    assert set(dir(ao)) == set(ao.__all__)
 
 
 # ------------------------------------------------------------------------------------- imports
