@@ -47,7 +47,7 @@ class Record:
         plan : Plan
         solve : callable
         last : bool, optional
-            Whether these bodies tell when it is over; rigid ones do not.
+            Whether these bodies tell when it is over: not those that are rigid for a trial.
         """
         if self._settled:
             same = plan.duration == self.length
