@@ -210,9 +210,26 @@ def test_a_whole_body_without_keywords() -> None:
         ao.simulate(plate(), plate(), 1.0)
 
 
+@pytest.mark.filterwarnings("ignore:projectile is a ball with a radius")
 def test_a_ball_of_ten_metres() -> None:
     with pytest.raises(ao.InputError, match="no room for larger ones there: check that radii"):
         ao.simulate(ao.ball(10, STEEL), plate().contact(point=MIDDLE), 1.0)
+
+
+def test_a_ball_of_one_metre() -> None:
+    with pytest.warns(ao.AOImpactWarning, match=r"radius of 1 m, and target is 100 mm .* metres\?"):
+        strike(
+            plate().contact(point=MIDDLE), projectile=ao.ball(1.0, STEEL), law=None, velocity=1e-4
+        )
+
+
+def test_bodies_that_part_are_not_said_to_be_at_it_still() -> None:
+    scene = ao.Scene()
+    ball, wall = scene.add(BALL, velocity=1.0), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(wall, ball, LAW)
+    with pytest.warns(ao.AOImpactWarning) as said:
+        scene.simulate()
+    assert ["they move apart" in str(each.message) for each in said] == [True]
 
 
 def test_cylinders_that_touch_along_a_line() -> None:
