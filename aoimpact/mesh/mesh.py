@@ -53,7 +53,7 @@ class Mesh(Frozen):
     cells : array_like of int, shape (n_cells, nodes per cell)
         Node numbers in meshio's (VTK's) order.
     kind : str
-        meshio's name of the element, one of `KINDS`: "tetra", "hexahedron20", …
+        meshio's name of the element, such as "tetra10" or "hexahedron20".
     node_sets : mapping of str to array of int, optional
         Named sets of nodes, e.g. for supports.
 
