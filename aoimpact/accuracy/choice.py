@@ -121,7 +121,10 @@ def choose_models(
 
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
-            flexible = any(getattr(model, "n", 1) for model in models)
+            flexible = all(
+                getattr(model, "n", 1) or getattr(body, "n", 1) == 0
+                for model, body in zip(models, bodies, strict=True)
+            )
             plan = plan_of(models, False)
             return view(record.run(plan, partial(solve, solver=rule), last=flexible))
 

@@ -89,6 +89,14 @@ def simulate_many(
     -----
     AOImpactWarning
         Once, at the end, if cases had warnings.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> case = {"projectile": ball, "target": ball, "law": ao.Hertz(k=1e9), "duration": 1e-3}
+    >>> hits = ao.simulate_many([case | {"velocity": speed} for speed in (0.5, 1.0)])
+    >>> round((hits[1].peak_force / hits[0].peak_force) ** (5 / 6), 6)  # Hertz: as V^(6/5)
+    2.0
     """
     return list(iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress))
 
@@ -120,6 +128,14 @@ def iterate_many(
     ------
     InputError, InputTypeError, WorkerError
         As from `simulate_many`.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> case = {"projectile": ball, "target": ball, "law": ao.Hertz(k=1e9), "duration": 1e-3}
+    >>> cases = (case | {"velocity": speed} for speed in (0.5, 1.0))
+    >>> [round(hit.restitution, 6) for hit in ao.iterate_many(cases)]
+    [1.0, 1.0]
     """
     scalar = isinstance(cases, np.ndarray) and cases.ndim == 0
     if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable) or scalar:

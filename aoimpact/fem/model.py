@@ -106,6 +106,15 @@ class FEModel(Frozen):
     ------
     InputError, InputTypeError
         If a matrix is not what it has to be, or the shapes do not match.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+    >>> chain = ao.FEModel(K=K, M=M, name="chain")
+    >>> chain.frequencies(2).round(1)  # Hz
+    array([139.1, 364.2])
+    >>> end = chain.contact(dof=1)
     """
 
     K: Any

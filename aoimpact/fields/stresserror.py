@@ -22,10 +22,10 @@ import numpy.typing as npt
 
 from ..base import FloatArray
 from ..fem import Body, Material
-from ..mesh import cofactors, jacobians, reference_element
-from .stress import batches, elements_at, extrapolation
+from ..mesh import Mesh, cofactors, jacobians, reference_element
+from .stress import Stress, batches, elements_at, extrapolation, gauss_stress
 
-__all__ = ["energy_error", "missing_energy"]
+__all__ = ["energy_error", "missing_energy", "stresses_around"]
 
 # No share of the energy is taken to be less true than this.
 _LEAST_TRUE = 0.1
@@ -131,3 +131,30 @@ def _strain(
             row *= 0.5
     strain /= det
     return strain, det
+
+
+def stresses_around(body: Body, displacement: FloatArray, node: int) -> tuple[Stress, Stress]:
+    """Return the stress at a node, averaged and as each of the elements that meet there has it.
+
+    Parameters
+    ----------
+    body : FEModel
+        Made from a mesh.
+    displacement : ndarray, shape (n_nodes, 3)
+        m.
+    node : int
+
+    Returns
+    -------
+    averaged, of_elements : Stress
+        Of shapes (6,) and (n, 6), Pa.
+    """
+    mesh, material = body.mesh, body.material
+    assert mesh is not None
+    assert material is not None
+    around, local = np.nonzero(mesh.cells == node)
+    nodes, cells = np.unique(mesh.cells[around], return_inverse=True)
+    part = Mesh(mesh.nodes[nodes], cells.reshape(len(around), -1), mesh.kind)
+    at_gauss = gauss_stress(part, material, displacement[nodes]).components
+    found = np.einsum("eg,egc->ec", extrapolation(mesh.kind)[local], at_gauss)
+    return Stress(found.mean(axis=0), mesh.nodes[node]), Stress(found, mesh.nodes[node])

@@ -106,6 +106,13 @@ def simulate(
     AOImpactWarning
         If the record ends in contact, the step is too large for any digit to be right, a body's
         centre of mass is not known, or its model was fitted to another contact time.
+
+    Examples
+    --------
+    >>> ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800))
+    >>> hit = ao.simulate(projectile=ball, target=ball, velocity=1.0)
+    >>> round(hit.peak_force, 1), round(hit.law.k / 1e9, 2)  # N, GN/m^1.5
+    (1001.5, 10.88)
     """
     began = perf_counter()
     numbers = checked_numbers(velocity, duration, gap, energies)

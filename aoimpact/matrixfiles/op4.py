@@ -209,7 +209,8 @@ def _check(
     """Refuse strings that go beyond the last row."""
     if len(strings.rows):
         counts = np.frombuffer(strings.counts, np.int64) // (2 if kind > 2 else 1)
-        last = np.frombuffer(strings.rows, np.int64) + counts
+        rows = np.frombuffer(strings.rows, np.int64)
+        last = np.minimum(rows, n_rows + 1) + counts  # any row, without overflow
         if last.max() > n_rows:
             raise wrong(f"{name}: a column goes to row {last.max()}, but there are {n_rows}")
 

@@ -80,6 +80,14 @@ class KrylovSpace:
         If `contact_time` is shorter than what the mesh resolves.
     SingularError
         If the contact moves part of the body as a mechanism.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> space = ao.KrylovSpace(bar.contact(point=(0.1, 0.005, 0.005)), contact_time=1e-4)
+    >>> [space.antioscillators(n).n for n in (2, 3)]  # the second costs one more solution
+    [2, 3]
     """
 
     def __init__(

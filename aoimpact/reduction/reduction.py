@@ -239,6 +239,15 @@ def antioscillators(
     -----
     AOImpactWarning
         If b excites fewer than `n` oscillators, or it is not proven that they are the heaviest.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> end = bar.contact(point=(0.1, 0.005, 0.005))
+    >>> model = ao.antioscillators(end, n=4, method="krylov", contact_time=1e-4)
+    >>> model.n, model.k0, round(model.static_mass / bar.mass, 6)  # free, struck through its centre
+    (4, 0.0, 1.0)
     """
     if not isinstance(tip, ContactPoint):
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")

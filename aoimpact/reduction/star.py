@@ -70,6 +70,16 @@ class AOModel(Frozen):
     ------
     InputError
         If a value is out of range or not finite, or `m` and `k` differ in length.
+
+    Examples
+    --------
+    >>> model = ao.AOModel(m0=0.1, k0=1e5, m=[0.2], k=[1e6])
+    >>> round(model.static_mass, 3)
+    0.3
+    >>> model.frequencies.round(1)  # Hz
+    array([355.9])
+    >>> float(model.receptance(0.0)) == 1 / model.k0
+    True
     """
 
     m0: float
@@ -461,9 +471,11 @@ class AOModel(Frozen):
 
         Returns
         -------
-        omega2, participation : ndarrays, shape (modes,)
-            ω², (rad/s)², ascending; r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the
-            receptance is Σ r_j²/(ω_j² - ω²).
+        omega2 : ndarray, shape (modes,)
+            ω², (rad/s)², ascending.
+        participation : ndarray, shape (modes,)
+            r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the receptance is
+            Σ r_j²/(ω_j² - ω²).
 
         Raises
         ------

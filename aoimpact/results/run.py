@@ -25,6 +25,7 @@ from ..base import (
 )
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
+from ..reduction import FullModel
 from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
 from .export import as_dataframe, as_dataset
@@ -59,6 +60,16 @@ class Handle:
         As it was added, for messages.
     scene : str
         The mark of the scene that it is of.
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+    >>> run = scene.simulate(duration=1e-3)
+    >>> round(float(run[ball].velocity[-1]), 6)
+    -1.0
     """
 
     body: int
@@ -121,6 +132,18 @@ class Run:
         What meshes and contact laws leave out, or what finds that of the run when it is asked.
     modelled : float
         How long it took to choose and to make the models, s.
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9), name="wall")
+    >>> run = scene.simulate(duration=1e-3)
+    >>> run.contacts[number].name, len(run.contacts[number].intervals)
+    ('wall', 1)
+    >>> round(float(run.at([0.0])[ball].velocity[0]), 6)
+    1.0
     """
 
     plan: Plan
@@ -354,6 +377,15 @@ class Run:
             for body, of in zip(self.plan.bodies, self.bodies, strict=True)
         )
 
+    @property
+    def _whole(self) -> bool:
+        """Whether full finite-element models took part, and no reduced ones."""
+        models = [body.model for body in self.plan.bodies]
+        full = [isinstance(model, FullModel) for model in models]
+        return any(full) and all(
+            whole or not model.contact_points for whole, model in zip(full, models, strict=True)
+        )
+
     @cached_property
     def error(self) -> ErrorEstimate:
         """What is known of the error."""
@@ -364,7 +396,8 @@ class Run:
             if self.recorder.dense and energy is not None:
                 _warn_of_ledger(energy, self.time_error)
         if (of := self.chosen) is None:
-            return ErrorEstimate(None, self.time_error, energy, left_out=self._left_out)
+            nothing = 0.0 if self._whole else None
+            return ErrorEstimate(nothing, self.time_error, energy, left_out=self._left_out)
         return ErrorEstimate(
             of.error,
             self.time_error,

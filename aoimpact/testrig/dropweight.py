@@ -75,6 +75,13 @@ class DropWeight(Frozen):
         First and last touch, s.
     simulated : bool
         Whether the bodies are those of a simulation, which cannot break.
+
+    Examples
+    --------
+    >>> tup, plate = ao.rigid(mass=5.0), ao.AOModel(m0=0.1, k0=5e6, m=[0.2], k=[4e7])
+    >>> hit = ao.simulate(projectile=tup, target=plate, law=ao.Hertz(k=1e9), velocity=2.0)
+    >>> round(ao.drop_weight(hit).impact_energy, 6)  # J
+    10.0
     """
 
     t: FloatArray

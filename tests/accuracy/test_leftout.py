@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -91,3 +92,22 @@ def test_a_law_that_ends_just_beyond_the_impact_has_its_errors() -> None:
     assert 0.5 < hit.error.mesh / whole.error.mesh < 2.0
     # Infinite where what is left out would lead beyond the table.
     assert hit.error.contact > 0.0
+
+
+def test_a_full_model_leaves_out_mesh_and_contact_but_nothing_by_reduction() -> None:
+    """As much as the model of the same body that is chosen, whose numbers are found otherwise."""
+    body = plate(8, "hexahedron20")
+    chosen = strike(body)
+    assert chosen.models is not None
+    (tip,) = chosen.models[1].contact_points
+    hertz = ao.Hertz.between(STEEL, 0.01, ALU, math.inf)
+    whole = ao.simulate(BALL, ao.full(tip), chosen.velocity, law=hertz, duration=chosen.duration)
+    error = whole.error
+    assert error.reduction == 0.0
+    assert error.total == pytest.approx(error.mesh + error.contact + error.time)
+    assert error.mesh == pytest.approx(chosen.error.mesh, rel=0.2)
+    assert error.contact == pytest.approx(chosen.error.contact, rel=0.2)
+    assert error.of("peak_force") is not None
+    assert re.search(
+        r"error  +force, at its worst over the record, ± .* \(mesh .*model 0", repr(whole)
+    )

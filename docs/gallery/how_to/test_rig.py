@@ -25,7 +25,7 @@ plate = ao.FEModel.from_mesh(mesh, aluminium, fixed=sides, name="plate")
 cell = ao.LoadCell(nose=0.2, carriage=2.2, stiffness=6e8, damping_ratio=0.02)
 tup = cell.tup(radius=0.008, material=steel)
 middle = plate.contact(point=(0.075, 0.05, 0.006))
-hit = ao.simulate(projectile=tup, target=middle, velocity=0.6, duration=4e-3)
+hit = ao.simulate(projectile=tup, target=middle, velocity=0.6)
 print(hit)
 
 # %%
