@@ -217,10 +217,9 @@ def test_a_ball_of_ten_metres() -> None:
 
 
 def test_a_ball_of_one_metre() -> None:
+    struck = plate().contact(point=MIDDLE)
     with pytest.warns(ao.AOImpactWarning, match=r"radius of 1 m, and target is 100 mm .* metres\?"):
-        strike(
-            plate().contact(point=MIDDLE), projectile=ao.ball(1.0, STEEL), law=None, velocity=1e-4
-        )
+        ao.simulate(ao.ball(1.0, STEEL), struck, 1e-4)
 
 
 def test_bodies_that_part_are_not_said_to_be_at_it_still() -> None:
