@@ -144,7 +144,8 @@ def choose_models(
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     models = tuple(body.model for body in run.plan.bodies)
     chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
-    left_out = LeftOutFinder(quantity, rule, view, law_errors)
+    meshed = any(getattr(body, "given", body).contact_points for body in bodies)
+    left_out = LeftOutFinder(quantity, rule, view, law_errors, meshed)
     return view(replace(run, chosen=chosen, left_out=left_out))
 
 

@@ -63,16 +63,22 @@ class LeftOutFinder:
         What the caller makes of a run: a `Result`, or the `Run` itself.
     law_errors : sequence of float
         Relative error of each contact's stiffness, from the curvatures that it was found from.
+    meshed : bool
+        Whether any body was given with a mesh, though its model may be a wall; of what is given by
+        numbers nothing is known.
     """
 
     quantity: Quantity
     solver: TimeSolver | None
     view: Callable[[Run], Result | Run]
     law_errors: Sequence[float] = ()
+    meshed: bool = True
 
     def __call__(self, run: Run) -> LeftOut:
         """Return the errors; None where a body's are not known."""
         plan = run.plan
+        if not self.meshed:
+            return LeftOut()
         full = [body.model.body for body in plan.bodies if isinstance(body, FullBody)]
         if full:
             if any(body.mesh is None for body in full) or not any(of.contacts for of in run.events):
@@ -81,8 +87,6 @@ class LeftOutFinder:
         found = [_of_contact(run, i) for i in range(len(plan.contacts))]
         if None in found:
             return LeftOut()
-        if not any(body.model.contact_points for body in plan.bodies):
-            return LeftOut()  # given by numbers
         softening: dict[int, float] = {}
         for end in (end for ends in found for end in ends or ()):
             softening[end.body] = max(end.softening, softening.get(end.body, 0.0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ..base import (
     FloatArray,
     Frozen,
     InputError,
+    choice,
     draw_curves,
     file_path,
     nonnegative,
@@ -157,15 +158,35 @@ class DropWeight(Frozen):
 
         Keywords go to ``Axes.plot``.
         """
-        shown = slice(*np.searchsorted(self.t, [self.start, self.end]))
+        shown = self._touching
         across = (self.deflection[shown], "deflection", "m")
         curves: list[Curve] = [(self.force[shown], {})]
         return draw_curves(ax, across, "force", "N", curves, kwargs)
 
-    def plot_energy(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the energy that the specimen has taken up over time. Returns the axes."""
-        shown = self._shown
-        across = (self.t[shown] - self.start, "time", "s")
+    def plot_energy(
+        self,
+        ax: Axes | None = None,
+        *,
+        over: Literal["time", "deflection"] = "time",
+        **kwargs: Any,
+    ) -> Axes:
+        """Draw the energy that the specimen has taken up; keywords go to ``Axes.plot``.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+        over : {"time", "deflection"}, optional
+            From the first touch on; over the deflection only while they touch.
+
+        Returns
+        -------
+        Axes
+        """
+        if choice("over", over, ("time", "deflection")) == "time":
+            shown, across = self._shown, (self.t[self._shown] - self.start, "time", "s")
+        else:
+            shown = self._touching
+            across = (self.deflection[shown], "deflection", "m")
         curves: list[Curve] = [(self.energy[shown], {})]
         return draw_curves(ax, across, "energy", "J", curves, kwargs)
 
@@ -179,6 +200,10 @@ class DropWeight(Frozen):
             ax = draw_curves(ax, across, "force", "N", grey)
         curves: list[Curve] = [(self.force[shown], {})]
         return draw_curves(ax, across, "force", "N", curves, kwargs)
+
+    @property
+    def _touching(self) -> slice:
+        return slice(*np.searchsorted(self.t, [self.start, self.end]))
 
     @property
     def _shown(self) -> slice:

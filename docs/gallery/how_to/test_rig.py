@@ -89,10 +89,16 @@ for cfc, dashes in ((1000, "-"), (600, "--")):
 label = right.set_ylabel("")
 
 # %%
-# Force over deflection
-# ---------------------
+# Force and energy over deflection
+# --------------------------------
 
 ax = test.plot_deflection()
+
+# %%
+# The energy over the deflection goes up as the plate takes it up, and back down as it gives it back. What is left on the
+# axis at the end is the absorbed energy.
+
+ax = test.plot_energy(over="deflection")
 
 # %%
 # Shock at a place of the body
