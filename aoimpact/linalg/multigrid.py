@@ -54,7 +54,7 @@ _BYTES_PER_ENTRY, _BYTES_PER_FACTOR = 30.0, 16.0
 # computed afresh comes out slightly larger.
 _TOLERANCE = 5e-11
 
-# Seconds of a solution per dof in so many iterations, which compact bodies take, and where nodes are
+# Seconds of a solution per dof in so many iterations, as compact bodies take, and where nodes are
 # not known; the set-up is about one more.
 _SECONDS, _SECONDS_WITHOUT_NODES = 5e-6, 1e-4
 _ITERATIONS = 12
