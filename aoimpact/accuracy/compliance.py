@@ -33,7 +33,6 @@ from ..base import FloatArray, InputError, InputTypeError, nonnegative, positive
 from ..fem import ContactPoint, contact_at, edge_length, image_field, room
 from ..fields import energy_error
 from ..linalg import LinearSolver
-from ..mesh import reference_element
 from ..reduction import SHIFT_TIMES_DURATION, AOModel, InterfaceModel, unbalanced
 
 __all__ = ["ComplianceError", "best_radius", "compliance_error"]
@@ -291,8 +290,7 @@ def best_radius(
     surface = tip.body.surface
     if surface is None or tip.point is None:
         raise InputError(f"{tip!r} is not on the surface of a mesh; give the radius")
-    kind = reference_element(surface.mesh.kind)
-    quadratic = kind.n_nodes > kind.n_corners
+    quadratic = surface.mesh.quadratic
     radius = max(least, _START[quadratic] * edge_length(surface, tip.point))
     about = room(surface, tip.point, _MOST * radius)
     largest = min(_MOST * radius, _ROOMY * about.free)

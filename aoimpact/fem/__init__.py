@@ -1,13 +1,25 @@
 """Finite-element models: material, supports, assembly, damping, and the contact functional."""
 
 from .assembly import stiffness_mass
+from .attached import RigidMass
+from .composition import (
+    AnyMaterial,
+    Layout,
+    Materials,
+    OneMaterial,
+    Piece,
+    each_of,
+    layout,
+    pieces,
+)
 from .contact import Body, ContactPoint, contact_at, contact_point
 from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch, image_field
-from .material import Material
+from .material import PAIRS, Material
 from .mechanism import refuse_mechanism
 from .model import FEModel
+from .orthotropic import Orthotropic
 from .patch import Patch
 from .statics import (
     StaticMode,
@@ -22,16 +34,24 @@ from .touch import Room, edge_length, room
 
 __all__ = [
     "FASTEST",
+    "PAIRS",
+    "AnyMaterial",
     "Body",
     "ContactPoint",
     "ContactSurface",
     "Damping",
     "FEModel",
+    "Layout",
     "Material",
+    "Materials",
     "ModalDamping",
+    "OneMaterial",
+    "Orthotropic",
     "Patch",
     "PatchCheck",
+    "Piece",
     "Rayleigh",
+    "RigidMass",
     "Room",
     "StaticMode",
     "centre_of",
@@ -40,9 +60,12 @@ __all__ = [
     "contact_point",
     "damping_or_none",
     "displacement",
+    "each_of",
     "edge_length",
     "image_field",
+    "layout",
     "moves_rigidly",
+    "pieces",
     "refuse_mechanism",
     "room",
     "selected_nodes",

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
 from ..base import (
     FloatArray,
@@ -51,9 +52,10 @@ from ..mesh import (
     unresisted_motions,
 )
 from .assembly import stiffness_mass
+from .attached import Mounted, SpringSupport, added_mass, spring_stiffness
+from .composition import AnyMaterial, Materials, OneMaterial, materials_of
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
-from .material import Material
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
@@ -87,7 +89,8 @@ class FEModel(Frozen):
     Attributes
     ----------
     mesh : Mesh or None
-    material : Material or None
+    material : Material, Orthotropic or Materials, or None
+        Several ones as `Materials`.
     mass : float or None
         Of the whole body, kg, from 1ᵀM1; None if M does not determine it (no nodes, or
         an M without the dofs of the supports).
@@ -105,10 +108,12 @@ class FEModel(Frozen):
     damping: Damping | None = None
     name: str = ""
     mesh: Mesh | None = field(init=False, default=None)
-    material: Material | None = field(init=False, default=None)
+    material: AnyMaterial | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
     # (n_dofs, 3): column c is M g_c on the free dofs, with g_c the translation of all nodes.
     _momentum: FloatArray | None = field(init=False, default=None)
+    # (n_dofs,): springs to the ground, N/m, that K contains.
+    _springs: FloatArray | None = field(init=False, default=None)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
     _soft: FloatArray | None = field(init=False, default=None)
 
@@ -139,9 +144,12 @@ class FEModel(Frozen):
     def from_mesh(
         cls,
         mesh: str | os.PathLike[str] | Mesh | Any,
-        material: Material,
+        material: OneMaterial | Mapping[str, OneMaterial],
         fixed: Sequence[Support] | None = None,
         *,
+        masses: Sequence[Mounted] | None = None,
+        springs: Sequence[SpringSupport] | None = None,
+        part: str | Sequence[str] | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> FEModel:
@@ -151,23 +159,35 @@ class FEModel(Frozen):
         ----------
         mesh : path, meshio.Mesh or Mesh
             In metres; see `read_mesh`.
-        material : Material
+        material : Material, Orthotropic, or mapping of str to these
+            One for all, or one for each named group of elements; every element needs exactly one.
         fixed : sequence of (nodes, letters), optional
             Supports: node numbers, the name of a node set of the mesh, or a function of the nodes'
             coordinates (n_nodes, 3) that returns one bool for each; and the components constrained
             there, of "x", "y", "z". None leaves the body free.
+        masses : sequence of (nodes, kg) or RigidMass, optional
+            Added masses: nodes as in `fixed`, and what they carry together, in equal shares and in
+            all three directions. A `RigidMass` has a centre and moments of inertia as well.
+        springs : sequence of (nodes, letters, N/m), optional
+            Springs to the ground: nodes and directions as in `fixed`, and the stiffness of all
+            these nodes together in each of the directions, in equal shares. A dashpot to the
+            ground is no such entry: damping is by modes (`damping`), and one at a place is not.
+        part : str or sequence of str, optional
+            Named groups of elements that make up the body, of a file with several bodies.
         damping : Rayleigh or ModalDamping, optional
-            Inherited by the models made from this one.
+            Inherited by the models made from this one. Rayleigh's holds for added masses and
+            springs, too.
         name : str, optional
             What results, tables and plots are to call the body; inherited as well.
 
         Raises
         ------
         InputError, InputTypeError
-            If `material` is none, a support selects no node or unknown components, or volumes, mass
-            or stiffness leave the range of numbers.
+            If `material` is none, or leaves out elements; if a support, mass or spring selects no
+            node or unknown components; or if volumes, mass or stiffness leave the range of numbers.
         MeshError
-            If the mesh cannot be read, or has elements that are inside out, flat or there twice.
+            If the mesh cannot be read, or has elements that are inside out, flat, there twice or
+            do not fit together.
 
         Warns
         -----
@@ -180,25 +200,43 @@ class FEModel(Frozen):
         >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
         >>> FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
         FEModel(120 dofs, 44 nodes, 10 hexahedron, 0.027 kg, 12 dofs constrained)
+
+        On springs, with a weight of 2 kg at its end:
+
+        >>> FEModel.from_mesh(
+        ...     bar,
+        ...     Material(E=70e9, nu=0.3, rho=2700),
+        ...     masses=[("xmax", 2.0)],
+        ...     springs=[("zmin", "xyz", 1e6)],
+        ... )
+        FEModel(132 dofs, 44 nodes, 10 hexahedron, 2.027 kg, 66 springs to the ground, free)
         """
-        if not isinstance(material, Material):
-            raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
         damped, called = damping_or_none(damping), text("name", name)
-        solid = read_mesh(mesh)
+        solid = read_mesh(mesh, part=part)
+        made_of = materials_of(solid, material)
+        surface = boundary(solid) if len(solid.blocks) > 1 else None  # which checks that they fit
         free = free_dofs(solid.nodes, fixed, solid.node_sets)
+        heavier = added_mass(solid.nodes, masses, solid.node_sets)
+        stiffer = spring_stiffness(solid.nodes, springs, solid.node_sets, free)
         translations = _translations(np.arange(3 * solid.n_nodes))
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            K, M = stiffness_mass(solid, material)
+            K, M = stiffness_mass(solid, made_of)
+            own = float((M @ translations[:, 0]) @ translations[:, 0])
+            M = M if heavier is None else _sum(M, heavier)
             momentum = M @ translations
             mass = float(momentum[:, 0] @ translations[:, 0])
-        _check_reach(mass, K, M, solid, material)
-        _warn_of_units(mass, solid.size, mass / material.rho / solid.n_cells)
+        _check_reach(mass, K, M, solid, made_of)
+        _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
+        if stiffer is not None:
+            K, stiffer = _sum(K, sp.diags_array(stiffer, format="csr")), stiffer[free]
         if len(free) < len(momentum):
             K, M, momentum = K[free][:, free], M[free][:, free], momentum[free]
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
-        model._set(mesh=solid, material=material, damping=damped, name=called)
+        model._set(mesh=solid, material=made_of, damping=damped, name=called, _springs=stiffer)
+        if surface is not None:
+            model._set(surface=surface)
         return model
 
     @property
@@ -212,9 +250,13 @@ class FEModel(Frozen):
         if self.nodes is not None:
             parts.append(f"{len(self.nodes)} nodes")
         if self.mesh is not None:
-            parts.append(f"{self.mesh.n_cells} {self.mesh.kind}")
+            parts.append(self.mesh.contents)
+        if isinstance(self.material, Materials):
+            parts.append(f"{len(self.material.materials)} materials")
         if self.mass is not None:
             parts.append(f"{self.mass:.4g} kg")
+        if self._springs is not None:
+            parts.append(f"{np.count_nonzero(self._springs)} springs to the ground")
         if self.nodes is not None:
             fixed = 3 * len(self.nodes) - self.n_dofs
             parts.append(f"{fixed} dofs constrained" if fixed else "free")
@@ -269,7 +311,8 @@ class FEModel(Frozen):
         leave free; without nodes the null space of K, by its lowest modes.
         """
         if self.nodes is not None:
-            modes = unresisted_motions(self.K, self.M, rigid_motions(self.nodes)[self.free])
+            motions = rigid_motions(self.nodes)[self.free]
+            modes = unresisted_motions(self.K, self.M, motions, self._springs)
         elif self.K.data.any():
             modes = null_space(self.K, self.M)
         else:
@@ -289,7 +332,7 @@ class FEModel(Frozen):
                 return None
             return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
         assert self.free is not None  # a body with a mesh has nodes
-        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes)
+        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes, self._springs)
 
     def inverse(
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
@@ -381,6 +424,23 @@ class FEModel(Frozen):
         return None if self.mesh is None else boundary(self.mesh)
 
 
+def _sum(matrix: Any, other: Any) -> Any:
+    """Return the sum of two CSR matrices in the form that solvers take."""
+    total = (matrix + other).tocsr()
+    total.sort_indices()
+    if total.nnz < 2**31:
+        total.indices = total.indices.astype(np.int32, copy=False)
+        total.indptr = total.indptr.astype(np.int32, copy=False)
+    return total
+
+
+def _density(material: AnyMaterial) -> float:
+    """Of all elements, about: for a volume that is only to be compared with that of a building."""
+    if not isinstance(material, Materials):
+        return material.rho
+    return float(np.mean(np.array([of.rho for of in material.materials])[material.index]))
+
+
 def _translations(dofs: IntArray | None) -> FloatArray:
     assert dofs is not None
     return np.eye(3)[dofs % 3]
@@ -432,7 +492,7 @@ def _checked_total(total: FloatArray) -> float:
     return mass
 
 
-def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: Material) -> None:
+def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: AnyMaterial) -> None:
     """Refuse what leaves the range of doubles, so that no nan or zero mass is computed with."""
     stiffest = float(np.abs(K.data).max())  # nan and infinity fail the comparisons
     lightest = float(M.diagonal().min())
