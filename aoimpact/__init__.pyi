@@ -14,6 +14,7 @@ from .batch import SweepTable as SweepTable
 from .batch import iterate_many as iterate_many
 from .batch import simulate_many as simulate_many
 from .batch import sweep as sweep
+from .fem import Audit as Audit
 from .fem import ContactPoint as ContactPoint
 from .fem import FEModel as FEModel
 from .fem import Material as Material
@@ -45,6 +46,8 @@ from .laws import Thornton as Thornton
 from .laws import Tsuji as Tsuji
 from .laws import UserLaw as UserLaw
 from .laws import restitution as restitution
+from .matrixfiles import read_matrices as read_matrices
+from .matrixfiles import write_matrices as write_matrices
 from .mesh import Mesh as Mesh
 from .mesh import box_mesh as box_mesh
 from .mesh import paper_sphere_mesh as paper_sphere_mesh
@@ -70,5 +73,12 @@ from .study import Comparison as Comparison
 from .study import WorkPrecision as WorkPrecision
 from .study import compare as compare
 from .study import work_precision as work_precision
+from .testrig import DropWeight as DropWeight
+from .testrig import LoadCell as LoadCell
+from .testrig import ShockSpectrum as ShockSpectrum
+from .testrig import Signal as Signal
+from .testrig import drop_weight as drop_weight
+from .testrig import read_signal as read_signal
+from .testrig import shock_spectrum as shock_spectrum
 
 __version__: str

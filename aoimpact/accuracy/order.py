@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple
 
-from ..base import AOImpactError, ConvergenceError, InputError
+from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
 from ..linalg import Solver
 from ..reduction import BodyModel, FullModel, own_contact_time
 from .hierarchy import Hierarchy, Models, model_hierarchy
@@ -43,6 +43,9 @@ _EASED = 1.1
 # Bases are fitted anew where the contact time that they were fitted to and the one found differ by
 # this factor; and how often.
 _REFIT, _MOST_FITS = 2.0, 4
+
+# Contacts that are wider than their patches with so many models, each larger, are so with all.
+_TOO_WIDE = 3
 
 # Of each different hierarchy.
 _Orders = tuple[int, ...]
@@ -190,6 +193,7 @@ class _Search(Generic[R]):
 
     def grow(self) -> Iterator[R]:
         """Enlarge models until they are proven good; yield runs of larger ones on the way."""
+        too_wide = 0
         while True:
             *_, largest = self._larger()
             if (run := self._at(largest)) is not None:
@@ -197,6 +201,9 @@ class _Search(Generic[R]):
             error = self._error(self.orders)
             if error <= self.rtol:
                 return
+            too_wide += isinstance(self.failures.get(largest), LawLimitError)
+            if too_wide >= _TOO_WIDE:
+                raise self.failures[largest]
             if max(self.orders) > _MOST_ORDER or self._at_most(self.orders) == largest:
                 raise self.failures.get(largest) or self._no_convergence(error)
             self.orders = self._enlarged(largest)
@@ -288,9 +295,23 @@ class _Search(Generic[R]):
         if key not in self.results:
             try:
                 self.results[key] = self.run(tuple(models[place] for place in self.places))
-            except AOImpactError as error:  # e.g. of patches that too few vectors make too stiff
+            except AOImpactError as error:
+                if self._is_of_input(error, orders):
+                    raise
                 self.results[key], self.failures[orders] = None, error
         return self.results[key]
+
+    def _is_of_input(self, error: AOImpactError, orders: _Orders) -> bool:
+        """Whether what was given is wrong, so that larger models will not help.
+
+        Few vectors make patches too stiff, and two bodies may be walls where both are rigid.
+        """
+        deform = all(
+            order > 0 or one.at_most(1) == 0
+            for one, order in zip(self.hierarchies, orders, strict=True)
+        )
+        of_input = isinstance(error, InputError | InputTypeError)
+        return of_input and deform and not isinstance(error, LawLimitError)
 
     def _at_most(self, orders: Iterable[int]) -> _Orders:
         return tuple(one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True))

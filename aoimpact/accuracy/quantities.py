@@ -128,10 +128,17 @@ class Quantity:
         return abs(float(_relative(np.array([self._compared(one) - value]), np.array([scale]))[0]))
 
     def span(self, run: Result | Run) -> float:
-        """Return how long, s, the motion must be right for this quantity to be so."""
+        """Return how long, s, the motion must be right for this quantity to be so.
+
+        What nothing drives moves without deforming until the first contact.
+        """
+        touched = [of.contacts for of in _events(run) if of.contacts]
+        plan = _run_of(run).plan
+        driven = plan.preload or plan.gravity or plan.loads
+        first = 0.0 if driven else min((each[0][0] for each in touched), default=0.0)
         if self.lasting:
-            return run.duration
-        return max((of.contacts[-1][1] for of in _events(run) if of.contacts), default=0.0)
+            return run.duration - first
+        return max((each[-1][1] for each in touched), default=first) - first
 
     def contact_time(self, run: Result | Run) -> float | None:
         """Return the duration of the first contact, s, or None where none ends in the record.

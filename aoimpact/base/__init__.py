@@ -1,7 +1,6 @@
 """What every folder may use: errors, checks of arguments, units, read-only records, tables."""
 
 from .arrays import FloatArray, IntArray
-from .axes import error_axes, given_axes
 from .cells import aligned, html_table
 from .checks import (
     FARTHEST,
@@ -36,6 +35,7 @@ from .errors import (
     MeshError,
     MissingFileError,
     MissingPackageError,
+    RoomError,
     SceneFileError,
     SingularError,
     WorkerError,
@@ -45,14 +45,28 @@ from .errors import (
 from .frozen import Frozen, checked
 from .heard import heard
 from .memory import available, require
+from .packages import optional_package
 from .progress import bar
+from .style import (
+    COLOURS,
+    Curve,
+    draw_curves,
+    error_axes,
+    given_axes,
+    label,
+    legend,
+    new_axes,
+    styled,
+)
 from .units import Scale, quantity, scale_for, scale_of
 
 __all__ = [
+    "COLOURS",
     "FARTHEST",
     "AOImpactError",
     "AOImpactWarning",
     "ConvergenceError",
+    "Curve",
     "FloatArray",
     "Frozen",
     "InputError",
@@ -63,6 +77,7 @@ __all__ = [
     "MeshError",
     "MissingFileError",
     "MissingPackageError",
+    "RoomError",
     "Scale",
     "SceneFileError",
     "SingularError",
@@ -73,6 +88,7 @@ __all__ = [
     "boolean",
     "checked",
     "choice",
+    "draw_curves",
     "error_axes",
     "file_path",
     "finite_array",
@@ -83,9 +99,13 @@ __all__ = [
     "instance",
     "instances",
     "integer",
+    "label",
+    "legend",
     "nearest",
+    "new_axes",
     "node_ids",
     "nonnegative",
+    "optional_package",
     "place",
     "plain",
     "positive",
@@ -95,6 +115,7 @@ __all__ = [
     "scale_for",
     "scale_of",
     "sequence",
+    "styled",
     "text",
     "texts",
     "unit_vector",

@@ -25,6 +25,7 @@ __all__ = [
     "MeshError",
     "MissingFileError",
     "MissingPackageError",
+    "RoomError",
     "SceneFileError",
     "SingularError",
     "WorkerError",
@@ -71,6 +72,22 @@ class LawLimitError(InputError):
     def __str__(self) -> str:
         message = super().__str__()
         return message if self.contact is None else f"contact {self.contact}: {message}"
+
+
+class RoomError(InputError):
+    """A patch does not fit on a body.
+
+    Attributes
+    ----------
+    room : float
+        How large it may be at most, about, m.
+    reason : str
+        What is in its way, and where.
+    """
+
+    def __init__(self, message: str, room: float, reason: str) -> None:
+        super().__init__(message)
+        self.room, self.reason = room, reason
 
 
 class MissingFileError(MeshError, FileNotFoundError):

@@ -36,9 +36,9 @@ def scale_for(largest: float, unit: str) -> Scale:
 
 
 def scale_of(label: str, unit: str) -> Scale | None:
-    """Return the scale that an axis label such as "force [kN]" states, or None."""
-    _, _, bracket = label.rpartition("[")
-    if not label.endswith(unit + "]"):
+    """Return the scale that an axis label such as "force (kN)" states, or None."""
+    _, _, bracket = label.rpartition("(")
+    if not label.endswith(unit + ")"):
         return None
     prefix = bracket[: -len(unit) - 1]
     for exponent, name in _PREFIXES.items():

@@ -18,7 +18,6 @@ from ..base import (
     Frozen,
     InputError,
     InputTypeError,
-    MissingPackageError,
     aligned,
     checked,
     choice,
@@ -27,6 +26,9 @@ from ..base import (
     html_table,
     instance,
     integer,
+    label,
+    legend,
+    optional_package,
     scale_for,
     sequence,
     texts,
@@ -102,13 +104,8 @@ class SweepTable(Frozen):
         MissingPackageError
             If pandas is not installed.
         """
-        try:
-            import pandas
-        except ImportError:
-            raise MissingPackageError(
-                "to_dataframe needs pandas, which is not installed: pip install pandas, or take "
-                ".data, a structured array, or .to_csv(path)"
-            ) from None
+        otherwise = "take .data, a structured array, or .to_csv(path)"
+        pandas = optional_package("pandas", "to_dataframe", otherwise)
         columns = {name: self.data[name] for name in self.columns}
         if self.errors:
             columns["error"] = np.array(self._messages(), dtype=object)
@@ -148,14 +145,14 @@ class SweepTable(Frozen):
         largest = np.abs(self[name][np.isfinite(self[name])]).max(initial=0.0)
         scale = scale_for(float(largest), quantity_unit(name))
         lines = self._lines(along, name)
-        for label, values, heights in lines:
-            style: dict[str, Any] = {"marker": "o", "markersize": 3, "label": label} | kwargs
+        for named, values, heights in lines:
+            style: dict[str, Any] = {"marker": "o", "markersize": 3, "label": named} | kwargs
             ax.plot(values, scale.factor * heights, **style)
         ax.set_xlabel(along)
-        ax.set_ylabel(f"{name} [{scale.unit}]" if scale.unit else name)
+        ax.set_ylabel(label(name, scale.unit))
         ax.grid(True, alpha=0.3)
         if 1 < len(lines) <= _MOST_LINES:
-            ax.legend()
+            legend(ax)
         return ax
 
     def _along(self, x: str | None) -> str:
@@ -174,9 +171,9 @@ class SweepTable(Frozen):
         ]
         lines = []
         for rows in order.reshape(-1, self.shape[axis]):
-            label = ", ".join(f"{other}={_text(self.data[other][rows[0]])}" for other in others)
+            named = ", ".join(f"{other}={_text(self.data[other][rows[0]])}" for other in others)
             rows = rows[np.argsort(self.data[along][rows], kind="stable")]
-            lines.append((label, self.data[along][rows], self.data[name][rows]))
+            lines.append((named, self.data[along][rows], self.data[name][rows]))
         return lines
 
     def _messages(self) -> list[str]:

@@ -2,6 +2,7 @@
 
 from .assembly import stiffness_mass
 from .attached import RigidMass
+from .audit import Audit, audited
 from .composition import (
     AnyMaterial,
     Layout,
@@ -12,10 +13,11 @@ from .composition import (
     layout,
     pieces,
 )
-from .contact import Body, ContactPoint, contact_at, contact_point
+from .contact import Body, ContactPoint, contact_at, contact_point, contact_within
 from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch, image_field
+from .labels import checked_labels
 from .material import PAIRS, Material
 from .mechanism import refuse_mechanism
 from .model import FEModel
@@ -36,6 +38,7 @@ __all__ = [
     "FASTEST",
     "PAIRS",
     "AnyMaterial",
+    "Audit",
     "Body",
     "ContactPoint",
     "ContactSurface",
@@ -54,10 +57,13 @@ __all__ = [
     "RigidMass",
     "Room",
     "StaticMode",
+    "audited",
     "centre_of",
     "check_patch",
+    "checked_labels",
     "contact_at",
     "contact_point",
+    "contact_within",
     "damping_or_none",
     "displacement",
     "each_of",

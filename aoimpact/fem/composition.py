@@ -148,8 +148,11 @@ class Piece:
     def batches(self, step: int) -> Iterator[Piece]:
         """Yield pieces of at most so many elements."""
         for start in range(0, len(self.rows), step):
-            rows = self.rows[start : start + step]
-            yield Piece(self.block, self.material, self.which, rows)
+            yield self.taken(slice(start, start + step))
+
+    def taken(self, some: IntArray | slice) -> Piece:
+        """Return some of the elements."""
+        return Piece(self.block, self.material, self.which, self.rows[some])
 
     @property
     def cells(self) -> IntArray:

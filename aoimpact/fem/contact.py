@@ -20,10 +20,12 @@ from ..base import (
     InputError,
     InputTypeError,
     IntArray,
+    RoomError,
     boolean,
     checked,
     choice,
     finite_array,
+    held_warnings,
     integer,
     nonnegative,
     place,
@@ -37,12 +39,14 @@ from ..mesh import Mesh, Surface, surface_shape
 from .composition import AnyMaterial
 from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
+from .labels import labelled_rows
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
 from .touch import (
     Touch,
     automatic_radius,
+    edge_length,
     material_at,
     pressed_normal,
     thickness,
@@ -50,7 +54,7 @@ from .touch import (
     warn_if_coarse,
 )
 
-__all__ = ["Body", "ContactPoint", "contact_at", "contact_point"]
+__all__ = ["Body", "ContactPoint", "contact_at", "contact_point", "contact_within"]
 
 
 # A point closer to a node than this fraction of the body's size is that node.
@@ -61,6 +65,14 @@ _HELD = 1e-12
 
 # How far the length of a unit vector may be from 1.
 _UNIT = 1e-9
+
+# Where the surface has less room than a patch was to have, it is made smaller by at least so much,
+# a little within where the surface was found to end, but no smaller than this many edges of
+# elements: forces on less are those on a point.
+_SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
+
+# How far the length of a functional's resultant may be from 1 for it to be a mean displacement.
+_MEAN = 1e-9
 
 # Entries of a functional whose squares, times masses and stiffnesses, are numbers.
 _SMALLEST, _LARGEST = 1e-50, 1e50
@@ -80,9 +92,13 @@ class Body(Protocol):
     @property
     def free(self) -> IntArray | None: ...
     @property
+    def labels(self) -> IntArray | None: ...
+    @property
     def mesh(self) -> Mesh | None: ...
     @property
     def material(self) -> AnyMaterial | None: ...
+    @property
+    def attached(self) -> IntArray: ...
     @property
     def surface(self) -> Surface | None: ...
     @property
@@ -106,8 +122,8 @@ class Body(Protocol):
 class ContactPoint(Frozen):
     """A place on a body, and the direction in which it is touched there.
 
-    Made by `FEModel.contact`; of a functional of one's own, by ``ContactPoint(body, b)``. It stands
-    for the full finite-element model wherever `simulate` takes a body.
+    Made by `FEModel.contact`. It stands for the full finite-element model wherever `simulate` takes
+    a body.
 
     Attributes
     ----------
@@ -270,11 +286,13 @@ def contact_point(
     *,
     point: npt.ArrayLike | None = None,
     direction: npt.ArrayLike | None = None,
+    node: int | None = None,
     dof: int | None = None,
+    b: npt.ArrayLike | None = None,
     radius: float | str = "auto",
     expected: float | None = None,
 ) -> ContactPoint:
-    """Return the functional of a place on a body, or of a single dof; see `FEModel.contact`."""
+    """Return the functional of a place on a body, of a dof, or of one's own; see `FEModel`."""
     if isinstance(radius, str):
         choice("radius", radius, ("auto",))
     else:
@@ -283,14 +301,23 @@ def contact_point(
         if radius != "auto":
             raise InputError(f'expected is for radius="auto", but radius={radius!r} was given')
         expected = positive("expected", expected, unit="m")
+    _check_one({"point": point, "node": node, "dof": dof, "b": b}, direction)
+    if b is not None:
+        return _of_functional(body, b, radius)
     if dof is not None:
-        if point is not None or direction is not None:
-            raise InputError("give either dof, or point and direction, not both")
         if radius not in ("auto", 0.0):
             raise InputError(f"radius={radius}: a single dof has no patch; give point, or radius=0")
         return _at_dof(body, integer("dof", dof, low=0, high=body.n_dofs - 1))
-    if point is None:
-        raise InputTypeError("contact needs dof, or point and direction")
+    if node is not None:
+        if body.nodes is None:
+            return _at_label(body, node, direction, radius)
+        where = body.nodes[_node_number(body, node)]
+        try:
+            return contact_point(
+                body, point=where, direction=direction, radius=radius, expected=expected
+            )
+        except InputError as error:
+            raise InputError(f"node {node}: {error}") from error
     if body.nodes is None or body.free is None:
         raise InputError(
             "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"
@@ -304,8 +331,8 @@ def contact_point(
         normal = pressed_normal(body.surface, body.nodes[node], along)
         return replace(_at_node(body, node, along), normal=normal)
     if isinstance(radius, str):
-        chosen = automatic_radius(body.surface, where, expected)
-        tip = _at_touch(body, touched(body.surface, body.material, where, along, chosen))
+        wanted = automatic_radius(body.surface, where, expected)
+        tip = _with_room(body, where, along, wanted)
         return replace(tip, directed=along is not None, automatic=True)
     touch = touched(body.surface, body.material, where, along, radius)
     if touch.patch is not None:
@@ -313,14 +340,67 @@ def contact_point(
     return replace(_at_touch(body, touch), directed=along is not None)
 
 
+def _check_one(given: dict[str, Any], direction: Any) -> None:
+    names = [name for name, value in given.items() if value is not None]
+    if not names:
+        raise InputTypeError("contact needs what is touched: point=(x, y, z), node=, dof= or b=")
+    if len(names) > 1:
+        raise InputError(f"give either {' or '.join(names)}, not both")
+    if direction is not None and names[0] in ("dof", "b"):
+        raise InputError(
+            f"give either {names[0]}, or point and direction, not both: {names[0]} has its own"
+        )
+
+
 def contact_at(tip: ContactPoint, radius: float) -> ContactPoint:
-    """Return the same contact with a patch of another radius, m."""
+    """Return the same contact with a patch of another radius, m.
+
+    Raises
+    ------
+    RoomError
+        If the body has no room for it.
+    """
     body = tip.body
     assert body.surface is not None
     assert body.material is not None
     assert tip.point is not None
     touch = touched(body.surface, body.material, tip.point, tip.direction, radius)
     return replace(_at_touch(body, touch), directed=tip.directed, automatic=tip.automatic)
+
+
+def contact_within(tip: ContactPoint, radius: float) -> ContactPoint:
+    """Return the same contact with a patch of that radius, m, or of the largest that has room.
+
+    Raises
+    ------
+    InputError
+        If there is none for any that the mesh shows.
+    """
+    assert tip.point is not None
+    found = _with_room(tip.body, tip.point, tip.direction, radius)
+    return replace(found, directed=tip.directed, automatic=tip.automatic)
+
+
+def _with_room(
+    body: Body, point: FloatArray, along: FloatArray | None, radius: float
+) -> ContactPoint:
+    """The contact with a patch of that radius, or of one that has room."""
+    assert body.surface is not None
+    assert body.material is not None
+    with held_warnings():  # what is to be said of the point has been said
+        least = min(radius, _LEAST_PATCH * edge_length(body.surface, point))
+        while True:
+            try:
+                touch = touched(body.surface, body.material, point, along, radius)
+                return _at_touch(body, touch)
+            except RoomError as error:
+                radius = min(_WITHIN * error.room, _SMALLER * radius)
+                if radius < least:
+                    raise InputError(
+                        f"point {plain(point)} m has no room for a contact over a patch: "
+                        f"{error.reason}; choose a point farther from there, refine the mesh about "
+                        "it, or take radius=0, a single node"
+                    ) from None
 
 
 def _without_faces(
@@ -344,6 +424,86 @@ def _at_dof(body: Body, dof: int) -> ContactPoint:
         return ContactPoint(body, b, None, None, None)
     node, component = divmod(int(body.free[dof]), 3)
     return ContactPoint(body, b, np.eye(3)[component], body.nodes[node], node)
+
+
+def _of_functional(body: Body, b: Any, radius: float | str) -> ContactPoint:
+    """The contact of a functional of one's own, with as much of a place as it has."""
+    values = finite_array("b", b, ndim=1).copy()
+    if len(values) != body.n_dofs:
+        cure = "; take b[body.free]" if body.nodes is not None else ""
+        whole = body.nodes is not None and len(values) == 3 * len(body.nodes)
+        raise InputError(
+            f"b must have one entry for each of the {body.n_dofs} rows of K, got {len(values)}"
+            + (cure if whole else "")
+        )
+    tip = ContactPoint(body, values)
+    if body.nodes is not None:
+        length = float(np.linalg.norm(tip.resultant))
+        if abs(length - 1.0) <= _MEAN:
+            tip = replace(tip, direction=tip.resultant / length)
+    if radius in ("auto", 0.0):
+        return tip
+    return _with_patch(tip, float(radius))
+
+
+def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:
+    """The same functional with the patch of which it is said to carry the pressure."""
+    body = tip.body
+    if body.surface is None or body.material is None:
+        raise InputError(
+            f"radius={radius}: a patch needs the faces of a mesh; make the body with "
+            "FEModel.from_mesh(mesh, material), or leave radius out"
+        )
+    if tip.direction is None:
+        length = float(np.linalg.norm(tip.resultant))
+        raise InputError(
+            f"radius={radius}: a patch carries the whole force, but b sums up to {length:.4g} "
+            "along its direction; scale b so that it is 1, or leave radius out"
+        )
+    assert body.nodes is not None
+    centre = (tip._nodal_forces @ tip.direction) @ body.nodes
+    place = body.surface.nearest(centre)[0]
+    if float(place.distance[0]) > radius:
+        raise InputError(
+            f"radius={radius}: the forces of b act about {plain(centre)} m, farther than that from "
+            "the surface of the mesh; leave radius out"
+        )
+    touch = touched(body.surface, body.material, place.x[0], tip.direction, radius)
+    return replace(tip, point=touch.point, patch=touch.patch, normal=touch.normal)
+
+
+def _node_number(body: Body, node: Any) -> int:
+    """The place in `nodes` of a node that is named by its label or, without labels, by that."""
+    assert body.nodes is not None
+    if body.labels is None:
+        return integer("node", node, low=0, high=len(body.nodes) - 1)
+    assert body.free is not None
+    rows = labelled_rows(body.labels, integer("node", node))
+    return int(body.free[rows[0]]) // 3
+
+
+def _at_label(body: Body, node: Any, direction: Any, radius: float | str) -> ContactPoint:
+    """A node of a body whose nodes are known by their labels only."""
+    label = integer("node", node)
+    if body.labels is None:
+        raise InputError(
+            "node: this body has neither nodes nor labels; give dof, or build it with "
+            "FEModel(K=, M=, labels=)"
+        )
+    if radius not in ("auto", 0.0):
+        raise InputError(f"radius={radius}: a body without a mesh has no patch; give radius=0")
+    if direction is None:
+        raise InputTypeError("contact needs direction: a body without a mesh has no normal")
+    along = unit_vector("direction", direction)
+    rows = labelled_rows(body.labels, label)
+    b = np.zeros(body.n_dofs)
+    b[rows] = along[body.labels[rows, 1] - 1]
+    if not b.any():
+        raise InputError(
+            f"node {label} with direction {plain(along)}: its free components are "
+            f"{', '.join(map(str, body.labels[rows, 1]))}, none of them along it"
+        )
+    return ContactPoint(body, b, along)
 
 
 def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
@@ -370,10 +530,17 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
     fixed[body.free] = False
     if np.abs(forces[fixed]).max(initial=0.0) > _HELD:
         nodes = np.flatnonzero(np.abs(forces * fixed).reshape(-1, 3).any(axis=1))
-        raise InputError(
-            f"point {plain(touch.point)} m with direction {plain(touch.direction)}: the contact "
-            f"rests on nodes held by the supports in that direction, the first is {nodes[0]}; "
-            "choose another point or direction, a smaller radius, or release the nodes in fixed"
+        assert body.nodes is not None
+        away = np.linalg.norm(body.nodes[nodes] - touch.point, axis=1)
+        reason = (
+            f"the contact rests on nodes held by the supports in that direction, the first is "
+            f"{nodes[0]}"
+        )
+        raise RoomError(
+            f"point {plain(touch.point)} m with direction {plain(touch.direction)}: {reason}; "
+            "choose another point or direction, a smaller radius, or release the nodes in fixed",
+            float(away.min()),
+            reason,
         )
     node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - _AT_NODE else None
     return ContactPoint(

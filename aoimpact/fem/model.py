@@ -53,9 +53,11 @@ from ..mesh import (
 )
 from .assembly import stiffness_mass
 from .attached import Mounted, SpringSupport, added_mass, spring_stiffness
+from .audit import Audit, audited
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
+from .labels import axes_of, checked_labels
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
@@ -65,6 +67,10 @@ __all__ = ["FEModel"]
 # Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
 # likely in millimetres.
 _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
+
+# Elastic force of a translation, over the largest entry of K, that what prints K with few digits
+# leaves.
+_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -85,6 +91,10 @@ class FEModel(Frozen):
         Inherited by the models made from this one.
     name : str, optional
         What results, tables and plots are to call it; inherited as well.
+    labels : array_like of int, shape (n_dofs, 2), optional
+        For each row of K its node's number in the program that it comes from, and its component:
+        1, 2, 3 for displacements, 4, 5, 6 for rotations, 0 for what has no direction. For
+        ``contact(node=)``.
 
     Attributes
     ----------
@@ -92,8 +102,8 @@ class FEModel(Frozen):
     material : Material, Orthotropic or Materials, or None
         Several ones as `Materials`.
     mass : float or None
-        Of the whole body, kg, from 1ᵀM1; None if M does not determine it (no nodes, or
-        an M without the dofs of the supports).
+        Of the whole body, kg, from 1ᵀM1; None if M does not determine it: neither nodes nor
+        labels, or an M without the dofs of the supports.
 
     Raises
     ------
@@ -107,11 +117,14 @@ class FEModel(Frozen):
     free: IntArray | None = None
     damping: Damping | None = None
     name: str = ""
+    labels: IntArray | None = None
     mesh: Mesh | None = field(init=False, default=None)
     material: AnyMaterial | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
     # (n_dofs, 3): column c is M g_c on the free dofs, with g_c the translation of all nodes.
     _momentum: FloatArray | None = field(init=False, default=None)
+    # Nodes with added masses or springs, which so carry traction.
+    attached: IntArray = field(init=False, default_factory=lambda: np.empty(0, dtype=np.int64))
     # (n_dofs,): springs to the ground, N/m, that K contains.
     _springs: FloatArray | None = field(init=False, default=None)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
@@ -123,12 +136,16 @@ class FEModel(Frozen):
         factors = check_stiffness(K)
         check_mass(M)
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
+        labels = checked_labels(self.labels, K.shape[0])
         mass = momentum = None
-        if nodes is not None and K.shape[0] == 3 * len(nodes):
-            momentum = M @ _translations(free)
-            mass = _checked_total(momentum.T @ _translations(free))
+        along = axes_of(free, labels)
+        whole = nodes is not None and K.shape[0] == 3 * len(nodes)
+        if along is not None and (whole or (nodes is None and _translates(K, along))):
+            momentum = M @ along
+            mass = _checked_total(momentum.T @ along)
         damping = damping_or_none(self.damping)
         self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
+        self._set(labels=labels)
         if nodes is not None:
             if mass is not None:
                 _warn_of_units(mass, float(np.ptp(nodes, axis=0).max()))
@@ -227,6 +244,7 @@ class FEModel(Frozen):
             mass = float(momentum[:, 0] @ translations[:, 0])
         _check_reach(mass, K, M, solid, made_of)
         _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
+        attached = _attached(heavier, stiffer)
         if stiffer is not None:
             K, stiffer = _sum(K, sp.diags_array(stiffer, format="csr")), stiffer[free]
         if len(free) < len(momentum):
@@ -234,7 +252,8 @@ class FEModel(Frozen):
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
-        model._set(mesh=solid, material=made_of, damping=damped, name=called, _springs=stiffer)
+        model._set(mesh=solid, material=made_of, damping=damped, name=called)
+        model._set(_springs=stiffer, attached=attached)
         if surface is not None:
             model._set(surface=surface)
         return model
@@ -273,12 +292,12 @@ class FEModel(Frozen):
         Raises
         ------
         InputError
-            If the model has no nodes.
+            If the model has neither nodes nor labels.
         """
-        along = unit_vector("direction", direction)
-        if self.free is None:
+        along, axes = unit_vector("direction", direction), axes_of(self.free, self.labels)
+        if axes is None:
             raise InputError("a translation needs nodes: make the model with FEModel(..., nodes=)")
-        return along[self.free % 3]
+        return axes @ along
 
     def com_functional(self, direction: npt.ArrayLike) -> FloatArray:
         """Return h, shape (n_dofs,), with hᵀx the displacement of the centre of mass.
@@ -293,7 +312,7 @@ class FEModel(Frozen):
         Raises
         ------
         InputError
-            If the model has no nodes, or M was given without the constrained dofs.
+            If the model has neither nodes nor labels, or M was given without the constrained dofs.
         """
         along = unit_vector("direction", direction)
         if self._momentum is None or self.mass is None:
@@ -372,11 +391,13 @@ class FEModel(Frozen):
         *,
         point: npt.ArrayLike | None = None,
         direction: npt.ArrayLike | None = None,
+        node: int | None = None,
         dof: int | None = None,
+        b: npt.ArrayLike | None = None,
         radius: float | str = "auto",
         expected: float | None = None,
     ) -> ContactPoint:
-        """Return the place where this body is touched: a point, a patch, or a single dof.
+        """Return the place where this body is touched: a point, a patch, a dof, or any functional.
 
         Parameters
         ----------
@@ -388,8 +409,15 @@ class FEModel(Frozen):
             The projectile's direction of travel, for the projectile and for the target, any length
             but zero. By default the surface's inward normal, or, where the body turns out to be the
             projectile, the outward one.
+        node : int, optional
+            In place of `point`: the node's label, of a body with `labels`; else its number in
+            `nodes`, from 0.
         dof : int, optional
             Row of K, in place of `point` and `direction`.
+        b : array_like, shape (n_dofs,), optional
+            In place of all these: a functional of one's own, so that the contact's displacement is
+            u = bᵀX and its force f loads the body with b f. Without a patch, unless `radius` names
+            that of the disc over which b spreads Hertz's pressure.
         radius : float or "auto", optional
             Of the patch that carries the contact under Hertz's pressure, m. "auto" takes twice the
             `expected` contact radius, or what the mesh resolves well if that is more; `simulate`
@@ -413,15 +441,67 @@ class FEModel(Frozen):
         -----
         AOImpactWarning
             If the point taken is not the one given, or the mesh is too coarse for the radius given.
+
+        Examples
+        --------
+        The mean of two nodes' displacements along z:
+
+        >>> import numpy as np
+        >>> from aoimpact.mesh import box_mesh
+        >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
+        >>> body = FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700))
+        >>> b = np.zeros(body.n_dofs)
+        >>> b[[3 * 20 + 2, 3 * 21 + 2]] = 0.5
+        >>> body.contact(b=b)
+        ContactPoint(functional of 2 dofs of a body of 132 dofs)
         """
         return contact_point(
-            self, point=point, direction=direction, dof=dof, radius=radius, expected=expected
+            self,
+            point=point,
+            direction=direction,
+            node=node,
+            dof=dof,
+            b=b,
+            radius=radius,
+            expected=expected,
         )
+
+    def audit(self, *, frequencies: int = 8) -> Audit:
+        """Return the figures by which a mistake of units or files is seen.
+
+        Parameters
+        ----------
+        frequencies : int, optional
+            How many of the lowest natural frequencies to compute.
+
+        Returns
+        -------
+        Audit
+            Mass, centre of mass, extent, mean density, ‖K r‖ of the rigid motions r, frequencies,
+            and ``doubts``: what is not like a body, and which unit would make it so. Printed, it is
+            a table.
+
+        Examples
+        --------
+        >>> from aoimpact.mesh import box_mesh
+        >>> bar = FEModel.from_mesh(box_mesh((1, 0.1, 0.1), (8, 1, 1)), Material(70e9, 0.3, 2700))
+        >>> audit = bar.audit(frequencies=0)
+        >>> round(audit.mass, 6), audit.doubts
+        (27.0, ())
+        """
+        return audited(self, frequencies=integer("frequencies", frequencies, low=0))
 
     @cached_property
     def surface(self) -> Surface | None:
         """The faces of the mesh that no other element shares; None without a mesh."""
         return None if self.mesh is None else boundary(self.mesh)
+
+
+def _attached(masses: Any, springs: FloatArray | None) -> IntArray:
+    """Nodes that something is fastened to."""
+    dofs = [np.flatnonzero(masses.diagonal())] if masses is not None else []
+    dofs += [np.flatnonzero(springs)] if springs is not None else []
+    return np.unique(np.concatenate([[], *dofs]) // 3).astype(np.int64)
 
 
 def _sum(matrix: Any, other: Any) -> Any:
@@ -444,6 +524,12 @@ def _density(material: AnyMaterial) -> float:
 def _translations(dofs: IntArray | None) -> FloatArray:
     assert dofs is not None
     return np.eye(3)[dofs % 3]
+
+
+def _translates(K: Any, axes: FloatArray) -> bool:
+    """Whether no translation meets elastic force: beside that of the single dofs, only rounding."""
+    force = np.abs(K @ axes).max(initial=0.0)
+    return bool(axes.any(axis=0).all() and force <= _ROUNDING * np.abs(K.data).max(initial=0.0))
 
 
 def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | None, IntArray | None]:

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 import scipy
 
-from ..base import FloatArray, InputError, IntArray, checked, integer, nonnegative, positive
+from ..base import FloatArray, IntArray, RoomError, checked, integer, nonnegative, positive
 from ..mesh import Place, Surface, plane_of
 from .material import Material
 
@@ -181,7 +181,7 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
 
     Raises
     ------
-    InputError
+    RoomError
         If the surface ends within the disc, or turns away by more than 45°.
     """
     offsets, share = _disc_rule(radius)
@@ -189,11 +189,11 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
         under = surface.pierced(point + offsets @ plane_of(normal), normal, reach=radius)
         reach = _free(surface, under, normal, np.linalg.norm(offsets, axis=1))
         if reach < radius:
-            raise InputError(
-                f"radius={radius:g} m: the surface ends, or turns away by more than 45°, "
-                f"{reach:.3g} m from the point; take a smaller radius, or a point farther from "
-                "the edge"
+            reason = (
+                f"the surface ends, or turns away by more than 45°, {reach:.3g} m from the point"
             )
+            cure = "take a smaller radius, or a point farther from the edge"
+            raise RoomError(f"radius={radius:g} m: {reason}; {cure}", reach, reason)
         mean = share @ surface.normal(under.face, under.uv)
         mean /= np.linalg.norm(mean)
         turned = float(np.linalg.norm(mean - normal))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import FloatArray, InputError, IntArray, plain, warn
+from ..base import FloatArray, InputError, IntArray, RoomError, plain, warn
 from ..mesh import SHARP, Place, Surface
 from .composition import AnyMaterial, Materials, OneMaterial
 from .material import Material
@@ -46,9 +46,6 @@ _WELL_RESOLVED = 1.5
 # With half the patch's radius for the contact's, Hertz's law less the patch's part is stiffer than
 # by itself, but far from endlessly so.
 _PATCH_OVER_CONTACT = 2.0
-
-# The surface ends a little before the ring of quadrature points on which that is noticed.
-_WITHIN = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,19 +91,19 @@ def touched(
     """
     places = _places(surface, point)
     here, normal = places[0], _normal(surface, places)
-    if normal is None and along is None:
-        raise _on_edge(point, "a point inside a face, or give direction")
     if radius == 0.0:
+        if normal is None and along is None:
+            raise _on_edge(point, "a point inside a face, or give direction")
         weights = np.zeros(surface.mesh.n_nodes)
         cells = surface.mesh.cells[surface.cell[here.face]]
         np.add.at(weights, cells, surface.shape(here.face, here.uv))
         return Touch(here.x[0], _pressing(surface, places, along), weights, normal)
     if normal is None:
-        raise _on_edge(point, "a point farther from the edge than radius")
-    if radius >= 0.5 * surface.mesh.size:
-        raise InputError(
-            f"radius={radius:g} m: the patch is larger than the body, which is "
-            f"{surface.mesh.size:.3g} m long; take a smaller radius (is it in metres?)"
+        raise _on_edge(point, "a point farther from the edge, or radius=0 for the edge itself")
+    if radius >= (most := 0.5 * surface.mesh.size):
+        reason = f"the patch is larger than the body, which is {surface.mesh.size:.3g} m long"
+        raise RoomError(
+            f"radius={radius:g} m: {reason}; take a smaller radius (is it in metres?)", most, reason
         )
     on = spread(surface, here.x[0], normal, radius)
     direction = _facing(point, along, on.normal)
@@ -147,21 +144,12 @@ def _warn_of_several(
 
 
 def automatic_radius(surface: Surface, point: FloatArray, expected: float | None) -> float:
-    """Return a patch's radius from the contact expected, the mesh, and the room on the surface.
+    """Return a patch's radius from the contact expected and the mesh, wherever there is room.
 
-    Twice the expected radius of the contact, or what the mesh resolves well if that is more; less
-    where the surface ends before.
+    Twice the expected radius of the contact, or what the mesh resolves well if that is more.
     """
-    places = _places(surface, point)
-    normal = _normal(surface, places)
-    if normal is None:
-        raise _on_edge(point, "a point farther from the edge, or radius=0 for the edge itself")
     radius = _WELL_RESOLVED * _resolved(surface) * edge_length(surface, point)
-    if expected is not None:
-        radius = max(radius, _PATCH_OVER_CONTACT * expected)
-    while (free := free_radius(surface, places[0].x[0], normal, radius)) <= radius:
-        radius = _WITHIN * free
-    return radius
+    return radius if expected is None else max(radius, _PATCH_OVER_CONTACT * expected)
 
 
 def edge_length(surface: Surface, point: FloatArray) -> float:

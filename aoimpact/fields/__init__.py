@@ -3,6 +3,15 @@
 from .fields import Field, Probe
 from .replay import response_of
 from .response import Response
-from .stresserror import energy_error
+from .stress import Stress
+from .stresserror import energy_error, missing_energy
 
-__all__ = ["Field", "Probe", "Response", "energy_error", "response_of"]
+__all__ = [
+    "Field",
+    "Probe",
+    "Response",
+    "Stress",
+    "energy_error",
+    "missing_energy",
+    "response_of",
+]

@@ -67,7 +67,7 @@ def plot_deformed(
     ax.add_collection3d(drawn)
     _frame(ax, places, length.unit)
     ax.set_title(f"t = {quantity(time, 's')}, deformation × {factor:.3g}")
-    label = f"von Mises stress [{pressure.unit}]"
+    label = f"von Mises stress ({pressure.unit})"
     ax.figure.colorbar(drawn, ax=ax, label=label, shrink=0.7, pad=0.15)
     return ax
 
@@ -103,5 +103,5 @@ def _frame(ax: Axes3D, places: FloatArray, unit: str) -> None:
     for i, axis in enumerate((ax.xaxis, ax.yaxis, ax.zaxis)):
         axis.set_view_interval(middle[i] - 0.5 * span[i], middle[i] + 0.5 * span[i], ignore=True)
         axis.set_major_locator(MaxNLocator(max(1, round(_MOST_TICKS * span[i] / longest))))
-        axis.set_label_text(f"{'xyz'[i]} [{unit}]")
+        axis.set_label_text(f"{'xyz'[i]} ({unit})")
     ax.set_box_aspect(span)

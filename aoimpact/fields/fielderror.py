@@ -79,12 +79,10 @@ class FieldError:
         square = np.maximum(1.0 / inverse - s2, 0.0)
         drift, slow = np.zeros(len(square)), square < _SLOW**2 * s2
         if slow.any():
-            mass = reduced.body.M
-            shapes = reduced.basis @ y[:, slow]
-            moved = self.recovery.solve(mass @ shapes)
-            left = shapes - moved / inverse[slow]
-            norms = [np.sqrt(np.einsum("it,it->t", x, mass @ x)) for x in (left, shapes)]
-            residual = norms[0] / norms[1]
+            # What the correction adds to a mode is e; |φ|² is 1/(λ + s²) in these modes.
+            none = np.zeros((reduced.loads.shape[1], int(slow.sum())))
+            left = self.recovery.amounts(y[:, slow], none)
+            residual = np.sqrt(_energy(self._products[1], left) / inverse[slow])
             apart = np.abs(np.subtract.outer(inverse[slow], inverse))
             apart[apart == 0.0] = np.inf  # itself
             gap = apart.min(axis=1) / inverse[slow]
@@ -128,10 +126,18 @@ class FieldError:
         error: FloatArray = np.sqrt((wrong + swing) / largest)
         return error
 
+    @cached_property
+    def _products(self) -> tuple[FloatArray, FloatArray]:
+        """Products of the correction's shapes by way of K and of M, shapes (k, k)."""
+        shapes, body = self.recovery.shapes, self.recovery.reduced.body
+        return shapes.T @ (body.K @ shapes), shapes.T @ (body.M @ shapes)
+
     def _added(self, at: History) -> FloatArray:
         """Twice the strain energy of what the correction adds, J, shape (times,)."""
-        reduced = self.recovery.reduced
-        moved = self.recovery.displacement(at.coordinates, at.forces)
-        added = moved - reduced.basis @ at.coordinates
-        energy: FloatArray = np.einsum("it,it->t", added, reduced.body.K @ added)
-        return energy
+        return _energy(self._products[0], self.recovery.amounts(at.coordinates, at.forces))
+
+
+def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
+    """xᵀ `product` x of each column x of `amounts`; not below 0 by rounding."""
+    energy: FloatArray = np.einsum("it,it->t", amounts, product @ amounts)
+    return np.maximum(energy, 0.0)

@@ -151,7 +151,14 @@ def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
 
 
 def stress_rows(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> sp.csr_array:
-    """Return the stress at a few nodes as a linear function of all displacements.
+    """Return the stress at some nodes as a linear function of all displacements.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    material : Material, Orthotropic or Materials
+    nodes : ndarray of int
+        Each once.
 
     Returns
     -------
@@ -160,27 +167,43 @@ def stress_rows(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> sp.csr_ar
     """
     places = layout(mesh, material)
     wanted = _shown(places, material)[nodes]
-    rows = sp.lil_array((6 * len(nodes), 3 * mesh.n_nodes))
-    everything = pieces(mesh, material)
-    for i, place in enumerate(wanted):
-        total, count = np.zeros((mesh.n_nodes, 3)), 0
-        for piece in everything:
-            if piece.which != places.which[place]:
-                continue
-            around, local = np.nonzero(places.of(piece) == place)
-            cells = piece.cells[around]
-            slopes = _slopes_at_nodes(mesh.nodes[cells], piece.element)[
-                np.arange(len(local)), local
-            ]
-            np.add.at(total, cells, slopes)
-            count += len(local)
-        touched = np.flatnonzero(total.any(axis=1))
-        of = each_of(material)[places.which[place]]
-        for j in range(3):
-            gradient = np.zeros((len(touched), 3, 3))
-            gradient[:, j] = total[touched] / count
-            rows[6 * i : 6 * i + 6, 3 * touched + j] = _hooke(gradient, of).T
-    return rows.tocsr()
+    slopes = _averaged_slopes(mesh, material, places, wanted)
+    # The stress by each ∂u_j/∂x_i, (3 i, 3 j, 6).
+    unit = np.zeros((3, 3, 3, 3))
+    for j, i in np.ndindex(3, 3):
+        unit[i, j, j, i] = 1.0
+    found, order = [], []
+    for number, of in enumerate(each_of(material)):
+        on = np.flatnonzero(places.which[wanted] == number)
+        by_slope = zip(slopes, _hooke(unit, of), strict=True)
+        one, two, three = (sp.kron(slope[on], by.T, format="csr") for slope, by in by_slope)
+        found.append(one + two + three)
+        order.append(on)
+    row = np.argsort(np.concatenate(order))
+    return sp.csr_array(sp.vstack(found, format="csr")[(6 * row[:, None] + np.arange(6)).ravel()])
+
+
+def _averaged_slopes(
+    mesh: Mesh, material: AnyMaterial, places: Layout, wanted: IntArray
+) -> list[sp.csr_array]:
+    """∂/∂x, ∂/∂y, ∂/∂z at some places of a function given at all nodes, each (n, n_nodes)."""
+    count = elements_at(mesh, material, places)
+    row = np.full(len(places.key), -1)
+    row[wanted] = np.arange(len(wanted))
+    found: list[tuple[IntArray, IntArray, FloatArray]] = []
+    for piece in pieces(mesh, material):
+        around = np.flatnonzero((row[places.of(piece)] >= 0).any(axis=1))
+        for batch in batches(piece.taken(around)):
+            cells, at_places = batch.cells, places.of(batch)
+            cell, local = np.nonzero(row[at_places] >= 0)
+            slopes = _slopes_at_nodes(mesh.nodes[cells], piece.element)[cell, local]
+            at = at_places[cell, local]
+            slopes /= count[at][:, None, None]
+            i = np.repeat(row[at], cells.shape[1])
+            found.append((i, cells[cell].ravel(), slopes.reshape(-1, 3)))
+    i, j, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    shape = (len(wanted), mesh.n_nodes)
+    return [sp.csr_array((values[:, axis], (i, j)), shape=shape) for axis in range(3)]
 
 
 def batches(piece: Piece) -> Iterator[Piece]:

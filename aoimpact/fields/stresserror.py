@@ -5,6 +5,11 @@ elements; the energy of their difference estimates that of the field's error (O.
 J. Z. Zhu, Int. J. Num. Meth. Eng. 24, 337, 1987). By Galerkin's orthogonality the energy of the
 error of x = (K + s²M)⁻¹ b is what the compliance bᵀx lacks.
 
+Elements that lock hold mostly false strain, and lack more energy than they have, which that
+difference cannot show. But the average keeps the true part, a share ϑ of their energy. Elements L
+times too stiff move 1/L as far under a given load, so that ϑ = 1/L, and the compliance lacks L - 1
+times their energy: (1 - ϑ)/ϑ of it, in place of 1 - ϑ (`missing_energy`).
+
 On free surfaces the average is worst, and one thing is known: there is no traction. What there is
 of it is taken out, P σ P with P = I - n nᵀ. So the estimate sees, too, the false stress across a
 plate of one layer of linear elements, which all of them have alike. Where materials meet, stress
@@ -21,11 +26,22 @@ from ..fem import PAIRS, Body, Layout, Material, OneMaterial, each_of, layout, p
 from ..mesh import cofactors, jacobians
 from .stress import batches, elements_at, extrapolation
 
-__all__ = ["energy_error"]
+__all__ = ["energy_error", "missing_energy"]
+
+# No share of the energy is taken to be less true than this.
+_LEAST_TRUE = 0.1
 
 
-def energy_error(body: Body, displacement: FloatArray, loaded: npt.NDArray[np.bool_]) -> FloatArray:
-    """Return twice the strain energy of averaged strain less the elements' own, for each element.
+def missing_energy(difference: FloatArray, own: FloatArray) -> float:
+    """Return twice the strain energy that some elements lack, J, from `energy_error` of them."""
+    false, whole = float(difference.sum()), float(own.sum())
+    return false / max(1.0 - false / whole, _LEAST_TRUE) if whole > 0.0 else 0.0
+
+
+def energy_error(
+    body: Body, displacement: FloatArray, loaded: npt.NDArray[np.bool_]
+) -> tuple[FloatArray, FloatArray]:
+    """Return twice the strain energy of averaged strain less the elements' own, and of their own.
 
     Parameters
     ----------
@@ -34,12 +50,12 @@ def energy_error(body: Body, displacement: FloatArray, loaded: npt.NDArray[np.bo
     displacement : ndarray, shape (n_dofs,)
         m.
     loaded : ndarray of bool, shape (n_nodes,)
-        Nodes that may carry traction, beside those of the supports.
+        Nodes that may carry traction, beside those of supports, added masses and springs.
 
     Returns
     -------
-    ndarray, shape (n_cells,)
-        J.
+    difference, own : ndarray, shape (n_cells,)
+        Of each element, J.
     """
     mesh, material = body.mesh, body.material
     assert mesh is not None
@@ -59,26 +75,26 @@ def energy_error(body: Body, displacement: FloatArray, loaded: npt.NDArray[np.bo
                 total += np.bincount(at, share.reshape(-1), len(places.key))
     averaged /= elements_at(mesh, material, places)
     _free_of_traction(averaged, body, places, loaded)
-    energy = np.empty(mesh.n_cells)
+    difference, own = np.empty(mesh.n_cells), np.empty(mesh.n_cells)
     for piece in everything:
         rule = piece.element.stiffness_rule
         gradient, shape = piece.element.gradient(rule.points), piece.element.shape(rule.points)
         for batch in batches(piece):
             strain, det = _strain(mesh.nodes[batch.cells], moved[batch.cells], gradient)
+            own[batch.numbers] = (det * _energy(strain, piece.material)) @ rule.weights
             strain -= averaged[:, places.of(batch)] @ shape.T
-            energy[batch.numbers] = (det * _energy(strain, piece.material)) @ rule.weights
-    return energy
+            difference[batch.numbers] = (det * _energy(strain, piece.material)) @ rule.weights
+    return difference, own
 
 
 def _energy(strain: FloatArray, material: OneMaterial) -> FloatArray:
-    """εᵀCε of strain, shape (6, ...), J/m³."""
+    """Twice the energy of a volume, J/m³, of strain of shape (6, ...)."""
     if isinstance(material, Material):
         lam, mu = material.lame
-        square: FloatArray = 2.0 * mu * (strain**2).sum(axis=0) + lam * strain[:3].sum(axis=0) ** 2
-        square += 2.0 * mu * (strain[3:] ** 2).sum(axis=0)
-        return square
-    energy: FloatArray = np.einsum("i...,ij,j...->...", strain, _of_tensor(material), strain)
-    return energy
+        direct, shear = (strain[:3] ** 2).sum(axis=0), (strain[3:] ** 2).sum(axis=0)
+        energy: FloatArray = 2.0 * mu * (direct + 2.0 * shear) + lam * strain[:3].sum(axis=0) ** 2
+        return energy
+    return np.asarray(np.einsum("i...,ij,j...->...", strain, _of_tensor(material), strain))
 
 
 def _of_tensor(material: OneMaterial) -> FloatArray:
@@ -97,7 +113,9 @@ def _free_of_traction(
     assert material is not None
     supported = np.ones(3 * len(loaded), dtype=bool)
     supported[body.free] = False
-    kept = (loaded | supported.reshape(-1, 3).any(axis=1))[places.node]
+    kept = loaded | supported.reshape(-1, 3).any(axis=1)
+    kept[body.attached] = True
+    kept = kept[places.node]
     several = len(places.key) > len(loaded)
     normals = surface.normals_at(places.cells, len(places.key)) if several else surface.node_normals
     for number, of in enumerate(each_of(material)):

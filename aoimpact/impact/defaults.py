@@ -12,7 +12,7 @@ import numpy as np
 
 from ..accuracy import best_radius
 from ..base import AOImpactError, InputError, plain
-from ..fem import contact_at
+from ..fem import contact_within
 from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
 from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel, touched
@@ -171,7 +171,9 @@ def fitted(body: BodyModel, port: int, met: Meeting | None) -> BodyModel:
     )
     if np.isclose(radius, tip.patch.radius):
         return body
-    return replace(body, tips=(*body.tips[:port], contact_at(tip, radius), *body.tips[port + 1 :]))
+    return replace(
+        body, tips=(*body.tips[:port], contact_within(tip, radius), *body.tips[port + 1 :])
+    )
 
 
 def fitted_pair(

@@ -22,9 +22,9 @@ from ..accuracy import (
 from ..fem import ContactPoint
 from ..linalg import Solver
 from ..reduction import AOModel, BodyModel, FullModel
-from ..results import Handle, Result, Run, warn_of_misfit, warn_of_run
+from ..results import Handle, Result, Run, warn_of_lag, warn_of_misfit, warn_of_run
 from ..scene import Plan
-from .checks import warn_of_centres, warn_of_nodes
+from .checks import warn_of_centres, warn_of_places
 
 __all__ = ["PlanOf", "RunOptions", "run_models"]
 
@@ -119,7 +119,8 @@ def run_models(
     record.warn_if_cut()
     whole = done.run if isinstance(done, Result) else done
     warn_of_centres(whole.plan, names)
+    warn_of_lag(whole.plan, whole, names)
     if meshed:
-        warn_of_nodes(whole, names)
+        warn_of_places(whole, names)
     warn_of_run(whole)
     return done

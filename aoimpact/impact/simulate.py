@@ -14,7 +14,7 @@ from ..laws import ContactLaw, effective_law
 from ..linalg import Solver
 from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
 from ..results import Result, Run
-from ..scene import Contact, Plan, normal_gap, scene_body
+from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .defaults import chosen_law, fitted_pair, meeting, turned, turns
 from .run import RunOptions, run_models
@@ -33,10 +33,10 @@ class ImpactNumbers(NamedTuple):
 
 
 def simulate(
-    *,
     projectile: Any,
     target: Any,
     velocity: float,
+    *,
     law: ContactLaw | None = None,
     duration: float | None = None,
     solver: TimeSolver | None = None,
@@ -109,6 +109,7 @@ def simulate(
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
+    _pair(*bodies, numbers.velocity)
     interest = partial(impact_quantity, quantity, *bodies)
     if options.asked:  # bad input is said before any work is done
         checked_rtol(rtol)
@@ -128,7 +129,7 @@ def simulate(
         impact.bodies,
         options,
         record=impact.record,
-        names=_NAMES,
+        names=_called(bodies),
         interest=interest,
         view=_result,
         law_errors=(impact.law_error,),
@@ -174,7 +175,7 @@ def _complete(
             (turned(body, (0,)) if turn else body, 0)
             for body, turn in zip(bodies, around, strict=True)
         ]
-        found = chosen_law(ends, _NAMES)
+        found = chosen_law(ends, _called(bodies))
         law, error = found.law, found.error
     _check_law(law)
     length = numbers.duration
@@ -232,6 +233,18 @@ def _planned(
 ) -> Plan:
     speed, length, distance = numbers
     assert length is not None
+    bodies = _pair(projectile, target, speed)
+    if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
+        raise InputError(
+            "projectile and target are both of infinite mass: there is no motion between them"
+        )
+    between = effective_law(law, [touched(body.model) for body in bodies])
+    contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
+    return Plan(bodies, (speed, 0.0), (contact,), (), 0.0, length, energies)
+
+
+def _pair(projectile: Any, target: Any, speed: float) -> tuple[SceneBody, SceneBody]:
+    """The bodies of an impact, refused where they cannot meet in one."""
     bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
         if body.ports > 1 or isinstance(body.model, InterfaceModel):
@@ -244,13 +257,15 @@ def _planned(
             "turns it round; give the speed at which it comes, or build a Scene with what brings "
             "it back (gravity, a load, a body behind it)"
         )
-    if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
-        raise InputError(
-            "projectile and target are both of infinite mass: there is no motion between them"
-        )
-    between = effective_law(law, [touched(body.model) for body in bodies])
-    contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
-    return Plan(bodies, (speed, 0.0), (contact,), (), 0.0, length, energies)
+    return bodies
+
+
+def _called(bodies: Sequence[BodyModel]) -> list[str]:
+    """What messages call the bodies: their role, and their own name."""
+    return [
+        f"{role} ({body.name})" if body.name else role
+        for role, body in zip(_NAMES, bodies, strict=True)
+    ]
 
 
 def _check_law(law: Any) -> None:

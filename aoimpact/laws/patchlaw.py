@@ -112,12 +112,23 @@ def wide_enough(
         of_surface = f" of relative_radius={law.law.relative_radius:.3g} m"
         wide = math.sqrt(law.law.relative_radius * float(depth))
         factor = max(factor, wide / (_COMFORTABLE_WIDTH * min(radii)))
+    wanted = factor * min(radii)
+    small = [end for end in ends if end and end.patch and end.patch.radius < wanted]
+    if all(end.automatic for end in small):
+        cure = (
+            "and the bodies have no room for larger ones there: check that radii and meshes are in "
+            "metres, take a lower velocity, or a point farther from edges and supports"
+        )
+    else:
+        listed = _listed([max(radius, wanted) for radius in radii])
+        cure = (
+            f"for this impact make the contact points with radius={listed} or more, where the "
+            "bodies have room"
+        )
     return LawLimitError(
         f"{error.args[0].partition(': ')[0]}: with patches of radius {_listed(radii)} the law"
         f"{of_surface} stands up to an indentation of {law.limit:.3g} m, where the contact is as "
-        "wide as they are, and less deep at the rate of a damped law; for this impact make the "
-        f"contact points with radius={_listed([factor * radius for radius in radii])} or more, "
-        "where the bodies have room",
+        f"wide as they are, and less deep at the rate of a damped law; {cure}",
         error.contact,
     )
 

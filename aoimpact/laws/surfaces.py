@@ -61,8 +61,8 @@ def law_between(
     Raises
     ------
     InputError
-        If the surfaces do not touch in a point (flat on flat, a hollow wider than the ball), or
-        the angle between them is needed and not known.
+        If the surfaces do not touch in a point (flat on flat, along a line, a hollow wider than the
+        ball), or the angle between them is needed and not known.
 
     Examples
     --------
@@ -109,19 +109,16 @@ def _angle(
 
 
 def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFromSurfaces:
-    try:
-        law = _hertz(one, two, angle)
-    except InputError as error:
-        raise InputError(
-            f"{_said(one, two)} do not touch in a point: {_CURE}, or refine a mesh whose curvature "
-            "is uncertain"
-        ) from error
     slack = one.error + two.error
     try:
-        others = [_hertz(one, two, angle, shift).k for shift in (-slack, slack)]
-    except InputError:  # they may touch along a line, where k is 0
-        return LawFromSurfaces(law, 1.0)
-    return LawFromSurfaces(law, max(abs(k / law.k - 1.0) for k in others))
+        law, *others = (_hertz(one, two, angle, shift) for shift in (0.0, -slack, slack))
+    except InputError as error:
+        raise InputError(
+            f"{_said(one, two)} do not touch in a point: {_CURE}, such as Linear(k=) where they "
+            "touch along a line or over a face, turn one of the bodies, or refine a mesh whose "
+            "curvature is uncertain"
+        ) from error
+    return LawFromSurfaces(law, max(abs(other.k / law.k - 1.0) for other in others))
 
 
 def _hertz(one: ContactSurface, two: ContactSurface, angle: float, shift: float = 0.0) -> Hertz:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..base import COLOURS, styled
 from .beam import BeamStudy
 from .sketch import draw_sketch
 from .sphere import (
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FULL: dict[str, Any] = {"color": "black", "linestyle": "-", "linewidth": 1.6}
-RIGID: dict[str, Any] = {"color": "C3", "linestyle": "--", "linewidth": 1.4}
-ONE_AO: dict[str, Any] = {"color": "C0", "linestyle": ":", "linewidth": 2.4}
+RIGID: dict[str, Any] = {"color": COLOURS[1], "linestyle": "--", "linewidth": 1.4}
+ONE_AO: dict[str, Any] = {"color": COLOURS[0], "linestyle": ":", "linewidth": 2.4}
 
 
 def new_figure(
@@ -38,8 +39,9 @@ def new_figure(
     from matplotlib.figure import Figure
 
     size = (6.4 if columns == 1 else 10.5, height)
-    figure = Figure(figsize=size, dpi=150, layout="constrained")
-    axes = figure.subplots(1, columns, squeeze=False)[0]
+    with styled():
+        figure = Figure(figsize=size, dpi=150, layout="constrained")
+        axes = figure.subplots(1, columns, squeeze=False)[0]
     figure.suptitle(title, fontsize=11)
     figure.supxlabel(note, fontsize=8, color="0.35")
     return figure, list(axes)
@@ -65,9 +67,11 @@ def figure_3(study: SphereStudy) -> Figure:
     """Impact force of two spheres by three models."""
     note = "The paper prints: full 811.5 N, 72 µs; one AO 812.6 N; rigid 999.9 N."
     figure, (ax,) = new_figure("Figure 3. Two spheres, 1 m/s: impact force", note)
-    study.full.plot_force(ax, label=f"full model, 2 × {study.body.n_dofs} dofs", **FULL)
-    study.rigid.plot_force(ax, label="rigid masses", **RIGID)
-    study.one_ao.plot_force(ax, label="one AO each, 2 × 2 dofs", **ONE_AO)
+    study.full.plot_force(
+        ax, during="record", label=f"full model, 2 × {study.body.n_dofs} dofs", **FULL
+    )
+    study.rigid.plot_force(ax, during="record", label="rigid masses", **RIGID)
+    study.one_ao.plot_force(ax, during="record", label="one AO each, 2 × 2 dofs", **ONE_AO)
     printed_line(ax, 811.5, "paper, full 811.5 N")
     printed_line(ax, 999.9, "paper, rigid 999.9 N")
     ax.set(xlim=(0, 100), ylim=(0, 1100))
@@ -84,8 +88,8 @@ def figure_4(study: SphereStudy) -> Figure:
     shown = (6, 100, 500, 1000)
     for n, shade in zip(shown, np.linspace(0.25, 0.9, len(shown)), strict=True):
         colour = {"color": (1.0 - shade, 0.45, shade), "linewidth": 1.2}
-        study.modal[n].plot_force(left, label=f"{n} modes", **colour)
-    study.full.plot_force(left, label=f"full, {study.body.n_dofs}", **FULL)
+        study.modal[n].plot_force(left, during="record", label=f"{n} modes", **colour)
+    study.full.plot_force(left, during="record", label=f"full, {study.body.n_dofs}", **FULL)
     left.set(xlim=(0, 90), ylim=(0, 1100))
     full = study.full
     counts = list(study.modal)
@@ -93,11 +97,11 @@ def figure_4(study: SphereStudy) -> Figure:
     time = [
         100.0 * (hit.contact_duration / full.contact_duration - 1.0) for hit in study.modal.values()
     ]
-    right.plot(counts, force, "o-", color="C0", label="peak force")
-    right.plot(counts, time, "s-", color="C1", label="duration")
+    right.plot(counts, force, "o-", color=COLOURS[0], label="peak force")
+    right.plot(counts, time, "s-", color=COLOURS[1], label="duration")
     right.plot([1000, 1000], [7, -5], "x", color="black", markersize=8, label="the paper")
     right.axhline(0.0, color="black", linewidth=0.8)
-    right.set(xlabel="number of modes [1]", ylabel="difference from the full model [%]")
+    right.set(xlabel="number of modes", ylabel="difference from the full model (%)")
     right.grid(True, alpha=0.3)
     right.legend()
     return figure
@@ -128,7 +132,7 @@ def figure_7(study: SphereStudy) -> Figure:
         "The paper prints, right: local energy 200 times the nonlocal one at 10⁻⁴ m/s."
     )
     figure, (left, right) = new_figure("Figure 7. Modified interaction law", note, columns=2)
-    for speed, colour in ((2.0, "C4"), (1.0, "C0"), (0.5, "C1"), (0.1, "C2")):
+    for speed, colour in zip((2.0, 1.0, 0.5, 0.1), COLOURS, strict=False):
         hit = study.by_speed[speed]
         touching = np.flatnonzero(hit.force > 0.0)
         shown, top = slice(0, int(touching[-1]) + 2), int(np.argmax(hit.force))
@@ -138,14 +142,14 @@ def figure_7(study: SphereStudy) -> Figure:
         left.plot(*where, "o", color=colour, label=f"one AO each, up to {speed:g} m/s")
     depth = np.linspace(0.0, 32e-6, 200)
     left.plot(1e6 * depth, LAW.force(depth), color="black", label="Hertz's law")
-    left.set(xlabel="approach [µm]", ylabel="contact force [N]", xlim=(0, 45), ylim=(0, 2000))
+    left.set(xlabel="approach (µm)", ylabel="contact force (N)", xlim=(0, 45), ylim=(0, 2000))
     left.grid(True, alpha=0.3)
     left.legend()
     speeds = list(study.by_speed)
     ratios = [local_over_nonlocal(hit) for hit in study.by_speed.values()]
-    right.loglog(speeds, ratios, "o-", color="C0", label="at the peak")
+    right.loglog(speeds, ratios, "o-", color=COLOURS[0], label="at the peak")
     right.plot([1e-4], [200], "x", color="black", markersize=8, label="the paper")
-    right.set(xlabel="velocity [m/s]", ylabel="local / nonlocal deformation energy [1]")
+    right.set(xlabel="velocity (m/s)", ylabel="local / nonlocal deformation energy")
     right.grid(True, which="both", alpha=0.3)
     right.legend()
     return figure
@@ -157,13 +161,13 @@ def figure_8(study: BeamStudy) -> Figure:
     figure, (ax,) = new_figure("Figure 8. Masses of the beam's anti-oscillators", note)
     number = np.arange(1, study.count + 1)
     lowest, largest = 100.0 * study.lowest.mass_fractions, 100.0 * study.star.mass_fractions
-    ax.bar(number, lowest, color="C0", label="mass of one AO, by frequency")
+    ax.bar(number, lowest, color=COLOURS[0], label="mass of one AO, by frequency")
     ax.plot(number, np.cumsum(lowest), "o-", color="black", markersize=3, label="summed up")
     ax.plot(number, np.cumsum(largest), ":", color="0.4", label="summed up, largest first")
     printed_line(ax, 98.0, "paper, 28 AOs 98 %", side="left")
     printed_line(ax, 53.0, "paper, first AO 53 %")
-    label = f"share of the static mass, {1e3 * study.star.static_mass:.0f} g [%]"
-    ax.set(xlabel="anti-oscillator [1]", ylabel=label, ylim=(0, 110), xlim=(0, 29))
+    label = f"share of the static mass, {1e3 * study.star.static_mass:.0f} g (%)"
+    ax.set(xlabel="anti-oscillator", ylabel=label, ylim=(0, 110), xlim=(0, 29))
     ax.grid(True, alpha=0.3)
     ax.legend(loc="center right", bbox_to_anchor=(1.0, 0.33))
     return figure
@@ -174,9 +178,11 @@ def figure_9(study: BeamStudy) -> Figure:
     note = "Force on the beam's 28 AOs; its 1362 dofs give the grey line beneath."
     figure, (ax,) = new_figure("Figure 9. Sphere on the beam, 1 m/s: impact force", note)
     grey = {"color": "0.75", "linewidth": 4.0, "linestyle": "-"}
-    study.full_short.plot_force(ax, label="one-AO sphere, full beam", **grey)
-    study.ao_short.plot_force(ax, label="one-AO sphere", **(FULL | {"linewidth": 1.2}))
-    study.rigid_short.plot_force(ax, label="rigid sphere", **RIGID)
+    study.full_short.plot_force(ax, during="record", label="one-AO sphere, full beam", **grey)
+    study.ao_short.plot_force(
+        ax, during="record", label="one-AO sphere", **(FULL | {"linewidth": 1.2})
+    )
+    study.rigid_short.plot_force(ax, during="record", label="rigid sphere", **RIGID)
     ax.set(xlim=(0, 200), ylim=(0, None))
     ax.legend(loc="upper right")
     return figure
@@ -195,10 +201,10 @@ def figure_10(study: BeamStudy) -> Figure:
         ax.plot(micro, 1e6 * hit.projectile.centre_displacement, **style, label=f"sphere, {name}")
         thin = style | {"linewidth": 0.8, "marker": ".", "markersize": 3, "markevery": 4}
         ax.plot(micro, 1e6 * hit.target.centre_displacement, **thin, label=f"beam, {name}")
-        middle = style | {"color": "C0", "linewidth": 1.0}
+        middle = style | {"color": COLOURS[0], "linewidth": 1.0}
         ax.plot(micro, 1e6 * hit.target.displacement, **middle, label=f"middle of beam, {name}")
     printed_line(ax, 25.0, "paper, beam 25 µm")
-    ax.set(xlabel="time [µs]", ylabel="displacement [µm]", xlim=(0, 200))
+    ax.set(xlabel="time (µs)", ylabel="displacement (µm)", xlim=(0, 200))
     ax.grid(True, alpha=0.3)
     ax.legend()
     return figure
@@ -216,7 +222,7 @@ def figure_11(study: BeamStudy) -> Figure:
         (study.rigid_long, "rigid sphere", RIGID),
     ):
         ax.plot(1e3 * hit.t, 1e6 * hit.target.centre_displacement, label=name, **style)
-    ax.set(xlabel="time [ms]", ylabel="displacement [µm]", xlim=(0, 20))
+    ax.set(xlabel="time (ms)", ylabel="displacement (µm)", xlim=(0, 20))
     ax.grid(True, alpha=0.3)
     ax.legend()
     return figure
@@ -232,17 +238,17 @@ def figure_mesh(study: SphereStudy, cases: dict[float, MeshCase]) -> Figure:
     figure, (left, right) = new_figure(title, note, columns=2)
     own = (len(study.body.nodes if study.body.nodes is not None else ()), study.one_ao)
     nodes = [case.nodes for case in cases.values()]
-    left.semilogx(nodes, [1e-6 * case.k1 for case in cases.values()], "o-", color="C0")
-    left.plot([own[0]], [1e-6 * float(study.oscillator.k[0])], "D", color="C3")
+    left.semilogx(nodes, [1e-6 * case.k1 for case in cases.values()], "o-", color=COLOURS[0])
+    left.plot([own[0]], [1e-6 * float(study.oscillator.k[0])], "D", color=COLOURS[1])
     left.plot([1053], [275.7], "x", color="black", markersize=8)
-    left.set(xlabel="nodes [1]", ylabel="k1 [MN/m]", ylim=(0, None))
+    left.set(xlabel="nodes", ylabel="k1 (MN/m)", ylim=(0, None))
     forces = [case.peak_force for case in cases.values()]
-    right.semilogx(nodes, forces, "o-", color="C0", label="meshes of this package")
-    right.plot([own[0]], [own[1].peak_force], "D", color="C3", label="the shipped mesh")
+    right.semilogx(nodes, forces, "o-", color=COLOURS[0], label="meshes of this package")
+    right.plot([own[0]], [own[1].peak_force], "D", color=COLOURS[1], label="the shipped mesh")
     right.plot([1053], [812.6], "x", color="black", markersize=8, label="the paper")
     right.axhline(RESOLVED_FORCE, color="black", linewidth=1.2, label="resolved contact")
     right.axhline(study.rigid.peak_force, **RIGID, label="rigid masses")
-    right.set(xlabel="nodes [1]", ylabel="peak force [N]", ylim=(0, 1100))
+    right.set(xlabel="nodes", ylabel="peak force (N)", ylim=(0, 1100))
     right.legend(loc="lower left")
     for ax in (left, right):
         ax.set_xticks([300, 1000, 3000, 10000], ["300", "1000", "3000", "10 000"])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import quantity
+from ..base import COLOURS, quantity
 from ..reduction import AOModel
 
 if TYPE_CHECKING:
@@ -36,8 +36,10 @@ def draw_sketch(ax: Axes, model: AOModel, hertz: float) -> None:
         ax.text(x, -0.3, f"m0 = {residual}", ha="center", va="top", fontsize=8)
     ax.annotate("", (1.5, 1.15), (0.0, 1.15), arrowprops={"arrowstyle": "->"})
     ax.text(0.75, 1.25, "V", ha="center", fontsize=10)
-    ax.annotate("", (1.0, -0.85), (7.0, -0.85), arrowprops={"arrowstyle": "<->", "color": "C3"})
-    ax.text(4.0, -1.2, "modified interaction law", ha="center", color="C3", fontsize=10)
+    ax.annotate(
+        "", (1.0, -0.85), (7.0, -0.85), arrowprops={"arrowstyle": "<->", "color": COLOURS[1]}
+    )
+    ax.text(4.0, -1.2, "modified interaction law", ha="center", color=COLOURS[1], fontsize=10)
 
 
 def _box(ax: Axes, x: float, side: float, label: str) -> None:

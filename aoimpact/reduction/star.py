@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
+import os
 import warnings
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +20,7 @@ from ..base import (
     InputError,
     SingularError,
     checked,
+    file_path,
     finite_array,
     instance,
     integer,
@@ -352,6 +355,74 @@ class AOModel(Frozen):
             surface=self.surface,
             name=self.name,
         )
+
+    def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return K, M and b of the star's n + 1 coordinates, the contact first.
+
+        K has k0 + Σ k_i at the contact, k_i on the diagonal and -k_i between them (Fig. 2); M is
+        diagonal; b = (1, 0, …, 0).
+
+        Returns
+        -------
+        K, M : ndarrays, shape (n+1, n+1)
+            N/m, kg.
+        b : ndarray, shape (n+1,)
+
+        Raises
+        ------
+        InputError
+            For a wall of infinite mass.
+
+        Examples
+        --------
+        >>> K, M, b = AOModel(m0=0.1, k0=1e6, m=[0.5], k=[2e6]).matrices()
+        >>> K.tolist()
+        [[3000000.0, -2000000.0], [-2000000.0, 2000000.0]]
+        """
+        if math.isinf(self.m0):
+            raise InputError("a wall of infinite mass has no matrices")
+        K = np.diag(np.concatenate([[self.k0 + math.fsum(self.k)], self.k]))
+        K[0, 1:] = K[1:, 0] = -self.k
+        return K, np.diag(np.concatenate([[self.m0], self.m])), np.eye(self.n + 1)[0]
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return the model as JSON, and write it where a path is given.
+
+        A star is four things: the contact mass m0 (kg) on a ground spring k0 (N/m), and on it, each
+        by a spring k_i, the masses m_i. That is all that another program needs: n + 1 point masses
+        that move along one line, n + 1 springs, and the contact's law at the first. Numbers have
+        all their digits.
+
+        Parameters
+        ----------
+        path : path, optional
+
+        Returns
+        -------
+        str
+            An object of ``m0``, ``k0``, ``m``, ``k``, and, if any, ``damping`` and ``name``.
+
+        Examples
+        --------
+        >>> AOModel(m0=0.1, k0=1e6, m=[0.5], k=[2e6]).to_json()
+        '{"m0": 0.1, "k0": 1000000.0, "m": [0.5], "k": [2000000.0]}'
+        """
+        content: dict[str, Any] = {"m0": self.m0, "k0": self.k0}
+        content |= {"m": self.m.tolist(), "k": self.k.tolist()}
+        if self.damping is not None:
+            content["damping"] = asdict(self.damping)
+        if self.name:
+            content["name"] = self.name
+        if math.isinf(self.m0):
+            raise InputError("a wall of infinite mass is not written as JSON")
+        written = json.dumps(content)
+        if path is not None:
+            file = file_path("path", path)
+            try:
+                file.write_text(written + "\n", encoding="utf-8")
+            except OSError as error:
+                raise InputError(f"path {str(file)!r} cannot be written: {error}") from None
+        return written
 
     def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
         """Return the full displacement of given star coordinates, eq. (8).

@@ -1,19 +1,24 @@
 """The results of a run: histories, events, energies, tables, plots."""
 
-from .misfit import warn_of_misfit
-from .motion import BodyResult, LeftOut
+from .misfit import warn_of_lag, warn_of_misfit
+from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
 from .plausibility import least_said, warn_of_run
 from .result import Result
 from .run import Chosen, Handle, Run
 
 __all__ = [
+    "BodyEnergy",
     "BodyResult",
     "Chosen",
+    "ContactResult",
+    "Energy",
+    "ErrorEstimate",
     "Handle",
     "LeftOut",
     "Result",
     "Run",
     "least_said",
+    "warn_of_lag",
     "warn_of_misfit",
     "warn_of_run",
 ]

@@ -137,18 +137,22 @@ class BodyResult(Frozen):
 
         A model that was fitted to a contact warns where the record is longer than it is exact for.
         """
-        if self._doubt is not None:
-            self._doubt()
+        self._doubted  # noqa: B018
         first: FloatArray = self.port_displacements[0]
         return first
 
     @property
     def velocity(self) -> FloatArray:
         """Of the contact coordinate (the first one) [m/s], shape (n,); see `displacement`."""
-        if self._doubt is not None:
-            self._doubt()
+        self._doubted  # noqa: B018
         first: FloatArray = self.port_velocities[0]
         return first
+
+    @cached_property
+    def _doubted(self) -> None:
+        """Says once what is to be said of the motion."""
+        if self._doubt is not None:
+            self._doubt()
 
     def probe(
         self,

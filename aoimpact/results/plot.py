@@ -2,17 +2,31 @@
 
 Each function draws on the axes given, or on those of a new figure, and returns them; keywords go to
 ``Axes.plot``. Units get the prefix that suits the numbers, and a second curve on the same axes
-keeps the prefix of the first. An ``ax`` that is no Axes raises InputTypeError.
+keeps the prefix of the first. `during` is what of the record is drawn: "contact", from shortly
+before the first touch to shortly after the last, "record", or (start, end), s. An ``ax`` that is no
+Axes raises InputTypeError.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..base import FloatArray, Scale, choice, given_axes, scale_for, scale_of
+from ..base import (
+    COLOURS,
+    Curve,
+    FloatArray,
+    InputError,
+    choice,
+    draw_curves,
+    finite_array,
+    new_axes,
+    quantity,
+)
 from ..laws import own_law
 from .table import body_names
 
@@ -23,13 +37,85 @@ if TYPE_CHECKING:
     from .result import Result
     from .run import Run
 
-Curve = tuple[FloatArray, dict[str, Any]]
+During = Literal["contact", "record"] | tuple[float, float]
+
+# Shown before and after the contact, as a share of its length.
+_MARGIN = 0.1
+
+# Points of a curve: in the shortest period of the models, and in all.
+_PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
 
 
-def plot_indentation(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
+def shown(run: Run, during: During) -> tuple[Run, slice]:
+    """Return a run that has points enough within a span of time, and which of them lie in it.
+
+    What was stepped, or read at chosen times, keeps these; what is known between them is read as
+    finely as the fastest of its modes asks for.
+
+    Raises
+    ------
+    InputError
+        If `during` is neither a word nor a span within the record.
+    """
+    start, end = _span(run, during)
+    if run.recorder.dense and run.asked is None:
+        fastest = max(float(body.omega.max(initial=0.0)) for body in run.plan.modal)
+        wanted = _PER_PERIOD * (end - start) * fastest / (2.0 * math.pi)
+        even = np.linspace(start, end, int(np.clip(wanted, _FEWEST, _MOST)))
+        own = run.t[(run.t >= start) & (run.t <= end)]
+        return run.at(np.union1d(even, own)), slice(None)
+    first = max(0, int(np.searchsorted(run.t, start, side="right")) - 1)
+    return run, slice(first, int(np.searchsorted(run.t, end)) + 1)
+
+
+def _span(run: Run, during: During) -> tuple[float, float]:
+    if isinstance(during, str):
+        word = choice("during", during, ("contact", "record"))
+        spans = [span for events in run.events for span in events.contacts]
+        if word == "record" or not spans:
+            return 0.0, run.duration
+        first, last = min(span[0] for span in spans), max(span[1] for span in spans)
+        margin = _MARGIN * (last - first)
+        return max(0.0, first - margin), min(run.duration, last + margin)
+    start, end = finite_array("during", during, shape=(2,), unit="s")
+    if not 0.0 <= start < end <= run.duration:
+        raise InputError(
+            f"during must be a span (start, end) within the record, 0 to {run.duration:g} s, got "
+            f"({start:g}, {end:g})"
+        )
+    return float(start), float(end)
+
+
+def plot_panels(result: Result, during: During) -> Any:
+    """Draw force, indentation, displacements and energies; see `Result.plot`."""
+    axes = new_axes(2, 2, figsize=(10.0, 6.6), sharex=True)
+    result.plot_force(axes[0, 0], during=during)
+    result.plot_indentation(axes[0, 1], during=during)
+    result.plot_displacement(axes[1, 0], during=during)
+    if result.run.energies:
+        result.plot_energy(axes[1, 1], during=during)
+    else:
+        axes[1, 1].set_axis_off()
+    for ax in axes[0]:
+        ax.set_xlabel("")
+    velocity = f"{result.velocity:g} m/s"
+    bodies = f"{_told(result.projectile)} on {_told(result.target)}"
+    axes[0, 0].figure.suptitle(f"{bodies}, {velocity}; {result.law}", fontsize="medium")
+    return axes
+
+
+def _told(body: Any) -> str:
+    mass = "" if body.mass is None else f", {quantity(body.mass, 'kg', 3)}"
+    return f"{body.name} ({body.label}{mass})"
+
+
+def plot_indentation(
+    result: Result, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
+) -> Axes:
     """Draw the indentation over time."""
-    curves: list[Curve] = [(result.indentation, {})]
-    return _draw(ax, (result.t, "time", "s"), "indentation", "m", curves, kwargs)
+    run, which = shown(result.run, during)
+    curves: list[Curve] = [(run.contacts[0].indentation[which], {})]
+    return draw_curves(ax, (run.t[which], "time", "s"), "indentation", "m", curves, kwargs)
 
 
 def plot_energy(
@@ -37,6 +123,7 @@ def plot_energy(
     ax: Axes | None = None,
     *,
     body: Literal["projectile", "target"] | None = None,
+    during: During = "record",
     **kwargs: Any,
 ) -> Axes:
     """Draw energies over time: of everything, or of one body beside the contact's (Fig. 5).
@@ -46,32 +133,47 @@ def plot_energy(
     InputError
         If `body` is another name, or the run recorded no energies.
     """
+    run, which = shown(run, during)
     energy = run.energy
     share: Energy | BodyEnergy = energy
     if body is not None:
         name = choice("body", body, ("projectile", "target"))
         share = energy.projectile if name == "projectile" else energy.target
-    curves: list[Curve] = [
-        (share.kinetic, {"label": "kinetic", "linestyle": ":"}),
-        (share.elastic, {"label": "elastic (nonlocal)", "linestyle": "-"}),
-        (energy.contact, {"label": "contact (local)", "linestyle": "-."}),
+    blue, vermilion, green, purple = COLOURS[:4]
+    styles: list[tuple[FloatArray, str, str, str]] = [
+        (share.kinetic, "kinetic", "-", blue),
+        (share.elastic, "elastic (nonlocal)", "--", vermilion),
+        (energy.contact, "contact (local)", "-.", green),
     ]
     if np.any(energy.dissipated):
-        curves.append((energy.dissipated, {"label": "dissipated", "linestyle": "--"}))
+        styles.append((energy.dissipated, "dissipated", ":", purple))
     if body is None:
-        curves.append((energy.total, {"label": "total", "linestyle": "-", "color": "0.6"}))
-    return _draw(ax, (run.t, "time", "s"), "energy", "J", curves, kwargs)
+        styles.append((energy.total, "total", "-", "0.5"))
+    curves: list[Curve] = [
+        (values[which], {"label": told, "linestyle": dashes, "color": colour})
+        for values, told, dashes, colour in styles
+    ]
+    return draw_curves(ax, (run.t[which], "time", "s"), "energy", "J", curves, kwargs)
 
 
-def plot_displacement(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
-    """Draw displacements over time: contact points, and centres of mass dashed (Fig. 10)."""
+def plot_displacement(
+    result: Result, ax: Axes | None = None, *, during: During = "record", **kwargs: Any
+) -> Axes:
+    """Draw displacements over time: contact points, and centres of mass dashed (Fig. 10).
+
+    Of a rigid body both are one curve.
+    """
+    run, which = shown(result.run, during)
     curves: list[Curve] = []
-    for colour, body in (("C0", result.projectile), ("C1", result.target)):
-        name = body.name
-        curves.append((body.displacement, {"label": f"{name}, contact point", "color": colour}))
-        dashed = {"label": f"{name}, centre of mass", "color": colour, "linestyle": "--"}
-        curves.append((body.centre_displacement, dashed))
-    return _draw(ax, (result.t, "time", "s"), "displacement", "m", curves, kwargs)
+    for colour, body in zip(COLOURS, run.bodies, strict=False):
+        place, centre = body.displacement[which], body.centre_displacement[which]
+        rigid = bool(np.array_equal(place, centre))
+        told = body.name if rigid else f"{body.name}, contact point"
+        curves.append((place, {"label": told, "color": colour, "linestyle": "-"}))
+        if not rigid and np.isfinite(centre).all():
+            dashed = {"label": f"{body.name}, centre of mass", "color": colour, "linestyle": "--"}
+            curves.append((centre, dashed))
+    return draw_curves(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)
 
 
 def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
@@ -79,75 +181,47 @@ def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> A
 
     The first is the modified interaction law of the paper: what rigid masses would need.
     """
-    touching = np.flatnonzero(result.force > 0.0)
-    shown = slice(0, int(touching[-1]) + 2 if touching.size else len(result.t))
-    across = (result.approach[shown], "approach of the centres of mass", "m")
-    curves: list[Curve] = [(result.force[shown], {"label": "modified law"})]
-    ax = _draw(ax, across, "contact force", "N", curves, kwargs)
+    run, which = shown(result.run, "contact")
+    at = replace(result, run=run)
+    touching = np.flatnonzero(at.force > 0.0)
+    which = slice(0, int(touching[-1]) + 2) if touching.size else which
+    across = (at.approach[which], "approach of the centres of mass", "m")
+    curves: list[Curve] = [(at.force[which], {"label": "modified law"})]
+    ax = draw_curves(ax, across, "contact force", "N", curves, kwargs)
     law = getattr(own_law(result.law), "force", None)
     if touching.size and callable(law):
         depth = np.linspace(0.0, float(result.indentation.max()), 200)
         style = {"color": "0.4", "linestyle": "--", "label": "contact law", "zorder": 1}
-        _curve(ax, _axis_scales(ax, "m", "N"), depth, np.asarray(law(depth)), style)
-        ax.legend()
+        ax = draw_curves(ax, (depth, *across[1:]), "contact force", "N", [(law(depth), style)])
     return ax
 
 
-def plot_forces(run: Run, ax: Axes | None = None, **kwargs: Any) -> Axes:
+def plot_forces(
+    run: Run, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
+) -> Axes:
     """Draw the force of each contact over time (paper, Figs. 3 and 9)."""
+    run, which = shown(run, during)
     several = len(run.contacts) > 1
     curves: list[Curve] = [
-        (contact.force, {"label": contact.name} if several else {}) for contact in run.contacts
+        (contact.force[which], {"label": contact.name} if several else {})
+        for contact in run.contacts
     ]
-    return _draw(ax, (run.t, "time", "s"), "contact force", "N", curves, kwargs)
+    return draw_curves(ax, (run.t[which], "time", "s"), "contact force", "N", curves, kwargs)
 
 
 def plot_places(
-    run: Run, ax: Axes | None = None, *, names: Sequence[str] | None = None, **kwargs: Any
+    run: Run,
+    ax: Axes | None = None,
+    *,
+    names: Sequence[str] | None = None,
+    during: During = "record",
+    **kwargs: Any,
 ) -> Axes:
     """Draw the displacements of the contact coordinates of a scene's bodies over time."""
+    called = body_names(run, names)
+    run, which = shown(run, during)
     curves: list[Curve] = [
-        (body.displacement, {"label": name})
-        for name, body in zip(body_names(run, names), run.bodies, strict=True)
+        (body.displacement[which], {"label": name})
+        for name, body in zip(called, run.bodies, strict=True)
     ]
-    return _draw(ax, (run.t, "time", "s"), "displacement", "m", curves, kwargs)
-
-
-def _draw(
-    ax: Axes | None,
-    across: tuple[FloatArray, str, str],
-    name: str,
-    unit: str,
-    curves: list[Curve],
-    kwargs: dict[str, Any],
-) -> Axes:
-    """Draw curves over (values, name, unit) `across`, on axes labelled with units."""
-    ax = given_axes(ax)
-    x, x_name, x_unit = across
-    largest = max(float(np.max(np.abs(y), initial=0.0)) for y, _ in curves)
-    scales = _axis_scales(ax, x_unit, unit)
-    x_scale = scales[0] or scale_for(float(np.max(np.abs(x), initial=0.0)), x_unit)
-    y_scale = scales[1] or scale_for(largest, unit)
-    for y, style in curves:
-        _curve(ax, (x_scale, y_scale), x, y, style | kwargs)
-    ax.set_xlabel(f"{x_name} [{x_scale.unit}]")
-    ax.set_ylabel(f"{name} [{y_scale.unit}]")
-    ax.grid(True, alpha=0.3)
-    if any(not str(line.get_label()).startswith("_") for line in ax.get_lines()):
-        ax.legend()
-    return ax
-
-
-def _axis_scales(ax: Axes, x_unit: str, y_unit: str) -> tuple[Scale | None, Scale | None]:
-    return scale_of(ax.get_xlabel(), x_unit), scale_of(ax.get_ylabel(), y_unit)
-
-
-def _curve(
-    ax: Axes,
-    scales: tuple[Scale | None, Scale | None],
-    x: FloatArray,
-    y: FloatArray,
-    style: dict[str, Any],
-) -> None:
-    x_factor, y_factor = (1.0 if scale is None else scale.factor for scale in scales)
-    ax.plot(x_factor * x, y_factor * y, **style)
+    return draw_curves(ax, (run.t[which], "time", "s"), "displacement", "m", curves, kwargs)

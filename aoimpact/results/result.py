@@ -18,7 +18,9 @@ import numpy.typing as npt
 from ..base import FloatArray
 from ..integrate import Eventful, Events
 from . import plot
+from .export import as_dataframe, result_dataset
 from .motion import BodyResult, Energy, ErrorEstimate
+from .plot import During
 from .run import Run
 from .summary import summary_html, summary_text
 from .table import columns, write_csv
@@ -204,27 +206,104 @@ class Result(Eventful):
         """Write all histories, one row a time, under a header line with names and units."""
         write_csv(columns(self), path)
 
-    def plot_force(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the force over time; keywords go to ``Axes.plot``. Returns the axes."""
-        return plot.plot_forces(self.run, ax, **kwargs)
+    def to_dataframe(self) -> Any:
+        """Return all histories as a pandas DataFrame, a row a time.
 
-    def plot_indentation(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the indentation over time. Returns the axes."""
-        return plot.plot_indentation(self, ax, **kwargs)
+        The columns are those of `to_csv`, "name [unit]"; the index is "t [s]".
+
+        Raises
+        ------
+        MissingPackageError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> import aoimpact as ao
+        >>> ball = ao.rigid(mass=0.0327)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+        >>> table = hit.to_dataframe()
+        >>> float(table["force [N]"].max()) == hit.peak_force
+        True
+        """
+        return as_dataframe(columns(self))
+
+    def to_xarray(self) -> Any:
+        """Return all histories as an xarray Dataset, with units.
+
+        Dimensions are time and body; ``data.sel(body="target").velocity`` is one history,
+        ``data.to_netcdf(path)`` a file of all.
+
+        Raises
+        ------
+        MissingPackageError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import aoimpact as ao
+        >>> ball = ao.rigid(mass=0.0327)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+        >>> data = hit.to_xarray()
+        >>> data.force.attrs["units"], float(data.force.max()) == hit.peak_force
+        ('N', True)
+        """
+        return result_dataset(self)
+
+    def plot(self, *, during: During = "contact") -> Any:
+        """Draw force, indentation, displacements and energies in four panels.
+
+        Parameters
+        ----------
+        during : {"contact", "record"} or (float, float), optional
+            What is drawn: the contacts with a little before and after, all of the record, or from
+            one time to another, s.
+
+        Returns
+        -------
+        ndarray of Axes, shape (2, 2)
+            ``axes[0, 0].figure`` is the figure, to be saved or changed.
+
+        Examples
+        --------
+        >>> import aoimpact as ao
+        >>> ball = ao.rigid(mass=0.0327)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+        >>> axes = hit.plot()
+        >>> axes[0, 0].figure.savefig("impact.png")  # doctest: +SKIP
+        """
+        return plot.plot_panels(self, during)
+
+    def plot_force(
+        self, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
+    ) -> Axes:
+        """Draw the force over time; keywords go to ``Axes.plot``. Returns the axes.
+
+        `during` is as for `plot`.
+        """
+        return plot.plot_forces(self.run, ax, during=during, **kwargs)
+
+    def plot_indentation(
+        self, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
+    ) -> Axes:
+        """Draw the indentation over time; `during` is as for `plot`. Returns the axes."""
+        return plot.plot_indentation(self, ax, during=during, **kwargs)
 
     def plot_energy(
         self,
         ax: Axes | None = None,
         *,
         body: Literal["projectile", "target"] | None = None,
+        during: During = "record",
         **kwargs: Any,
     ) -> Axes:
         """Draw the energies over time, of all or of one body (paper, Fig. 5). Returns the axes."""
-        return plot.plot_energy(self.run, ax, body=body, **kwargs)
+        return plot.plot_energy(self.run, ax, body=body, during=during, **kwargs)
 
-    def plot_displacement(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+    def plot_displacement(
+        self, ax: Axes | None = None, *, during: During = "record", **kwargs: Any
+    ) -> Axes:
         """Draw contact points and centres of mass over time (paper, Fig. 10)."""
-        return plot.plot_displacement(self, ax, **kwargs)
+        return plot.plot_displacement(self, ax, during=during, **kwargs)
 
     def plot_interaction(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
         """Draw the force over the approach of the centres of mass (paper, Fig. 7)."""

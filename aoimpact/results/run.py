@@ -26,10 +26,12 @@ from ..fields import Response, response_of
 from ..integrate import Events, Recorder
 from ..scene import Plan, RecordLayout
 from . import plot
+from .export import as_dataframe, as_dataset
 from .misfit import warn_of_later_motion
 from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
+from .plot import During
 from .summary import support_words
-from .table import ROLES, different, run_columns, write_csv
+from .table import ROLES, body_names, different, run_columns, write_csv
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -377,19 +379,84 @@ class Run:
         """
         write_csv(run_columns(self, names), path)
 
-    def plot_force(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the force of each contact over time; keywords go to ``Axes.plot``."""
-        return plot.plot_forces(self, ax, **kwargs)
+    def to_dataframe(self, *, names: Sequence[str] | None = None) -> Any:
+        """Return all histories as a pandas DataFrame, a row a time.
+
+        The columns are those of `to_csv`, "name [unit]"; the index is "t [s]".
+
+        Parameters
+        ----------
+        names : sequence of str, optional
+            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+
+        Raises
+        ------
+        MissingPackageError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> import aoimpact as ao
+        >>> ball = ao.rigid(mass=0.0327)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+        >>> table = hit.run.to_dataframe()
+        >>> float(table["contact 0 force [N]"].max()) == hit.peak_force
+        True
+        """
+        return as_dataframe(run_columns(self, names))
+
+    def to_xarray(self, *, names: Sequence[str] | None = None) -> Any:
+        """Return all histories as an xarray Dataset, with units.
+
+        Dimensions are time, contact and body; ``data.sel(body="body 1").velocity`` is one history.
+
+        Parameters
+        ----------
+        names : sequence of str, optional
+            Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+
+        Raises
+        ------
+        MissingPackageError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import aoimpact as ao
+        >>> ball = ao.rigid(mass=0.0327)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+        >>> data = hit.run.to_xarray()
+        >>> data.force.attrs["units"], float(data.force.max()) == hit.peak_force
+        ('N', True)
+        """
+        return as_dataset(self, body_names(self, names))
+
+    def plot_force(
+        self, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
+    ) -> Axes:
+        """Draw the force of each contact over time; keywords go to ``Axes.plot``.
+
+        `during` is "contact", from the first touch to the last with a little before and after,
+        "record", or (start, end), s.
+        """
+        return plot.plot_forces(self, ax, during=during, **kwargs)
 
     def plot_displacement(
-        self, ax: Axes | None = None, *, names: Sequence[str] | None = None, **kwargs: Any
+        self,
+        ax: Axes | None = None,
+        *,
+        names: Sequence[str] | None = None,
+        during: During = "record",
+        **kwargs: Any,
     ) -> Axes:
         """Draw how far each body's contact coordinate has moved over time."""
-        return plot.plot_places(self, ax, names=names, **kwargs)
+        return plot.plot_places(self, ax, names=names, during=during, **kwargs)
 
-    def plot_energy(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+    def plot_energy(
+        self, ax: Axes | None = None, *, during: During = "record", **kwargs: Any
+    ) -> Axes:
         """Draw the energies over time."""
-        return plot.plot_energy(self, ax, **kwargs)
+        return plot.plot_energy(self, ax, during=during, **kwargs)
 
     def _lines(self) -> list[tuple[str, str]]:
         lines = [

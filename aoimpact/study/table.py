@@ -139,10 +139,10 @@ class WorkPrecision:
             errors = [max(row.error, 1e-16) for row in rows]
             style = {"marker": "o", "label": method} | kwargs
             ax.plot([1e3 * row.seconds for row in rows], errors, **style)
-        error_axes(ax, "time of the call [ms]", "worst relative error")
+        ax.set_title(self.scene, fontsize="medium", wrap=True)
+        error_axes(ax, "time of the call (ms)", "worst relative error")
         if self.reference.uncertainty:
             ax.axhspan(1e-16, self.reference.uncertainty, color="0.9", zorder=0)
-        ax.set_title(self.scene, fontsize="medium", wrap=True)
         return ax
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:

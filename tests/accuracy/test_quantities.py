@@ -102,3 +102,13 @@ def test_every_quantity_is_in_the_docstrings(run_of, choices):
 def test_every_quantity_has_a_difference():
     for quantity in QUANTITIES.values():
         assert quantity.difference(run(), run()) == 0.0
+
+
+def test_the_way_to_the_first_contact_is_no_motion_that_models_must_hold() -> None:
+    now, later = (
+        ao.simulate(ao.rigid(mass=0.1), ao.rigid(mass=1.0), 1.0, law=ao.Hertz(k=1e9), gap=gap)
+        for gap in (0.0, 0.5)
+    )
+    span = QUANTITIES["force"].span
+    assert span(later) == pytest.approx(span(now), rel=1e-3)
+    assert span(now) == pytest.approx(now.contact_duration, rel=1e-3)

@@ -162,7 +162,7 @@ def test_plot_draws_a_line_for_each_of_the_others() -> None:
     assert x.tolist() == [1.0, 4.0]
     rows = [3, 2]
     np.testing.assert_allclose(y, 1e-3 * table["peak_force"][rows])
-    assert ax.get_ylabel() == "peak_force [kN]"
+    assert ax.get_ylabel() == "peak_force (kN)"
     assert ax.get_legend().get_texts()[0].get_text() == "mass=0.01"
     assert len(table.plot().get_lines()) == 2
     assert table.plot(y="impulse", ax=ax) is ax

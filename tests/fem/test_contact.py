@@ -12,6 +12,7 @@ import pytest
 from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError
 from aoimpact.fem.material import Material
 from aoimpact.fem.model import FEModel
+from aoimpact.fem.statics import centre_of, static_mode
 from aoimpact.mesh.elements import KINDS
 from aoimpact.mesh.generate import box_mesh, paper_sphere_mesh
 
@@ -183,7 +184,7 @@ def test_a_patch_too_small_for_the_mesh_is_said() -> None:
         ({"point": (0.018, 0.02, 0.005)}, r"is inside the body, 0.005 m from .*a point on the"),
         ({"point": (0.02, 0.02, 0.02), "radius": 0.004}, r"is off the body, 0.01 m from the near"),
         ({"point": (0.02, 0.0, 0.01), "radius": 0}, "sharp edge or corner.* or give direction"),
-        ({"point": (0.02, 0.0, 0.01), "radius": 0.004}, "sharp edge or corner.*choose a point in"),
+        ({"point": (0.02, 0.0, 0.01), "radius": 0.004}, "sharp edge or corner.*choose a point fa"),
         ({"point": (0.02, 0.0, 0.01), "radius": "auto"}, "sharp edge or corner.*choose a point fa"),
         (
             {"point": (0.021, 0.02, 0.01), "direction": (1, 0, 0)},
@@ -238,3 +239,127 @@ def test_a_body_without_a_mesh_has_neither_patches_nor_normals() -> None:
         BARE.contact(point=(0.02, 0.01, 0.02), radius=0)
     with pytest.raises(InputError, match="a resultant needs nodes"):
         FEModel(K=FREE.K, M=FREE.M).contact(dof=3).resultant  # noqa: B018
+
+
+def test_a_radius_left_out_is_as_large_as_there_is_room() -> None:
+    """1 mm from the edge of a side with elements of 5 mm, and 3 mm from held nodes."""
+    near = THICK.contact(point=(0.001, 0.02, 0.02))
+    assert near.patch is not None
+    assert 0.0005 < near.patch.radius < 0.001
+    with pytest.raises(InputError, match=r"no room for a contact over a patch: .* rests on nodes"):
+        HELD.contact(point=(0.003, 0.01, 0.02), direction=(1, 0, -1))
+
+
+def test_what_is_off_the_surface_is_said_once_however_often_a_patch_is_tried() -> None:
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        THICK.contact(point=(0.001, 0.02, 0.0203))
+    assert len(said) == 1
+
+
+# ------------------------------------------------------------- functionals and labels
+
+
+def shares(body: FEModel, weights: dict[int, float], component: int = 2) -> Any:
+    b = np.zeros(body.n_dofs)
+    for node, share in weights.items():
+        b[3 * node + component] = share
+    return b
+
+
+def test_a_functional_of_one_s_own_is_the_one_that_is_named() -> None:
+    point = BALL.contact(point=(0.0, 0.0, 0.01), direction=DOWN, radius=0.003)
+    own = BALL.contact(b=point.b)
+    np.testing.assert_array_equal(own.b, point.b)
+    assert (own.patch, own.point, own.node) == (None, None, None)
+    assert own.direction is not None
+    np.testing.assert_allclose(own.direction, DOWN, atol=1e-12)
+    assert repr(own).startswith(f"ContactPoint(functional of {np.count_nonzero(point.b)} dofs of")
+    with_patch = BALL.contact(b=point.b, radius=0.003)
+    assert with_patch.patch is not None
+    assert point.patch is not None
+    assert with_patch.patch.compliance == pytest.approx(point.patch.compliance, rel=1e-4)
+
+
+def test_the_mean_of_two_nodes_deflects_by_the_mean_of_their_compliances() -> None:
+    body = FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")])
+    inverse = np.linalg.inv(body.K.toarray())
+    b = np.zeros(body.n_dofs)
+    b[[-1, -4]] = 0.5
+    tip = body.contact(b=b)
+    expected = 0.25 * inverse[np.ix_([-1, -4], [-1, -4])].sum()
+    assert static_mode(tip).k0 == pytest.approx(1.0 / expected, rel=1e-9)
+    assert tip.direction is not None
+    np.testing.assert_allclose(tip.direction, (0, 0, 1))
+
+
+def test_a_functional_that_is_no_mean_has_no_direction() -> None:
+    tip = FREE.contact(b=shares(FREE, {0: 1.0, 5: -1.0}))
+    assert tip.direction is None
+    with pytest.raises(InputError, match=r"radius=0\.001: .* b sums up to 0 along"):
+        FREE.contact(b=shares(FREE, {0: 1.0, 5: -1.0}), radius=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"b": np.zeros(FREE.n_dofs)}, "b must have entries of about 1, not all zero"),
+        ({"b": np.ones(7)}, f"b must have one entry for each of the {FREE.n_dofs} rows of K"),
+        ({"b": np.ones(FREE.n_dofs), "dof": 3}, "give either dof or b, not both"),
+        ({"b": np.ones(FREE.n_dofs), "direction": DOWN}, "give either b, or point and direction"),
+        ({"node": 99999, "direction": DOWN}, "node must be from 0 to"),
+        ({"node": 1, "point": (0, 0, 0)}, "give either point or node"),
+        ({}, "contact needs what is touched"),
+    ],
+)
+def test_what_is_no_functional_is_refused(given: dict[str, Any], words: str) -> None:
+    with pytest.raises((InputError, InputTypeError), match=words):
+        FREE.contact(**given)
+
+
+def test_a_functional_on_all_dofs_of_a_held_body_is_refused_with_the_cure() -> None:
+    with pytest.raises(InputError, match=r"b must .*; take b\[body\.free\]"):
+        HELD.contact(b=np.ones(3 * BLOCK.n_nodes))
+
+
+def test_a_node_is_taken_by_its_number() -> None:
+    node = BARE.contact(node=4, direction=SLANTED)
+    point = BARE.contact(point=BLOCK.nodes[4], direction=SLANTED)
+    np.testing.assert_array_equal(node.b, point.b)
+    assert node.node == 4
+
+
+def labelled(**more: Any) -> FEModel:
+    """The free block, its rows mixed and its nodes called 101, 103, …"""
+    order = np.random.default_rng(1).permutation(FREE.n_dofs)
+    labels = np.stack([101 + 2 * (order // 3), order % 3 + 1], axis=1)
+    return FEModel(K=FREE.K[order][:, order], M=FREE.M[order][:, order], labels=labels, **more)
+
+
+def test_a_label_names_its_node_in_any_order_of_the_rows() -> None:
+    body = labelled()
+    assert body.mass == pytest.approx(FREE.mass, rel=1e-12)
+    tip = body.contact(node=109, direction=SLANTED)
+    same = BARE.contact(node=4, direction=SLANTED)
+    mode, expected = static_mode(tip), static_mode(same)
+    assert mode.mass == pytest.approx(expected.mass, rel=1e-9)
+    assert centre_of(tip, mode.phi)[1] == pytest.approx(FREE.mass, rel=1e-12)
+
+
+def test_an_unknown_label_is_refused_with_those_near() -> None:
+    with pytest.raises(InputError, match=r"node 110 has no row in K: .* near are 10\d, 109, 111"):
+        labelled().contact(node=110, direction=DOWN)
+
+
+@pytest.mark.parametrize(
+    ("labels", "words"),
+    [
+        (np.zeros((3, 2), int), "labels must have shape"),
+        (np.full((FREE.n_dofs, 2), 7), r"labels\[0\] has component 7"),
+        (np.full((FREE.n_dofs, 2), 1), "labels: rows 0 and 1 are both dof 1.1"),
+        (np.ones((FREE.n_dofs, 2)), "labels must be pairs of integers"),
+    ],
+)
+def test_wrong_labels_are_refused(labels: Any, words: str) -> None:
+    with pytest.raises((InputError, InputTypeError), match=words):
+        FEModel(K=FREE.K, M=FREE.M, labels=labels)

@@ -56,16 +56,16 @@ def test_units_time_and_colours_are_said() -> None:
     von_mises = 1e8 * mesh.nodes[:, 0]
     ax = plot_deformed(mesh, np.zeros_like(mesh.nodes), von_mises, 25e-6, alpha=0.5)
     assert [axis.get_label_text() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)] == [
-        "x [mm]",
-        "y [mm]",
-        "z [mm]",
+        "x (mm)",
+        "y (mm)",
+        "z (mm)",
     ]
     assert "25 µs" in ax.get_title()
     (drawn,) = ax.collections
     assert drawn.get_alpha() == 0.5
     colours = drawn.get_array()
     assert (colours.min(), colours.max()) == (0.0, 20.0)  # MPa, at the two ends
-    assert drawn.colorbar.ax.get_ylabel() == "von Mises stress [MPa]"
+    assert drawn.colorbar.ax.get_ylabel() == "von Mises stress (MPa)"
 
 
 def test_it_draws_on_the_axes_given() -> None:

@@ -153,6 +153,14 @@ def test_many_times_go_the_same_way_as_few() -> None:
     np.testing.assert_allclose(many, np.tile(few, (1, 5)), atol=1e-9 * np.abs(few).max())
 
 
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("fixed", SUPPORTS)
+def test_one_solution_for_each_force_corrects_a_model_of_any_size(fixed: Any, model: Any) -> None:
+    """K times the model's space lies in M times it and the load."""
+    reduced = reduced_star(made(model, fixed), gravity=9.81)
+    assert Recovery(reduced, 1e5).shapes.shape[1] <= reduced.loads.shape[1]
+
+
 def test_it_survives_pickling() -> None:
     star = ao.antioscillators(tip_of(None), 3)
     coordinates, force = some_motion(star), np.array([[1e3, -2e3]])

@@ -10,9 +10,12 @@ import re
 import warnings
 from typing import Any
 
+import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.fem import ContactSurface
+from aoimpact.laws import law_between
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
@@ -131,14 +134,49 @@ def test_a_speed_for_which_the_method_is_not() -> None:
         strike(star(plate()), velocity=100.0)
 
 
-def test_a_single_node_under_hertz_s_law_is_said_once_with_its_error() -> None:
+@pytest.mark.parametrize(("rule", "times"), [("default", 1), ("always", 2)])
+def test_a_single_node_under_hertz_s_law_is_said_with_its_error(rule: Any, times: int) -> None:
+    """By Python's own rules: once for a line, and again when a notebook's cell is run again."""
     struck = star(plate())
     with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
+        warnings.simplefilter(rule)
         for _ in range(2):
             strike(struck)
-    assert sum("single node" in str(each.message) for each in said) == 1
+    assert sum("single node" in str(each.message) for each in said) == times
     assert re.search(r"here by some \d", str(said[0].message))
+
+
+def test_a_node_of_a_body_without_a_mesh_carries_no_hertz_contact() -> None:
+    meshed = plate()
+    bare = ao.FEModel(K=meshed.K, M=meshed.M, nodes=None)
+    nodes = ao.FEModel.from_mesh(ao.box_mesh(SIZE, (10, 8, 1)), ALU)
+    given = ao.FEModel(K=nodes.K, M=nodes.M, nodes=nodes.nodes)
+    with pytest.warns(ao.AOImpactWarning, match=r"single node.* not known without a mesh; make"):
+        strike(ao.full(given.contact(point=MIDDLE, direction=DOWN)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "target: the centre of mass")
+        strike(ao.full(bare.contact(dof=5)))
+
+
+def test_an_oblique_direction() -> None:
+    with pytest.warns(ao.AOImpactWarning, match=r"45° off the normal .* 0\.707 of it"):
+        strike(plate().contact(point=MIDDLE, direction=(1, 0, -1)))
+
+
+def test_a_patch_wider_than_the_body_is_thick() -> None:
+    fine = ao.FEModel.from_mesh(ao.box_mesh(SIZE, (10, 8, 1), kind="hexahedron20"), ALU, fixed=ENDS)
+    with pytest.warns(ao.AOImpactWarning, match=r"radius of 8 mm where .* 6 mm thick.* 0\.003 m"):
+        strike(fine.contact(point=MIDDLE, radius=0.008))
+
+
+def test_bodies_that_would_be_inside_each_other() -> None:
+    """Both in the coordinates of the plate, on whose top the ball lies with its own top."""
+    mesh = ao.sphere_mesh(0.01, 0.01)
+    moved = ao.Mesh(mesh.nodes + np.array([0.05, 0.04, -0.004]), mesh.cells, mesh.kind)
+    ball = ao.FEModel.from_mesh(moved, STEEL)
+    with pytest.warns(ao.AOImpactWarning, match="inside each other, .* the other body"):
+        strike(plate().contact(point=MIDDLE), projectile=ball.contact(point=MIDDLE), rtol=0.2)
 
 
 def test_a_direction_the_wrong_way_round() -> None:
@@ -146,3 +184,39 @@ def test_a_direction_the_wrong_way_round() -> None:
     words = r"target: direction \(0, 0, 1\) goes out of the body .* leave direction out"
     with pytest.raises(ao.InputError, match=words):
         strike(up)
+
+
+def test_a_projectile_that_flies_away_is_refused_before_any_model_is_made(own_solver: Any) -> None:
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.01), STEEL).contact(point=(0, 0, -0.01))
+    target = plate().contact(point=MIDDLE)
+    with pytest.raises(ao.InputError, match="velocity=-1 m/s: the projectile flies away"):
+        ao.simulate(ball, target, -1.0, linear_solver=own_solver)
+    assert own_solver.calls == []
+
+
+def test_a_patch_too_small_for_the_contact_is_refused_by_small_models(own_solver: Any) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ao.AOImpactWarning)  # the mesh is too coarse for it, too
+        target = plate().contact(point=MIDDLE, radius=1e-4)
+    with pytest.raises(ao.InputError, match=r"make the contact points with radius=0\.00\d+ m or"):
+        ao.simulate(ao.ball(0.01, STEEL), target, 1.0, linear_solver=own_solver)
+    assert own_solver.solutions < 40
+
+
+def test_a_whole_body_without_keywords() -> None:
+    with pytest.raises(ao.InputTypeError, match=r"projectile is a whole FEModel\("):
+        ao.simulate(plate(), plate(), 1.0)
+
+
+def test_a_ball_of_ten_metres() -> None:
+    with pytest.raises(ao.InputError, match="no room for larger ones there: check that radii"):
+        ao.simulate(ao.ball(10, STEEL), plate().contact(point=MIDDLE), 1.0)
+
+
+def test_cylinders_that_touch_along_a_line() -> None:
+    along = ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    roller = ContactSurface(STEEL, (100.0, 1e-5), along, error=0.1)
+    askew = ContactSurface(STEEL, (100.0, 1e-5), ((1e-5, 1.0, 0.0), (1.0, -1e-5, 0.0)), error=0.1)
+    for other in (roller, askew):
+        with pytest.raises(ao.InputError, match="not touch in a point: give law=, such as Linear"):
+            law_between(roller, other, projectile_direction=DOWN, target_direction=DOWN)

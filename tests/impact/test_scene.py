@@ -777,6 +777,7 @@ def test_a_record_longer_than_numbers_reach_is_refused(solver):
             ao.simulate(**strike, duration=1e100)
 
 
+@pytest.mark.slow
 def test_a_body_between_two_others_passes_the_blow_on_whatever_is_left_out():
     """Three like balls in a row: the middle one is touched on both sides."""
     body = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.006), STEEL)
@@ -794,6 +795,7 @@ def test_a_body_between_two_others_passes_the_blow_on_whatever_is_left_out():
     assert runs[0][1] > 0.8 * runs[0][0]
 
 
+@pytest.mark.filterwarnings("ignore:target. the patch has a radius")
 def test_a_record_that_is_left_out_is_no_longer_than_the_impact():
     """On a soft cantilever the contact lasts far longer than of rigid bodies."""
     mesh = ao.box_mesh((0.4, 0.02, 0.005), (40, 2, 1), kind="hexahedron20")

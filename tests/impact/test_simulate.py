@@ -120,6 +120,7 @@ def test_a_star_of_a_body_hit_off_its_centre_keeps_all_its_mass_and_energy():
     assert approach[-1] == pytest.approx(-approach[0], rel=1e-4)
 
 
+@pytest.mark.filterwarnings("ignore:projectile is touched along")
 def test_a_partly_held_projectile_struck_obliquely_starts_alike_as_star_and_as_full_model():
     """Held along x it cannot translate along (1, 1, 0): both move as the static mode."""
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)

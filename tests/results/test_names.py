@@ -73,7 +73,7 @@ def test_an_impact_shows_the_names(tmp_path: Path) -> None:
     assert "projectile         ball: rigid, 10 g\n" in repr(hit)
     assert "target             bar: AO(3), 108 g, constrained\n" in repr(hit)
     labels = [text.get_text() for text in hit.plot_displacement().get_legend().get_texts()]
-    assert labels[0] == "ball, contact point"
+    assert labels == ["ball", "bar, contact point", "bar, centre of mass"]
     hit.to_csv(tmp_path / "hit.csv")
     assert "bar displacement [m]" in headings(tmp_path / "hit.csv")
 

@@ -35,7 +35,7 @@ def test_draws_on_the_axes_given_and_returns_them(method: str) -> None:
     assert draw(ax) is ax
     assert draw() is not ax
     for label in (ax.get_xlabel(), ax.get_ylabel()):
-        assert re.search(r"\[\S+\]$", label), "an axis without unit"
+        assert re.search(r"\(\S+\)$", label), "an axis without unit"
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -49,8 +49,8 @@ def test_what_is_no_axes_is_refused(method: str, ax: Any) -> None:
 def test_force_is_drawn_in_its_units() -> None:
     hit = HalfSine()  # 54.8 N over 31.4 ms
     result = hit.result()
-    ax = result.plot_force(label="spring", color="red")
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("time [ms]", "contact force [N]")
+    ax = result.plot_force(during="record", label="spring", color="red")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("time (ms)", "contact force (N)")
     (line,) = ax.get_lines()
     np.testing.assert_allclose(np.asarray(line.get_xdata(), dtype=float), 1e3 * result.t)
     np.testing.assert_allclose(np.asarray(line.get_ydata(), dtype=float), result.force)
@@ -61,7 +61,7 @@ def test_second_curve_keeps_the_unit_of_the_first() -> None:
     soft, hard = HalfSine(velocity=0.5).result(), HalfSine(velocity=5000.0).result()
     ax = soft.plot_force()
     hard.plot_force(ax)
-    assert ax.get_ylabel() == "contact force [N]"
+    assert ax.get_ylabel() == "contact force (N)"
     assert np.max(ax.get_lines()[1].get_ydata()) == pytest.approx(hard.peak_force, rel=1e-5)
 
 
@@ -86,3 +86,68 @@ def test_interaction_of_rigid_bodies_is_the_law_itself() -> None:
 
 def _curves(ax: Axes) -> dict[str, np.ndarray[Any, Any]]:
     return {str(line.get_label()): np.asarray(line.get_ydata()) for line in ax.get_lines()}
+
+
+def test_four_panels_show_the_contact() -> None:
+    hit = HalfSine(gap=0.01)
+    axes = hit.result(end=4.0).plot()
+    assert axes.shape == (2, 2)
+    margin = 0.1 * hit.duration
+    for ax in axes.flat:
+        low, high = ax.get_xlim()
+        assert low == pytest.approx(1e3 * (hit.start - margin), rel=2e-2)
+        assert high == pytest.approx(1e3 * (hit.start + hit.duration + margin), rel=2e-2)
+    assert [ax.get_ylabel().split(" (")[0] for ax in axes.flat] == [
+        "contact force",
+        "indentation",
+        "displacement",
+        "energy",
+    ]
+
+
+def test_panels_without_energies_leave_the_fourth_empty() -> None:
+    axes = HalfSine().result(energies=False).plot()
+    assert not axes[1, 1].get_lines()
+
+
+def ringing() -> ao.Result:
+    """A rigid ball on a light stiff oscillator, which rings at 159 kHz after the contact."""
+    star = ao.AOModel(m0=0.1, k0=1e5, m=[1e-3], k=[1e9])
+    law = ao.Hertz(1e9)
+    ball = ao.rigid(mass=0.03)
+    return ao.simulate(projectile=ball, target=star, law=law, velocity=1.0, duration=5e-3)
+
+
+def test_a_curve_has_points_enough_for_the_fastest_mode() -> None:
+    hit = ringing()
+    fastest = hit.run.plan.modal[1].omega.max() / (2.0 * np.pi)
+    (line,) = hit.plot_indentation(during="record").get_lines()
+    steps = np.diff(np.asarray(line.get_xdata(), dtype=float)) * 1e-3
+    assert steps.max() * fastest < 1.0 / 15.0
+
+
+@pytest.mark.parametrize("during", ["contacts", (2e-3, 1e-3), (0.0, 1.0), (0.0,), 3])
+def test_a_span_that_is_none_is_refused(during: Any) -> None:
+    with pytest.raises(ao.AOImpactError, match="during"):
+        ringing().plot_force(during=during)
+
+
+def test_times_that_were_asked_for_are_what_is_drawn() -> None:
+    times = np.linspace(0.0, 1e-4, 7)
+    (line,) = ringing().at(times).plot_force(during="record").get_lines()
+    assert len(np.asarray(line.get_xdata())) == 7
+
+
+def test_curves_differ_in_colour_and_in_dashes() -> None:
+    lines = HalfSine().result().plot_energy().get_lines()
+    looks = {(line.get_color(), line.get_linestyle()) for line in lines}
+    assert len(looks) == len(lines)
+    assert len({line.get_linestyle() for line in lines[:3]}) == 3
+
+
+def test_a_legend_hides_no_curve() -> None:
+    ax = HalfSine().result().plot_energy()
+    figure = ax.figure
+    figure.canvas.draw()
+    box, curves = ax.get_legend().get_window_extent(), ax.get_window_extent()
+    assert box.y0 >= curves.y1 - 1.0

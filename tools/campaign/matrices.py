@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import random
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -236,6 +237,28 @@ def _broken_dense(rng: random.Random, dense: Any) -> Any:
         return dense
 
 
+# The index arrays of each format.
+_INDEX = {
+    "csr": ("indices", "indptr"),
+    "csc": ("indices", "indptr"),
+    "bsr": ("indices", "indptr"),
+    "coo": ("row", "col"),
+    "dia": ("offsets",),
+}
+
+_SHAPES = (
+    (0, 0),
+    (5, 5),
+    (2, 40),
+    (40, 40),
+    (41, 41),
+    (10**9, 10**9),
+    (3, -1),
+    (1,),
+    (2**40, 2**40),
+)
+
+
 def _broken(rng: random.Random, matrix: Any) -> Any:
     """A sparse matrix whose arrays do not fit together, as if a program had written to them."""
     if not sp.issparse(matrix):
@@ -245,69 +268,53 @@ def _broken(rng: random.Random, matrix: Any) -> Any:
         return _broken_lists(rng, matrix)
     if matrix.format == "dok":
         return _broken_keys(rng, matrix)
-    names = {
-        "csr": ("indices", "indptr"),
-        "csc": ("indices", "indptr"),
-        "bsr": ("indices", "indptr"),
-        "coo": ("row", "col"),
-        "dia": ("offsets",),
-    }[matrix.format]
+    names = _INDEX[matrix.format]
     name = rng.choice((*names, *names, "data"))
     array = np.array(getattr(matrix, name))
     way = rng.randrange(8)
-    if way <= 2 and array.size:
-        at = rng.randrange(array.size)
-        number = rng.choice(_NUMBERS) if name == "data" else rng.choice(_INDICES)
-        if name != "data" and not np.iinfo(array.dtype).min <= number <= np.iinfo(array.dtype).max:
-            array = array.astype(np.int64)
-        array.reshape(-1)[at] = number
-    elif way == 3:
-        array = array[: rng.randrange(len(array) + 1)]
-    elif way == 4:
-        array = np.concatenate([array, array[: rng.choice((1, 2, 3))]])
-    elif way == 5:
-        array = rng.choice(
-            (
-                array.astype(float),
-                array.reshape(-1, 1),
-                array[::-1],
-                array.astype(object),
-                array.astype(np.uint8),
-                array.tolist(),
-                None,
-                np.zeros(0, array.dtype),
-            )
-        )
+    if way < 6:
+        array = _broken_array(rng, way, array, is_index=name != "data")
     elif way == 6:
-        shape = rng.choice(
-            (
-                (0, 0),
-                (5, 5),
-                (2, 40),
-                (40, 40),
-                (41, 41),
-                (10**9, 10**9),
-                (3, -1),
-                (1,),
-                (2**40, 2**40),
-            )
-        )
-        matrix._shape = shape
+        matrix._shape = rng.choice(_SHAPES)
     else:
         flag = rng.choice(("has_sorted_indices", "has_canonical_format"))
         if hasattr(matrix, flag):
             setattr(matrix, flag, rng.choice((True, False)))
         array = array[::-1] if array.ndim == 1 and rng.random() < 0.5 else array
-    try:
+    with suppress(AttributeError, ValueError, TypeError):
         if name in ("row", "col"):
             coords = list(matrix.coords)
             coords[name == "col"] = array
             matrix.coords = tuple(coords)
         else:
             setattr(matrix, name, array)
-    except (AttributeError, ValueError, TypeError):
-        pass
     return matrix
+
+
+def _broken_array(rng: random.Random, way: int, array: Any, *, is_index: bool) -> Any:
+    """An array with one wrong entry, of another length, or of another kind."""
+    if way <= 2 and array.size:
+        at = rng.randrange(array.size)
+        number = rng.choice(_INDICES if is_index else _NUMBERS)
+        if is_index and not np.iinfo(array.dtype).min <= number <= np.iinfo(array.dtype).max:
+            array = array.astype(np.int64)
+        array.reshape(-1)[at] = number
+        return array
+    if way == 3:
+        return array[: rng.randrange(len(array) + 1)]
+    if way == 4:
+        return np.concatenate([array, array[: rng.choice((1, 2, 3))]])
+    kinds = (
+        array.astype(float),
+        array.reshape(-1, 1),
+        array[::-1],
+        array.astype(object),
+        array.astype(np.uint8),
+        array.tolist(),
+        None,
+        np.zeros(0, array.dtype),
+    )
+    return rng.choice(kinds) if way == 5 else array
 
 
 def _broken_lists(rng: random.Random, matrix: Any) -> Any:

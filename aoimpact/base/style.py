@@ -1,0 +1,165 @@
+"""How figures look, in one place: colours, lines, labels with units, legends beside the curves.
+
+The colours are those of M. Okabe and K. Ito, *Color Universal Design* (2008), which colour-blind
+readers tell apart; lines differ in their dashes as well, for print without colour.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .arrays import FloatArray
+from .errors import InputTypeError
+from .units import scale_for, scale_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = [
+    "COLOURS",
+    "DASHES",
+    "Curve",
+    "draw_curves",
+    "error_axes",
+    "given_axes",
+    "label",
+    "legend",
+    "new_axes",
+    "styled",
+]
+
+# What is drawn, and keywords of ``Axes.plot``.
+Curve = tuple[FloatArray, dict[str, Any]]
+
+# Blue, vermilion, green, purple, orange, sky blue, black.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), (0, (3, 1)))
+
+# Characters of all its entries up to which a legend above the axes is one line.
+_ONE_LINE = 56
+
+
+def styled() -> Any:
+    """Return a context in which new figures and axes look as those of this package."""
+    import matplotlib.pyplot as plt
+    from cycler import cycler  # of matplotlib
+
+    look: Any = {
+        "axes.prop_cycle": cycler(color=COLOURS) + cycler(linestyle=DASHES),
+        "axes.grid": True,
+        "figure.constrained_layout.h_pad": 0.08,
+        "figure.constrained_layout.w_pad": 0.08,
+        "axes.spines.right": False,
+        "axes.spines.top": False,
+        "grid.alpha": 0.3,
+        "legend.frameon": False,
+    }
+    return plt.rc_context(look)
+
+
+def new_axes(rows: int = 1, columns: int = 1, **kwargs: Any) -> Any:
+    """Return the axes of a new figure: one, or an array of shape (rows, columns)."""
+    import matplotlib.pyplot as plt
+
+    with styled():
+        return plt.subplots(rows, columns, layout="constrained", **kwargs)[1]
+
+
+def given_axes(ax: Any) -> Axes:
+    """Return the axes that a caller gave, or those of a new figure for None.
+
+    Raises
+    ------
+    InputTypeError
+        If it is no Axes.
+    """
+    import matplotlib.axes
+
+    if ax is None:
+        made: Axes = new_axes()
+        return made
+    if not isinstance(ax, matplotlib.axes.Axes):
+        raise InputTypeError(
+            f"ax must be the Axes to draw on, such as plt.subplots()[1], got {type(ax).__name__}"
+        )
+    return ax
+
+
+def label(name: str, unit: str) -> str:
+    """Return the label of an axis, such as "time (µs)"."""
+    return f"{name} ({unit})" if unit else name
+
+
+def legend(ax: Axes) -> None:
+    """Name the curves above the axes, or beside them under a title, where no curve is hidden."""
+    names = ax.get_legend_handles_labels()[1]
+    if not names:
+        return
+    beside = bool(ax.get_title()) or len(names) > 6
+    if beside:
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize="small")
+        return
+    fits = sum(len(name) + 8 for name in names) <= _ONE_LINE
+    ax.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=len(names) if fits else 2,
+        frameon=False,
+        borderaxespad=0.0,
+        handlelength=2.6,
+        columnspacing=1.4,
+        fontsize="small",
+    )
+
+
+def error_axes(ax: Axes, across: str, up: str) -> Axes:
+    """Return axes with curves of errors on them, labelled, both logarithmic."""
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_xlabel(across)
+    ax.set_ylabel(up)
+    ax.grid(True, which="major", alpha=0.3)
+    legend(ax)
+    return ax
+
+
+def draw_curves(
+    ax: Any,
+    across: tuple[FloatArray, str, str],
+    name: str,
+    unit: str,
+    curves: list[Curve],
+    kwargs: dict[str, Any] | None = None,
+) -> Axes:
+    """Draw curves of one quantity on axes that are labelled with fitting units, and return these.
+
+    Parameters
+    ----------
+    ax : Axes or None
+        Of a new figure if None. Where they bear curves of these units, the prefixes stay.
+    across : (values, name, unit)
+        Of the horizontal axis.
+    name, unit : str
+        Of the vertical axis.
+    curves : list of (values, keywords of ``Axes.plot``)
+    kwargs : dict, optional
+        For all curves.
+    """
+    ax = given_axes(ax)
+    x, x_name, x_unit = across
+    largest = max(float(np.max(np.abs(y), initial=0.0)) for y, _ in curves)
+    reach = float(np.max(np.abs(x), initial=0.0))
+    x_scale = scale_of(ax.get_xlabel(), x_unit) or scale_for(reach, x_unit)
+    y_scale = scale_of(ax.get_ylabel(), unit) or scale_for(largest, unit)
+    for y, style in curves:
+        ax.plot(x_scale.factor * x, y_scale.factor * y, **style | (kwargs or {}))
+    ax.set_xlabel(label(x_name, x_scale.unit))
+    ax.set_ylabel(label(name, y_scale.unit))
+    ax.grid(True, alpha=0.3)
+    if x_unit == "s":
+        ax.margins(x=0.0)
+    legend(ax)
+    made: Axes = ax
+    return made

@@ -1,0 +1,87 @@
+"""Labels of the rows of K as the program that wrote it has them: a node's number, a component."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..base import FloatArray, InputError, InputTypeError, IntArray
+
+__all__ = ["axes_of", "checked_labels", "labelled_rows", "missing_node"]
+
+# Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
+_MOST = 6
+
+
+def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
+    """Return labels as integers, shape (n_dofs, 2): node and component 0 … 6, each pair once.
+
+    Raises
+    ------
+    InputTypeError, InputError
+    """
+    if labels is None:
+        return None
+    try:
+        pairs = np.array(labels)
+    except (ValueError, TypeError) as error:
+        raise InputTypeError(f"labels must be pairs of node and component: {error}") from None
+    if pairs.dtype.kind not in "iu":
+        raise InputTypeError(
+            f"labels must be pairs of integers, node and component, got dtype {pairs.dtype}"
+        )
+    if pairs.shape != (n_dofs, 2):
+        raise InputError(f"labels must have shape ({n_dofs}, 2), got {pairs.shape}")
+    pairs = pairs.astype(np.int64)
+    wrong = np.flatnonzero((pairs[:, 1] < 0) | (pairs[:, 1] > _MOST))
+    if len(wrong):
+        raise InputError(
+            f"labels[{wrong[0]}] has component {pairs[wrong[0], 1]}: 1, 2, 3 are displacements, "
+            "4, 5, 6 rotations, and 0 is for what has no direction"
+        )
+    order = np.lexsort(pairs.T)
+    twice = np.flatnonzero((np.diff(pairs[order], axis=0) == 0).all(axis=1))
+    if len(twice):
+        first, second = sorted(order[twice[0] : twice[0] + 2].tolist())
+        node, component = pairs[first]
+        raise InputError(f"labels: rows {first} and {second} are both dof {node}.{component}")
+    return pairs
+
+
+def axes_of(free: IntArray | None, labels: IntArray | None) -> FloatArray | None:
+    """Return what a unit translation along each axis moves, shape (n_dofs, 3); None if unknown."""
+    if free is not None:
+        return np.eye(3)[free % 3]
+    if labels is None:
+        return None
+    component = labels[:, 1]
+    axes: FloatArray = np.where(component[:, None] == np.arange(1, 4), 1.0, 0.0)
+    return axes
+
+
+def labelled_rows(labels: IntArray, node: int) -> IntArray:
+    """Return the rows of K that belong to a node's displacements.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    """
+    rows = np.flatnonzero((labels[:, 0] == node) & (labels[:, 1] >= 1) & (labels[:, 1] <= 3))
+    if not len(rows):
+        raise missing_node(labels, node)
+    return rows
+
+
+def missing_node(labels: IntArray, node: int) -> InputError:
+    """The error for a node of which no displacement is free."""
+    known = np.unique(labels[labels[:, 0] > 0, 0])
+    if not len(known):
+        return InputError(f"node {node}: no row of K has the label of a node")
+    near = known[np.argsort(np.abs(known - node), kind="stable")[:3]]
+    return InputError(
+        f"node {node} has no row in K: supports hold it, or there is none of that number; the "
+        f"{len(known)} labelled nodes run from {known[0]} to {known[-1]}, near are "
+        f"{', '.join(map(str, sorted(near.tolist())))}"
+    )

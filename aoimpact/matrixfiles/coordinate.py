@@ -1,0 +1,132 @@
+"""Text of one entry a line, row, column and value: Matrix Market, CalculiX, Abaqus COORDINATE."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from ..base import FloatArray, IntArray
+from .found import Found, spoilt
+from .table import NUMBER, blocks, shown
+
+__all__ = ["is_market", "is_triples", "read_market", "read_triples"]
+
+_TRIPLE = re.compile(rb"\s*\d+\s+\d+\s+" + NUMBER + rb"\s*$")
+
+_ENTRY = "row, column and value"
+
+# Two digits, their spaces and the end of the line: no entry takes less. Of a dense matrix: a number
+# and a space.
+_LEAST_BYTES, _LEAST_DENSE = 6, 2
+
+
+def is_market(head: bytes) -> bool:
+    """Whether a file begins as Matrix Market's do."""
+    return head[:14].lower() == b"%%matrixmarket"
+
+
+def is_triples(head: bytes) -> bool:
+    """Whether a file begins with lines of row, column and value."""
+    return _TRIPLE.match(head.split(b"\n", 1)[0]) is not None
+
+
+def read_triples(file: Path, size: int) -> list[Found]:
+    """Read lines of row, column and value, rows and columns from 1."""
+    with file.open("rb") as stream:
+        rows, cols, values = _entries(file, stream, 0)
+    largest = int(max(rows.max(), cols.max())) + 1
+    return [Found(file, "", largest, rows, cols, values)]
+
+
+def read_market(file: Path, size: int) -> list[Found]:
+    """Read a file of Matrix Market, of coordinates or dense."""
+    with file.open("rb") as stream:
+        words = stream.readline(1024).decode("latin-1").lower().split()
+        kind, symmetry = _header(file, words)
+        number, line = 2, stream.readline(2**16)
+        while line.startswith(b"%") or (line and not line.strip()):
+            number, line = number + 1, stream.readline(2**16)
+        wanted = 3 if kind == "coordinate" else 2
+        counts = line.split()
+        if len(counts) != wanted or not all(one.isdigit() and len(one) < 19 for one in counts):
+            raise spoilt(file, f"{wanted} counts should stand here, got {shown(line)}", number)
+        n, n_cols = int(counts[0]), int(counts[1])
+        if n != n_cols:
+            raise spoilt(file, f"the matrix is {n} by {n_cols}, not square", number)
+        triangle = symmetry == "symmetric"
+        if kind == "array":
+            entries = n * (n + 1) // 2 if triangle else n * n
+            least = _LEAST_DENSE * entries
+        else:
+            entries = int(counts[2])
+            least = max(_LEAST_BYTES * entries, n)
+        if least > size:
+            raise spoilt(
+                file,
+                f"it announces {n} rows and {entries} entries, which a file of {size} bytes cannot "
+                "hold: it is cut short, or a count is wrong",
+                number,
+            )
+        if kind == "array":
+            rows, cols, values = _dense(file, stream, n, triangle, number)
+        else:
+            rows, cols, values = _entries(file, stream, number, n)
+    if len(values) != entries:
+        raise spoilt(
+            file,
+            f"it announces {entries} entries, but has {len(values)}: it is cut short, or a count "
+            "is wrong",
+        )
+    keep = slice(None) if kind == "coordinate" else values != 0.0
+    return [Found(file, "", n, rows[keep], cols[keep], values[keep], triangle=triangle)]
+
+
+def _header(file: Path, words: list[str]) -> tuple[str, str]:
+    """The format and symmetry of a file whose first line has these words."""
+    known = (("matrix",), ("coordinate", "array"), ("real", "integer"), ("general", "symmetric"))
+    given = (words[1:] + 4 * [""])[:4]
+    for word, wanted in zip(given, known, strict=True):
+        if word not in wanted:
+            raise spoilt(
+                file, f"the header says {word!r}, but {' or '.join(wanted)} can be read", 1
+            )
+    return given[1], given[3]
+
+
+def _entries(
+    file: Path, stream: BinaryIO, before: int, most: int | None = None
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Rows and columns from 0, and values, of lines that have them from 1."""
+    parts = []
+    read = 0
+    for table in blocks(file, stream, 2, _ENTRY, before=before):
+        places = table[:, :2].astype(np.int64)
+        wrong = np.flatnonzero(((places < 1) | (places > (most or 2**31))).any(axis=1))
+        if len(wrong):
+            row, col = places[wrong[0]]
+            raise spoilt(
+                file,
+                f"entry {read + wrong[0] + 1} is of row {row}, column {col}, which should be from "
+                f"1 to {most or 'the number of dofs'}",
+            )
+        parts.append((places[:, 0] - 1, places[:, 1] - 1, table[:, 2].copy()))
+        read += len(table)
+    if not parts:
+        raise spoilt(file, "it has no entries: it is cut short")
+    rows, cols, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return rows, cols, values
+
+
+def _dense(
+    file: Path, stream: BinaryIO, n: int, triangle: bool, before: int
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """All numbers of a matrix, column by column, of a triangle from the diagonal down."""
+    parts = [block.ravel() for block in blocks(file, stream, 0, "a number", before=before)]
+    values = np.concatenate([np.zeros(0), *parts])
+    cols, rows = np.triu_indices(n) if triangle else np.divmod(np.arange(n * n), n)
+    if len(values) != len(rows):  # refused by the caller
+        rows = cols = np.zeros(len(values), dtype=np.int64)
+    return rows, cols, values

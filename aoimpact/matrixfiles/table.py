@@ -1,0 +1,119 @@
+"""Lines of numbers, parsed in bulk; a line that is none is found and shown."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from ..base import FloatArray, InputError
+from .found import spoilt
+
+__all__ = ["NUMBER", "blocks", "shown"]
+
+NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+
+# Lines parsed at a time.
+_LINES = 2_000_000
+
+# Integers that a double holds.
+_EXACT = 2**53
+
+
+def blocks(
+    file: Path,
+    stream: BinaryIO,
+    integers: int,
+    what: str,
+    *,
+    before: int = 0,
+    comma: bool = False,
+    comments: str | None = None,
+) -> Iterator[FloatArray]:
+    """Yield the numbers of the lines that follow, shape (lines, integers + 1), in blocks.
+
+    Parameters
+    ----------
+    integers : int
+        How many whole numbers stand before the value on each line.
+    what : str
+        What a line should have, for messages.
+    before : int, optional
+        Lines of the file that have been read.
+    comma : bool, optional
+        Whether numbers are separated by commas.
+    comments : str, optional
+        What comments begin with.
+
+    Raises
+    ------
+    InputError
+        At the first line that is something else.
+    """
+    columns = integers + 1
+    lines = chain(stream)
+    while True:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of no data, at the end
+                table: FloatArray = np.loadtxt(
+                    lines,
+                    comments=comments,
+                    delimiter="," if comma else None,
+                    max_rows=_LINES,
+                    ndmin=2,
+                    encoding="latin-1",
+                )
+        except (ValueError, OverflowError, RuntimeError) as error:
+            raise _located(file, integers, what, before, comma, comments, str(error)) from None
+        if not table.size:
+            return
+        whole = table[:, :integers]
+        if (
+            table.shape[1] != columns
+            or not np.isfinite(table).all()
+            or (whole != np.floor(whole)).any()
+            or (integers and np.abs(whole).max() >= _EXACT)
+        ):
+            raise _located(file, integers, what, before, comma, comments, "its numbers are wrong")
+        yield table
+
+
+def _located(
+    file: Path, integers: int, what: str, before: int, comma: bool, comments: str | None, why: str
+) -> InputError:
+    """The error at the first line that is wrong: slow, but of a file that is refused."""
+    between = rb"\s*,\s*" if comma else rb"\s+"
+    entry = re.compile(
+        rb"\s*" + between.join([*integers * [rb"[-+]?\d{1,15}"], NUMBER]) + rb"\s*,?\s*$"
+    )
+    with file.open("rb") as stream:
+        for number, line in enumerate(stream, 1):
+            if number <= before or not line.strip():
+                continue
+            if comments and line.lstrip().startswith(comments.encode()):
+                continue
+            if not entry.match(line) or not np.isfinite(_value(line)):
+                return spoilt(
+                    file,
+                    f"{what} should stand here, got {shown(line)}: is the file cut short, or of "
+                    "another format?",
+                    number,
+                )
+    return spoilt(file, f"{what} should stand on each line: {why}")
+
+
+def _value(line: bytes) -> float:
+    words = line.replace(b",", b" ").split()
+    return float(words[-1])
+
+
+def shown(line: bytes) -> str:
+    """A line as messages quote it."""
+    text = line.decode("latin-1").strip()
+    return repr(text if len(text) < 60 else text[:57] + "...") if text else "an empty line"

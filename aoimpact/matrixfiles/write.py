@@ -1,0 +1,121 @@
+"""K, M and b of a body or an AO model, written for other programs as Matrix Market files."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.io
+import scipy.sparse as sp
+
+from ..base import FloatArray, InputTypeError, file_path, writable_folder
+from ..fem import ContactPoint, FEModel
+from ..reduction import AOModel
+
+__all__ = ["write_matrices"]
+
+# Digits with which a double is read as it was written.
+_DIGITS = 17
+
+
+def write_matrices(
+    what: FEModel | ContactPoint | AOModel, folder: str | os.PathLike[str]
+) -> dict[str, Path]:
+    """Write the matrices of a body, contact point or AO model as Matrix Market files.
+
+    Parameters
+    ----------
+    what : FEModel, ContactPoint or AOModel
+        A body has K and M; a contact point b as well, the contact's displacement being u = bᵀX. Of
+        an AO model they are those of its star: contact mass first, then the oscillators.
+    folder : path
+        Made if it is not there; files of these names in it are replaced.
+
+    Returns
+    -------
+    dict
+        The files written: ``"K"`` and ``"M"`` (symmetric, the lower triangle, 17 digits), ``"b"``
+        (a dense column); of bodies whose rows are known ``"dofs"`` (row, node, UX … ROTZ) and
+        ``"nodes"`` (node, x, y, z, m); of an AO model ``"json"`` (see `AOModel.to_json`). All but
+        the last are what `read_matrices` takes.
+
+    Raises
+    ------
+    InputTypeError
+        If `what` is none of these.
+    InputError
+        If `folder` cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from aoimpact import AOModel
+    >>> star = AOModel(m0=0.1, k0=1e6, m=[0.5], k=[2e6])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     print(sorted(write_matrices(star, folder)))
+    ['K', 'M', 'b', 'json']
+    """
+    if isinstance(what, AOModel):
+        matrices: dict[str, Any] = dict(zip("KMb", what.matrices(), strict=True))
+        body = None
+    elif isinstance(what, (FEModel, ContactPoint)):
+        body = what.body if isinstance(what, ContactPoint) else what
+        matrices = {"K": body.K, "M": body.M}
+        if isinstance(what, ContactPoint):
+            matrices["b"] = what.b
+    else:
+        raise InputTypeError(
+            f"what must be an FEModel, a contact point or an AOModel, got {type(what).__name__}"
+        )
+    path = writable_folder(file_path("folder", folder))
+    files = {name: path / f"{name}.mtx" for name in matrices}
+    for name, matrix in matrices.items():
+        _write_market(files[name], matrix)
+    if isinstance(what, AOModel):
+        files["json"] = path / "model.json"
+        what.to_json(files["json"])
+    if body is not None:
+        files |= _write_rows(body, path)
+    return files
+
+
+def _write_market(file: Path, matrix: Any) -> None:
+    if matrix.ndim == 1:
+        with file.open("wb") as stream:
+            scipy.io.mmwrite(stream, matrix[:, None], precision=_DIGITS, symmetry="general")
+        return
+    with file.open("wb") as stream:
+        scipy.io.mmwrite(stream, sp.coo_array(matrix), precision=_DIGITS, symmetry="symmetric")
+
+
+def _write_rows(body: Any, path: Path) -> dict[str, Path]:
+    """Which dof each row is, and where the nodes are."""
+    files = {}
+    labels = body.labels
+    if labels is None and body.free is not None:
+        labels = np.stack([body.free // 3 + 1, body.free % 3 + 1], axis=1)
+    if labels is not None:
+        files["dofs"] = path / "dofs.txt"
+        words = np.array(["NONE", "UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ"])[labels[:, 1]]
+        rows = zip(range(1, len(labels) + 1), labels[:, 0], words, strict=True)
+        lines = [f"{row} {node} {word}" for row, node, word in rows]
+        files["dofs"].write_text("\n".join(["Equation Node Dof", *lines, ""]))
+    if body.nodes is not None:
+        files["nodes"] = path / "nodes.txt"
+        numbers = np.arange(1, len(body.nodes) + 1)
+        if body.labels is not None:
+            numbers = _numbers(body)
+        table: FloatArray = np.column_stack([numbers, body.nodes])
+        np.savetxt(files["nodes"], table, fmt=["%d", *3 * ["%.17g"]])
+    return files
+
+
+def _numbers(body: Any) -> Any:
+    """The labels of all nodes; those that no row has follow on the largest."""
+    numbers = np.zeros(len(body.nodes), dtype=np.int64)
+    numbers[body.free // 3] = body.labels[:, 0]
+    others = numbers == 0
+    numbers[others] = numbers.max() + 1 + np.arange(others.sum())
+    return numbers

@@ -1,0 +1,21 @@
+"""What a test rig reports: filtered signals, a load cell, drop-weight energies, shock spectra.
+
+Measured signals and simulated impacts are treated alike: each is first a `Signal`.
+"""
+
+from .dropweight import DropWeight, Point, drop_weight
+from .loadcell import LoadCell
+from .readsignal import read_signal
+from .shock import ShockSpectrum, shock_spectrum
+from .signal import Signal
+
+__all__ = [
+    "DropWeight",
+    "LoadCell",
+    "Point",
+    "ShockSpectrum",
+    "Signal",
+    "drop_weight",
+    "read_signal",
+    "shock_spectrum",
+]

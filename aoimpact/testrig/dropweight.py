@@ -1,0 +1,361 @@
+"""Drop-weight tests: velocity, deflection and absorbed energy of the impactor from its force."""
+
+from __future__ import annotations
+
+import csv
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..base import (
+    Curve,
+    FloatArray,
+    Frozen,
+    InputError,
+    draw_curves,
+    file_path,
+    nonnegative,
+    positive,
+    quantity,
+    real,
+)
+from ..results import Result
+from .signal import Signal, contact_force
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["DropWeight", "Point", "drop_weight"]
+
+# m/s², ISO 80000-3.
+_STANDARD_GRAVITY = 9.80665
+
+# A measured force begins and ends where it passes this share of its peak.
+_BEGINS = 0.01
+
+# Room for the filter before and after a simulated force, in periods of its class.
+_SMEARED = 3.0
+
+
+class Point(NamedTuple):
+    """A point of a drop-weight test.
+
+    Attributes
+    ----------
+    time, force, deflection, energy : float
+        s, N, m, J; the energy is what the specimen has taken up by then.
+    """
+
+    time: float
+    force: float
+    deflection: float
+    energy: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DropWeight(Frozen):
+    """A drop-weight test as ASTM D7136 and ISO 6603-2 report it; see `drop_weight`.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        s.
+    force : ndarray, shape (n,)
+        N; filtered where a class was given.
+    velocity, deflection, energy : ndarrays, shape (n,)
+        Of the impactor, m/s and m from where it touched; and the energy that the specimen has taken
+        up, J.
+    signal : Signal
+        The force; ``signal.raw`` is what it was before it was filtered.
+    mass, impact_velocity, gravity : float
+        kg, m/s, m/s².
+    start, end : float
+        First and last touch, s.
+    simulated : bool
+        Whether the bodies are those of a simulation, which cannot break.
+    """
+
+    t: FloatArray
+    force: FloatArray
+    velocity: FloatArray
+    deflection: FloatArray
+    energy: FloatArray
+    signal: Signal
+    mass: float
+    impact_velocity: float
+    gravity: float
+    start: float
+    end: float
+    simulated: bool
+
+    @property
+    def impact_energy(self) -> float:
+        """E_i = m v_i²/2, J (D7136, eq. for the measured impact energy)."""
+        return 0.5 * self.mass * self.impact_velocity * self.impact_velocity
+
+    @property
+    def peak(self) -> Point:
+        """The largest force, F_M, with deflection l_M and energy W_M (ISO 6603-2)."""
+        return self._point(int(np.argmax(self.force)))
+
+    @property
+    def turn(self) -> Point:
+        """The largest deflection."""
+        return self._point(int(np.argmax(self.deflection)))
+
+    @property
+    def puncture(self) -> Point | None:
+        """Where the force has fallen to half of its peak while the impactor goes on (ISO 6603-2).
+
+        None where it turned back before, and of every simulated impact: its bodies do not break,
+        and a force that falls is a vibration.
+        """
+        if self.simulated:
+            return None
+        top = int(np.argmax(self.force))
+        fallen = np.flatnonzero(self.force[top:] <= 0.5 * self.force[top])
+        if not len(fallen) or self.velocity[top + fallen[0]] <= 0.0:
+            return None
+        return self._point(top + int(fallen[0]))
+
+    @property
+    def last(self) -> Point:
+        """The end of the contact: its energy is the absorbed energy of D7136."""
+        return self._point(min(int(np.searchsorted(self.t, self.end)), len(self.t) - 1))
+
+    @property
+    def absorbed_energy(self) -> float:
+        """What the specimen has kept when the contact ends, E_a(t_T), J (D7136).
+
+        Of elastic bodies it is what goes on vibrating in them.
+        """
+        return self.last.energy
+
+    @property
+    def rebound_velocity(self) -> float:
+        """Velocity of the impactor when the contact ends, m/s; negative on the way back."""
+        return float(np.interp(self.end, self.t, self.velocity))
+
+    def _point(self, i: int) -> Point:
+        return Point(
+            float(self.t[i]), float(self.force[i]), float(self.deflection[i]), float(self.energy[i])
+        )
+
+    # ---------------------------------------------------------------------- output
+
+    def plot_deflection(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the force over the deflection while they touch; returns the axes.
+
+        Keywords go to ``Axes.plot``.
+        """
+        shown = slice(*np.searchsorted(self.t, [self.start, self.end]))
+        across = (self.deflection[shown], "deflection", "m")
+        curves: list[Curve] = [(self.force[shown], {})]
+        return draw_curves(ax, across, "force", "N", curves, kwargs)
+
+    def plot_energy(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the energy that the specimen has taken up over time. Returns the axes."""
+        shown = self._shown
+        across = (self.t[shown] - self.start, "time", "s")
+        curves: list[Curve] = [(self.energy[shown], {})]
+        return draw_curves(ax, across, "energy", "J", curves, kwargs)
+
+    def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
+        """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey."""
+        shown = self._shown
+        across = (self.t[shown] - self.start, "time", "s")
+        before = self.signal.raw
+        if raw and before is not None:
+            grey: list[Curve] = [(before.values[shown], {"color": "0.75", "lw": 0.8, "ls": "-"})]
+            ax = draw_curves(ax, across, "force", "N", grey)
+        curves: list[Curve] = [(self.force[shown], {})]
+        return draw_curves(ax, across, "force", "N", curves, kwargs)
+
+    @property
+    def _shown(self) -> slice:
+        margin = 0.1 * (self.end - self.start)
+        first, last = np.searchsorted(self.t, [self.start - margin, self.end + margin])
+        return slice(max(int(first) - 1, 0), int(last) + 1)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write t, force, velocity, deflection and energy, one row a time, under a header line."""
+        rows = np.column_stack([self.t, self.force, self.velocity, self.deflection, self.energy])
+        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(
+                ["t [s]", "force [N]", "velocity [m/s]", "deflection [m]", "energy [J]"]
+            )
+            writer.writerows(rows.tolist())
+
+    def __repr__(self) -> str:
+        def told(point: Point) -> str:
+            return (
+                f"{quantity(point.force, 'N')}, {quantity(point.deflection, 'm')}, "
+                f"{quantity(point.energy, 'J')} at {quantity(point.time - self.start, 's')}"
+            )
+
+        impactor = f"{quantity(self.mass, 'kg')} at {self.impact_velocity:.4g} m/s"
+        rows = [
+            ("impactor", f"{impactor}, {quantity(self.impact_energy, 'J')}"),
+            ("peak", told(self.peak)),
+            ("turn", told(self.turn)),
+            ("puncture", told(self.puncture) if self.puncture else "none"),
+            ("contact", quantity(self.end - self.start, "s")),
+            ("rebound velocity", f"{self.rebound_velocity:.4g} m/s"),
+            ("absorbed energy", quantity(self.absorbed_energy, "J")),
+        ]
+        return "\n".join(["Drop weight", *(f"  {name:<18} {value}" for name, value in rows)])
+
+
+def drop_weight(
+    source: Any,
+    *,
+    mass: float | None = None,
+    velocity: float | None = None,
+    gravity: float | None = None,
+    cfc: float | None = None,
+    start: float | None = None,
+) -> DropWeight:
+    """Evaluate a drop-weight test, measured or simulated, from the force on the impactor.
+
+    By ASTM D7136, with F straight between samples and v_i the velocity at the first touch t_i:
+
+        v(t) = v_i + g (t - t_i) - ∫F/m dt,  δ(t) = ∫v dt,  E(t) = m (v_i² - v²)/2 + m g δ.
+
+    Parameters
+    ----------
+    source : Signal, (t, force) or Result
+        The force on the impactor, N: measured, simulated, or what a `LoadCell` reads of it.
+    mass : float, optional
+        Of the impactor, kg; of a result the projectile's.
+    velocity : float, optional
+        v_i, m/s; of a result its own.
+    gravity : float, optional
+        g, m/s²; 9.80665, and of a result none, since `simulate` has none.
+    cfc : float, optional
+        Channel frequency class by which the force is filtered; see `Signal.filtered`. Integrated is
+        the force before the filter: integrals need none, and it smears the ends of the contact.
+    start : float, optional
+        t_i, s; of a result its first contact, else where the force first passes 1 % of its peak:
+        give it where the channel is noisier than that.
+
+    Returns
+    -------
+    DropWeight
+
+    Raises
+    ------
+    InputError
+        If mass or velocity of a measurement are missing, there is no contact, or the filter cannot
+        be applied.
+
+    Examples
+    --------
+    What a rig measured beside what was computed, both through the same filter:
+
+    >>> import aoimpact as ao
+    >>> tup, plate = ao.rigid(mass=5.4), ao.AOModel(m0=0.1, k0=5e6, m=[0.2], k=[4e7])
+    >>> hit = ao.simulate(projectile=tup, target=plate, law=ao.Hertz(k=1e9), velocity=2.0)
+    >>> measured = (hit.t, hit.force)  # or ao.read_signal("drop.csv", time_unit="ms", unit="kN")
+    >>> signal = ao.Signal.of(measured).resampled(1e6)
+    >>> test = ao.drop_weight(signal, mass=5.4, velocity=2.0, gravity=0.0, cfc=1000)
+    >>> same = ao.drop_weight(hit, cfc=1000)
+    >>> ax = test.plot_energy(label="measured")
+    >>> ax = same.plot_energy(ax, label="computed")
+    >>> f"{test.peak.force:.0f} N, {same.peak.force:.0f} N"
+    '11869 N, 11870 N'
+    """
+    simulated = isinstance(source, Result)
+    if simulated:
+        mass = source.projectile.mass if mass is None else mass
+        velocity = source.velocity if velocity is None else velocity
+        gravity = source.run.plan.gravity if gravity is None else gravity
+    for name, given in (("mass", mass), ("velocity", velocity)):
+        if given is None:
+            raise InputError(f"{name} of the impactor is not known: give {name}=")
+    kilograms, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
+    pull = nonnegative("gravity", _STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²")
+    signal = _force(source, cfc)
+    begin, end = _touches(source, signal, start)
+    with np.errstate(all="ignore"):
+        v, deflection = _motion(signal.raw or signal, kilograms, speed, pull, begin)
+        energy = 0.5 * kilograms * (speed - v) * (speed + v) + kilograms * pull * deflection
+    if not np.isfinite(energy).all():
+        raise InputError(
+            f"mass = {kilograms:g} kg, velocity = {speed:g} m/s and gravity = {pull:g} m/s² with "
+            "this force lead to energies beyond all numbers; are they in these units?"
+        )
+    return DropWeight(
+        t=signal.t,
+        force=signal.values,
+        velocity=v,
+        deflection=deflection,
+        energy=energy,
+        signal=signal,
+        mass=kilograms,
+        impact_velocity=speed,
+        gravity=pull,
+        start=begin,
+        end=end,
+        simulated=simulated,
+    )
+
+
+def _force(source: Any, cfc: float | None) -> Signal:
+    if cfc is None:
+        return Signal.of(source)
+    frequency = positive("cfc", cfc, unit="Hz")
+    if not isinstance(source, Result):
+        return Signal.of(source).filtered(frequency)
+    margin = _SMEARED / frequency
+    plain = contact_force(source, None, 0.0)
+    rate = max(plain.rate, 20.0 * frequency)
+    return contact_force(source, rate, margin).filtered(frequency)
+
+
+def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:
+    """First and last touch: of a simulation, as told, or where a share of the peak is passed.
+
+    A filter smears the force ahead, so the first is sought before it; a load cell rings on, so the
+    last is sought after it.
+    """
+    begin = None if start is None else real("start", start, unit="s")
+    if isinstance(source, Result):
+        if not source.contacts:
+            raise InputError("the bodies do not touch within the record: nothing to evaluate")
+        return source.contacts[0][0] if begin is None else begin, source.contacts[-1][1]
+    force = signal.raw or signal
+    peak = float(force.values.max())
+    if peak <= 0.0:
+        raise InputError(
+            f"the force is never positive (its least is {force.values.min():g} N): compression "
+            "must count as positive; change the sign"
+        )
+    first = int(np.argmax(force.values > _BEGINS * peak))
+    last = int(np.flatnonzero(signal.values > _BEGINS * signal.values.max())[-1])
+    if begin is None:
+        begin = float(force.t[max(first - 1, 0)])
+    if not force.t[0] <= begin < force.t[last]:
+        raise InputError(
+            f"start must lie in the record before the force ends, {force.t[0]:g} to "
+            f"{force.t[last]:g} s, got {begin:g} s"
+        )
+    return begin, float(force.t[min(last + 1, len(force.t) - 1)])
+
+
+def _motion(
+    signal: Signal, mass: float, speed: float, gravity: float, start: float
+) -> tuple[FloatArray, FloatArray]:
+    """Velocity and deflection: exact for a force that is straight between samples.
+
+    Before the first touch the impactor falls freely.
+    """
+    t, a = signal.t, gravity - signal.values / mass
+    h = np.diff(t)
+    gained = np.concatenate([[0.0], np.cumsum(0.5 * h * (a[:-1] + a[1:]))])
+    v = speed - gravity * (start - t[0]) + gained
+    ways = h * v[:-1] + h**2 * (2.0 * a[:-1] + a[1:]) / 6.0
+    way = np.concatenate([[0.0], np.cumsum(ways)])
+    return v, way - np.interp(start, t, way)

@@ -1,0 +1,334 @@
+"""A signal over time, measured or simulated, and the filter of its channel frequency class."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base import (
+    Curve,
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    checked,
+    draw_curves,
+    finite_array,
+    nonnegative,
+    positive,
+    quantity,
+    text,
+)
+from ..fields import Probe
+from ..results import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Signal", "contact_force"]
+
+# Samples are evenly spaced if each is within this share of a step of where it should be.
+_UNEVEN = 0.05
+
+# Samples of a simulated force: in its hardest contact.
+_PER_CONTACT = 500
+
+# Samples beyond which a record is taken for a mistake.
+_MOST = 20_000_000
+
+# SAE J211-1: samples in a period of the class's frequency, at least.
+_SAMPLES_OF_CLASS = 10
+
+# The class's frequency over the rate, below which two poles at 1 are all rounding.
+_SLOWEST = 1e-6
+
+# SAE J211-1, appendix C: the passes forward and backward of a two-pole filter of 2.0775 times the
+# class's frequency are together 3 dB down at 1.65 times it.
+_CORNER = 2.0775
+
+# The record is continued by its mirror image through its end, as long as in ISO 6487: 10 ms, and
+# 100 samples at least.
+_CONTINUED, _CONTINUED_SAMPLES = 0.01, 100
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Signal(Frozen):
+    """A quantity over time, as a channel of a test rig delivers it.
+
+    Parameters
+    ----------
+    t : array_like, shape (n,)
+        Times, s, rising; at least two.
+    values : array_like, shape (n,)
+        In SI units.
+    unit : str, optional
+        Of the values: "N", "m/s²", ….
+    name : str, optional
+        What axes and messages call it.
+    raw : Signal, optional
+        The signal before it was filtered; set by `filtered`.
+
+    Raises
+    ------
+    InputError
+        If times do not rise, or there are not as many values.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.linspace(0.0, 0.02, 2001)
+    >>> force = Signal(t, 1000.0 * np.sin(np.pi * t / 0.02))
+    >>> force
+    Signal(force, 2001 samples at 100 kHz, largest 1000 N)
+    >>> smooth = force.filtered(1000)
+    >>> smooth.raw is force
+    True
+    """
+
+    t: FloatArray
+    values: FloatArray
+    unit: str = "N"
+    name: str = "force"
+    raw: Signal | None = None
+
+    def __post_init__(self) -> None:
+        checked(self, unit=text, name=text, raw=(Signal, type(None)))
+        times = finite_array("t", self.t, ndim=1, unit="s", most=1e100).copy()
+        values = finite_array("values", self.values, ndim=1, unit=self.unit, most=1e100).copy()
+        if len(times) < 2 or len(values) != len(times):
+            raise InputError(
+                "t and values must have the same length, two samples at least, got "
+                f"{len(times)} times and {len(values)} values"
+            )
+        still = np.flatnonzero(np.diff(times) <= 0.0)
+        if len(still):
+            i = int(still[0])
+            raise InputError(
+                f"t must rise, but t[{i}] = {times[i]:g} s comes before t[{i + 1}] = "
+                f"{times[i + 1]:g} s; sort the samples and drop those of the same time"
+            )
+        object.__setattr__(self, "t", times)
+        object.__setattr__(self, "values", values)
+        super().__post_init__()
+
+    def __repr__(self) -> str:
+        top = quantity(float(np.abs(self.values).max()), self.unit)
+        spaced = f"at {quantity(self.mean_rate, 'Hz')}" if self.even else "not evenly spaced"
+        return f"Signal({self.name}, {len(self.t)} samples {spaced}, largest {top})"
+
+    @classmethod
+    def of(cls, source: Any, *, rate: float | None = None, margin: float = 0.0) -> Signal:
+        """Return the signal of a measurement, or of a simulated impact.
+
+        Parameters
+        ----------
+        source : Signal, (t, values), Result or Probe
+            Of a result, the contact force; of a probe along a direction, the acceleration of its
+            point, from differences of its velocity: give it times close enough.
+        rate : float, optional
+            Samples a second, Hz, of a result; by itself 500 in the hardest contact.
+        margin : float, optional
+            Of a result, how long before and after the record the force is 0, s: room for a filter.
+
+        Raises
+        ------
+        InputError
+            If an impact lasts beyond its record, or would have more than 20 million samples.
+
+        Examples
+        --------
+        >>> import aoimpact as ao
+        >>> ball = ao.rigid(mass=0.0327)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+        >>> ao.Signal.of(hit, rate=1e6)
+        Signal(force, 125 samples at 1 MHz, largest 968.8 N)
+        """
+        space = nonnegative("margin", margin, unit="s")
+        wanted = None if rate is None else positive("rate", rate, unit="Hz")
+        if isinstance(source, Signal):
+            return source if wanted is None else source.resampled(wanted)
+        if isinstance(source, Result):
+            return contact_force(source, wanted, space)
+        if isinstance(source, Probe):
+            return _acceleration(source)
+        if isinstance(source, tuple) and len(source) == 2:
+            return cls.of(cls(*source), rate=rate)
+        raise InputTypeError(
+            "source must be a Signal, a pair (t, values), the result of simulate, or a probe of "
+            f"one of its bodies, got {type(source).__name__}"
+        )
+
+    # ------------------------------------------------------------------- its samples
+
+    @property
+    def mean_rate(self) -> float:
+        """Samples a second on the average, Hz."""
+        return float((len(self.t) - 1) / (self.t[-1] - self.t[0]))
+
+    @property
+    def even(self) -> bool:
+        """Whether the samples are evenly spaced, to a twentieth of a step."""
+        grid = np.linspace(self.t[0], self.t[-1], len(self.t))
+        return bool((np.abs(self.t - grid) * self.mean_rate <= _UNEVEN).all())
+
+    @property
+    def rate(self) -> float:
+        """Samples a second, Hz.
+
+        Raises
+        ------
+        InputError
+            If they are not evenly spaced.
+        """
+        if not self.even:
+            steps = np.diff(self.t)
+            raise InputError(
+                f"the samples of the signal {self.name!r} are not evenly spaced: steps are from "
+                f"{quantity(float(steps.min()), 's')} to {quantity(float(steps.max()), 's')}; take "
+                "signal.resampled(rate) first"
+            )
+        return self.mean_rate
+
+    def resampled(self, rate: float) -> Signal:
+        """Return the signal at even steps, by straight lines between its samples.
+
+        Parameters
+        ----------
+        rate : float
+            Samples a second, Hz; not below the mean rate of the signal.
+
+        Raises
+        ------
+        InputError
+            If the rate is lower: what is faster than half of it would appear as something slow.
+        """
+        wanted = positive("rate", rate, unit="Hz")
+        if wanted < self.mean_rate * (1.0 - 1e-9):
+            raise InputError(
+                f"rate = {quantity(wanted, 'Hz')} is below the {quantity(self.mean_rate, 'Hz')} of "
+                "the signal, and what is fast would appear as slow; filter it, and take every k-th "
+                "sample"
+            )
+        times = _times(float(self.t[0]), float(self.t[-1]), wanted)
+        return replace(self, t=times, values=np.interp(times, self.t, self.values))
+
+    # ------------------------------------------------------------------- the filter
+
+    def filtered(self, cfc: float) -> Signal:
+        """Return the signal by the filter of a channel frequency class; `raw` keeps this one.
+
+        SAE J211-1, appendix C: a Butterworth filter of two poles, forward and backward, so that no
+        phase is shifted. It is 3 dB down at 1.65 times the class's frequency.
+
+        Parameters
+        ----------
+        cfc : float
+            The class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same formula.
+
+        Raises
+        ------
+        InputError
+            If the samples are not evenly spaced, or fewer than ten in a period of the class, as the
+            standard asks for.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> t = np.arange(4000) / 100e3
+        >>> ringing = Signal(t, np.sin(2 * np.pi * 50 * t) + np.sin(2 * np.pi * 20e3 * t))
+        >>> bool(np.abs(ringing.filtered(1000).values).max() < 1.02)
+        True
+        """
+        frequency = positive("cfc", cfc, unit="Hz")
+        if self.rate < _SAMPLES_OF_CLASS * frequency * (1.0 - 1e-9):
+            raise InputError(
+                f"cfc = {frequency:g} needs {quantity(_SAMPLES_OF_CLASS * frequency, 'Hz')} of "
+                f"samples at least (SAE J211), and the signal has {quantity(self.rate, 'Hz')}; "
+                "sample it faster or take a lower class"
+            )
+        if frequency < _SLOWEST * self.rate:
+            raise InputError(
+                f"cfc = {frequency:g} is too low for {quantity(self.rate, 'Hz')} of samples: the "
+                "filter would be all rounding; take every k-th sample first"
+            )
+        from scipy.signal import filtfilt  # slow to import
+
+        ends = max(_CONTINUED_SAMPLES, math.ceil(_CONTINUED * self.rate))
+        numerator, denominator = _two_poles(frequency, self.rate)
+        smooth = filtfilt(
+            numerator, denominator, self.values, padlen=min(ends, len(self.values) - 1)
+        )
+        return replace(self, values=smooth, raw=self)
+
+    def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
+        """Draw the signal over time, what it was before it was filtered in grey behind it.
+
+        Keywords go to ``Axes.plot``. Returns the axes.
+        """
+        if self.raw is not None:
+            grey: list[Curve] = [(self.raw.values, {"color": "0.7", "linestyle": "-", "lw": 0.8})]
+            ax = draw_curves(ax, (self.raw.t, "time", "s"), self.name, self.unit, grey)
+        curves: list[Curve] = [(self.values, {})]
+        return draw_curves(ax, (self.t, "time", "s"), self.name, self.unit, curves, kwargs)
+
+
+def _two_poles(cfc: float, rate: float) -> tuple[FloatArray, FloatArray]:
+    """Coefficients of one pass, SAE J211-1, appendix C, as scipy takes them."""
+    w = math.tan(math.pi * _CORNER * cfc / rate)
+    below = 1.0 + math.sqrt(2.0) * w + w * w
+    a0 = w * w / below
+    b1 = -2.0 * (w * w - 1.0) / below
+    b2 = (-1.0 + math.sqrt(2.0) * w - w * w) / below
+    return np.array([a0, 2.0 * a0, a0]), np.array([1.0, -b1, -b2])
+
+
+def contact_force(hit: Result, rate: float | None, margin: float) -> Signal:
+    """Return the contact force of an impact, evenly sampled, with zeros before and after."""
+    if margin > 0.0 and hit.in_contact_at_end:
+        raise InputError(
+            "the record ends in contact, and what the force does afterwards is not known; call "
+            "simulate(..., duration=...) with a longer one"
+        )
+    own, dense = Signal(hit.t, hit.force), hit.run.recorder.dense
+    if rate is None:
+        rate = _PER_CONTACT / _contact_of_peak(hit) if dense else own.mean_rate
+    times = _times(0.0, hit.duration, rate)
+    force = hit.at(times).force if dense else np.interp(times, own.t, own.values)
+    if margin * rate > _MOST:
+        raise InputError(
+            f"margin = {quantity(margin, 's')} is more than {_MOST} samples of "
+            f"{quantity(1.0 / rate, 's')}; take a shorter one"
+        )
+    before = round(margin * rate)
+    silent = np.zeros(before)
+    all_times = (np.arange(len(times) + 2 * before) - before) / rate
+    return Signal(all_times, np.concatenate([silent, force, silent]))
+
+
+def _contact_of_peak(hit: Result) -> float:
+    """Length of the contact in which the force is largest, s; of the record without one."""
+    holds = [end - start for start, end in hit.contacts if start <= hit.peak_time <= end]
+    return holds[0] if holds and holds[0] > 0.0 else hit.duration
+
+
+def _times(start: float, end: float, rate: float) -> FloatArray:
+    count = (end - start) * rate * (1.0 + 1e-12)
+    if not 1.0 <= count <= _MOST:
+        raise InputError(
+            f"rate = {quantity(rate, 'Hz')} over {quantity(end - start, 's')} makes {count:.3g} "
+            f"samples: it must be from 2 to {_MOST}"
+        )
+    return np.minimum(start + np.arange(math.floor(count) + 1) / rate, end)
+
+
+def _acceleration(probe: Probe) -> Signal:
+    if probe.velocity.ndim != 1:
+        raise InputError(
+            "a signal is one point's motion along one direction: call "
+            "body.probe(point, direction=..., times=...)"
+        )
+    values = np.gradient(probe.velocity, probe.t)
+    return Signal(probe.t, values, unit="m/s²", name="acceleration")

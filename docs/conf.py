@@ -1,0 +1,73 @@
+"""The site, made by sphinx-build -W -n docs site; its numbers and figures are made with it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+import aoimpact
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]  # sitetools; tests/resolved.py
+matplotlib.use("Agg")
+
+project = "aoimpact"
+author = "The aoimpact developers"
+project_copyright = "the aoimpact developers"
+version = release = aoimpact.__version__
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "sphinx_design",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_build", "gallery", "README.md"]
+templates_path = ["_templates"]
+nitpicky = True
+default_role = "autolink"  # single backticks in docstrings: a link where the name is public
+
+html_theme = "furo"
+html_title = f"aoimpact {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_theme_options = {"navigation_with_keys": True}
+
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 4
+
+autosummary_generate = True
+autodoc_typehints = "none"  # the docstrings say types, with shapes and units
+autodoc_member_order = "groupwise"
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+
+sphinx_gallery_conf = {
+    "examples_dirs": [f"gallery/{name}" for name in ("start", "how_to")],
+    "gallery_dirs": ["start", "how-to"],
+    "filename_pattern": "/",
+    "within_subsection_order": "FileNameSortKey",
+    "abort_on_example_error": True,
+    "backreferences_dir": "api/_examples",
+    "doc_module": ("aoimpact",),
+    "reference_url": {"aoimpact": None},
+    "inspect_global_variables": False,
+    "remove_config_comments": True,
+    "show_signature": False,
+    "write_computation_times": False,
+    "download_all_examples": False,
+    "reset_modules": ("matplotlib", "sitetools.shown_warnings"),
+}
+
+
+def setup(app: Any) -> None:
+    from sitetools import parameter
+
+    app.connect("missing-reference", parameter)

@@ -1,0 +1,90 @@
+"""
+Which model do I need?
+======================
+
+The force, the stress and the deflection of one impact need different models. A rigid mass may be enough for one
+number and far off for another. There are two ways to know: let the tolerance choose, or compare.
+
+The example is the ball of E. Jacquelin's paper on an aluminium beam with hinged ends, struck at midspan.
+"""
+
+import aoimpact as ao
+
+steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+aluminium = ao.Material(E=70e9, nu=0.3, rho=2400)
+
+ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=0.01, size=0.003), steel, name="ball")
+beam = ao.FEModel.from_mesh(
+    ao.box_mesh((1.0, 0.02, 0.02), (50, 2, 2), kind="hexahedron20"),
+    aluminium,
+    fixed=[("xmin", "xyz"), ("xmax", "yz")],
+    name="beam",
+)
+tip = ball.contact(point=(0, 0, -0.01))
+middle = beam.contact(point=(0.5, 0.01, 0.02))
+
+# %%
+# Let the tolerance choose
+# ------------------------
+# A contact point is reduced to as few oscillators as the *quantity of interest* allows. By default that is the force
+# over the whole record, to 1 %.
+
+hit = ao.simulate(projectile=tip, target=middle, velocity=1.0)
+print(hit)
+
+# %%
+# Who asks for something else gets other models. For the deflection of the beam to 3 % the ball may be rigid:
+
+for_deflection = ao.simulate(
+    projectile=tip, target=middle, velocity=1.0, quantity="target_displacement", rtol=3e-2
+)
+for quantity, result in (("force", hit), ("deflection", for_deflection)):
+    ball_model, beam_model = result.models
+    print(f"{quantity:10s} ball: {ball_model.n} oscillators, beam: {beam_model.n}")
+
+# %%
+# Only the quantity that was asked for is right to the tolerance. How wrong the other numbers may be is known, too:
+
+for name, error in for_deflection.error.numbers.items():
+    print(f"{name:20s} {100 * error:8.3g} %")
+
+# %%
+# Compare
+# -------
+# `compare` runs the same impact with models from rigid to more and more oscillators, and shows what each costs and how
+# wrong it is. Here the errors are relative to the model of most oscillators; with ``full=True`` they are relative to
+# the finite elements themselves, which takes longer.
+
+table = ao.compare(
+    projectile=tip,
+    target=middle,
+    law=hit.law.law,
+    velocity=1.0,
+    duration=hit.duration,
+    oscillators=(0, 1, 2, 4, 8, 16),
+    modes=(20,),
+    full=False,
+)
+print(table)
+
+# %%
+# Anti-oscillators that are fitted to the contact's duration converge much faster than natural modes: a mode shape does
+# not know where the body is touched.
+
+table.plot()
+
+# %%
+# Give the model yourself
+# -----------------------
+# - ``ao.rigid(mass=...)`` and ``ao.ball(radius, material)``: rigid; a ball also knows its surface;
+# - ``ao.antioscillators(tip, n)``: the paper's oscillators, of largest mass; with ``method="krylov"`` fitted to the
+#   contact;
+# - ``ao.modal(tip, n)``: natural modes;
+# - ``ao.full(tip)``: all finite elements.
+#
+# A model that is given stays as it is. An AO model may also be given by numbers: contact mass, ground spring, and the
+# masses and springs that hang on the contact mass.
+
+spring = ao.AOModel(m0=0.1, k0=1e5, m=[0.2, 0.1], k=[1e6, 5e6])
+print(spring.frequencies, "Hz")
+print(spring.receptance(100.0), "m/N at 100 rad/s")

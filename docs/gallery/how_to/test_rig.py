@@ -1,0 +1,106 @@
+"""
+What does a test rig measure?
+=============================
+
+A drop tower delivers the force of its load cell over time, filtered, and from it velocity, deflection and absorbed
+energy. Simulated impacts are evaluated by the same functions as measured files, so that the two can be compared.
+
+The example is a tup of 2.4 kg with a load cell behind its round nose, on a clamped aluminium plate.
+"""
+
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import aoimpact as ao
+
+steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+aluminium = ao.Material(E=70e9, nu=0.33, rho=2700)
+mesh = ao.box_mesh((0.15, 0.1, 0.006), (24, 16, 2), kind="hexahedron20")
+sides = [(side, "xyz") for side in ("xmin", "xmax", "ymin", "ymax")]
+plate = ao.FEModel.from_mesh(mesh, aluminium, fixed=sides, name="plate")
+
+cell = ao.LoadCell(nose=0.2, carriage=2.2, stiffness=6e8, damping_ratio=0.02)
+tup = cell.tup(radius=0.008, material=steel)
+middle = plate.contact(point=(0.075, 0.05, 0.006))
+hit = ao.simulate(projectile=tup, target=middle, velocity=0.6, duration=4e-3)
+print(hit)
+
+# %%
+# Five lines
+# ----------
+# A measured channel is read from the file of the data logger. Here that file is written first, by what the load cell
+# reads of the simulated impact and of 5 ms of silence before and after it, in milliseconds and kilonewtons:
+
+contact = ao.Signal.of(hit, rate=400e3, margin=5e-3)
+reading = cell.read(contact)
+folder = tempfile.TemporaryDirectory()
+file = Path(folder.name) / "drop.csv"
+columns = np.column_stack([1e3 * reading.t, 1e-3 * reading.values])
+np.savetxt(file, columns, delimiter=";", header="time [ms];force [kN]", comments="")
+
+measured = ao.read_signal(file, time_unit="ms", unit="kN")
+force = ao.Signal(measured.t, measured.values / cell.share)
+test = ao.drop_weight(force, mass=cell.mass, velocity=0.6, gravity=0, start=0, cfc=1000)
+same = ao.drop_weight(hit, cfc=1000)
+ax = test.plot_energy(label="load cell")
+same.plot_energy(ax, label="contact force")
+
+# %%
+# ``gravity=0`` since `simulate` has none; that of a rig is 9.80665 m/s² by itself. ``start`` is the first touch, of a rig
+# its trigger; left out, it is where the force passes 1 % of its peak. Both tests in numbers, by ASTM D7136
+# and ISO 6603-2: the largest force with its deflection and energy, the largest deflection, the rebound, and what the
+# plate has kept when the contact ends. Of elastic bodies that is their vibration. A simulated impact has no puncture
+# and no incipient damage either: its bodies do not break. A measured one that breaks has both, and it is there that the
+# two curves part.
+
+print(test)
+print(same)
+
+# %%
+# ``force`` is the reading over ``cell.share``. For the inertia of the nose lies before the cell, which of a slow force
+# reads the carriage's share of the mass only; near its frequency it reads more than there is. Whoever integrates the
+# reading as it is finds a slower rebound, and energy in the plate that is not there:
+
+print(f"share {cell.share:.3f}, frequency {cell.frequency:.0f} Hz")
+print(f"gain at 1 kHz {cell.gain(1000.0):.3f}, at 8 kHz {cell.gain(8000.0):.3f}")
+as_it_is = ao.drop_weight(measured, mass=cell.mass, velocity=0.6, gravity=0)
+print(
+    f"absorbed, as it is: {1e3 * as_it_is.absorbed_energy:.0f} mJ of {1e3 * test.impact_energy:.0f}"
+)
+
+# %%
+# The filter
+# ----------
+# `Signal.filtered` is the filter of SAE J211-1, forward and backward, so that no phase is shifted. The signal before it
+# stays in ``raw``. The ringing of the load cell goes, and some of the peak of the force with it:
+
+fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained", sharey=True)
+contact.plot(left, label="contact force", color="0.6")
+reading.plot(left, label="load cell", linestyle="--")
+left.set(xlim=(-0.2, 2.0), ylabel="force (N)")
+for cfc, dashes in ((1000, "-"), (600, "--")):
+    ao.drop_weight(hit, cfc=cfc).plot_force(
+        right, raw=cfc == 1000, label=f"CFC {cfc}", linestyle=dashes
+    )
+right.set(xlim=(-0.2, 1.6), ylabel="")
+
+# %%
+# Force over deflection
+# ---------------------
+
+test.plot_deflection()
+
+# %%
+# Shock at a place of the body
+# ----------------------------
+# A device on the plate feels the shock response spectrum, ISO 18431-4, of its place. Give the probe of a point times
+# close enough for the highest frequency:
+
+times = np.linspace(0, hit.duration, 20001)
+probe = hit.target.probe((0.03, 0.05, 0.006), direction=(0, 0, -1), times=times)
+spectrum = ao.shock_spectrum(probe, np.geomspace(100, 20e3, 80), damping_ratio=0.05)
+spectrum.plot(parts=True)
+folder.cleanup()

@@ -1,0 +1,118 @@
+"""
+The first impact in ten minutes
+===============================
+
+A steel ball falls on an aluminium plate with a hole, clamped at one side. How large is the force, and how wrong may
+that number be? From nothing to the answer there are four steps: install, make a mesh, describe the bodies, simulate.
+
+Install the package from the folder of its source, and gmsh to make the mesh of this page::
+
+    python3 -m venv .venv
+    .venv/bin/pip install . gmsh
+
+All units are SI.
+"""
+
+# %%
+# 1. A mesh
+# ---------
+# Any mesh of volume elements will do that meshio reads: gmsh, Abaqus, Nastran, VTK and others. Quadratic elements
+# (``tetra10``, ``hexahedron20``, ``hexahedron27``) are worth their price, since linear ones are far too stiff in
+# bending. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a *physical group*,
+# to be found again. Around the point that will be struck the elements are small.
+
+import gmsh
+
+struck = (0.07, 0.06, 0.006)
+
+gmsh.initialize()
+gmsh.option.setNumber("General.Terminal", 0)
+gmsh.option.setNumber("Mesh.ElementOrder", 2)
+plate = gmsh.model.occ.addBox(0, 0, 0, 0.2, 0.15, 0.006)
+hole = gmsh.model.occ.addCylinder(0.14, 0.075, 0, 0, 0, 0.006, 0.025)
+gmsh.model.occ.cut([(3, plate)], [(3, hole)])
+gmsh.model.occ.synchronize()
+
+tiny = 1e-6
+side = gmsh.model.getEntitiesInBoundingBox(-tiny, -tiny, -tiny, tiny, 0.151, 0.007, 2)
+gmsh.model.addPhysicalGroup(2, [tag for _, tag in side], name="clamped")
+gmsh.model.addPhysicalGroup(3, [plate], name="plate")
+
+size = gmsh.model.mesh.field.add("Ball")
+settings = {"Radius": 0.006, "Thickness": 0.03, "VIn": 0.003, "VOut": 0.01}
+for name, value in {**settings, **dict(zip(("XCenter", "YCenter", "ZCenter"), struck))}.items():
+    gmsh.model.mesh.field.setNumber(size, name, value)
+gmsh.model.mesh.field.setAsBackgroundMesh(size)
+gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+gmsh.model.mesh.generate(3)
+gmsh.write("plate.msh")
+gmsh.finalize()
+
+# %%
+# 2. The bodies
+# -------------
+# The plate is its mesh, a material and a support: all of "clamped" is fixed in x, y and z. (A mesh in millimetres is
+# read by ``ao.read_mesh("plate.msh", scale=1e-3)``.) The ball is taken as rigid, but it knows its radius and material,
+# so that the contact law follows from them.
+
+import aoimpact as ao
+
+aluminium = ao.Material(E=70e9, nu=0.33, rho=2700)
+steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+
+plate = ao.FEModel.from_mesh("plate.msh", aluminium, fixed=[("clamped", "xyz")])
+ball = ao.ball(0.01, steel)
+plate
+
+# %%
+# A look at the first natural frequencies, in Hz, shows whether units, material and support are what they should be.
+
+plate.frequencies(4)
+
+# %%
+# 3. The impact
+# -------------
+# The ball hits the plate at 1 m/s, which is a fall from 51 mm.
+
+hit = ao.simulate(projectile=ball, target=plate.contact(point=struck), velocity=1.0)
+print(hit)
+
+# %%
+# The first number to read is the *peak force* and what stands behind ±: the error, and in brackets where it is from.
+#
+# - *mesh*: the elements around the contact are too large or too stiff;
+# - *contact*: the contact law takes the body around the contact for a half-space, which a plate is only nearly;
+# - *model*: the plate was reduced to few oscillators, as few as the force to 1 % allows;
+# - *time*: integration in time.
+#
+# The contact lasts some 0.1 ms and the ball loses most of its energy to the vibration of the plate: it comes back with
+# a fraction of its velocity, the *restitution*. Every number has its own error.
+
+hit.plot_force()
+
+# %%
+# Single numbers and histories are attributes.
+
+print(f"peak force         {hit.peak_force:.1f} N at {1e6 * hit.peak_time:.1f} µs")
+print(f"contact duration   {1e6 * hit.contact_duration:.1f} µs")
+print(f"error of the force {100 * hit.error.total:.1f} %, of the mesh {100 * hit.error.mesh:.1f} %")
+print(f"largest deflection in this record {1e6 * abs(hit.target.displacement).max():.1f} µm")
+
+# %%
+# 4. A better answer
+# ------------------
+# The largest part of the error is the mesh. Where it matters, make the elements around the contact half as large
+# (``VIn``) and run again; the error that is printed tells whether that was enough. To have the force for another
+# velocity no new mesh and no new model is needed:
+
+for velocity in (0.2, 0.5, 1.0):
+    other = ao.simulate(projectile=ball, target=plate.contact(point=struck), velocity=velocity)
+    print(f"{velocity} m/s: {other.peak_force:7.1f} N ± {100 * other.error.total:.1f} %")
+
+# %%
+# Where to go from here
+# ---------------------
+# - Where is the stress largest? :doc:`/how-to/stress`
+# - Is a rigid ball good enough? :doc:`/how-to/choosing_a_model`
+# - The matrices come from another program: :doc:`/how-to/own_matrices`
+# - The same from a file and the command line, without Python: :doc:`/scene-files`

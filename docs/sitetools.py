@@ -1,0 +1,16 @@
+"""What the building of the site needs of its own; conf.py names it."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+
+def shown_warnings(_conf: Any, _file: str) -> None:
+    """Let an example's warnings stand among what it prints."""
+    warnings.showwarning = lambda message, kind, *_: print(f"{kind.__name__}: {message}")  # type: ignore[assignment]
+
+
+def parameter(app: Any, env: Any, node: Any, text: Any) -> Any:
+    """Leave a parameter's name in single backticks as it is; a name with a dot must be there."""
+    return text if node["reftype"] == "obj" and "." not in node["reftarget"] else None

@@ -1,0 +1,271 @@
+"""Files cut short, mixed up, exchanged and in other units: named with file, line and cause."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from test_formats import BAR, LABELS, NODES, K, M
+from writers import market, written
+
+import aoimpact as ao
+from aoimpact.base.errors import AOImpactWarning
+
+FREE = ao.FEModel.from_mesh(BAR.mesh, ao.Material(E=70e9, nu=0.3, rho=2700.0))
+
+
+def edited(file: Path, line: int, text: str | None) -> Path:
+    """The file with another text in a line, counted from 1; None ends the file before it."""
+    lines = file.read_text().splitlines()
+    lines = lines[: line - 1] if text is None else [*lines[: line - 1], text, *lines[line:]]
+    file.write_text("\n".join([*lines, ""]))
+    return file
+
+
+@pytest.mark.parametrize(
+    ("kind", "line", "text", "words"),
+    [
+        ("market", 50, None, "line 3: it announces 72 rows and .* entries, .* cut short"),
+        ("market", 1000, None, r"it announces \d+ entries, but has \d+: it is cut short"),
+        ("market", 50, "1 2 x", r"line 50: row, column and value should stand here, got '1 2 x'"),
+        ("market", 50, "1 1 1.0-103", r"line 50: row, column and value .* got '1 1 1\.0-103'"),
+        (
+            "market",
+            50,
+            "1 999 1.0",
+            r"entry 47 is of row 1, column 999, which should be from 1 to 72",
+        ),
+        ("market", 50, "9 1 1.0 5", r"line 50: .* got '9 1 1\.0 5'"),
+        ("market", 1, "%%MatrixMarket matrix coordinate complex symmetric", "line 1: .*'complex'"),
+        ("market", 3, "72 72 1000000000000", "line 3: it announces 72 rows and 1000000000000 entr"),
+        ("market", 3, "72 71 100", "line 3: the matrix is 72 by 71, not square"),
+        ("market-array", 3, "900000000 900000000", "line 3: it announces 900000000 rows and"),
+        ("calculix", 300, "5 7", r"stiffness\.sti', line 300: row, column and value .* got '5 7'"),
+        ("calculix", 300, "5 0 1.0", r"entry 300 is of row 5, column 0"),
+        ("calculix", 2, "1 1 5.0", "the entry of row 1, column 1 is there twice"),
+        ("abaqus", 300, "101,1, 103,", r"line 300: node, component, .* got '101,1, 103,'"),
+        ("abaqus", 300, "101 1 103 2 1.0", r"line 300: node, component, .* got '101 1 103 2"),
+        ("dmig", 30, "*   113    2 1.0E+", r"line 30: \*, node, component and value in fields"),
+        ("dmig", 2, "DMIG    KAAX           0       6       4       0", "KAAX is complex"),
+        ("op4-text", 4, None, "it ends within a matrix|numbers should follow|cut short"),
+        ("op4-text", 2, "       x       1       9", "line 2: an integer should stand here"),
+    ],
+)
+def test_a_spoilt_file_is_named_with_its_line(
+    kind: str, line: int, text: str | None, words: str, tmp_path: Path
+) -> None:
+    files = written(kind, tmp_path, K, M, LABELS)
+    edited(files[0], line, text)
+    with pytest.raises(ao.InputError, match=words):
+        ao.read_matrices(*files)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("kind", ["calculix", "coordinate", "op4", "op4-sparse", "npz", "abaqus"])
+def test_a_file_cut_short_is_refused(kind: str, share: float, tmp_path: Path) -> None:
+    files = written(kind, tmp_path, K, M, LABELS)
+    content = files[0].read_bytes()
+    files[0].write_bytes(content[: int(share * len(content))])
+    with pytest.raises(
+        ao.InputError, match=r"stiffness\.(txt|sti).*(cut short|should stand|twice)"
+    ):
+        ao.read_matrices(*files)
+
+
+@pytest.mark.parametrize("kind", ["market", "calculix", "npz", "abaqus"])
+def test_stiffness_and_mass_exchanged_are_refused(kind: str, tmp_path: Path) -> None:
+    stiffness, inertia = written(kind, tmp_path, K, M, LABELS)
+    with pytest.raises(ao.InputError, match="are K and M exchanged"):
+        ao.read_matrices(inertia, stiffness)
+
+
+def test_names_in_the_files_tell_that_they_are_exchanged(tmp_path: Path) -> None:
+    stiffness, inertia = written("op4", tmp_path, K, M, LABELS)
+    with pytest.raises(ao.InputError, match="it holds MAA, given for K: are K and M exchanged"):
+        ao.read_matrices(inertia, stiffness)
+
+
+def test_one_file_with_both_and_names_in_it(tmp_path: Path) -> None:
+    stiffness, inertia = written("op4", tmp_path, K, M, LABELS)
+    both = tmp_path / "both.op4"
+    both.write_bytes(stiffness.read_bytes() + inertia.read_bytes())
+    alone = ao.read_matrices(both)
+    assert abs(alone.K - ao.read_matrices((both, "kaa"), (both, "MAA")).K).max() == 0.0
+    with pytest.raises(ao.InputError, match=r"its matrices are KAA, MAA: .* give K=\(file, name\)"):
+        ao.read_matrices((both, "KBB"), both)
+    with pytest.raises(ao.InputError, match=r"are the same file .* which has one matrix"):
+        ao.read_matrices(stiffness, stiffness)
+
+
+def test_matrices_of_different_models_are_refused(tmp_path: Path) -> None:
+    market(tmp_path / "K.mtx", FREE.K.tocoo(), None)
+    market(tmp_path / "M.mtx", M, None)
+    with pytest.raises(ao.InputError, match=r"K has 90 rows and M 72: is one of them cut short"):
+        ao.read_matrices(tmp_path / "K.mtx", tmp_path / "M.mtx")
+    files = written("calculix", tmp_path, K, M, LABELS)
+    files[0].with_suffix(".dof").write_text("1.1\n1.2\n")
+    with pytest.raises(ao.InputError, match=r"dofs: .* has 2 dofs, but stiffness\.sti 72 rows"):
+        ao.read_matrices(*files)
+
+
+def test_other_nodes_are_refused(tmp_path: Path) -> None:
+    files = written("abaqus", tmp_path, K, M, LABELS)
+    with pytest.raises(ao.InputError, match=r"nodes: \d+ nodes of .* are not there, the first is"):
+        ao.read_matrices(*files, nodes=NODES + np.array([1000.0, 0, 0, 0]))
+
+
+def test_a_missing_file_is_missing(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"matrix file '.*none\.mtx' does not exist"):
+        ao.read_matrices(tmp_path / "none.mtx", tmp_path / "none.mtx")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "it is empty"),
+        (b"hello\n", "of no format that can be read"),
+        (b"MATLAB 5.0 MAT-file, made by", "a file of MATLAB; load it with scipy.io.loadmat"),
+        (b"PK\x03\x04 no archive", "no archive of NumPy"),
+    ],
+)
+def test_what_is_no_matrix_is_refused(content: bytes, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "K.mtx"
+    file.write_bytes(content)
+    with pytest.raises(ao.InputError, match=words):
+        ao.read_matrices(file, file)
+
+
+def test_an_archive_that_promises_too_much_is_refused(tmp_path: Path) -> None:
+    """A header of a terabyte, and zeros that are packed a thousand times smaller."""
+    file = tmp_path / "K.npz"
+    with file.open("wb") as stream:
+        sp.save_npz(stream, sp.csr_array(K))
+    with zipfile.ZipFile(file) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    vast = io.BytesIO()
+    header = {"descr": "<f8", "fortran_order": False, "shape": (10**11,)}
+    np.lib.format.write_array_header_1_0(vast, header)
+    parts["data.npy"] = vast.getvalue() + bytes(8000)
+    with zipfile.ZipFile(tmp_path / "vast.npz", "w") as archive:
+        for name, part in parts.items():
+            archive.writestr(name, part)
+    with pytest.raises(ao.InputError, match=r"data\.npy announces \(100000000000,\) numbers"):
+        ao.read_matrices(tmp_path / "vast.npz", file)
+    np.savez_compressed(tmp_path / "zeros.npz", K=np.zeros((4000, 4000)))
+    with pytest.raises(ao.InputError, match="they would take 128000128 bytes out of a file of"):
+        ao.read_matrices(tmp_path / "zeros.npz", file)
+
+
+# ----------------------------------------------------------------------------- units
+
+
+def free_files(folder: Path, stiffness: float, inertia: float) -> tuple[Path, Path]:
+    market(folder / "K.mtx", stiffness * FREE.K.tocoo(), None)
+    market(folder / "M.mtx", inertia * FREE.M.tocoo(), None)
+    return folder / "K.mtx", folder / "M.mtx"
+
+
+def test_millimetres_and_tonnes_are_converted(tmp_path: Path) -> None:
+    files = free_files(tmp_path, 1e-3, 1e-3)  # N/mm, t
+    body = ao.read_matrices(*files, nodes=1e3 * FREE.nodes, length=1e-3, mass=1e3)
+    assert body.mass == pytest.approx(FREE.mass)
+    np.testing.assert_allclose(body.nodes, FREE.nodes)
+    audit = body.audit()
+    np.testing.assert_allclose(audit.centre, (0.05, 0.01, 0.005))
+    np.testing.assert_allclose(audit.frequencies, FREE.frequencies(8), rtol=1e-6, atol=1e-3)
+    assert audit.density == pytest.approx(2700.0)
+    assert max(audit.rigid_residual) < 1e-12
+    assert not audit.doubts
+    assert "rigid motion rz" in str(audit)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "inertia", "scale", "words"),
+    [
+        (1.0, 1.0, 1e3, "is a speed of .* coordinates in millimetres"),
+        (1e-3, 1e-3, 1e3, "coordinates in millimetres. Give length=1e-3 and mass=1e3"),
+        (1e-3, 1e-3, 1.0, r"is 2\.7 kg/m³: M in tonnes and K in N/mm. Give mass=1e3"),
+        (1.0, 1e-3, 1.0, "K and M in units that do not fit, as N/mm with kg, or N/m with tonnes"),
+    ],
+)
+def test_wrong_units_are_said_with_what_they_look_like(
+    stiffness: float, inertia: float, scale: float, words: str, tmp_path: Path
+) -> None:
+    files = free_files(tmp_path, stiffness, inertia)
+    with pytest.warns(AOImpactWarning) as caught:
+        ao.read_matrices(*files, nodes=scale * FREE.nodes)
+    assert re.search(words, "\n".join(str(one.message) for one in caught))
+
+
+# --------------------------------------------------------------- what is left out or put in
+
+
+def grown(matrix: Any, at: list[tuple[int, int, float]], more: int) -> Any:
+    """The matrix with rows and columns added, and entries in them."""
+    n = matrix.shape[0] + more
+    rows, cols, values = (list(part) for part in zip(*at, strict=True))
+    both = (matrix.row.tolist() + rows + cols, matrix.col.tolist() + cols + rows)
+    values = matrix.data.tolist() + values + [0.0 if i == j else v for i, j, v in at]
+    return sp.coo_array(sp.csr_array(sp.coo_array((values, both), shape=(n, n))))
+
+
+def test_abaqus_held_dofs_are_left_out(tmp_path: Path) -> None:
+    n = len(LABELS)
+    K36 = grown(K, [(n, n, 1e36), (n + 1, n + 1, 1e36)], 2)
+    M36 = grown(M, [(n, n, 1.0), (n + 1, n + 1, 1.0)], 2)
+    labels = np.concatenate([LABELS, [[101, 1], [101, 2]]])
+    body = ao.read_matrices(*written("abaqus", tmp_path, K36, M36, labels), nodes=NODES)
+    assert body.n_dofs == n
+    np.testing.assert_allclose(body.frequencies(4), BAR.frequencies(4), rtol=1e-9)
+
+
+def test_internal_dofs_without_mass_are_condensed(tmp_path: Path) -> None:
+    """A spring k to an internal dof, and another on to the ground, are k/2 to the ground."""
+    n, k = len(LABELS), 1e7
+    with_two = grown(K, [(n, n, 2 * k), (0, n, -k), (0, 0, k)], 1)
+    with_one = grown(K, [(0, 0, 0.5 * k)], 0)
+    labels = np.concatenate([LABELS, [[-1, 1]]])
+    empty = grown(M, [(n, n, 0.0)], 1)
+    empty = sp.coo_array(sp.csr_array(empty)[: n + 1])
+    body = ao.read_matrices(*written("abaqus", tmp_path, with_two, empty, labels), nodes=NODES)
+    place = {tuple(label): i for i, label in enumerate(body.labels.tolist())}
+    rows = [place[tuple(label)] for label in LABELS.tolist()]
+    np.testing.assert_allclose(
+        body.K[rows][:, rows].toarray(), with_one.toarray(), rtol=1e-12, atol=1.0
+    )
+
+
+def test_displacements_without_mass_are_refused(tmp_path: Path) -> None:
+    keep = (M.row != 7) & (M.col != 7)
+    light = sp.coo_array((M.data[keep], (M.row[keep], M.col[keep])), shape=M.shape)
+    node, component = LABELS[7]
+    with pytest.raises(
+        ao.InputError, match=rf"1 of 72 dofs have no mass, .* {node}\.{component}: is"
+    ):
+        ao.read_matrices(*written("abaqus", tmp_path, K, light, LABELS))
+
+
+@pytest.mark.parametrize("units", [(1.0, 1.0), (1e-3, 1e3)])
+def test_rotations_scale_with_the_length_squared(
+    units: tuple[float, float], tmp_path: Path
+) -> None:
+    """A cantilever's tip, Euler and Bernoulli: k = EI/l³ (12, -6l; -6l, 4l²), ρA l/420 (...)."""
+    EI, line, arm = 210.0, 0.8, 0.5
+    length, mass = units
+    T = np.diag([1.0, 1.0 / length])  # a moment per angle has one length more
+    k = T @ (EI / arm**3 * np.array([[12, -6 * arm], [-6 * arm, 4 * arm**2]])) @ T / mass
+    m = T @ (line * arm / 420 * np.array([[156, -22 * arm], [-22 * arm, 4 * arm**2]])) @ T / mass
+    labels = np.array([[2, 3], [2, 5]])
+    files = written("abaqus", tmp_path, sp.coo_array(k), sp.coo_array(m), labels)
+    body = ao.read_matrices(*files, length=length, mass=mass)
+    # One cubic element: 3.5327 for 3.5160, and 34.807 for 22.034.
+    expected = np.array([3.5327, 34.807]) / arm**2 * np.sqrt(EI / line) / (2 * np.pi)
+    np.testing.assert_allclose(body.frequencies(2), expected, rtol=2e-5)
+    tip = body.contact(node=2, direction=(0, 0, 1))
+    assert ao.antioscillators(tip, n=1).k0 == pytest.approx(3 * EI / arm**3, rel=1e-9)

@@ -1,0 +1,58 @@
+"""Files that Nastran itself has written: some of pyYeti's, and, where it is installed, all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import aoimpact as ao
+from aoimpact.matrixfiles.formats import read_file
+from aoimpact.matrixfiles.found import Found
+
+SAMPLES = Path(__file__).parent / "samples"
+
+
+def dense(found: Found) -> Any:
+    assert found.size is not None
+    return sp.coo_array(
+        (found.values, (found.rows, found.cols)), shape=(found.size, found.size)
+    ).toarray()
+
+
+def test_nastran_s_superelement_is_free() -> None:
+    """Its interface and modal coordinates have six motions without force, and no more."""
+    body = ao.read_matrices(SAMPLES / "outboard.op4")
+    assert body.n_dofs == 46
+    assert body.rigid_modes.shape == (46, 6)
+
+
+def pyyeti_files() -> list[Path]:
+    try:
+        import pyyeti
+    except ImportError:
+        return []
+    return sorted((Path(pyyeti.__file__).parent / "tests").glob("*/*.op4"))
+
+
+@pytest.mark.parametrize(
+    "file", pyyeti_files() or [None], ids=lambda file: getattr(file, "stem", "")
+)
+def test_all_of_pyyeti_s_files_are_read_as_it_reads_them(file: Path | None) -> None:
+    if file is None:
+        pytest.skip("pyyeti is not installed")
+    from pyyeti.nastran import op4
+
+    names, theirs, _, _ = op4.OP4().listload(str(file), sparse=True)
+    ours = read_file(file)
+    assert len(names) == len(ours)
+    for name, one, matrix in zip(names, ours, theirs, strict=True):
+        if one.name.isidentifier():
+            assert name == one.name.lower()
+        square = matrix.shape[0] == matrix.shape[1]
+        assert bool(one.unfit) == (not square or np.iscomplexobj(matrix))
+        if not one.unfit and one.size < 10_000:
+            np.testing.assert_array_equal(dense(one), matrix.toarray())

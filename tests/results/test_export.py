@@ -1,0 +1,84 @@
+"""Histories for pandas and xarray: the same numbers, under their names, with units."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from records import HalfSine
+
+import aoimpact as ao
+
+
+def scene() -> ao.Run:
+    scene = ao.Scene()
+    first = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    second = scene.add(ao.rigid(mass=0.2))
+    third = scene.add(ao.AOModel(m0=0.1, k0=1e5))
+    scene.connect(first, second, ao.Hertz(1e9), name="front")
+    scene.connect(second, third, ao.Hertz(1e9), gap=1e-5, name="back")
+    return scene.simulate(duration=1e-3)
+
+
+def test_the_dataframe_is_the_csv_file(tmp_path: Any) -> None:
+    pandas = pytest.importorskip("pandas")
+    hit = HalfSine().result()
+    hit.to_csv(tmp_path / "hit.csv")
+    frame = hit.to_dataframe().reset_index()
+    assert isinstance(frame, pandas.DataFrame)
+    head = (tmp_path / "hit.csv").read_text(encoding="utf-8").partition("\n")[0]
+    assert list(frame.columns) == head.split(",")
+    np.testing.assert_array_equal(
+        frame, np.loadtxt(tmp_path / "hit.csv", delimiter=",", skiprows=1)
+    )
+
+
+def test_the_dataset_obeys_the_laws_of_mechanics() -> None:
+    """By its own labels: m v̇ = ∓F of two rigid masses, and all energies sum up."""
+    pytest.importorskip("xarray")
+    hit = HalfSine()
+    data = hit.result(samples=4001).to_xarray()
+    assert data.force.dims == ("time",)
+    assert data.velocity.dims == ("body", "time")
+    impulse = float(data.force.integrate("time"))
+    change = {
+        body: float(data.velocity.sel(body=body)[-1] - data.velocity.sel(body=body)[0])
+        for body in ("projectile", "target")
+    }
+    assert hit.projectile * change["projectile"] == pytest.approx(-impulse, rel=1e-6)
+    assert hit.target * change["target"] == pytest.approx(impulse, rel=1e-6)
+    bodies = data.kinetic_energy.sum("body") + data.elastic_energy.sum("body")
+    total = bodies + data.contact_energy + data.dissipated_energy
+    np.testing.assert_allclose(total, data.total_energy, rtol=1e-12)
+    units = {name: data[name].attrs["units"] for name in ("time", "force", "velocity")}
+    assert units == {"time": "s", "force": "N", "velocity": "m/s"}
+    assert data.attrs["velocity"] == hit.velocity
+
+
+def test_a_scene_has_contacts_and_bodies_by_name() -> None:
+    pytest.importorskip("xarray")
+    run = scene()
+    data = run.to_xarray(names=["a", "b", "c"])
+    for contact in run.contacts:
+        np.testing.assert_array_equal(data.force.sel(contact=contact.name), contact.force)
+    np.testing.assert_array_equal(data.displacement.sel(body="c"), run.bodies[2].displacement)
+    with pytest.raises(ao.InputError, match="names must be 3 different ones"):
+        run.to_xarray(names=["a", "b"])
+
+
+def test_without_energies_there_are_none() -> None:
+    pytest.importorskip("xarray")
+    data = HalfSine().result(energies=False).to_xarray()
+    assert "total_energy" not in data
+
+
+@pytest.mark.parametrize(("package", "method"), [("pandas", "frame"), ("xarray", "xarray")])
+def test_a_missing_package_is_named(
+    package: str, method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    call = {"frame": HalfSine().result().to_dataframe, "xarray": HalfSine().result().to_xarray}
+    with pytest.raises(ao.MissingPackageError, match=f"pip install {package}, or take"):
+        call[method]()

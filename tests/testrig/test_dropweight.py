@@ -1,0 +1,190 @@
+"""Drop-weight energies against closed forms, and against what the simulation itself knows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+M, V, F0, T = 5.0, 2.0, 7000.0, 4e-3
+
+
+def sine(gravity: float = 0.0, before: float = 0.0, rate: float = 1e6) -> ao.DropWeight:
+    t = np.arange(round((T + 2.0 * before) * rate) + 1) / rate - before
+    force = np.where((t > 0.0) & (t < T), F0 * np.sin(np.pi * t / T), 0.0)
+    return ao.drop_weight((t, force), mass=M, velocity=V, gravity=gravity, start=0.0)
+
+
+@pytest.mark.parametrize("gravity", [0.0, 9.80665])
+def test_a_half_sine_is_integrated(gravity: float) -> None:
+    test = sine(gravity)
+    t, w = test.t, np.pi / T
+    v = V + gravity * t - F0 / (M * w) * (1.0 - np.cos(w * t))
+    way = V * t + 0.5 * gravity * t**2 - F0 / (M * w) * (t - np.sin(w * t) / w)
+    np.testing.assert_allclose(test.velocity, v, atol=1e-6)
+    np.testing.assert_allclose(test.deflection, way, atol=1e-9)
+
+
+def test_the_energy_is_the_work_of_the_force() -> None:
+    test = sine(9.80665)
+    work = np.concatenate(
+        [[0.0], np.cumsum(0.5 * (test.force[1:] + test.force[:-1]) * np.diff(test.deflection))]
+    )
+    np.testing.assert_allclose(test.energy, work, atol=1e-5 * test.impact_energy)
+
+
+def test_its_points() -> None:
+    test = sine()
+    w = np.pi / T
+    assert test.peak.time == pytest.approx(T / 2.0)
+    assert test.peak.force == pytest.approx(F0)
+    assert test.peak.deflection == pytest.approx(V * T / 2.0 - F0 / (M * w) * (T / 2.0 - 1.0 / w))
+    assert test.impact_energy == 0.5 * M * V**2
+    assert test.rebound_velocity == pytest.approx(V - 2.0 * F0 / (M * w), rel=1e-4)
+    kept = 0.5 * M * (V**2 - (V - 2.0 * F0 / (M * w)) ** 2)
+    assert test.absorbed_energy == pytest.approx(kept, rel=1e-3)
+    assert test.turn.deflection == test.deflection.max()
+    assert test.puncture is None
+
+
+def test_the_weight_falls_freely_before_it_touches() -> None:
+    test = sine(gravity=9.80665, before=0.01)
+    assert test.velocity[0] == pytest.approx(V - 9.80665 * 0.01)
+    at = int(np.searchsorted(test.t, 0.0))
+    assert test.velocity[at] == pytest.approx(V, rel=1e-6)
+    assert test.deflection[at] == pytest.approx(0.0, abs=3e-6)
+
+
+def test_the_start_of_a_measured_force_is_found() -> None:
+    rate = 100e3
+    t = np.arange(2000) / rate
+    begin = 5e-3
+    force = np.where((t > begin) & (t < begin + T), F0 * np.sin(np.pi * (t - begin) / T), 0.0)
+    test = ao.drop_weight((t, force), mass=M, velocity=V)
+    assert test.start == pytest.approx(begin, abs=3e-5)
+    assert test.end == pytest.approx(begin + T, abs=3e-5)
+    assert test.gravity == 9.80665
+
+
+def test_puncture_is_where_the_force_has_halved_on_the_way_in() -> None:
+    """A triangle that falls to nothing while the impactor goes on (ISO 6603-2)."""
+    t = np.linspace(0.0, 6e-3, 6001)
+    force = np.interp(t, [0.0, 3e-3, 5e-3, 6e-3], [0.0, 2000.0, 0.0, 0.0])
+    test = ao.drop_weight((t, force), mass=20.0, velocity=4.0)
+    assert test.puncture is not None
+    assert test.puncture.time == pytest.approx(4e-3)
+    assert test.puncture.force == pytest.approx(1000.0)
+    between = (test.t >= 0.0) & (test.t <= 4e-3)
+    work = np.trapezoid(test.force[between], test.deflection[between])
+    assert test.puncture.energy == pytest.approx(work, rel=1e-4)
+    assert "puncture           1000 N" in repr(test)
+
+
+# ------------------------------------------------------------------------- simulated
+
+
+TUP = ao.rigid(mass=5.4)
+PLATE = ao.AOModel(m0=0.1, k0=5e6, m=[0.2, 0.1], k=[4e7, 9e7])
+LAW = ao.Hertz(k=1e9)
+
+
+def strike(**given: Any) -> ao.Result:
+    return ao.simulate(
+        **{"projectile": TUP, "target": PLATE, "law": LAW, "velocity": 2.0, "gap": 1e-3} | given
+    )
+
+
+def test_a_simulated_impact_agrees_with_its_own_motion_and_energies() -> None:
+    hit = strike()
+    test = ao.drop_weight(hit)
+    at = hit.at(test.t)
+    np.testing.assert_allclose(test.velocity, at.projectile.centre_velocity, atol=1e-4)
+    way = at.projectile.centre_displacement - 1e-3
+    np.testing.assert_allclose(test.deflection, way, atol=1e-6)
+    taken = at.energy.target.kinetic + at.energy.target.elastic + at.energy.contact
+    np.testing.assert_allclose(test.energy, taken, atol=2e-4 * test.impact_energy)
+    assert test.start == pytest.approx(hit.contacts[0][0])
+    assert test.rebound_velocity == pytest.approx(hit.rebound_velocity, rel=1e-3)
+    assert test.peak.force == pytest.approx(hit.peak_force, rel=1e-3)
+
+
+def test_a_filter_changes_neither_impulse_nor_rebound() -> None:
+    hit = strike()
+    plain, smooth = ao.drop_weight(hit), ao.drop_weight(hit, cfc=180)
+    assert smooth.velocity[-1] == pytest.approx(plain.velocity[-1], rel=1e-6)
+    assert smooth.signal.raw is not None
+    assert smooth.signal.raw.values.max() == pytest.approx(hit.peak_force, rel=1e-3)
+    assert smooth.peak.force < 0.97 * plain.peak.force
+
+
+def test_measurement_and_simulation_are_treated_alike() -> None:
+    hit = strike()
+    measured = ao.Signal.of(hit, rate=500e3, margin=0.01)
+    test = ao.drop_weight(measured, mass=5.4, velocity=2.0, gravity=0.0, cfc=1000)
+    same = ao.drop_weight(hit, cfc=1000)
+    assert test.peak.force == pytest.approx(same.peak.force, rel=1e-4)
+    close = 1e-3 * same.impact_energy
+    assert test.absorbed_energy == pytest.approx(same.absorbed_energy, abs=close)
+    both = np.interp(same.t, test.t, test.energy)
+    np.testing.assert_allclose(same.energy, both, atol=1e-3 * same.impact_energy)
+
+
+def test_a_simulated_plate_is_never_punctured() -> None:
+    """A light plate's force falls by half while a heavy impactor goes on: a vibration."""
+    light = ao.AOModel(m0=0.5, k0=1e5)
+    hit = strike(projectile=ao.rigid(mass=50.0), target=light, duration=0.05, gap=0.0)
+    test = ao.drop_weight(hit)
+    top = int(np.argmax(test.force))
+    falls = np.flatnonzero(test.force[top:] <= 0.5 * test.force[top])
+    assert test.velocity[top + falls[0]] > 0.0
+    assert test.puncture is None
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"mass": None}, "mass of the impactor is not known: give mass="),
+        ({"velocity": None}, "velocity of the impactor is not known"),
+        ({"velocity": -1.0}, "velocity must be positive"),
+        ({"gravity": -9.81}, "gravity must not be negative"),
+        ({"cfc": 1000}, "cfc = 1000 needs"),
+        ({"start": 1.0}, "start must lie in the record"),
+    ],
+)
+def test_what_cannot_be_evaluated_is_refused(given: dict[str, Any], words: str) -> None:
+    t = np.linspace(0.0, T, 21)
+    force = F0 * np.sin(np.pi * t / T)
+    with pytest.raises(ao.InputError, match=words):
+        ao.drop_weight((t, force), **{"mass": M, "velocity": V} | given)
+
+
+def test_a_force_of_the_wrong_sign_is_said() -> None:
+    t = np.linspace(0.0, T, 401)
+    with pytest.raises(ao.InputError, match=r"never positive .* change the sign"):
+        ao.drop_weight((t, -F0 * np.sin(np.pi * t / T)), mass=M, velocity=V)
+
+
+def test_bodies_that_do_not_meet_are_said() -> None:
+    with pytest.warns(ao.AOImpactWarning), pytest.raises(ao.InputError, match="do not touch"):
+        ao.drop_weight(strike(gap=1.0, duration=1e-3))
+
+
+def test_curves_and_files(tmp_path: Path) -> None:
+    test = ao.drop_weight(strike(), cfc=1000)
+    assert len(test.plot_force().get_lines()) == 2
+    ax = test.plot_energy(label="one")
+    assert ax.get_xlabel() == "time (ms)"
+    test.plot_energy(ax, label="two")
+    one, two = ax.get_lines()
+    assert (one.get_color(), one.get_linestyle()) != (two.get_color(), two.get_linestyle())
+    assert test.plot_deflection().get_xlabel() == "deflection (mm)"
+    plt.close("all")
+    test.to_csv(tmp_path / "test.csv")
+    signal = ao.read_signal(tmp_path / "test.csv", values="force")
+    np.testing.assert_array_equal(signal.values, test.force)
+    assert "absorbed energy" in repr(test)

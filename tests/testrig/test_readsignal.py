@@ -1,0 +1,91 @@
+"""Files of data loggers: their dialects are read, and what is wrong is said with its line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+TIMES, FORCES = [0.0, 1e-4, 2e-4], [0.0, 1500.0, 300.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "given"),
+    [
+        ("0,0\n0.0001,1500\n0.0002,300\n", {}),
+        ("t [s],force [N]\n0,0\n1e-4,1.5e3\n2e-4,300\n", {"values": "force", "time": "t"}),
+        ("time (ms);x;load (kN)\n0,0;9;0,0\n0,1;9;1,5\n0,2;9;0,3\n", {"values": "load (kN)"}),
+        ("# rig 7\n# t F\n0 0\n0.1 1.5\n0.2 0.3\n", {"time_unit": "ms", "unit": "kN"}),
+        ('"Time"\t"Load"\n0\t0\t\n0.1\t1500\t\n0.2\t300\t\n', {"time_unit": "ms"}),
+        ("\ufeffDate 2026-11-22, 10:00\n\nt,F\n0,0\n100,1500\n200,300\n", {"time_unit": "us"}),
+    ],
+)
+def test_dialects(tmp_path: Path, text: str, given: dict[str, Any]) -> None:
+    if "load (kN)" in text:
+        given = given | {"time_unit": "ms", "unit": "kN"}
+    (tmp_path / "drop.csv").write_text(text, encoding="utf-8")
+    signal = ao.read_signal(tmp_path / "drop.csv", **given)
+    np.testing.assert_allclose(signal.t, TIMES, rtol=1e-12)
+    np.testing.assert_allclose(signal.values, FORCES, rtol=1e-12)
+    assert signal.unit == "N"
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor", "base"),
+    [
+        ("kN", 1e3, "N"),
+        ("mN", 1e-3, "N"),
+        ("lbf", 4.4482216152605, "N"),
+        ("g", 9.80665, "m/s²"),
+        ("m/s2", 1.0, "m/s²"),
+        ("km/s^2", 1e3, "m/s²"),
+        ("mm", 1e-3, "m"),
+        ("mV", 1e-3, "V"),
+    ],
+)
+def test_units(tmp_path: Path, unit: str, factor: float, base: str) -> None:
+    (tmp_path / "a.csv").write_text("0,1\n1,2\n")
+    signal = ao.read_signal(tmp_path / "a.csv", unit=unit, name="channel")
+    np.testing.assert_allclose(signal.values, [factor, 2.0 * factor])
+    assert (signal.unit, signal.name) == (base, "channel")
+
+
+def test_what_the_package_writes_is_read_back(tmp_path: Path) -> None:
+    ball = ao.rigid(mass=0.03)
+    hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+    hit.to_csv(tmp_path / "hit.csv")
+    signal = ao.read_signal(tmp_path / "hit.csv", values="force")
+    np.testing.assert_array_equal(signal.t, hit.t)
+    np.testing.assert_array_equal(signal.values, hit.force)
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "words"),
+    [
+        ("t,F\n0,0\n1,x\n", {}, "line 3: '1,x' is no row of 2 numbers"),
+        ("t,F\n0,0\n1,1,1\n", {}, "line 3: .* is no row of 2 numbers"),
+        ("t,F\n0,0\n1,1\n1,2\n", {}, "line 4: the time does not rise"),
+        ("t,F\n", {}, "no two lines of two numbers"),
+        ("", {}, "no two lines of two numbers"),
+        ("t,F\n0,0\n1,1\n", {"values": "load"}, "no column is called 'load'; there are 't', 'F'"),
+        ("t,F\n0,0\n1,1\n", {"values": 2}, "values must be a column from 0 to 1, got 2"),
+        ("t,F\n0,0\n1,1\n", {"values": 1.0}, "column's number or heading"),
+        ("t,F\n0,0\n1,1\n", {"unit": "kg"}, "unit must be one of"),
+        ("t,F\n0,0\n1,1\n", {"time_unit": "N"}, "time_unit must be a unit of time"),
+    ],
+)
+def test_what_is_wrong_is_said(
+    tmp_path: Path, text: str, given: dict[str, Any], words: str
+) -> None:
+    (tmp_path / "drop.csv").write_text(text)
+    with pytest.raises(ao.AOImpactError, match=words):
+        ao.read_signal(tmp_path / "drop.csv", **given)
+
+
+def test_a_file_that_is_not_there_is_said(tmp_path: Path) -> None:
+    with pytest.raises(ao.InputError, match=r"cannot read .*no\.csv"):
+        ao.read_signal(tmp_path / "no.csv")

@@ -1,0 +1,212 @@
+"""Signals, and their filter against formulas, the corridor of the standard and scipy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from scipy import signal as scipy_signal
+
+import aoimpact as ao
+
+CLASSES = (60, 180, 600, 1000)
+
+
+def pulse(rate: float = 100e3, length: float = 0.2, seed: int = 3) -> ao.Signal:
+    """Noise under a smooth window, so that nothing is at its ends."""
+    t = np.arange(round(rate * length)) / rate
+    noise = np.random.default_rng(seed).normal(size=len(t))
+    return ao.Signal(t, noise * np.hanning(len(t)) ** 2)
+
+
+def gain(cfc: float, frequency: float, rate: float = 50e3) -> float:
+    """Amplitude of a sine after the filter, away from its ends."""
+    t = np.arange(round(40 * rate / min(frequency, 50.0))) / rate
+    wave = np.exp(2j * np.pi * frequency * t)
+    kept = [ao.Signal(t, part).filtered(cfc).values for part in (wave.real, wave.imag)]
+    middle = slice(len(t) // 3, 2 * len(t) // 3)
+    found: float = np.abs(np.mean((kept[0] + 1j * kept[1])[middle] / wave[middle]))
+    return found
+
+
+@pytest.mark.parametrize("cfc", CLASSES)
+@pytest.mark.parametrize("share", [0.02, 0.5, 1.0, 1.65, 2.0775, 4.0])
+def test_gain_is_that_of_two_butterworth_passes(cfc: float, share: float) -> None:
+    rate = 50e3
+    w, corner = np.tan(np.pi * np.array([share, 2.0775]) * cfc / rate)
+    assert gain(cfc, share * cfc, rate) == pytest.approx(1.0 / (1.0 + (w / corner) ** 4), rel=1e-9)
+
+
+@pytest.mark.parametrize("cfc", CLASSES)
+def test_it_stays_in_the_corridor_of_the_standard(cfc: float) -> None:
+    """J211-1, figure 1: ±0.5 dB, then to +0.5 and -1 dB at F_H = CFC and -4 dB at F_N = 1.65 CFC.
+
+    From F_N on between -9 and -24 dB an octave.
+    """
+    at: dict[float, float] = {
+        share: 20.0 * np.log10(gain(cfc, share * cfc)) for share in (0.1, 0.5, 1.0, 1.65, 3.3, 4.95)
+    }
+    assert abs(at[0.1]) < 0.5
+    assert abs(at[0.5]) < 0.5
+    assert -1.0 < at[1.0] < 0.5
+    assert -4.0 < at[1.65] < 0.5
+    for share in (3.3, 4.95):
+        octaves = np.log2(share / 1.65)
+        assert -4.0 - 24.0 * octaves < at[share] < 0.5 - 9.0 * octaves
+
+
+@pytest.mark.parametrize("cfc", CLASSES)
+def test_it_is_the_recursion_that_the_standard_prints(cfc: float) -> None:
+    raw = pulse(length=0.03)
+    x, step = raw.values, 1.0 / raw.rate
+    wd = 2.0 * np.pi * cfc * 2.0775
+    wa = np.sin(wd * step / 2.0) / np.cos(wd * step / 2.0)
+    below = 1.0 + np.sqrt(2.0) * wa + wa**2
+    a = np.array([wa**2, 2.0 * wa**2, wa**2]) / below
+    b = np.array([-2.0 * (wa**2 - 1.0), -1.0 + np.sqrt(2.0) * wa - wa**2]) / below
+    # Silence at both ends, so that neither way of starting matters.
+    values = np.concatenate([np.zeros(20_000), x, np.zeros(20_000)])
+    for _ in range(2):
+        y = np.zeros_like(values)
+        for i in range(2, len(y)):
+            y[i] = a @ values[i - 2 : i + 1][::-1] + b @ y[i - 2 : i][::-1]
+        values = y[::-1]
+    t = np.arange(len(values)) * step
+    ours = ao.Signal(t, np.concatenate([np.zeros(20_000), x, np.zeros(20_000)])).filtered(cfc)
+    np.testing.assert_allclose(ours.values, values, atol=1e-12 * np.abs(x).max())
+
+
+def test_scipy_designs_the_same_filter() -> None:
+    raw = pulse()
+    sections = scipy_signal.butter(2, 2.0775 * 600, fs=raw.rate, output="sos")
+    theirs = scipy_signal.sosfiltfilt(sections, raw.values, padlen=1000)
+    np.testing.assert_allclose(raw.filtered(600).values, theirs, atol=1e-10)
+
+
+def test_it_shifts_nothing_and_keeps_the_impulse() -> None:
+    t = np.linspace(-0.05, 0.05, 10001)
+    hill = ao.Signal(t, np.where(np.abs(t) < 1e-3, np.cos(500 * np.pi * t), 0.0))
+    smooth = hill.filtered(180)
+    np.testing.assert_allclose(smooth.values, smooth.values[::-1], atol=1e-9)
+    assert np.trapezoid(smooth.values, t) == pytest.approx(np.trapezoid(hill.values, t), rel=1e-9)
+    assert smooth.raw is hill
+
+
+@pytest.mark.parametrize("values", [lambda t: 0.0 * t + 7.0, lambda t: 3.0 + 100.0 * t])
+def test_a_line_passes_up_to_its_ends(values: Any) -> None:
+    t = np.arange(2000) / 20e3
+    line = ao.Signal(t, values(t))
+    np.testing.assert_allclose(line.filtered(180).values, line.values, rtol=1e-6)
+
+
+def test_too_few_samples_for_a_class_are_refused() -> None:
+    t = np.arange(1000) / 5e3
+    with pytest.raises(ao.InputError, match=r"cfc = 1000 needs 10 kHz .* the signal has 5000 Hz"):
+        ao.Signal(t, np.sin(t)).filtered(1000)
+    ao.Signal(t, np.sin(t)).filtered(180)
+
+
+def test_uneven_samples_are_refused_and_resampled() -> None:
+    t = np.sort(np.random.default_rng(1).uniform(0.0, 0.1, 5001))
+    uneven = ao.Signal(t, np.sin(2 * np.pi * 30 * t))
+    with pytest.raises(ao.InputError, match=r"'force' are not evenly spaced.*resampled\(rate\)"):
+        uneven.filtered(60)
+    even = uneven.resampled(200e3)
+    assert even.rate == pytest.approx(200e3)
+    np.testing.assert_allclose(even.values, np.sin(2 * np.pi * 30 * even.t), atol=2e-4)
+    with pytest.raises(ao.InputError, match=r"below the .* of the signal"):
+        uneven.resampled(1e3)
+
+
+def test_times_written_with_few_digits_are_even() -> None:
+    t = np.round(np.arange(1000) * 1e-5, 7)
+    assert ao.Signal(t, t).rate == pytest.approx(1e5)
+
+
+@pytest.mark.parametrize(
+    ("t", "values", "words"),
+    [
+        ([0.0, 1.0], [1.0], "same length"),
+        ([0.0], [1.0], "two samples at least"),
+        ([0.0, 2.0, 1.0], [0.0, 0.0, 0.0], r"t must rise, but t\[1\] = 2 s"),
+        ([0.0, 1.0, 2.0], [0.0, np.nan, 0.0], r"values\[1\] is nan"),
+    ],
+)
+def test_what_is_no_signal_is_refused(t: Any, values: Any, words: str) -> None:
+    with pytest.raises(ao.InputError, match=words):
+        ao.Signal(t, values)
+
+
+def strike(duration: float | None = None, solver: Any = None) -> ao.Result:
+    plate = ao.AOModel(m0=0.1, k0=5e6)
+    return ao.simulate(
+        projectile=ao.rigid(mass=2.0),
+        target=plate,
+        law=ao.Hertz(k=1e9),
+        velocity=1.0,
+        duration=duration,
+        solver=solver,
+    )
+
+
+def test_an_impact_is_sampled_evenly_and_exactly() -> None:
+    hit = strike()
+    signal = ao.Signal.of(hit, rate=1e6, margin=1e-3)
+    inside = (signal.t >= 0.0) & (signal.t <= hit.duration)
+    np.testing.assert_array_equal(signal.values[inside], hit.at(signal.t[inside]).force)
+    assert not signal.values[~inside].any()
+    assert signal.t[0] == pytest.approx(-1e-3)
+    assert ao.Signal.of(hit).values.max() == pytest.approx(hit.peak_force, rel=1e-4)
+
+
+def test_a_record_that_ends_in_contact_gets_no_silence() -> None:
+    with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
+        hit = strike(duration=1e-3)
+    with pytest.raises(ao.InputError, match="ends in contact"):
+        ao.Signal.of(hit, margin=1e-3)
+
+
+def test_steps_of_newmark_are_taken_as_they_are() -> None:
+    hit = strike(duration=5e-3, solver=ao.Newmark(dt=1e-5))
+    signal = ao.Signal.of(hit)
+    np.testing.assert_allclose(signal.values, hit.force, atol=1e-9 * hit.peak_force)
+
+
+def test_a_probe_gives_the_acceleration_of_its_point() -> None:
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    bar = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.02, 0.02), (4, 1, 1)), steel)
+    tip = bar.contact(point=(0.1, 0.0, 0.0), direction=(-1.0, 0.0, 0.0), radius=0)
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=0.05),
+        target=ao.antioscillators(tip, 2),
+        law=ao.Linear(1e6),
+        velocity=1.0,
+        duration=1e-3,
+    )
+    times = np.linspace(0.0, 1e-3, 4001)
+    probe = hit.target.probe((0.0, 0.01, 0.01), direction=(1, 0, 0), times=times)
+    signal = ao.Signal.of(probe)
+    assert (signal.unit, signal.name) == ("m/s²", "acceleration")
+    gained = np.trapezoid(signal.values, times)
+    assert gained == pytest.approx(probe.velocity[-1] - probe.velocity[0], rel=1e-3)
+    with pytest.raises(ao.InputError, match="one point's motion along one direction"):
+        ao.Signal.of(hit.target.probe((0.0, 0.01, 0.01), times=times))
+
+
+@pytest.mark.parametrize("source", [3.0, "drop.csv", [1, 2, 3], None])
+def test_what_is_no_source_is_refused(source: Any) -> None:
+    with pytest.raises(ao.InputTypeError, match="source must be a Signal"):
+        ao.Signal.of(source)
+
+
+def test_the_raw_signal_is_drawn_behind_the_filtered_one() -> None:
+    raw = pulse()
+    ax = raw.filtered(600).plot()
+    behind, before = ax.get_lines()
+    assert len(np.asarray(behind.get_ydata())) == len(raw.t)
+    assert behind.get_color() == "0.7"
+    assert ax.get_xlabel() == "time (ms)"
+    assert np.ptp(np.asarray(before.get_ydata())) < np.ptp(np.asarray(behind.get_ydata()))
+    plt.close("all")
