@@ -1,6 +1,44 @@
-"""Low-velocity impact on structures by anti-oscillator models.
+"""Low-velocity impact on structures: the force, its duration and the response, each with its error.
 
-The public names stand in ``__init__.pyi``; each is imported when it is first asked for.
+Each body, a finite-element mesh or its K and M, is reduced once to its anti-oscillator (AO) model
+at the point of contact (E. Jacquelin, *On the rigid projectile model for low velocity impacts*); an
+impact then takes milliseconds. Units are SI. Two steel balls at 1 m/s:
+
+>>> import aoimpact as ao
+>>> ball = ao.ball(radius=0.01, material=ao.Material(E=210e9, nu=0.3, rho=7800))
+>>> hit = ao.simulate(projectile=ball, target=ball, velocity=1.0)
+>>> round(hit.peak_force, 1), round(1e6 * hit.contact_duration, 1)  # N, µs
+(1001.5, 60.0)
+
+Bodies
+    Material, FEModel, read_mesh, read_matrices; ball, rigid
+    Mesh, box_mesh, sphere_mesh, paper_sphere_mesh; write_matrices, Audit
+    Rayleigh, ModalDamping
+Where they are touched
+    FEModel.contact, ContactPoint, Patch, check_patch, PatchCheck
+Models, from a rigid mass to all finite elements
+    rigid, antioscillators, modal, interface, full, KrylovSpace
+    AOModel, ModalModel, InterfaceModel, FullModel
+Contact laws
+    Hertz, Linear, PowerLaw, Tabulated, UserLaw, ContactLaw
+    HuntCrossley, LankaraniNikravesh, Flores, Gonthier, HerbertMcWhannell, LeeWang, Tsuji,
+    KuwabaraKono, KelvinVoigt, Thornton; restitution
+Impacts, scenes of many bodies, and what integrates them
+    simulate, Scene, Handle; Adaptive, Newmark; StressAt
+Results
+    Result, Run
+Many impacts, and files
+    sweep, SweepTable, simulate_many, iterate_many, read_scene, SceneFile
+What a test rig measures
+    LoadCell, Signal, read_signal, drop_weight, DropWeight, shock_spectrum, ShockSpectrum
+Which model, which solver
+    compare, Comparison, work_precision, WorkPrecision
+Errors
+    AOImpactError and InputError, InputTypeError, MeshError, SceneFileError, SingularError,
+    ConvergenceError, MemoryLimitError, MissingPackageError, WorkerError; AOImpactWarning
+
+On the command line: ``aoimpact run file.toml``, ``compare``, ``study``, ``paper``; ``--help`` has
+more. The documentation is a site: ``sphinx-build docs site``.
 """
 
 from importlib.metadata import version as _version
@@ -14,6 +52,7 @@ if _find_spec("aoimpact._core") is None:  # the source folder, seen before the i
         "install it (pip install .) and run from another folder, or use the command 'aoimpact'"
     )
 
+# The public names stand in __init__.pyi; each is imported when it is first asked for.
 __getattr__, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)
 
 __version__ = _version("aoimpact")

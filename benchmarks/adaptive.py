@@ -26,6 +26,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import math
 
+import numpy as np
 from cases import CASES, Case, Run, best_time, error_of, fastest, rigid_pair, tighten, tolerances
 from peers import (
     CVODE_METHODS,
@@ -217,12 +218,13 @@ def print_parts(case: Case) -> None:
         solver = ao.Adaptive(rtol=rtol)
         whole = best_time(lambda s=solver: ao.simulate(**scene, solver=s).peak_force)
         run = adaptive_run(plan, rtol=rtol)
-        times = run.times
+        times, even = run.times, np.linspace(0.0, run.duration, 400)
         parts = {
             "run": best_time(lambda r=rtol: adaptive_run(plan, rtol=r)),
             f"if asked for, {len(times)} samples": best_time(
                 lambda r=run, t=times: r.rows(t, True)
             ),
+            f"{len(even)} even samples": best_time(lambda r=run, t=even: r.rows(t, True)),
         }
         words = ", ".join(f"{name} {quantity(value, 's', 3)}" for name, value in parts.items())
         steps = f"{run.steps} steps and {run.rejected} in vain"

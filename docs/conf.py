@@ -50,8 +50,8 @@ numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
 sphinx_gallery_conf = {
-    "examples_dirs": [f"gallery/{name}" for name in ("start", "how_to")],
-    "gallery_dirs": ["start", "how-to"],
+    "examples_dirs": [f"gallery/{name}" for name in ("start", "how_to", "validation")],
+    "gallery_dirs": ["start", "how-to", "validation"],
     "filename_pattern": "/",
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
@@ -63,7 +63,7 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "write_computation_times": False,
     "download_all_examples": False,
-    "reset_modules": ("matplotlib", "sitetools.shown_warnings"),
+    "reset_modules": ("matplotlib", "sitetools.settle"),
 }
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from typing import Any
 
+from aoimpact.base import styled
 
-def shown_warnings(_conf: Any, _file: str) -> None:
-    """Let an example's warnings stand among what it prints."""
+
+def settle(_conf: Any, _file: str) -> None:
+    """Let an example's warnings stand among what it prints, and figures look as the package's."""
+    styled().__enter__()  # for this example: Matplotlib's settings are reset before the next
+    logging.getLogger("skfem").setLevel(logging.WARNING)
     warnings.showwarning = lambda message, kind, *_: print(f"{kind.__name__}: {message}")  # type: ignore[assignment]
 
 

@@ -32,14 +32,14 @@ class Named:
     def __call__(self, result: Any) -> dict[str, float]:
         """Return them; where models were chosen, with their errors and what was controlled.
 
-        These are called name + "_error" and name + "_controlled": 1 if the error is below the
-        tolerance, else 0.
+        These are called name + "_error", by all that is known (`ErrorEstimate.of`), and name +
+        "_controlled": 1 if the error by the models is below the tolerance, else 0.
         """
         kept = {}
         for name in self.names:
             kept[name] = _number(name, _look_up(result, name))
             if name in result.error.numbers:
-                kept[f"{name}_error"] = result.error.numbers[name]
+                kept[f"{name}_error"] = result.error.of(name)
                 kept[f"{name}{CONTROLLED}"] = float(result.error.controls(name))
         return kept
 

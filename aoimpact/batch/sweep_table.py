@@ -29,6 +29,7 @@ from ..base import (
     label,
     legend,
     optional_package,
+    quantity,
     scale_for,
     sequence,
     texts,
@@ -41,6 +42,9 @@ __all__ = ["SweepTable", "sweep_table"]
 
 # Rows that a printed table shows, and lines of a plot that a legend can name.
 _SHOWN, _MOST_LINES = 10, 12
+
+# Units of parameters of `simulate` that are numbers, for figures.
+_PARAMETERS = {"velocity": "m/s", "gap": "m", "duration": "s"}
 
 # Stands behind a number in a printed table that no tolerance controlled.
 _MARK = "*"
@@ -148,8 +152,8 @@ class SweepTable(Frozen):
         for named, values, heights in lines:
             style: dict[str, Any] = {"marker": "o", "markersize": 3, "label": named} | kwargs
             ax.plot(values, scale.factor * heights, **style)
-        ax.set_xlabel(along)
-        ax.set_ylabel(label(name, scale.unit))
+        ax.set_xlabel(label(along.replace("_", " "), _PARAMETERS.get(along, "")))
+        ax.set_ylabel(label(name.replace("_", " "), scale.unit))
         ax.grid(True, alpha=0.3)
         if 1 < len(lines) <= _MOST_LINES:
             legend(ax)
@@ -171,7 +175,7 @@ class SweepTable(Frozen):
         ]
         lines = []
         for rows in order.reshape(-1, self.shape[axis]):
-            named = ", ".join(f"{other}={_text(self.data[other][rows[0]])}" for other in others)
+            named = ", ".join(_setting(other, self.data[other][rows[0]]) for other in others)
             rows = rows[np.argsort(self.data[along][rows], kind="stable")]
             lines.append((named, self.data[along][rows], self.data[name][rows]))
         return lines
@@ -196,7 +200,7 @@ class SweepTable(Frozen):
             text += f", {len(self.errors)} failed; row {first}: {_message(self.errors[first])}"
         controlled = [self.data[name] for name in self.columns if name.endswith(CONTROLLED)]
         if any((column == 0.0).any() for column in controlled):
-            text += f"; {_MARK} not controlled by the tolerance: see its error"
+            text += f"; {_MARK} not controlled: models were chosen for another number"
         return text
 
     def __repr__(self) -> str:
@@ -300,6 +304,12 @@ def _text(value: Any) -> str:
     if isinstance(value, (bool, int, float, str)):
         return str(value)
     return str(getattr(value, "label", value))
+
+
+def _setting(name: str, value: Any) -> str:
+    """A parameter's value as a legend says it."""
+    unit = _PARAMETERS.get(name)
+    return f"{name} = {quantity(float(value), unit) if unit else _text(value)}"
 
 
 def _cell(value: Any) -> str:

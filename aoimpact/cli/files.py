@@ -89,10 +89,13 @@ def _saved(axes: Any, file: Path) -> Path:
     return file
 
 
+_ERRORS = "total", "mesh", "contact", "reduction", "time", "energy"
+
+
 def numbers(result: Result | Run, quantities: Sequence[str]) -> dict[str, Any]:
     """Return what JSON can hold of a result; null where a number is not known."""
     kept: Any = keeper(quantities) if quantities else None
-    errors = {name: getattr(result.error, name) for name in ("reduction", "time", "energy")}
+    errors = {name: getattr(result.error, name) for name in _ERRORS}
     return {
         "quantities": _finite(kept(result) if quantities else {}),
         "bodies": list(_run(result).names),

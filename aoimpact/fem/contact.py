@@ -39,7 +39,7 @@ from ..mesh import Mesh, Surface, surface_shape
 from .composition import AnyMaterial
 from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
-from .labels import labelled_rows
+from .labels import labelled_rows, one_node
 from .material import Material
 from .mechanism import Mechanism
 from .patch import Patch
@@ -98,7 +98,7 @@ class Body(Protocol):
     @property
     def material(self) -> AnyMaterial | None: ...
     @property
-    def attached(self) -> IntArray: ...
+    def attached(self) -> IntArray | None: ...
     @property
     def surface(self) -> Surface | None: ...
     @property
@@ -267,10 +267,14 @@ class ContactPoint(Frozen):
         if self.point is None or self.direction is None:
             dofs = np.flatnonzero(self.b)
             where = f"dof {dofs[0]}" if len(dofs) == 1 else f"functional of {len(dofs)} dofs"
+            label = None if self.body.labels is None else one_node(self.body.labels, self.b)
+            where = where if label is None else f"node {label}, {where}"
             return f"ContactPoint({where} of {body})"
         where = ", ".join(f"{x:.4g}" for x in self.point)
         along = ", ".join(f"{x:.4g}" for x in self.direction)
         what = "point" if self.node is None else f"node {self.node}"
+        if self.node is not None and self.body.labels is not None:
+            what = f"node {one_node(self.body.labels, self.b)}"
         if self.patch is not None:
             what = f"patch of radius {self.patch.radius:.4g} m on {self.patch.faces} faces"
         return f"ContactPoint({what} at ({where}) m along ({along}) of {body})"

@@ -5,13 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray
+from ..base import FloatArray, InputError, InputTypeError, IntArray, plain
 
-__all__ = ["axes_of", "checked_labels", "labelled_rows", "missing_node"]
+__all__ = ["axes_of", "checked_labels", "labelled_rows", "missing_node", "node_numbers", "one_node"]
 
 # Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
 _MOST = 6
+
+# Of the body's size, what decks print of coordinates.
+_SAME_PLACE = 1e-5
 
 
 def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
@@ -72,6 +76,32 @@ def labelled_rows(labels: IntArray, node: int) -> IntArray:
     if not len(rows):
         raise missing_node(labels, node)
     return rows
+
+
+def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: float) -> IntArray:
+    """Return which node of a mesh each of some nodes is, by its place.
+
+    Raises
+    ------
+    InputError
+        If one is none, or two are the same.
+    """
+    gap, found = scipy.spatial.cKDTree(of_mesh).query(nodes[which])
+    if gap.max() > _SAME_PLACE * size:
+        worst = int(which[gap.argmax()])
+        raise InputError(
+            f"mesh: node {worst} of the body, at {plain(nodes[worst])} m, is {gap.max():.3g} m "
+            "from the nearest node of the mesh: is it the same model, and both in metres?"
+        )
+    if len(np.unique(found)) < len(np.unique(which)):
+        raise InputError("mesh: two nodes of the body lie where the mesh has one")
+    return np.asarray(found, dtype=np.int64)
+
+
+def one_node(labels: IntArray, b: FloatArray) -> int | None:
+    """Return the label of the node on which alone a functional is; None if it is on several."""
+    nodes = np.unique(labels[b != 0.0, 0])
+    return int(nodes[0]) if len(nodes) == 1 else None
 
 
 def missing_node(labels: IntArray, node: int) -> InputError:

@@ -57,7 +57,7 @@ from .audit import Audit, audited
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
-from .labels import axes_of, checked_labels
+from .labels import axes_of, checked_labels, node_numbers
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
@@ -124,7 +124,7 @@ class FEModel(Frozen):
     # (n_dofs, 3): column c is M g_c on the free dofs, with g_c the translation of all nodes.
     _momentum: FloatArray | None = field(init=False, default=None)
     # Nodes with added masses or springs, which so carry traction.
-    attached: IntArray = field(init=False, default_factory=lambda: np.empty(0, dtype=np.int64))
+    attached: IntArray | None = field(init=False, default=None)
     # (n_dofs,): springs to the ground, N/m, that K contains.
     _springs: FloatArray | None = field(init=False, default=None)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
@@ -213,6 +213,7 @@ class FEModel(Frozen):
 
         Examples
         --------
+        >>> from aoimpact.fem import Material
         >>> from aoimpact.mesh import box_mesh
         >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
         >>> FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
@@ -256,6 +257,54 @@ class FEModel(Frozen):
         model._set(_springs=stiffer, attached=attached)
         if surface is not None:
             model._set(surface=surface)
+        return model
+
+    def with_mesh(
+        self,
+        mesh: str | os.PathLike[str] | Mesh | Any,
+        material: OneMaterial | Mapping[str, OneMaterial],
+    ) -> FEModel:
+        """Return this body, its K and M, with the mesh that its nodes are those of.
+
+        What belongs to a surface is then known: patches, Hertz's law, stress. For matrices of
+        another program.
+
+        Parameters
+        ----------
+        mesh : path, meshio.Mesh or Mesh
+            In metres. Its nodes are found by where they are; those that no row of K belongs to are
+            constrained.
+        material : Material, Orthotropic, or mapping of str to these
+            As for `from_mesh`, for contact and stress; K and M stay as they are.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If the body has no nodes, one of them is not a node of the mesh, or `material` is none.
+        MeshError
+            If the mesh cannot be read.
+
+        Examples
+        --------
+        >>> from aoimpact.mesh import box_mesh
+        >>> from aoimpact.fem import Material
+        >>> bar, steel = box_mesh((0.1, 0.01, 0.01), (10, 1, 1)), Material(210e9, 0.3, 7800)
+        >>> made = FEModel.from_mesh(bar, steel)
+        >>> FEModel(K=made.K, M=made.M, nodes=bar.nodes).with_mesh(bar, steel)
+        FEModel(132 dofs, 44 nodes, 10 hexahedron, 0.078 kg, free)
+        """
+        if self.nodes is None or self.free is None:
+            raise InputError("with_mesh: this body has no nodes; give FEModel(nodes=)")
+        solid = read_mesh(mesh)
+        made_of = materials_of(solid, material)
+        node, component = np.divmod(self.free, 3)
+        numbers = np.arange(len(self.nodes))
+        numbers[node] = node_numbers(self.nodes, node, solid.nodes, solid.size)
+        free = 3 * numbers[node] + component
+        model = object.__new__(type(self))
+        model._set(K=self.K, M=self.M, nodes=solid.nodes, free=free, labels=self.labels)
+        model._set(mass=self.mass, _momentum=self._momentum, mesh=solid, material=made_of)
+        model._set(damping=self.damping, name=self.name)
         return model
 
     @property

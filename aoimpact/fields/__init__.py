@@ -1,6 +1,7 @@
 """The whole body in a run: displacement and stress over time, pictures, files."""
 
 from .fields import Field, Probe
+from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
 from .response import Response
 from .stress import Stress
@@ -8,10 +9,13 @@ from .stresserror import energy_error, missing_energy
 
 __all__ = [
     "Field",
+    "MovingBody",
     "Probe",
     "Response",
     "Stress",
     "energy_error",
     "missing_energy",
+    "movie_path",
     "response_of",
+    "write_movie",
 ]

@@ -66,7 +66,7 @@ def plot_deformed(
     drawn.set_array(pressure.factor * np.array([von_mises[face].mean() for face in faces]))
     ax.add_collection3d(drawn)
     _frame(ax, places, length.unit)
-    ax.set_title(f"t = {quantity(time, 's')}, deformation × {factor:.3g}")
+    ax.set_title(f"t = {quantity(time, 's')}, displacement × {float(f'{factor:.3g}'):g}")
     label = f"von Mises stress ({pressure.unit})"
     ax.figure.colorbar(drawn, ax=ax, label=label, shrink=0.7, pad=0.15)
     return ax
@@ -104,4 +104,4 @@ def _frame(ax: Axes3D, places: FloatArray, unit: str) -> None:
         axis.set_view_interval(middle[i] - 0.5 * span[i], middle[i] + 0.5 * span[i], ignore=True)
         axis.set_major_locator(MaxNLocator(max(1, round(_MOST_TICKS * span[i] / longest))))
         axis.set_label_text(f"{'xyz'[i]} ({unit})")
-    ax.set_box_aspect(span)
+    ax.set_box_aspect(span, zoom=0.88)  # labels of the axes have room

@@ -14,7 +14,7 @@ import numpy as np
 from ..base import FloatArray, InputError, choice, heard, integer, warn
 from ..fem import AnyMaterial, Body
 from ..mesh import Mesh
-from . import deformed, vtu
+from . import deformed, movie, vtu
 from .stress import Stress, gauss_stress, nodal_stress
 
 if TYPE_CHECKING:
@@ -182,6 +182,42 @@ class Field:
             moved = moved - moved.mean(axis=0)
         time = float(self.times[number])
         return deformed.plot_deformed(mesh, moved, colour, time, ax, scale=scale, **kwargs)
+
+    def movie(
+        self, path: str | os.PathLike[str], *, scale: float | None = None, fps: float = 15.0
+    ) -> Path:
+        """Write a movie of the body, a frame a time, coloured by von Mises' stress.
+
+        The mean displacement of a body without supports is left out, as in `plot`. `Result.movie`
+        shows both bodies of an impact.
+
+        Parameters
+        ----------
+        path : path
+            Ending in .gif or .mp4.
+        scale : float, optional
+            How many times displacements are enlarged; by itself so that they are visible.
+        fps : float, optional
+            Frames a second.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        MissingPackageError
+            If PyVista or, for .mp4, imageio and imageio-ffmpeg are not installed.
+        InputError
+            If the body has no elements, or the path is no place for a movie.
+        """
+        mesh, _ = solid(self.body, "movie")
+        moved = self.displacement
+        if self.body.n_dofs == moved[0].size:
+            moved = moved - moved.mean(axis=1, keepdims=True)
+        drawn = movie.MovingBody.of_mesh(mesh, moved, self.stress().von_mises)
+        down = np.array([0.0, 0.0, -1.0])
+        return movie.write_movie(path, [drawn], self.times, down=down, scale=scale, fps=fps)
 
 
 def warn_if_wrong(times: FloatArray, error: FloatArray | None) -> None:

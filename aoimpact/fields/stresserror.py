@@ -114,7 +114,8 @@ def _free_of_traction(
     supported = np.ones(3 * len(loaded), dtype=bool)
     supported[body.free] = False
     kept = loaded | supported.reshape(-1, 3).any(axis=1)
-    kept[body.attached] = True
+    if body.attached is not None:
+        kept[body.attached] = True
     kept = kept[places.node]
     several = len(places.key) > len(loaded)
     normals = surface.normals_at(places.cells, len(places.key)) if several else surface.node_normals

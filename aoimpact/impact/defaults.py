@@ -17,7 +17,16 @@ from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
 from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel, touched
 
-__all__ = ["Meeting", "chosen_law", "fitted", "fitted_pair", "meeting", "turned", "turns"]
+__all__ = [
+    "Meeting",
+    "chosen_law",
+    "fitted",
+    "fitted_pair",
+    "mass_of",
+    "meeting",
+    "turned",
+    "turns",
+]
 
 # A contact lasts about three times its depth over the speed: 2.94 by Hertz's law (Johnson,
 # eq. 11.25), π by a linear one.
@@ -136,7 +145,7 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
     velocity : float
         At which they meet, m/s.
     """
-    masses = [_mass(body) for body in bodies]
+    masses = [mass_of(body) for body in bodies]
     if velocity == 0.0 or all(math.isinf(mass) for mass in masses):
         return None
     energy = 0.5 * velocity**2 / math.fsum(1.0 / mass for mass in masses)
@@ -148,8 +157,8 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
     return Meeting(_DURATION_OVER_DEPTH * depth / abs(velocity), wide)
 
 
-def _mass(body: BodyModel) -> float:
-    """What moves at least as much as the static mass, kg; infinite of what is held."""
+def mass_of(body: BodyModel) -> float:
+    """Return what moves at least as much as the static mass, kg; infinite of what is held."""
     if isinstance(body, AOModel):
         return math.inf if body.constrained else body.static_mass
     of = body.body

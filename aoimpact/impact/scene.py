@@ -28,7 +28,7 @@ from ..reduction import BodyModel, FullModel, body_model, touched
 from ..results import Handle, Run
 from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
-from .defaults import Meeting, chosen_law, fitted, meeting, turned, turns
+from .defaults import Meeting, chosen_law, fitted, mass_of, meeting, turned, turns
 from .run import RunOptions, run_models
 
 __all__ = ["Scene", "SceneCase"]
@@ -341,31 +341,60 @@ class Scene:
     def _record(self, length: float | None) -> Record:
         if length is not None:
             return Record(length, given=True)
-        times = [met.contact_time for contact in self._contacts if (met := self._meeting(contact))]
+        fastest = self._fastest
+        meetings = [self._meeting(contact, fastest) for contact in self._contacts]
+        times = [met.contact_time for met in meetings if met]
         if not times:
             raise InputError(
-                "duration was left out, and cannot be foreseen where nothing meets; give it"
+                "duration was left out, and cannot be foreseen: no velocity, gravity or constant "
+                "force brings bodies that have a contact towards each other; give it"
             )
+        ways = [time for contact in self._contacts if (time := self._way(contact)[0]) < math.inf]
         gaps = max(contact.gap for contact in self._contacts)
-        return Record(max(times) + gaps / self._spread, given=False)
+        return Record(max(times) + max([*ways, gaps / fastest]), given=False)
 
     @property
-    def _spread(self) -> float:
-        """The largest difference of velocities, m/s."""
-        return max(self._velocities) - min(self._velocities)
+    def _fastest(self) -> float:
+        """The largest speed, m/s, at which bodies of the scene may meet first."""
+        spread = max(self._velocities) - min(self._velocities)
+        return max([spread, *(self._way(contact)[1] for contact in self._contacts)])
 
-    def _meeting(self, contact: Contact) -> Meeting | None:
+    def _way(self, contact: Contact) -> tuple[float, float]:
+        """When the bodies of a contact meet, s, and how fast, m/s, as rigid bodies by themselves.
+
+        Their distance is closed by v t + a t²/2, so they meet at √(v² + 2 a gap).
+        """
+        first, second = contact.first, contact.second
+        speed = self._velocities[first] - self._velocities[second]
+        pull = self._acceleration(first) - self._acceleration(second)
+        square = speed**2 + 2.0 * pull * contact.gap
+        if square < 0.0 or (meets := math.sqrt(square)) + speed <= 0.0:
+            return math.inf, 0.0
+        return 2.0 * max(contact.gap, 0.0) / (meets + speed), meets
+
+    def _acceleration(self, body: int) -> float:
+        """Of a body by gravity and constant forces, m/s²; 0 of what is held."""
+        model = self._bodies[body]
+        if math.isinf(mass := mass_of(model)):
+            return 0.0
+        forces = (load.forces[0] for load in self._loads if load.body == body)
+        return self.gravity + math.fsum(forces) / mass
+
+    def _meeting(self, contact: Contact, speed: float) -> Meeting | None:
         bodies = [self._bodies[body] for body, _ in contact.ports]
-        return meeting(own_law(contact.law), bodies, self._spread)
+        return meeting(own_law(contact.law), bodies, speed)
 
     def _fitted(self) -> list[BodyModel]:
         """The bodies with the patches that suit their contacts, where these were left open."""
         bodies = list(self._bodies)
         known: dict[tuple[BodyModel, int], BodyModel] = {}
+        if not any(isinstance(body, FullModel) for body in bodies):
+            return bodies
+        fastest = self._fastest
         for contact in self._contacts:
             if not any(isinstance(bodies[body], FullModel) for body, _ in contact.ports):
                 continue
-            met = self._meeting(contact)
+            met = self._meeting(contact, fastest)
             for body, port in contact.ports:
                 key = bodies[body], port
                 if key not in known:

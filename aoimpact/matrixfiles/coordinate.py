@@ -102,18 +102,18 @@ def _entries(
     """Rows and columns from 0, and values, of lines that have them from 1."""
     parts = []
     read = 0
-    for table in blocks(file, stream, 2, _ENTRY, before=before):
-        places = table[:, :2].astype(np.int64)
-        wrong = np.flatnonzero(((places < 1) | (places > (most or 2**31))).any(axis=1))
-        if len(wrong):
-            row, col = places[wrong[0]]
+    limit = most or 2**31
+    for row, col, value in blocks(file, stream, 2, _ENTRY, before=before):
+        if min(row.min(), col.min()) < 1 or max(row.max(), col.max()) > limit:
+            wrong = (row < 1) | (row > limit) | (col < 1) | (col > limit)
+            first = int(np.flatnonzero(wrong)[0])
             raise spoilt(
                 file,
-                f"entry {read + wrong[0] + 1} is of row {row}, column {col}, which should be from "
-                f"1 to {most or 'the number of dofs'}",
+                f"entry {read + first + 1} is of row {row[first]}, column {col[first]}, which "
+                f"should be from 1 to {most or 'the number of dofs'}",
             )
-        parts.append((places[:, 0] - 1, places[:, 1] - 1, table[:, 2].copy()))
-        read += len(table)
+        parts.append((row - 1, col - 1, value))
+        read += len(row)
     if not parts:
         raise spoilt(file, "it has no entries: it is cut short")
     rows, cols, values = (np.concatenate(part) for part in zip(*parts, strict=True))
@@ -124,7 +124,7 @@ def _dense(
     file: Path, stream: BinaryIO, n: int, triangle: bool, before: int
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """All numbers of a matrix, column by column, of a triangle from the diagonal down."""
-    parts = [block.ravel() for block in blocks(file, stream, 0, "a number", before=before)]
+    parts = [block[0] for block in blocks(file, stream, 0, "a number", before=before)]
     values = np.concatenate([np.zeros(0), *parts])
     cols, rows = np.triu_indices(n) if triangle else np.divmod(np.arange(n * n), n)
     if len(values) != len(rows):  # refused by the caller

@@ -127,7 +127,10 @@ def symmetric(found: Found, size: int) -> sp.csr_array:
             "say general, or leave one of the triangles out",
         )
     largest = float(np.abs(found.values).max(initial=0.0))
-    if paired < off and float(np.abs((matrix - matrix.T).data).max()) > _ROUNDING * largest:
+    if (
+        paired < off
+        and float(np.abs((matrix - matrix.T).data).max(initial=0.0)) > _ROUNDING * largest
+    ):
         raise spoilt(
             found.file,
             f"of {off} entries off the diagonal {off - paired} are there without the transposed "

@@ -39,17 +39,17 @@ def read_nodal(file: Path, size: int) -> list[Found]:
     with file.open("rb") as stream:
         first = next(line for line in stream if line.strip() and not line.startswith(b"*"))
         stream.seek(0)
-        for table in blocks(file, stream, 4, _WHAT, comma=b"," in first, comments="*"):
-            labels = table[:, :4].astype(np.int64)
-            wrong = (labels[:, 1::2] < 0) | (labels[:, 1::2] >= _COMPONENTS)
-            if wrong.any() or np.abs(labels).max() >= _LARGEST_NODE:
+        for node, c, other, d, value in blocks(
+            file, stream, 4, _WHAT, comma=b"," in first, comments="*"
+        ):
+            wrong = min(c.min(), d.min()) < 0 or max(c.max(), d.max()) >= _COMPONENTS
+            if wrong or max(np.abs(node).max(), np.abs(other).max()) >= _LARGEST_NODE:
                 raise spoilt(
                     file,
                     f"a component is not within 0 … {_COMPONENTS - 1}, or a node too large: are "
                     "its columns mixed up?",
                 )
-            of_row, of_col = label_codes(labels[:, :2]), label_codes(labels[:, 2:])
-            parts.append((of_row, of_col, table[:, 4].copy()))
+            parts.append((node * _COMPONENTS + c, other * _COMPONENTS + d, value))
     rows, cols, values = (np.concatenate(part) for part in zip(*parts, strict=True))
     codes, places = np.unique(np.concatenate([rows, cols]), return_inverse=True)
     labels = np.stack([codes // _COMPONENTS, codes % _COMPONENTS], axis=1)

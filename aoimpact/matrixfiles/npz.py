@@ -6,6 +6,7 @@ import math
 import zipfile
 import zlib
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ def read_npz(file: Path, size: int) -> list[Found]:
             arrays = {name: archive[name] for name in archive.files}
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, KeyError) as error:
         raise spoilt(file, f"it is no archive of NumPy, or cut short: {error}") from None
-    except (ValueError, NotImplementedError, TypeError, SyntaxError) as error:
+    except (ValueError, NotImplementedError, TypeError, SyntaxError, TokenError) as error:
         raise spoilt(file, f"its arrays cannot be read: {error}") from None
     if "format" in arrays:
         return [_found(file, "", _sparse(file, arrays))]

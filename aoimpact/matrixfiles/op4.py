@@ -90,6 +90,8 @@ def read_op4(file: Path, size: int) -> list[Found]:
         return list(_Binary(file, content).matrices() if _binary(content) else _text(file, content))
     except (struct.error, IndexError):
         raise spoilt(file, "it ends within a matrix: it is cut short") from None
+    except OverflowError:
+        raise spoilt(file, "a count or row in it is beyond any") from None
 
 
 # ------------------------------------------------------------------------------- binary
@@ -243,6 +245,7 @@ class _Text:
     def __init__(self, file: Path, lines: list[bytes], at: int) -> None:
         self._file, self._lines, self.at = file, lines, at
         self._parts: list[bytes] = []
+        self._ends: list[int] = []  # the line at which each ends
         self._numbers = 0
 
     def matrix(self) -> Found:
@@ -272,9 +275,19 @@ class _Text:
         _check(self._wrong, name, strings, abs(n_rows), kind)
         try:
             numbers = _Printed(self._parts, self._width)
-        except ValueError as error:
-            raise spoilt(self._file, f"{name}: {error}") from None
+        except ValueError:
+            raise self._no_number() from None
         return strings.found(self._file, name, kind, (abs(n_rows), n_cols), numbers)
+
+    def _no_number(self) -> InputError:
+        """The error at the first string of numbers that are none."""
+        for part, line in zip(self._parts, self._ends, strict=True):
+            try:
+                _Printed([part], self._width)
+            except ValueError:
+                found = part[: self._per_line * self._width].decode("latin-1")
+                return spoilt(self._file, f"numbers should stand here, got {found!r}", line)
+        return spoilt(self._file, "its numbers cannot be read")
 
     def _sparse(self, strings: _Strings, col: int, big: bool) -> int:
         """Take a string of a sparse column; return its words."""
@@ -291,6 +304,7 @@ class _Text:
     def _string(self, strings: _Strings, row: int, col: int, count: int) -> None:
         strings.add(self._numbers, row, col, count)
         self._parts.append(self._take(count))
+        self._ends.append(self.at)
         self._numbers += count
 
     def _take(self, count: int) -> bytes:

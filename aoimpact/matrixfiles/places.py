@@ -50,7 +50,8 @@ def read_places(nodes: Any) -> Places:
         return _labelled(None, array)
     file = file_path("nodes", nodes)
     existing(file)
-    head = file.open("rb").read(4096)
+    with file.open("rb") as stream:
+        head = stream.read(4096)
     if b"\0" not in head:
         text = file.read_text(encoding="latin-1")
         for read in (_abaqus, _nastran, _table):
@@ -85,6 +86,8 @@ def _abaqus(file: Path, text: str) -> FloatArray | None:
         for line in block.splitlines()
         if line.strip() and not line.startswith("**")
     ]
+    if not lines:
+        raise spoilt(file, "its *NODE has no nodes")
     rows = [[one.strip() for one in line.split(",")][:4] for line in lines]
     return _numbers(file, [row + ["0"] * (4 - len(row)) for row in rows])
 

@@ -23,8 +23,9 @@ from ..base import (
     positive,
     warn,
 )
-from ..fem import Damping, FEModel, audited, checked_labels
+from ..fem import Damping, FEModel, Material, audited, checked_labels
 from ..linalg import factorize
+from ..mesh import read_mesh
 from .dofs import read_dofs
 from .formats import read_file
 from .found import Found, spoilt, symmetric
@@ -71,6 +72,8 @@ def read_matrices(
     nodes: Any = None,
     length: float = 1.0,
     mass: float = 1.0,
+    mesh: Any = None,
+    material: Material | None = None,
     damping: Damping | None = None,
     name: str = "",
 ) -> FEModel:
@@ -99,6 +102,12 @@ def read_matrices(
     length, mass : float, optional
         The files' units, in m and kg: millimetres and tonnes (with N and s) are ``length=1e-3,
         mass=1e3``. The unit of time is the second.
+    mesh : path, meshio.Mesh or Mesh, optional
+        A mesh file in the files' unit (or a mesh in metres) whose nodes are those of the matrices,
+        by their places; with the `material` of its surface. Then the contact is a patch of the
+        surface, the law may be left out, and there are stresses, as of `FEModel.from_mesh`. Where
+        `nodes` is left out they are this file's.
+    material : Material, optional
     damping : Rayleigh or ModalDamping, optional
     name : str, optional
 
@@ -133,6 +142,8 @@ def read_matrices(
     FEModel(108 dofs, 36 nodes, 27 kg, free)
     """
     units = _unit("length", length, "m"), _unit("mass", mass, "kg")
+    if (mesh is None) != (material is None):
+        raise InputTypeError("mesh and material, of the surface: give both or none")
     stiffness, inertia = _chosen(K, M)
     with _naming("dofs"):
         labels = _labels(dofs, stiffness, inertia)
@@ -140,11 +151,31 @@ def read_matrices(
     _check_order(pair)
     pair = _condensed(_scaled(pair, *units))
     with _naming("nodes"):
-        places = None if nodes is None else read_places(nodes)
+        places = _places(nodes, mesh, units[0])
     body = _body(pair, places, units[0], damping, name)
+    if mesh is not None and material is not None:
+        with _naming("mesh"):
+            scaled = isinstance(mesh, (str, os.PathLike))
+            solid = read_mesh(mesh, scale=units[0]) if scaled else read_mesh(mesh)
+            try:
+                body = body.with_mesh(solid, material)
+            except InputError as error:
+                raise InputError(
+                    f"{error} It lies there by nodes and length={units[0]:g}"
+                ) from error
     for doubt in audited(body, frequencies=0).doubts:
         warn(f"{pair.called}: {doubt}")
     return body
+
+
+def _places(nodes: Any, mesh: Any, length: float) -> Places | None:
+    """Where the nodes are, in the files' unit: as given, or those of the mesh."""
+    if nodes is not None or mesh is None:
+        return None if nodes is None else read_places(nodes)
+    if isinstance(mesh, (str, os.PathLike)):
+        return read_places(mesh)
+    solid = read_mesh(mesh)
+    return np.arange(1, solid.n_nodes + 1), solid.nodes / length
 
 
 def _unit(name: str, value: float, unit: str) -> float:
@@ -407,4 +438,4 @@ def _coordinates(pair: _Pair, places: Places, length: float) -> dict[str, Any]:
 
 def _moves_without(pair: _Pair) -> bool:
     """Whether nodes that have no rows hold nothing: a body that is free does not feel them."""
-    return FEModel(K=pair.K, M=pair.M, labels=pair.labels).mass is not None
+    return _body(pair, None, 1.0, None, "").mass is not None

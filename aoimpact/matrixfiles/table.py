@@ -11,7 +11,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from ..base import FloatArray, InputError
+from ..base import InputError
 from .found import spoilt
 
 __all__ = ["NUMBER", "blocks", "shown"]
@@ -20,9 +20,6 @@ NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 # Lines parsed at a time.
 _LINES = 2_000_000
-
-# Integers that a double holds.
-_EXACT = 2**53
 
 
 def blocks(
@@ -34,8 +31,8 @@ def blocks(
     before: int = 0,
     comma: bool = False,
     comments: str | None = None,
-) -> Iterator[FloatArray]:
-    """Yield the numbers of the lines that follow, shape (lines, integers + 1), in blocks.
+) -> Iterator[list[np.ndarray]]:
+    """Yield the columns of the lines that follow, the integers and the value, in blocks.
 
     Parameters
     ----------
@@ -55,33 +52,29 @@ def blocks(
     InputError
         At the first line that is something else.
     """
-    columns = integers + 1
+    # Whole numbers are parsed as such: that is twice as fast, and refuses others.
+    kind = np.dtype([*((f"i{i}", np.int64) for i in range(integers)), ("value", np.float64)])
     lines = chain(stream)
     while True:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of no data, at the end
-                table: FloatArray = np.loadtxt(
+                table = np.loadtxt(
                     lines,
+                    dtype=kind,
                     comments=comments,
                     delimiter="," if comma else None,
                     max_rows=_LINES,
-                    ndmin=2,
+                    ndmin=1,
                     encoding="latin-1",
                 )
         except (ValueError, OverflowError, RuntimeError) as error:
             raise _located(file, integers, what, before, comma, comments, str(error)) from None
         if not table.size:
             return
-        whole = table[:, :integers]
-        if (
-            table.shape[1] != columns
-            or not np.isfinite(table).all()
-            or (whole != np.floor(whole)).any()
-            or (integers and np.abs(whole).max() >= _EXACT)
-        ):
-            raise _located(file, integers, what, before, comma, comments, "its numbers are wrong")
-        yield table
+        if not np.isfinite(table["value"]).all():
+            raise _located(file, integers, what, before, comma, comments, "one is not finite")
+        yield [np.ascontiguousarray(table[name]) for name in kind.names or ()]
 
 
 def _located(

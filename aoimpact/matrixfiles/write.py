@@ -38,8 +38,10 @@ def write_matrices(
     dict
         The files written: ``"K"`` and ``"M"`` (symmetric, the lower triangle, 17 digits), ``"b"``
         (a dense column); of bodies whose rows are known ``"dofs"`` (row, node, UX … ROTZ) and
-        ``"nodes"`` (node, x, y, z, m); of an AO model ``"json"`` (see `AOModel.to_json`). All but
-        the last are what `read_matrices` takes.
+        ``"nodes"`` (node, x, y, z, m): what `read_matrices` takes. Of an AO model ``"json"``, see
+        `AOModel.to_json`, and ``"deck"``: its masses and springs, along x, as elements MASS,
+        SPRING1 and SPRING2 for CalculiX and Abaqus, node 1 the contact; include it in a model
+        with ``*INCLUDE``.
 
     Raises
     ------
@@ -55,7 +57,7 @@ def write_matrices(
     >>> star = AOModel(m0=0.1, k0=1e6, m=[0.5], k=[2e6])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     print(sorted(write_matrices(star, folder)))
-    ['K', 'M', 'b', 'json']
+    ['K', 'M', 'b', 'deck', 'json']
     """
     if isinstance(what, AOModel):
         matrices: dict[str, Any] = dict(zip("KMb", what.matrices(), strict=True))
@@ -76,6 +78,8 @@ def write_matrices(
     if isinstance(what, AOModel):
         files["json"] = path / "model.json"
         what.to_json(files["json"])
+        files["deck"] = path / "star.inp"
+        files["deck"].write_text(_deck(what))
     if body is not None:
         files |= _write_rows(body, path)
     return files
@@ -88,6 +92,23 @@ def _write_market(file: Path, matrix: Any) -> None:
         return
     with file.open("wb") as stream:
         scipy.io.mmwrite(stream, sp.coo_array(matrix), precision=_DIGITS, symmetry="symmetric")
+
+
+def _deck(star: AOModel) -> str:
+    """The star as point masses and springs; CalculiX reads a point and 20 characters."""
+    places = range(1, star.n + 2)
+    lines = ["** An AO model: the contact is node 1, and all move along x.", "*NODE, NSET=STAR"]
+    lines += [f"{i}, 0., 0., 0." for i in places]
+    for i, mass in zip(places, [star.m0, *star.m], strict=True):
+        if mass > 0.0:
+            lines += [f"*ELEMENT, TYPE=MASS, ELSET=M{i}", f"{i}, {i}"]
+            lines += [f"*MASS, ELSET=M{i}", f"{mass:.13e}"]
+    for i, stiffness in zip(places, [star.k0, *star.k], strict=True):
+        if stiffness > 0.0:
+            ends, dofs = ("1", "1") if i == 1 else (f"1, {i}", "1, 1")
+            lines += [f"*ELEMENT, TYPE=SPRING{min(i, 2)}, ELSET=K{i}", f"{star.n + 1 + i}, {ends}"]
+            lines += [f"*SPRING, ELSET=K{i}", dofs, f"{stiffness:.13e}"]
+    return "\n".join([*lines, "*BOUNDARY", "STAR, 2, 3", ""])
 
 
 def _write_rows(body: Any, path: Path) -> dict[str, Path]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import COLOURS, styled
+from ..base import COLOURS, legend, styled
 from .beam import BeamStudy
 from .sketch import draw_sketch
 from .sphere import (
@@ -75,7 +75,7 @@ def figure_3(study: SphereStudy) -> Figure:
     printed_line(ax, 811.5, "paper, full 811.5 N")
     printed_line(ax, 999.9, "paper, rigid 999.9 N")
     ax.set(xlim=(0, 100), ylim=(0, 1100))
-    ax.legend(loc="center right")
+    legend(ax)
     return figure
 
 
@@ -103,7 +103,7 @@ def figure_4(study: SphereStudy) -> Figure:
     right.axhline(0.0, color="black", linewidth=0.8)
     right.set(xlabel="number of modes", ylabel="difference from the full model (%)")
     right.grid(True, alpha=0.3)
-    right.legend()
+    legend(right)
     return figure
 
 
@@ -144,14 +144,14 @@ def figure_7(study: SphereStudy) -> Figure:
     left.plot(1e6 * depth, LAW.force(depth), color="black", label="Hertz's law")
     left.set(xlabel="approach (µm)", ylabel="contact force (N)", xlim=(0, 45), ylim=(0, 2000))
     left.grid(True, alpha=0.3)
-    left.legend()
+    legend(left)
     speeds = list(study.by_speed)
     ratios = [local_over_nonlocal(hit) for hit in study.by_speed.values()]
     right.loglog(speeds, ratios, "o-", color=COLOURS[0], label="at the peak")
     right.plot([1e-4], [200], "x", color="black", markersize=8, label="the paper")
     right.set(xlabel="velocity (m/s)", ylabel="local / nonlocal deformation energy")
     right.grid(True, which="both", alpha=0.3)
-    right.legend()
+    legend(right)
     return figure
 
 
@@ -169,7 +169,7 @@ def figure_8(study: BeamStudy) -> Figure:
     label = f"share of the static mass, {1e3 * study.star.static_mass:.0f} g (%)"
     ax.set(xlabel="anti-oscillator", ylabel=label, ylim=(0, 110), xlim=(0, 29))
     ax.grid(True, alpha=0.3)
-    ax.legend(loc="center right", bbox_to_anchor=(1.0, 0.33))
+    legend(ax)
     return figure
 
 
@@ -184,7 +184,7 @@ def figure_9(study: BeamStudy) -> Figure:
     )
     study.rigid_short.plot_force(ax, during="record", label="rigid sphere", **RIGID)
     ax.set(xlim=(0, 200), ylim=(0, None))
-    ax.legend(loc="upper right")
+    legend(ax)
     return figure
 
 
@@ -206,7 +206,7 @@ def figure_10(study: BeamStudy) -> Figure:
     printed_line(ax, 25.0, "paper, beam 25 µm")
     ax.set(xlabel="time (µs)", ylabel="displacement (µm)", xlim=(0, 200))
     ax.grid(True, alpha=0.3)
-    ax.legend()
+    legend(ax)
     return figure
 
 
@@ -224,7 +224,7 @@ def figure_11(study: BeamStudy) -> Figure:
         ax.plot(1e3 * hit.t, 1e6 * hit.target.centre_displacement, label=name, **style)
     ax.set(xlabel="time (ms)", ylabel="displacement (µm)", xlim=(0, 20))
     ax.grid(True, alpha=0.3)
-    ax.legend()
+    legend(ax)
     return figure
 
 
@@ -249,7 +249,7 @@ def figure_mesh(study: SphereStudy, cases: dict[float, MeshCase]) -> Figure:
     right.axhline(RESOLVED_FORCE, color="black", linewidth=1.2, label="resolved contact")
     right.axhline(study.rigid.peak_force, **RIGID, label="rigid masses")
     right.set(xlabel="nodes", ylabel="peak force (N)", ylim=(0, 1100))
-    right.legend(loc="lower left")
+    legend(right)
     for ax in (left, right):
         ax.set_xticks([300, 1000, 3000, 10000], ["300", "1000", "3000", "10 000"])
         ax.minorticks_off()

@@ -28,6 +28,10 @@ __all__ = [
 ]
 
 
+# Errors below this share are rounding.
+_ROUNDING = 1e-9
+
+
 @dataclass(frozen=True, eq=False)
 class BodyEnergy(Frozen):
     """Energy of one body over time [J].
@@ -280,7 +284,7 @@ class LeftOut:
     contact_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ErrorEstimate:
     """What is known of the error, relative; None where nothing is.
 
@@ -329,7 +333,7 @@ class ErrorEstimate:
     @property
     def total(self) -> float | None:
         """The sum of mesh, contact, reduction and time; None where one of them is not known."""
-        parts = [self.mesh, self.contact, self.reduction, self.time]
+        parts = self._of_quantity.values()
         known = [part for part in parts if part is not None]
         return sum(known) if len(known) == len(parts) else None
 
@@ -338,20 +342,85 @@ class ErrorEstimate:
         return {
             "mesh": self.left_out.mesh_numbers.get(name),
             "contact": self.left_out.contact_numbers.get(name),
-            "model": self.numbers.get(name),
+            "model": self.numbers.get(name, 0.0 if self.reduction == 0.0 else None),
             "time": self.time,
         }
 
+    def of(self, name: str) -> float | None:
+        """Return how wrong a number may be by all that is known; None where no model was chosen.
+
+        Parameters
+        ----------
+        name : str
+            Such as "peak_force", of a scene "contacts.0.peak_force".
+
+        Returns
+        -------
+        float or None
+            Relative: the sum of what `parts` knows; NaN of a number that there is not.
+
+        Examples
+        --------
+        >>> error = ErrorEstimate(time=0.01, numbers={"impulse": 0.02})
+        >>> round(error.of("impulse"), 3)
+        0.03
+        """
+        parts = self.parts(name)
+        if parts["model"] is None:
+            return None
+        return math.fsum(part for part in parts.values() if part is not None)
+
     def controls(self, name: str) -> bool:
-        """Whether a number's error is known to be within the tolerance."""
+        """Whether a number's error by the models is known to be within the tolerance."""
         return self.rtol is not None and self.numbers.get(name, math.nan) <= self.rtol
 
-    def told(self, name: str) -> str:
-        """Return a number's error in words, for summaries; empty where models were given."""
-        error = self.numbers.get(name, math.nan)
-        if self.rtol is None or math.isnan(error):
+    def told(self, name: str, *, listed: bool = False) -> str:
+        """Return a number's error in words, for summaries; empty where it is not known.
+
+        listed: with what it comes from, known as soon as that of the mesh is.
+        """
+        parts = self.parts(name)
+        if listed and self.mesh is not None:
+            error = math.fsum(part for part in parts.values() if part is not None)
+        elif (of := self.of(name)) is not None:
+            error = of
+        else:
             return ""
-        if self.controls(name):
-            return f" (to {100.0 * error:.2g} %)" if error > 0.0 else ""
-        by = f": may be {100.0 * error:.2g} % off" if math.isfinite(error) else ""
-        return f" (not controlled{by})"
+        if math.isnan(error) or error < _ROUNDING:
+            return ""
+        if math.isinf(error):
+            return " (error not bounded: by what mesh and contact leave out it outgrows its law)"
+        return f" ± {percent(error)} %" + (f" ({in_words(parts)})" if listed else "")
+
+    def __repr__(self) -> str:
+        parts = {"total": self.total, **self._of_quantity, "energy": self.energy}
+        told = ", ".join(
+            f"{name}={'None' if part is None else f'{part:.3g}'}" for name, part in parts.items()
+        )
+        of = f" of {self.quantity}" if self.quantity else ""
+        return f"ErrorEstimate({told}){of}; .numbers, .parts(name) and .of(name) of each number"
+
+    @property
+    def _of_quantity(self) -> dict[str, float | None]:
+        return {
+            "mesh": self.mesh,
+            "contact": self.contact,
+            "reduction": self.reduction,
+            "time": self.time,
+        }
+
+
+def percent(share: float) -> str:
+    """Return a relative error in percent, by two digits."""
+    return f"{100.0 * share:.2g}" if share >= _ROUNDING else "0"
+
+
+def in_words(parts: Mapping[str, float | None]) -> str:
+    """Return errors by where they come from, in percent."""
+    return ", ".join(f"{cause} {_share(part)}" for cause, part in parts.items())
+
+
+def _share(part: float | None) -> str:
+    if part is None:
+        return "not known"
+    return percent(part) if math.isfinite(part) else "not bounded"

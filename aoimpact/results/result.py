@@ -10,6 +10,7 @@ import math
 import os
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -20,6 +21,7 @@ from ..integrate import Eventful, Events
 from . import plot
 from .export import as_dataframe, result_dataset
 from .motion import BodyResult, Energy, ErrorEstimate
+from .movie import write_impact_movie
 from .plot import During
 from .run import Run
 from .summary import summary_html, summary_text
@@ -304,6 +306,54 @@ class Result(Eventful):
     ) -> Axes:
         """Draw contact points and centres of mass over time (paper, Fig. 10)."""
         return plot.plot_displacement(self, ax, during=during, **kwargs)
+
+    def movie(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        times: npt.ArrayLike | None = None,
+        frames: int = 60,
+        scale: float | None = None,
+        fps: float = 15.0,
+    ) -> Path:
+        """Write a movie of the two bodies as they meet, coloured by von Mises' stress.
+
+        Displacements are enlarged, by a factor that stands in the picture, those of the approach as
+        well. The target stands where its mesh is; the projectile is turned and moved to where it
+        touches it. Nothing but a rigid ball is drawn of what has no elements. Colours are shared;
+        the highest 2 % of the stresses, mostly under the contact, keep the last one.
+
+        Parameters
+        ----------
+        path : path
+            Ending in .gif or .mp4.
+        times : array_like, shape (k,), optional
+            Ascending, within the record, s; a frame each. By themselves `frames` times from shortly
+            before the contact to shortly after it.
+        frames : int, optional
+        scale : float, optional
+            How many times displacements are enlarged; by itself 1, 2 or 5 times a power of ten that
+            makes them visible.
+        fps : float, optional
+            Frames a second.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        MissingPackageError
+            If PyVista or, for .mp4, imageio and imageio-ffmpeg are not installed.
+        InputError
+            If no body has elements, the path is no place for a movie, or a time is outside the
+            record.
+
+        Examples
+        --------
+        >>> hit.movie("impact.gif", frames=40)  # doctest: +SKIP
+        """
+        return write_impact_movie(self, path, times=times, frames=frames, scale=scale, fps=fps)
 
     def plot_interaction(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
         """Draw the force over the approach of the centres of mass (paper, Fig. 7)."""

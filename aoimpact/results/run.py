@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -24,13 +25,13 @@ from ..base import (
 )
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
-from ..scene import Plan, RecordLayout
+from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
 from .export import as_dataframe, as_dataset
 from .misfit import warn_of_later_motion
 from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
 from .plot import During
-from .summary import support_words
+from .summary import place_words, support_words
 from .table import ROLES, body_names, different, run_columns, write_csv
 
 if TYPE_CHECKING:
@@ -460,15 +461,18 @@ class Run:
 
     def _lines(self) -> list[tuple[str, str]]:
         lines = [
-            (self.names[i], f"{body.label}{support_words(body)}")
+            (self.names[i], f"{body.label}{support_words(body)}{_places(body)}")
             for i, body in enumerate(self.plan.bodies[:_SHOWN])
         ]
         told = self.error.told
         for i, events in enumerate(self.events[:_SHOWN]):
-            peak = f"{quantity(events.peak_force, 'N', 5)}{told(f'contacts.{i}.peak_force')}"
+            within = told(f"contacts.{i}.peak_force", listed=True)
+            peak = f"{quantity(events.peak_force, 'N', 5)}{within}"
             peak += f" at {quantity(events.peak_time, 's')}{told(f'contacts.{i}.peak_time')}"
             count = len(events.contacts)
-            times = f"{count} times{told(f'contacts.{i}.intervals')}"
+            uncertain = self.error.of(f"contacts.{i}.intervals") == math.inf
+            times = f"{count} contact{'s' if count > 1 else ''}"
+            times += ", more or less" if uncertain else ""
             lines.append((self.contact_names[i], f"{peak}, {times}" if count else "none"))
         bodies, contacts = len(self.plan.bodies), len(self.events)
         if max(bodies, contacts) > _SHOWN:
@@ -482,6 +486,14 @@ class Run:
         width = max(12, *(len(name) for name, _ in lines))
         return "\n".join([head, *(f"  {name:<{width}} {value}" for name, value in lines)])
 
+
+def _places(body: SceneBody) -> str:
+    tips = body.model.contact_points
+    return "".join(place_words(tip, rigid=body.label == "rigid") for tip in tips[:_PLACES])
+
+
+# Of each body so many places are told.
+_PLACES = 2
 
 # A summary of more bodies or contacts than these helps nobody.
 _SHOWN = 12

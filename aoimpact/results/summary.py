@@ -6,7 +6,12 @@ import html
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..base import quantity
+from ..fem import ContactPoint
+from ..reduction import touched
+from .motion import in_words, percent
 
 if TYPE_CHECKING:
     from ..scene import SceneBody
@@ -14,8 +19,10 @@ if TYPE_CHECKING:
     from .result import Result
 
 
-# Errors below this share are rounding.
-_ROUNDING = 1e-9
+_RIGID = "rigid", "wall"
+
+# Coordinates that are rounding, m.
+_NOTHING = 1e-12
 
 
 def summary_rows(result: Result) -> list[tuple[str, str]]:
@@ -37,7 +44,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
     rows += [
         ("rebound velocity", _rebound(result, "rebound_velocity", " m/s")),
         ("restitution", _rebound(result, "restitution")),
-        ("error of the peak" if result.error.quantity is None else "asked for", _error(result)),
+        ("error of the peak" if result.error.quantity is None else "error", _error(result)),
         ("solver", result.solver),
     ]
     made_by = [model.origin.solver for model in result.models or () if model.origin is not None]
@@ -66,14 +73,32 @@ def _body(result: Result, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
     mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
     name = "" if body.name == which else f"{body.name}: "
-    return f"{name}{body.label}, {mass}{support_words(body)}"
+    model = result.run.plan.bodies[0 if which == "projectile" else 1].model
+    place = place_words(touched(model), rigid=body.label in _RIGID)
+    return f"{name}{body.label}, {mass}{support_words(body)}{place}"
 
 
 def support_words(body: BodyResult | SceneBody) -> str:
     """Return whether something holds a body, for those that could be held."""
-    if body.label in ("rigid", "wall"):
+    if body.label in _RIGID:
         return ""
     return ", constrained" if body.constrained else ", free"
+
+
+def place_words(tip: ContactPoint | None, *, rigid: bool = False) -> str:
+    """Return where and over what a body is touched, along which direction."""
+    if tip is None or tip.point is None or tip.direction is None:
+        return ""
+    what = "point" if tip.node is None else f"node {tip.node}"
+    if tip.patch is not None:
+        what = f"patch of {quantity(tip.patch.radius, 'm', 3)}"
+    if rigid:
+        what = "touched"
+    point, along = (
+        ", ".join(f"{x:.4g}" for x in np.where(np.abs(of) < _NOTHING, 0.0, of))
+        for of in (tip.point, tip.direction)
+    )
+    return f", {what} at ({point}) m along ({along})"
 
 
 def _rebound(result: Result, name: str, unit: str = "") -> str:
@@ -89,20 +114,8 @@ def _gap(result: Result) -> str:
 
 def _force(result: Result) -> str:
     told = result.error.told
-    within = told("peak_force") if result.error.mesh is None else _within(result, "peak_force")
-    force = f"{quantity(result.peak_force, 'N', 5)}{within}"
+    force = f"{quantity(result.peak_force, 'N', 5)}{told('peak_force', listed=True)}"
     return f"{force} at {quantity(result.peak_time, 's')}{told('peak_time')}"
-
-
-def _within(result: Result, name: str) -> str:
-    """How wrong a number may be, and by what."""
-    parts = result.error.parts(name)
-    total = sum(part for part in parts.values() if part is not None)
-    listed = ", ".join(
-        f"{cause} {'not known' if part is None else _percent(part)}"
-        for cause, part in parts.items()
-    )
-    return f" ± {100.0 * total:.2g} % ({listed})"
 
 
 def _contact(result: Result) -> str:
@@ -110,29 +123,34 @@ def _contact(result: Result) -> str:
     told = result.error.told
     text = f"{quantity(result.contact_duration, 's')}{told('contact_duration')}"
     text += f" from {quantity(start, 's')}"
-    if len(result.contacts) > 1 or told("contacts"):
-        text += f", the first of {len(result.contacts)}{told('contacts')}"
+    uncertain = result.error.of("contacts") == math.inf
+    if len(result.contacts) > 1 or uncertain:
+        number = f"{len(result.contacts)}, more or less" if uncertain else len(result.contacts)
+        text += f", the first of {number}"
     if result.in_contact_at_end:
         text += " (the record ends in contact)"
     return text
 
 
 def _error(result: Result) -> str:
-    parts = [
-        f"{name} {'not known' if value is None else f'{_percent(value)} %'}"
-        for name, value in (
-            ("mesh", result.error.mesh),
-            ("contact", result.error.contact),
-            ("reduction", result.error.reduction),
-            ("time", result.error.time),
-        )
-        if value is not None or name in ("reduction", "time")
-    ]
-    if result.error.quantity is None:
-        return ", ".join(parts)
-    asked = f"{result.error.quantity} to {100.0 * (result.error.rtol or 0.0):.2g} %; error: "
-    return asked.replace("_", " ") + ", ".join(parts)
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g}" if share >= _ROUNDING else "0"
+    """Of the quantity of interest: of a history, at its worst over the record."""
+    error = result.error
+    parts = {
+        "mesh": error.mesh,
+        "contact": error.contact,
+        "model": error.reduction,
+        "time": error.time,
+    }
+    if error.mesh is None and not any(body.model.contact_points for body in result.run.plan.bodies):
+        del parts["mesh"], parts["contact"]  # there is none
+    known = [part for part in parts.values() if part is not None]
+    listed = in_words(parts)
+    if error.quantity is None:
+        return f"{listed} %"
+    total = math.fsum(known)
+    within = f"± {percent(total)} %" if math.isfinite(total) else "not bounded"
+    name = error.quantity.replace("_", " ")
+    if error.of(error.quantity) is None:
+        name += ", at its worst over the record,"
+    chosen = f"models and steps chosen for {100.0 * (error.rtol or 0.0):.2g} %"
+    return f"{name} {within} ({listed}); {chosen}"

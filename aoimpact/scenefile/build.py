@@ -17,6 +17,7 @@ from ..base import InputError, nearest
 from ..fem import ContactPoint, FEModel, Material, ModalDamping, Rayleigh, contact_point
 from ..impact import Scene, SceneCase
 from ..laws import ContactLaw, Hertz, Thornton
+from ..matrixfiles import read_matrices
 from ..mesh import Mesh, box_mesh, paper_sphere_mesh, read_mesh, sphere_mesh
 from ..reduction import (
     AOModel,
@@ -180,15 +181,21 @@ class Builder:
         table, place = self.data["bodies"][name], ("bodies", name)
         if "mass" in table:
             with self.located(*place):
-                return rigid(**table)
+                return rigid(**table, name=name)
         if "ball" in table:
             with self.located(*place):
-                return ball(table["ball"], self._material(table["material"]))
+                return ball(table["ball"], self._material(table["material"]), name=name)
         if "m0" in table:
             with self.located(*place):
-                return AOModel(**table | self._damping(name))
-        material = self.data["materials"][table["material"]]
-        return self.kept.once(["model", table, material], lambda: self._model(name))
+                return AOModel(**table | self._damping(name), name=name)
+        return self.kept.once(
+            ["model", table, self._given_material(name)], lambda: self._model(name)
+        )
+
+    def _given_material(self, name: str) -> Any:
+        """The table of a body's material; None of a body of matrices."""
+        material = self.data["bodies"][name].get("material")
+        return None if material is None else self.data["materials"][material]
 
     def _model(self, name: str) -> Any:
         table, place = self.data["bodies"][name], ("bodies", name)
@@ -197,8 +204,8 @@ class Builder:
             for key, value in table.items()
             if key not in ("contact", "contacts", "model")
         }
-        material = self.data["materials"][table["material"]]
-        body = self.kept.once(["solid", solid, material], lambda: self._solid(name))
+        make = self._solid if "mesh" in table else self._of_matrices
+        body = self.kept.once(["solid", solid, self._given_material(name)], lambda: make(name))
         model = dict(table.get("model", {"type": None}))
         kind = model.pop("type")
         touched, several = table["contact"], isinstance(table["contact"], list)
@@ -239,7 +246,19 @@ class Builder:
             with self.located(*place, "fixed", i):
                 supports.append((_support_nodes(entry, mesh), entry["hold"]))
         with self.located(*place, *(["fixed"] if supports else [])):
-            return FEModel.from_mesh(mesh, material, fixed=supports or None, **self._damping(name))
+            return FEModel.from_mesh(
+                mesh, material, fixed=supports or None, name=name, **self._damping(name)
+            )
+
+    def _of_matrices(self, name: str) -> FEModel:
+        given = dict(self.data["bodies"][name]["matrices"])
+        for key in ("K", "M"):
+            if key in given:
+                file, *matrix = [given[key]] if isinstance(given[key], str) else given[key]
+                given[key] = (self.folder / file, *matrix) if matrix else self.folder / file
+        given |= {key: self.folder / given[key] for key in ("dofs", "nodes") if key in given}
+        with self.located("bodies", name, "matrices"):
+            return read_matrices(**given, **self._damping(name))
 
     def _mesh(self, mesh: str | Mapping[str, Any]) -> Mesh:
         if mesh == _PAPER_SPHERE:

@@ -130,10 +130,15 @@ class SceneFile:
 
     @property
     def members(self) -> tuple[tuple[str, str], ...]:
-        """The name of each body in the result, and its name in [bodies]."""
+        """What the files of each body are called, and its name in [bodies].
+
+        Its name in its scene; in an impact that in [bodies], or its role if both bodies are one.
+        """
         table = self.data[self.kind]
         if self.kind == "impact":
-            return tuple((role, table[role]) for role in ("projectile", "target"))
+            roles = ("projectile", "target")
+            alike = table["projectile"] == table["target"]
+            return tuple((role if alike else table[role], table[role]) for role in roles)
         return tuple((member_name(member), member["body"]) for member in table["bodies"])
 
     def has_mesh(self, body: str) -> bool:

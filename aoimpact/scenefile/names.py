@@ -74,17 +74,31 @@ _SUPPORT = Table(
     }
 )
 
+# How a place is pressed on.
+_PRESSED = {
+    "direction": optional(_VECTOR),
+    "radius": optional(Either((Number("m"), Choice(("auto",))))),
+    "expected": optional(Number("m")),
+}
+
 _CONTACT = Variants(
     {
-        "point": Table(
-            {
-                "point": needed(_VECTOR),
-                "direction": optional(_VECTOR),
-                "radius": optional(Either((Number("m"), Choice(("auto",))))),
-                "expected": optional(Number("m")),
-            }
-        ),
+        "point": Table({"point": needed(_VECTOR)} | _PRESSED),
+        "node": Table({"node": needed(Integer())} | _PRESSED),
         "dof": Table({"dof": needed(Integer())}),
+    }
+)
+
+_MATRIX = Either((Text(), Listed(Text(), 2)))
+
+_MATRICES = Table(
+    {
+        "K": needed(_MATRIX),
+        "M": optional(_MATRIX),
+        "dofs": optional(Text()),
+        "nodes": optional(Text()),
+        "length": optional(Number("m")),
+        "mass": optional(Number("kg")),
     }
 )
 
@@ -119,6 +133,12 @@ _DAMPING = Table(
     }
 )
 
+# How a body of finite elements is touched, and what represents it.
+_TOUCHED = {
+    "contact": needed(Either((_CONTACT, Listed(_CONTACT)))),
+    "model": optional(_MODEL),
+}
+
 _BODY = Variants(
     {
         "mass": Table({"mass": needed(Number("kg"))}),
@@ -138,9 +158,11 @@ _BODY = Variants(
                 "material": needed(Reference("materials")),
                 "fixed": optional(Listed(_SUPPORT)),
                 "damping": optional(_DAMPING),
-                "contact": needed(Either((_CONTACT, Listed(_CONTACT)))),
-                "model": optional(_MODEL),
             }
+            | _TOUCHED
+        ),
+        "matrices": Table(
+            {"matrices": needed(_MATRICES), "damping": optional(_DAMPING)} | _TOUCHED
         ),
     }
 )

@@ -1,5 +1,6 @@
 /* Where a body's energy is, and what loads and damping have done to it. */
 #include "motion/energy.h"
+#include "motion/lanes.h"
 #include "motion/modes.h"
 #include "motion/path.h"
 #include "motion/polynomial.h"
@@ -14,12 +15,24 @@
 void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, const double *force,
                       double *kinetic, double *elastic)
 {
-    *kinetic = *elastic = 0.0;
-    for (size_t j = 0; j < body->n; j++) {
-        const double omega_x = body->omega[j] * x[j];
-        *kinetic += 0.5 * aoi_modes_inertia(body, j) * v[j] * v[j];
-        *elastic += 0.5 * aoi_modes_inertia(body, j) * omega_x * omega_x;
+    double moving[AOI_LANES] = {0.0}, strained[AOI_LANES] = {0.0};
+    double omega[AOI_LANES], place[AOI_LANES], speed[AOI_LANES], inertia[AOI_LANES] = {1.0, 1.0, 1.0, 1.0};
+    for (size_t j = 0; j < body->n; j += AOI_LANES) {
+        const size_t count = aoi_lanes_count(body, j);
+        aoi_lanes_take(body->omega + j, count, omega);
+        aoi_lanes_take(x + j, count, place);
+        aoi_lanes_take(v + j, count, speed);
+        if (body->inertia) {
+            aoi_lanes_take(body->inertia + j, count, inertia);
+        }
+        for (size_t i = 0; i < AOI_LANES; i++) {
+            const double omega_x = omega[i] * place[i];
+            moving[i] += inertia[i] * speed[i] * speed[i];
+            strained[i] += inertia[i] * omega_x * omega_x;
+        }
     }
+    *kinetic = 0.5 * aoi_lanes_sum(moving);
+    *elastic = 0.5 * aoi_lanes_sum(strained);
     for (size_t k = 0; force && body->residual && k < body->ports * body->ports; k++) {
         *elastic +=
             0.5 * force[k / body->ports] * body->residual[k] * force[k % body->ports];
@@ -159,8 +172,9 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
                            const double *v0, const double *x1, const double *v1, double *scratch,
                            double *work, double *dissipated)
 {
-    const double gained = energy_of(body, x1, v1) - energy_of(body, x0, v0);
     const int changing = loads_rise(body, from) || aoi_modes_next_bend(body, from) < to;
+    const double gained =
+        changing || body->decay ? energy_of(body, x1, v1) - energy_of(body, x0, v0) : 0.0;
     if (!changing) {
         *work = gravity_work(body, x0, x1) + loaded(body, from, x1) - loaded(body, from, x0);
     } else if (!body->decay) {

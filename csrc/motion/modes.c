@@ -1,6 +1,6 @@
 /* A linear body in its natural modes, under loads that run straight between given times. */
 #include "motion/modes.h"
-#include "motion/oscillator.h"
+#include "motion/lanes.h"
 #include "linear/vector.h"
 #include "model/load.h"
 
@@ -48,23 +48,49 @@ void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load,
     }
 }
 
+static void move(const aoi_modes *body, const aoi_load_span *at, size_t first, const aoi_motions *by,
+                 double *x, double *v)
+{
+    const size_t count = aoi_lanes_count(body, first);
+    double omega[AOI_LANES], x0[AOI_LANES], v0[AOI_LANES], load[AOI_LANES] = {0.0};
+    double slope[AOI_LANES] = {0.0};
+    aoi_lanes_take(body->omega + first, count, omega);
+    aoi_lanes_take(x + first, count, x0);
+    aoi_lanes_take(v + first, count, v0);
+    for (size_t i = 0; (at || body->gravity) && i < count; i++) {
+        drive_of(body, at, first + i, &load[i], &slope[i]);
+    }
+    for (size_t i = 0; i < AOI_LANES; i++) {
+        const double pull = load[i] - omega[i] * omega[i] * x0[i], speed = v0[i];
+        x0[i] += speed * by->impulse[i] + pull * by->step[i];
+        v0[i] = speed * by->rate[i] + pull * by->impulse[i];
+    }
+    for (size_t i = 0; at && i < count; i++) {
+        x0[i] += slope[i] * by->ramp[i];
+        v0[i] += slope[i] * by->step[i];
+    }
+    aoi_lanes_put(x0, count, x + first);
+    aoi_lanes_put(v0, count, v + first);
+}
+
+void aoi_modes_move(const aoi_modes *body, size_t first, double from, const aoi_motions *by, double *x,
+                    double *v)
+{
+    if (body->load.count > 0) {
+        const aoi_load_span at = aoi_load_at(&body->load, body->ports, from);
+        move(body, &at, first, by, x, v);
+    } else {
+        move(body, NULL, first, by, x, v);
+    }
+}
+
 /* Over a time in which no load bends. */
 static void advance_straight(const aoi_modes *body, double from, double time, double *x, double *v)
 {
-    aoi_load_span at = {NULL, NULL, 0.0, 1.0};
-    if (body->load.count > 0) {
-        at = aoi_load_at(&body->load, body->ports, from);
-    }
-    for (size_t j = 0; j < body->n; j++) {
-        const double omega = body->omega[j];
-        double load, slope;
-        aoi_motion motion;
-        aoi_oscillator_motion(omega, body->decay ? body->decay[j] : 0.0, time, &motion);
-        drive_of(body, body->load.count > 0 ? &at : NULL, j, &load, &slope);
-        load -= omega * omega * x[j];
-        const double v0 = v[j];
-        x[j] += v0 * motion.impulse + load * motion.step + slope * motion.ramp;
-        v[j] = v0 * motion.rate + load * motion.impulse + slope * motion.step;
+    for (size_t first = 0; first < body->n; first += AOI_LANES) {
+        aoi_motions motions;
+        aoi_lanes_of(body, first, time, &motions, NULL);
+        aoi_modes_move(body, first, from, &motions, x, v);
     }
 }
 

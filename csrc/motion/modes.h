@@ -3,6 +3,7 @@
 #define AOI_MOTION_MODES_H
 
 #include "aoimpact.h"
+#include "motion/lanes.h"
 
 /* The first time after `time` at which a load bends; infinite where there is none. */
 double aoi_modes_next_bend(const aoi_modes *body, double time);
@@ -15,6 +16,10 @@ void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load,
 
 /* Takes x, v (n each) from one time to another without contact forces, in place. */
 void aoi_modes_advance(const aoi_modes *body, double from, double to, double *x, double *v);
+
+/* The same for AOI_LANES modes from the first on, over a time in which no load bends, by how they move in it. */
+void aoi_modes_move(const aoi_modes *body, size_t first, double from, const aoi_motions *by, double *x,
+                    double *v);
 
 /* Displacement and velocity of a port, but for the residual compliance's share. */
 void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const double *v,

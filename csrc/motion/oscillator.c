@@ -2,6 +2,7 @@
  * polynomial force. Undamped, damped, overdamped, or no spring at all. */
 #include "motion/oscillator.h"
 #include "law/law.h"
+#include "motion/lanes.h"
 
 #include <math.h>
 
@@ -29,17 +30,14 @@ static double ramp_series(double z)
 
 static void undamped(double omega, double time, aoi_motion *motion)
 {
-    if (omega == 0.0) {
-        *motion = (aoi_motion){time, 1.0, 0.5 * time * time, time * time * time / 6.0};
-        return;
-    }
-    const double half = 0.5 * omega * time;
-    const double sine = sin(half), sinc = half > 0.0 ? sine / half : 1.0;
-    motion->impulse = time * sinc * cos(half);
-    motion->rate = 1.0 - 2.0 * sine * sine;
-    motion->step = 0.5 * time * time * sinc * sinc;
-    motion->ramp = 2.0 * half < RAMP_LIMIT ? time * time * time * ramp_series(2.0 * half)
-                                           : (time - motion->impulse) / (omega * omega);
+    const double lanes[AOI_LANES] = {omega, omega, omega, omega}, angle = omega * time;
+    aoi_turn turn;
+    aoi_motions all;
+    aoi_turn_make(lanes, time, &turn);
+    aoi_turn_motions(&turn, &all);
+    *motion = (aoi_motion){all.impulse[0], all.rate[0], all.step[0],
+                           angle < RAMP_LIMIT ? time * time * time * ramp_series(angle)
+                                              : (time - all.impulse[0]) / (omega * omega)};
 }
 
 /* The Taylor series of the impulse response from its own differential equation. */
@@ -171,16 +169,13 @@ void aoi_oscillator_integrals(double omega, double decay, double h, size_t count
         }
         return;
     }
-    const double z = omega * h;
-    if (z > 0.0) {
-        aoi_bessel_trigonometric(z, count, impulse, rate);
-        for (size_t k = 0; k < count; k++) {
-            impulse[k] /= omega;
-        }
-        return;
-    }
+    const double lanes[AOI_LANES] = {omega, omega, omega, omega};
+    aoi_turn turn;
+    aoi_integrals all;
+    aoi_turn_make(lanes, h, &turn);
+    aoi_turn_integrals(&turn, &all);
     for (size_t k = 0; k < count; k++) {
-        impulse[k] = k == 0 ? 0.5 * h : (k == 1 ? -h / 6.0 : 0.0);
-        rate[k] = k == 0 ? 1.0 : 0.0;
+        impulse[k] = all.impulse[k][0];
+        rate[k] = all.rate[k][0];
     }
 }

@@ -22,10 +22,6 @@ void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *
 void aoi_oscillator_integrals(double omega, double decay, double h, size_t count, double *impulse,
                               double *rate);
 
-/* i^-l e^(iz/2) j_l(z/2) for l < count, as sine (imaginary) and cosine (real) parts: the integrals of
- * sin z(1-x) and cos z(1-x) against the shifted Legendre polynomials on [0, 1]. z > 0, 2 <= count <= 16. */
-void aoi_bessel_trigonometric(double z, size_t count, double *sine, double *cosine);
-
 /* e^(-z/2) i_l(z/2) for l < count and complex z with real part >= 0, z not 0: the integrals of e^(-z(1-x)). */
 void aoi_bessel_exponential(double real, double imaginary, size_t count, double *re, double *im);
 

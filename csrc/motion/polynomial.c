@@ -33,6 +33,24 @@ double aoi_legendre_evaluate(size_t count, const double *coefficient, double at,
     return value;
 }
 
+void aoi_legendre_at_nodes(const double *coefficient, double place, double *values)
+{
+    double xi[AOI_NODES], before[AOI_NODES], here[AOI_NODES];
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        before[i] = 1.0;
+        here[i] = xi[i] = 2.0 * (place * aoi_radau_node[i]) - 1.0;
+        values[i] = coefficient[0];
+    }
+    for (size_t k = 1; k < AOI_NODES; k++) {
+        for (size_t i = 0; i < AOI_NODES; i++) {
+            values[i] += coefficient[k] * here[i];
+            const double next = (of_last[k] * xi[i]) * here[i] - of_one_before[k] * before[i];
+            before[i] = here[i];
+            here[i] = next;
+        }
+    }
+}
+
 /* P_k' = 2 ((2k-1) P_(k-1) + (2k-5) P_(k-3) + ...). */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative)
 {

@@ -8,6 +8,9 @@
  * with respect to at; count <= AOI_NODES + 1. */
 double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
 
+/* Values of AOI_NODES coefficients at the nodes of the part up to place. */
+void aoi_legendre_at_nodes(const double *coefficient, double place, double *values);
+
 /* Coefficients of the derivative; count of both, in place, too. */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative);
 

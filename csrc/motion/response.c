@@ -1,7 +1,7 @@
 /* What a linear body does over one step under forces that are polynomials in time. Nothing linear is
  * discretised, so a stiff oscillator that nobody excites asks for no short step. */
+#include "motion/lanes.h"
 #include "motion/modes.h"
-#include "motion/oscillator.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
@@ -11,10 +11,11 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 enum { SQUARE = AOI_NODES * AOI_NODES, OF_PAIR = AOI_RADAU_MOMENTS + 2 * AOI_NODES };
 
-/* Below this, sin is summed by its series, over all modes at once; above, by Bessel functions. */
+/* Up to this angle sin is summed by its series, over all modes at once; above, by Bessel functions. */
 static const double SERIES_LIMIT = 3.0;
 
 /* Powers of a mode below this share of its weight add nothing. */
@@ -31,38 +32,83 @@ static double decay_of(const aoi_modes *body, size_t j)
     return body->decay ? body->decay[j] : 0.0;
 }
 
-/* Mode j in the sums of node i: powers of -z^2, or integrals against Legendre polynomials on the part
- * of the step up to the node. Returns how many moments it reaches. */
-static size_t add_mode(const aoi_modes *body, size_t j, double h, size_t i, double *scratch)
+/* Whether the series serves a mode up to a node: it is the more exact of the two there. */
+static int is_slow(const aoi_modes *body, size_t j, double h, size_t node)
 {
-    const double z = body->omega[j] * h, part = h * aoi_radau_node[i];
-    const size_t pairs = body->ports * body->ports;
-    if (body->omega[j] * part <= SERIES_LIMIT && decay_of(body, j) == 0.0) {
-        double power = 1.0;
-        size_t m = 0;
-        for (; m < AOI_RADAU_MOMENTS && fabs(power) > NOTHING; m++) {
-            for (size_t pair = 0; pair < pairs; pair++) {
-                const size_t p = pair / body->ports, q = pair % body->ports;
-                scratch[pair * OF_PAIR + m] +=
-                    power * body->shape[p * body->n + j] * body->push[q * body->n + j];
+    return body->omega[j] * (h * aoi_radau_node[node]) <= SERIES_LIMIT && decay_of(body, j) == 0.0;
+}
+
+/* Adds four modes' powers of -z^2 to the moments, to the one from which on they add nothing; returns which. */
+static size_t add_powers(const double *weight, const double *square, double largest, double *moments)
+{
+    double power[AOI_LANES], reached = 1.0;
+    size_t m = 0;
+    memcpy(power, weight, sizeof power);
+    for (; m < AOI_RADAU_MOMENTS && reached > NOTHING; m++) {
+        moments[m] += aoi_lanes_sum(power);
+        for (size_t i = 0; i < AOI_LANES; i++) {
+            power[i] *= -square[i];
+        }
+        reached *= largest;
+    }
+    return m;
+}
+
+/* Adds modes j .. j + 3, as far as they are slow up to node i and not up to the next, to the moments of all pairs,
+ * which go on from node to node, from the last to the first. Returns how many moments they reach. */
+static size_t add_slow(const aoi_modes *body, size_t j, double h, size_t i, double *scratch)
+{
+    double square[AOI_LANES] = {0.0}, largest = 0.0;
+    int joins[AOI_LANES] = {0}, any = 0;
+    for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
+        joins[lane] = is_slow(body, j + lane, h, i) &&
+                      (i + 1 == AOI_NODES || !is_slow(body, j + lane, h, i + 1));
+        if (joins[lane]) {
+            const double z = body->omega[j + lane] * h;
+            square[lane] = z * z;
+            largest = fmax(largest, z * z);
+            any = 1;
+        }
+    }
+    size_t used = 0;
+    for (size_t pair = 0; any && pair < body->ports * body->ports; pair++) {
+        const size_t p = pair / body->ports * body->n + j, q = pair % body->ports * body->n + j;
+        double weight[AOI_LANES] = {0.0};
+        for (size_t lane = 0; lane < AOI_LANES; lane++) {
+            if (joins[lane]) {
+                weight[lane] = body->shape[p + lane] * body->push[q + lane];
             }
-            power *= -z * z;
         }
-        return m;
+        used = add_powers(weight, square, largest, scratch + pair * OF_PAIR);
     }
-    double impulse[AOI_NODES], rate[AOI_NODES];
-    aoi_oscillator_integrals(body->omega[j], decay_of(body, j), part, AOI_NODES, impulse, rate);
-    for (size_t pair = 0; pair < pairs; pair++) {
-        const size_t p = pair / body->ports, q = pair % body->ports;
-        const double weight =
-            part * body->shape[p * body->n + j] * body->push[q * body->n + j];
-        double *of_pair = scratch + pair * OF_PAIR + AOI_RADAU_MOMENTS;
+    return used;
+}
+
+/* Adds modes j .. j + 3, as far as they are fast up to node i, to the sums against Legendre polynomials on the part
+ * of the step up to it. */
+static void add_fast(const aoi_modes *body, size_t j, double h, size_t i, const aoi_integrals *of,
+                     double *scratch)
+{
+    const double part = h * aoi_radau_node[i];
+    for (size_t pair = 0; pair < body->ports * body->ports; pair++) {
+        const size_t p = pair / body->ports * body->n + j, q = pair % body->ports * body->n + j;
+        double *sums = scratch + pair * OF_PAIR + AOI_RADAU_MOMENTS;
+        double weight[AOI_LANES] = {0.0};
+        for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
+            weight[lane] = is_slow(body, j + lane, h, i)
+                               ? 0.0
+                               : part * body->shape[p + lane] * body->push[q + lane];
+        }
         for (size_t l = 0; l < AOI_NODES; l++) {
-            of_pair[l] += weight * impulse[l];
-            of_pair[AOI_NODES + l] += weight * rate[l];
+            double impulse[AOI_LANES], rate[AOI_LANES];
+            for (size_t lane = 0; lane < AOI_LANES; lane++) {
+                impulse[lane] = weight[lane] * of->impulse[l][lane];
+                rate[lane] = weight[lane] * of->rate[l][lane];
+            }
+            sums[l] += aoi_lanes_sum(impulse);
+            sums[AOI_NODES + l] += aoi_lanes_sum(rate);
         }
     }
-    return 0;
 }
 
 /* From the sums of node i to row i of the influence of one pair of ports. */
@@ -100,10 +146,19 @@ static void put_row(const double *row, size_t i, double *influence)
     }
 }
 
-/* The influence of a free mass on all nodes: double integrals of the force. */
-static void influence_of_mass(aoi_response *response, const aoi_modes *body)
+/* A free mass: double integrals of the force. */
+static void free_mass(aoi_response *response, const aoi_modes *body)
 {
     const double h = response->h;
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        const double time = h * aoi_radau_node[i];
+        response->impulse[i] = time;
+        response->rate[i] = 1.0;
+        response->step[i] = 0.5 * time * time;
+        response->ramp[i] = time * time * time / 6.0;
+        response->to_x[i] = h * h * aoi_radau_moment[0][AOI_NODES - 1][i];
+        response->to_v[i] = h * aoi_radau_rate_moment[0][AOI_NODES - 1][i];
+    }
     for (size_t pair = 0; pair < body->ports * body->ports; pair++) {
         const double weight = body->shape[pair / body->ports] * body->push[pair % body->ports];
         double *of = response->influence + pair * SQUARE;
@@ -116,62 +171,87 @@ static void influence_of_mass(aoi_response *response, const aoi_modes *body)
     }
 }
 
-static void influence_at_node(aoi_response *response, const aoi_modes *body, size_t i)
+/* Modes j .. j + 3 as they are at node i: their tables. */
+static void put_motions(aoi_response *response, const aoi_modes *body, size_t j, size_t i,
+                        const aoi_motions *of)
+{
+    for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
+        const size_t at = (j + lane) * AOI_NODES + i;
+        response->impulse[at] = of->impulse[lane];
+        response->rate[at] = of->rate[lane];
+        response->step[at] = of->step[lane];
+        response->ramp[at] = body->load.count > 0 ? of->ramp[lane] : 0.0;
+    }
+}
+
+/* What forces do to them over the whole step, whose end is the last node. */
+static void put_integrals(aoi_response *response, const aoi_modes *body, size_t j,
+                          const aoi_integrals *of)
+{
+    for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
+        double impulse[AOI_NODES], rate[AOI_NODES];
+        for (size_t q = 0; q < AOI_NODES; q++) {
+            impulse[q] = response->h * of->impulse[q][lane];
+            rate[q] = response->h * of->rate[q][lane];
+        }
+        const size_t at = (j + lane) * AOI_NODES;
+        aoi_nodes_multiply(&aoi_radau_to_legendre[0][0], impulse, response->to_x + at);
+        aoi_nodes_multiply(&aoi_radau_to_legendre[0][0], rate, response->to_v + at);
+    }
+}
+
+/* All modes at node i: their tables, and their sums. Returns whether any of them is fast; used: of the moments. */
+static int modes_at_node(aoi_response *response, const aoi_modes *body, size_t i, size_t *used)
+{
+    const double h = response->h;
+    int has_fast = 0;
+    for (size_t j = 0; j < body->n; j += AOI_LANES) {
+        int fast = 0;
+        aoi_motions motions;
+        aoi_integrals integrals;
+        for (size_t lane = 0; lane < aoi_lanes_count(body, j); lane++) {
+            fast = fast || !is_slow(body, j + lane, h, i);
+        }
+        const int is_end = i == AOI_NODES - 1, integrate = fast || is_end;
+        aoi_lanes_of(body, j, h * aoi_radau_node[i], &motions, integrate ? &integrals : NULL);
+        put_motions(response, body, j, i, &motions);
+        if (is_end) {
+            put_integrals(response, body, j, &integrals);
+        }
+        if (fast) {
+            add_fast(body, j, h, i, &integrals, response->scratch);
+        }
+        const size_t reached = add_slow(body, j, h, i, response->scratch);
+        *used = reached > *used ? reached : *used;
+        has_fast = has_fast || fast;
+    }
+    return has_fast;
+}
+
+/* The tables of the modes, and the influence of forces at all nodes on those before and at each. */
+static void fill(aoi_response *response, const aoi_modes *body)
 {
     const double h = response->h;
     const size_t pairs = body->ports * body->ports;
     size_t used = 0;
-    int has_fast = 0;
     for (size_t k = 0; k < pairs * OF_PAIR; k++) {
         response->scratch[k] = 0.0;
     }
-    for (size_t j = 0; j < body->n; j++) {
-        const size_t reached = add_mode(body, j, h, i, response->scratch);
-        used = reached > used ? reached : used;
-        has_fast = has_fast || reached == 0;
-    }
-    for (size_t pair = 0; pair < pairs; pair++) {
-        const double *sums = response->scratch + pair * OF_PAIR;
-        const double *by_legendre = sums + AOI_RADAU_MOMENTS;
-        double row[AOI_NODES];
-        influence_row(sums, used, by_legendre, h * h, aoi_radau_moment, i, has_fast, row);
-        put_row(row, i, response->influence + pair * SQUARE);
-        if (response->has_rates) {
-            influence_row(sums, used, by_legendre + AOI_NODES, h, aoi_radau_rate_moment, i, has_fast,
-                          row);
-            put_row(row, i, response->influence_rate + pair * SQUARE);
+    for (size_t i = AOI_NODES; i-- > 0;) {
+        const int has_fast = modes_at_node(response, body, i, &used);
+        for (size_t pair = 0; pair < pairs; pair++) {
+            double *moments = response->scratch + pair * OF_PAIR, row[AOI_NODES];
+            double *sums = moments + AOI_RADAU_MOMENTS;
+            influence_row(moments, used, sums, h * h, aoi_radau_moment, i, has_fast, row);
+            put_row(row, i, response->influence + pair * SQUARE);
+            if (response->has_rates) {
+                influence_row(moments, used, sums + AOI_NODES, h, aoi_radau_rate_moment, i, has_fast,
+                              row);
+                put_row(row, i, response->influence_rate + pair * SQUARE);
+            }
+            memset(sums, 0, 2 * AOI_NODES * sizeof *sums);
         }
     }
-}
-
-/* Column j of the tables: a mode's motion to the nodes, and what forces do to it. */
-static void mode_tables(aoi_response *response, const aoi_modes *body, size_t j)
-{
-    const double h = response->h, omega = body->omega[j], decay = decay_of(body, j);
-    double impulse[AOI_NODES], rate[AOI_NODES];
-    const int is_free = omega == 0.0 && decay == 0.0;
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        aoi_motion motion;
-        aoi_oscillator_motion(omega, decay, h * aoi_radau_node[i], &motion);
-        response->impulse[j * AOI_NODES + i] = motion.impulse;
-        response->rate[j * AOI_NODES + i] = motion.rate;
-        response->step[j * AOI_NODES + i] = motion.step;
-        response->ramp[j * AOI_NODES + i] = motion.ramp;
-    }
-    for (size_t k = 0; k < AOI_NODES && is_free; k++) { /* the last node is the step's end */
-        response->to_x[j * AOI_NODES + k] = h * h * aoi_radau_moment[0][AOI_NODES - 1][k];
-        response->to_v[j * AOI_NODES + k] = h * aoi_radau_rate_moment[0][AOI_NODES - 1][k];
-    }
-    if (is_free) {
-        return;
-    }
-    aoi_oscillator_integrals(omega, decay, h, AOI_NODES, impulse, rate);
-    for (size_t q = 0; q < AOI_NODES; q++) {
-        impulse[q] *= h;
-        rate[q] *= h;
-    }
-    aoi_nodes_multiply(&aoi_radau_to_legendre[0][0], impulse, response->to_x + j * AOI_NODES);
-    aoi_nodes_multiply(&aoi_radau_to_legendre[0][0], rate, response->to_v + j * AOI_NODES);
 }
 
 void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, int with_rates,
@@ -191,13 +271,9 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, 
     response->scratch = response->influence_rate + pairs * SQUARE;
     response->answer = response->scratch + pairs * OF_PAIR;
     if (is_free_mass(body)) {
-        influence_of_mass(response, body);
-    }
-    for (size_t i = 0; i < AOI_NODES && !is_free_mass(body); i++) {
-        influence_at_node(response, body, i);
-    }
-    for (size_t j = 0; j < body->n; j++) {
-        mode_tables(response, body, j);
+        free_mass(response, body);
+    } else {
+        fill(response, body);
     }
     for (size_t k = 0; k < body->ports * AOI_NODES; k++) {
         const size_t p = k / AOI_NODES * body->n, i = k % AOI_NODES;
@@ -285,31 +361,40 @@ static void on_part(const double *force, double place, double *legendre)
 {
     double whole[AOI_NODES], shrunk[AOI_NODES];
     for (size_t k = 0; k < AOI_NODES; k++) {
-        whole[k] = aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[k], force);
+        whole[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], force);
     }
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        double slope;
-        shrunk[i] = aoi_legendre_evaluate(AOI_NODES, whole, place * aoi_radau_node[i], &slope);
-    }
+    aoi_legendre_at_nodes(whole, place, shrunk);
     for (size_t k = 0; k < AOI_NODES; k++) {
-        legendre[k] = aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[k], shrunk);
+        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], shrunk);
     }
 }
 
-void aoi_response_push(const aoi_modes *body, double h, const double *force, double place, double *x,
-                       double *v)
+void aoi_response_carry(const aoi_modes *body, double from, double h, const double *force,
+                        double place, double *x, double *v)
 {
-    const double length = place * h;
+    const double time = place * h;
     for (size_t p = 0; p < body->ports; p++) {
         double legendre[AOI_NODES];
         on_part(force + p * AOI_NODES, place, legendre);
-        for (size_t j = 0; j < body->n; j++) {
-            double impulse[AOI_NODES], rate[AOI_NODES];
-            const double push = length * body->push[p * body->n + j];
-            aoi_oscillator_integrals(body->omega[j], decay_of(body, j), length, AOI_NODES, impulse,
-                                     rate);
-            x[j] += push * aoi_vector_dot(AOI_NODES, impulse, legendre);
-            v[j] += push * aoi_vector_dot(AOI_NODES, rate, legendre);
+        for (size_t first = 0; first < body->n; first += AOI_LANES) {
+            double by_impulse[AOI_LANES] = {0.0}, by_rate[AOI_LANES] = {0.0};
+            aoi_motions motions;
+            aoi_integrals of;
+            aoi_lanes_of(body, first, time, &motions, &of);
+            if (p == 0) {
+                aoi_modes_move(body, first, from, &motions, x, v);
+            }
+            for (size_t l = 0; l < AOI_NODES; l++) {
+                for (size_t lane = 0; lane < AOI_LANES; lane++) {
+                    by_impulse[lane] += of.impulse[l][lane] * legendre[l];
+                    by_rate[lane] += of.rate[l][lane] * legendre[l];
+                }
+            }
+            for (size_t lane = 0; lane < aoi_lanes_count(body, first); lane++) {
+                const double push = time * body->push[p * body->n + first + lane];
+                x[first + lane] += push * by_impulse[lane];
+                v[first + lane] += push * by_rate[lane];
+            }
         }
     }
 }

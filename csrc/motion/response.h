@@ -34,9 +34,8 @@ void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *bod
 void aoi_response_propagate(const aoi_response *response, const aoi_modes *body, double time,
                             const double *force, double *x, double *v);
 
-/* Adds what the forces did from the start of a step of length h up to place (0 .. 1) to x, v, which have
- * moved freely to there. */
-void aoi_response_push(const aoi_modes *body, double h, const double *force, double place, double *x,
-                       double *v);
+/* Takes x, v from the start of a step of length h, a time, to place (0 .. 1) of it. */
+void aoi_response_carry(const aoi_modes *body, double from, double h, const double *force,
+                        double place, double *x, double *v);
 
 #endif

@@ -6,6 +6,7 @@
 #include "model/system.h"
 #include "motion/energy.h"
 #include "motion/modes.h"
+#include "motion/nodes.h"
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
@@ -80,7 +81,7 @@ static const double *row_of(const aoi_sampler *sampler, size_t row)
 static void fit_force(const double *of, double *legendre)
 {
     for (size_t k = 0; k < AOI_NODES; k++) {
-        legendre[k] = aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
+        legendre[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], of + AOI_TRACK_FORCE);
     }
 }
 
@@ -96,11 +97,12 @@ static void force_on_part(const aoi_sampler *sampler, size_t c, double place, do
                                 of + AOI_TRACK_INDENTATION, place, force);
         return;
     }
-    double legendre[AOI_NODES], slope;
-    fit_force(of, legendre);
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        const double at = place * aoi_radau_node[i];
-        force[i] = place < 1.0 ? aoi_legendre_evaluate(AOI_NODES, legendre, at, &slope) : whole[i];
+    if (place < 1.0) {
+        double legendre[AOI_NODES];
+        fit_force(of, legendre);
+        aoi_legendre_at_nodes(legendre, place, force);
+    } else {
+        memcpy(force, whole, AOI_NODES * sizeof *force);
     }
 }
 
@@ -336,10 +338,9 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
     }
     const double place = place_of(sampler, time);
     memcpy(state, held, 2 * body->n * sizeof(double));
-    aoi_modes_advance(body, start, start + place * length, state, state + body->n);
-    aoi_response_push(body, sampler->part * length,
-                      sampler->port_force + sampler->system->first_port[b] * AOI_NODES,
-                      place / sampler->part, state, state + body->n);
+    aoi_response_carry(body, start, sampler->part * length,
+                       sampler->port_force + sampler->system->first_port[b] * AOI_NODES,
+                       place / sampler->part, state, state + body->n);
     aoi_modes_advance(body, start + length, time, state, state + body->n);
     return 1;
 }

@@ -12,6 +12,7 @@ import aoimpact as ao
 from aoimpact.accuracy import COLUMNS, QUANTITIES
 from aoimpact.cli.files import as_json, numbers, rows
 from aoimpact.impact.scene import SceneCase
+from aoimpact.results.motion import ErrorEstimate
 
 from twelve import IMPACTS
 
@@ -53,19 +54,18 @@ def test_a_summary_tells_what_was_controlled():
     hit = strike("tip of a cantilever, for long", quantity="peak_force", rtol=1e-2)
     assert hit.error.numbers["restitution"] > 0.1
     lines = {line[2:20].strip(): line[20:].strip() for line in repr(hit).splitlines()[1:]}
-    assert "(to " in lines["peak force"].partition(" at ")[0]
-    assert "not controlled: may be" in lines["restitution"]
-    assert "not controlled: may be" in lines["rebound velocity"]
-    assert "not controlled" in lines["impulse"]
-    assert lines["asked for"].startswith("peak force to 1 %; error: reduction ")
-    assert "not controlled" in hit._repr_html_()
+    within = 100.0 * hit.error.of("restitution")
+    assert lines["restitution"].endswith(f" ± {within:.2g} %")
+    assert " ± " in lines["peak force"].partition(" at ")[2]
+    assert re.match(r"peak force ± .* %( \(.*model .*\))?; .* chosen for 1 %", lines["error"])
+    assert f"± {within:.2g} %" in hit._repr_html_()
     assert (hit.error.quantity, hit.error.rtol) == ("peak_force", 1e-2)
 
 
 def test_models_that_were_given_have_nothing_to_tell():
     hit = strike("slow", target=ao.rigid(mass=1.0), projectile=ao.rigid(mass=1.0))
     assert not hit.error.numbers
-    assert "controlled" not in repr(hit)
+    assert "±" not in repr(hit)
     assert "error of the peak" in repr(hit)
 
 
@@ -105,7 +105,13 @@ def test_every_column_of_a_sweep_has_its_error_beside_it(tmp_path):
 def test_machines_read_the_errors_of_what_they_asked_for():
     hit = strike("held plate", quantity="peak_force", rtol=1e-1)
     told = json.loads(as_json(numbers(hit, ("peak_force", "restitution"))))["quantities"]
-    assert told["restitution_error"] == hit.error.numbers["restitution"]
+    parts = hit.error.parts("restitution")
+    assert all(parts.values())
+    assert told["restitution_error"] == pytest.approx(math.fsum(parts.values()), rel=1e-12)
+    relative = json.loads(as_json(numbers(hit, ())))["relative_errors"]
+    assert relative["total"] == pytest.approx(
+        math.fsum(relative[name] for name in ("mesh", "contact", "reduction", "time"))
+    )
 
 
 def test_in_a_scene_the_numbers_of_each_contact_have_theirs():
@@ -123,8 +129,9 @@ def test_in_a_scene_the_numbers_of_each_contact_have_theirs():
         [(SceneCase(scene, {"quantity": "peak_force"}), duration)],
         keep="contacts.0.impulse",
     )
-    assert kept[0]["contacts.0.impulse_error"] == run.error.numbers["contacts.0.impulse"]
-    assert "(to " in repr(run)
+    assert kept[0]["contacts.0.impulse_error"] == run.error.of("contacts.0.impulse")
+    assert kept[0]["contacts.0.impulse_error"] > run.error.numbers["contacts.0.impulse"]
+    assert re.search(r"N ± .* % \(mesh .*, contact .*, model .*, time .*\) at", repr(run))
 
 
 def test_duration_is_the_record_s_and_the_old_name_of_the_contact_s_is_told():
@@ -141,3 +148,10 @@ def test_a_number_that_there_is_not_has_no_error():
         hit = strike("slow", quantity="peak_force", rtol=1e-2, duration=2e-4)
     assert math.isnan(hit.error.numbers["restitution"])
     assert "restitution        none\n" in repr(hit)
+
+
+def test_an_error_says_first_what_a_user_asks_first():
+    error = ErrorEstimate(reduction=0.01, time=1e-4, quantity="force", rtol=0.02)
+    text = "ErrorEstimate(total=None, mesh=None, contact=None, reduction=0.01, time=0.0001, energy="
+    assert repr(error).startswith(text)
+    assert len(repr(strike("held plate", quantity="peak_force").error)) < 250

@@ -162,10 +162,14 @@ def test_plot_draws_a_line_for_each_of_the_others() -> None:
     assert x.tolist() == [1.0, 4.0]
     rows = [3, 2]
     np.testing.assert_allclose(y, 1e-3 * table["peak_force"][rows])
-    assert ax.get_ylabel() == "peak_force (kN)"
-    assert ax.get_legend().get_texts()[0].get_text() == "mass=0.01"
+    assert ax.get_ylabel() == "peak force (kN)"
+    assert ax.get_legend().get_texts()[0].get_text() == "mass = 0.01"
     assert len(table.plot().get_lines()) == 2
     assert table.plot(y="impulse", ax=ax) is ax
+    gaps = ao.sweep(BASE, {"velocity": [1.0, 2.0], "gap": [0.0, 2e-5]}).plot()
+    assert gaps.get_xlabel() == "velocity (m/s)"
+    told = [text.get_text() for text in gaps.get_legend().get_texts()]
+    assert told == ["gap = 0 m", "gap = 20 µm"]
 
 
 def test_it_prints_itself() -> None:

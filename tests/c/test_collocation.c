@@ -109,8 +109,7 @@ static void check_solution(const plant *p, double h, const char *what)
                 memcpy(x, p->x + p->system.first[b], n * sizeof(double));
                 memcpy(v, p->v + p->system.first[b], n * sizeof(double));
                 forces_on(p, b, force);
-                aoi_modes_advance(&p->body[b], 0.0, h * aoi_radau_node[i], x, v);
-                aoi_response_push(&p->body[b], h, force, aoi_radau_node[i], x, v);
+                aoi_response_carry(&p->body[b], 0.0, h, force, aoi_radau_node[i], x, v);
                 aoi_modes_port(&p->body[b], contact->port[side], x, v, &u, &du);
                 for (size_t q = 0; p->body[b].residual && q < p->body[b].ports; q++) {
                     u += p->body[b].residual[contact->port[side] * p->body[b].ports + q] *

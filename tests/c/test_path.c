@@ -32,8 +32,7 @@ static double squared_speed(const aoi_modes *body, double h, double place, const
         for (int g = 0; g < GAUSS; g++) {
             const double at = place * ((double)i + GAUSS_AT[g]) / (double)panels;
             double there = x, speed = v;
-            aoi_modes_advance(body, 0.0, at * h, &there, &speed);
-            aoi_response_push(body, h, force, at, &there, &speed);
+            aoi_response_carry(body, 0.0, h, force, at, &there, &speed);
             sum += GAUSS_WEIGHT[g] * speed * speed;
         }
     }
@@ -65,8 +64,7 @@ static void damping_takes_its_power_along_the_motion(void)
             const double wanted =
                 2.0 * decay * of->inertia[0] * squared_speed(p.body, h, place, force, x0, v0);
             double x1 = x0, v1 = v0, work, lost;
-            aoi_modes_advance(p.body, 0.0, place * h, &x1, &v1);
-            aoi_response_push(p.body, h, force, place, &x1, &v1);
+            aoi_response_carry(p.body, 0.0, h, force, place, &x1, &v1);
             aoi_modes_step_work(p.body, 0.0, h, place, force, &x0, &v0, &x1, &work, &lost);
             CHECK(near(lost, wanted, within[i / 8]), "omega h %g, decay h %g, to %g: %.12g J lost, not %.12g (%g)",
                   turns[i % 8], damped[i / 8], place, lost, wanted, lost / wanted - 1.0);

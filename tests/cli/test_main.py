@@ -163,15 +163,18 @@ def test_run_writes_fields_of_meshed_bodies(tmp_path: Path) -> None:
     path, out = tmp_path / "bar.toml", tmp_path / "out"
     path.write_text(BAR, encoding="utf-8")
     assert main(["run", str(path), "--out", str(out)]) == 0
-    listing = (out / "target.pvd").read_text()
+    listing = (out / "bar.pvd").read_text()
     hit = ao.read_scene(path).simulate()
     assert f'timestep="{hit.peak_time!r}"' in listing
     files = re.findall(r'file="(.*?)"', listing)
     last = meshio.read(out / files[-1]).point_data["displacement"]
     field = hit.target.field(hit.t[-1]).displacement[0]
     np.testing.assert_allclose(last, field, rtol=1e-9, atol=1e-15)
-    assert (out / "target.png").is_file()
-    assert not (out / "projectile.pvd").exists()
+    assert (out / "bar.png").is_file()
+    assert not (out / "ball.pvd").exists()
+    assert (hit.projectile.name, hit.target.name) == ("ball", "bar")
+    heading = (out / "histories.csv").read_text().partition("\n")[0]
+    assert "bar displacement [m]" in heading
 
 
 def test_run_of_a_scene_of_several_bodies(

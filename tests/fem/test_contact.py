@@ -344,6 +344,7 @@ def test_a_label_names_its_node_in_any_order_of_the_rows() -> None:
     mode, expected = static_mode(tip), static_mode(same)
     assert mode.mass == pytest.approx(expected.mass, rel=1e-9)
     assert centre_of(tip, mode.phi)[1] == pytest.approx(FREE.mass, rel=1e-12)
+    assert repr(tip).startswith("ContactPoint(node 109, functional of 3 dofs of a body of")
 
 
 def test_an_unknown_label_is_refused_with_those_near() -> None:

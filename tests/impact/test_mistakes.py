@@ -220,3 +220,16 @@ def test_cylinders_that_touch_along_a_line() -> None:
     for other in (roller, askew):
         with pytest.raises(ao.InputError, match="not touch in a point: give law=, such as Linear"):
             law_between(roller, other, projectile_direction=DOWN, target_direction=DOWN)
+
+
+def test_the_summary_tells_where_and_over_what_a_body_is_touched() -> None:
+    """So that a far side, or a patch as wide as the plate is thick, is seen."""
+    hit = strike(star(plate()))
+    assert re.search(
+        r"constrained, node \d+ at \(0\.05, 0\.04, 0\.006\) m along \(0, 0, -1\)\n", repr(hit)
+    )
+    fine = ao.FEModel.from_mesh(ao.box_mesh(SIZE, (20, 16, 1)), ALU, fixed=ENDS)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ao.AOImpactWarning)
+        tip = fine.contact(point=MIDDLE, radius=0.004)
+    assert ", patch of 4 mm at (0.05, 0.04, 0.006) m along" in repr(strike(tip))

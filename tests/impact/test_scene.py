@@ -805,3 +805,39 @@ def test_a_record_that_is_left_out_is_no_longer_than_the_impact():
     hit = ao.simulate(projectile=ao.ball(0.01, STEEL), target=star, velocity=0.2)
     assert hit.duration == pytest.approx(2.0 * hit.contacts[-1][1], rel=1e-6)
     assert hit.duration < 20e-3
+
+
+def test_a_drop_from_rest_needs_no_duration():
+    """50 mm: it meets the floor after √(2h/g), at √(2gh), where m v²/2 = k δ^2.5/2.5."""
+    gravity, height, mass, law = 9.81, 0.05, 0.03, ao.Hertz(k=1e9)
+    scene = ao.Scene(gravity=gravity)
+    ball, floor = scene.add(ao.rigid(mass=mass)), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(ball, floor, law, gap=height)
+    run = scene.simulate()
+    (first, *_) = run.contacts[0].intervals
+    assert first[0] == pytest.approx(math.sqrt(2.0 * height / gravity), rel=1e-6)
+    energy = mass * gravity * height
+    assert run.contacts[0].peak_force == pytest.approx(
+        law.k * (2.5 * energy / law.k) ** 0.6, rel=1e-3
+    )
+    assert run.duration < 1.0
+
+
+def test_a_duration_that_cannot_be_foreseen_says_why():
+    scene = ao.Scene()
+    ball, floor = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(ball, floor, ao.Hertz(k=1e9), gap=0.01)
+    with pytest.raises(ao.InputError, match="no velocity, gravity or constant force brings bodies"):
+        scene.simulate()
+
+
+def test_a_patch_is_fitted_to_a_drop_from_rest():
+    scene = ao.Scene(gravity=9.81)
+    mesh = ao.box_mesh((0.04, 0.04, 0.02), (4, 4, 2), kind="hexahedron20")
+    block = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("zmin", "xyz")])
+    tip = block.contact(point=(0.02, 0.02, 0.02))
+    ball, base = scene.add(ao.ball(0.01, STEEL)), scene.add(tip)
+    scene.connect(ball, base, gap=0.05)
+    run = scene.simulate()
+    assert run.contacts[0].peak_force > 100.0
+    assert run.error.mesh is not None

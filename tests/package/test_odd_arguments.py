@@ -200,6 +200,7 @@ CHANNEL = Path(tempfile.mkdtemp()) / "drop.csv"
 CHANNEL.write_text("t,F\n0,0\n1,1\n2,0\n")
 CELL = ao.LoadCell(nose=0.1, carriage=1.0, stiffness=1e8)
 LABELS = np.stack([BAR.free // 3 + 1, BAR.free % 3 + 1], axis=1)
+BARE = ao.FEModel(K=BAR.K, M=BAR.M, nodes=BAR.nodes, free=BAR.free)
 MATRICES = ao.write_matrices(BAR, tempfile.mkdtemp())
 
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
@@ -367,6 +368,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "check_patch": (ao.check_patch, {"tip": PATCH, "expected": 1e-3}),
     "AOModel.to_json": (STAR.to_json, {"path": "model.json"}),
+    "FEModel.with_mesh": (BARE.with_mesh, {"mesh": BAR.mesh, "material": STEEL}),
     "FEModel.audit": (BAR.audit, {"frequencies": 2}),
     "write_matrices": (ao.write_matrices, {"what": STAR, "folder": "matrices"}),
     "read_matrices": (
@@ -374,6 +376,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {
             **{"K": MATRICES["K"], "M": MATRICES["M"], "dofs": LABELS, "nodes": BAR.nodes},
             **{"length": 1.0, "mass": 1.0, "damping": None, "name": ""},
+            **{"mesh": BAR.mesh, "material": STEEL},
         },
     ),
     "AOModel.receptance": (STAR.receptance, {"omega": 1.0}),
@@ -485,6 +488,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Handle.port": (ao.Handle(0).port, {"at": 0}),
     "Run.at": (HIT.run.at, {"times": [1e-4]}),
     "Run.to_csv": (HIT.run.to_csv, {"path": "run.csv", "names": None}),
+    "Result.movie": (
+        FIELDS.movie,
+        {"path": "movie.avi", "times": None, "frames": 3, "scale": None, "fps": 15.0},
+    ),
     "Run.to_dataframe": (HIT.run.to_dataframe, {"names": None}),
     "Run.to_xarray": (HIT.run.to_xarray, {"names": None}),
     "Signal": (
@@ -586,6 +593,8 @@ ALSO = {
     "omega": ("participation must have shape",),
     "data": ("is missing",),
     "names": ("which is not installed",),
+    # What is sound goes on to a path that is none: to draw would take long.
+    **dict.fromkeys(("times", "frames", "scale", "fps"), ("path must end in .gif",)),
 }
 
 # A function of the user's has errors of its own, and may be slow; a value of a sweep may be a list.

@@ -67,7 +67,7 @@ def test_every_file_that_is_named_exists() -> None:
 
 
 EXAMPLES = [
-    file.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".")
+    file.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")
     for file in sorted(ROOT.joinpath("aoimpact").rglob("*.py"))
     if ">>> " in file.read_text(encoding="utf-8")
 ]

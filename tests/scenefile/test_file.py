@@ -55,6 +55,41 @@ def test_the_same_as_in_python(tmp_path: Path) -> None:
     assert np.array_equal(hit.force, same.force)
 
 
+MATRICES = """
+[bodies.ball]
+mass = 0.03
+
+[bodies.bar]
+matrices = { K = "K.mtx", M = ["M.npz", "M"], dofs = "dofs.txt", nodes = "nodes.txt", mass = 2.0 }
+contact = { node = 5, direction = [0, 0, -1] }
+
+[impact]
+projectile = "ball"
+target = "bar"
+velocity = 1.0
+law = { type = "Hertz", k = 1e9 }
+duration = 1e-5
+"""
+
+
+def test_a_body_of_matrices(tmp_path: Path) -> None:
+    body = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.02, 0.02), (4, 1, 1)), ALU)
+    ao.write_matrices(body, tmp_path)
+    np.savez(tmp_path / "M.npz", M=body.M.toarray(), other=np.eye(3))
+    file = ao.read_scene(written(tmp_path, MATRICES))
+    target = file.case()["target"].body
+    assert target.mass == pytest.approx(2.0 * body.mass)
+    tip = body.contact(node=4, direction=(0, 0, -1), radius=0)
+    np.testing.assert_array_equal(file.case()["target"].contact_points[0].b, tip.b)
+
+
+def test_files_of_matrices_that_are_wrong_are_named_with_their_line(tmp_path: Path) -> None:
+    with pytest.raises(ao.SceneFileError, match=r"toml:\d+:\d+: .*K.*K\.mtx' does not exist"):
+        ao.read_scene(written(tmp_path, MATRICES)).case()
+    with pytest.raises(ao.SceneFileError, match=r"bodies\.bar\.matrices: 'K' is missing"):
+        ao.read_scene(written(tmp_path, MATRICES.replace('K = "K.mtx", ', "")))
+
+
 def test_a_meshed_body(tmp_path: Path) -> None:
     target = ao.read_scene(written(tmp_path, BAR)).case()["target"]
     bar = ao.FEModel.from_mesh(
@@ -412,7 +447,12 @@ WRONG = {
         ("k = 1e9", "n = 1e9", "law", "unknown name 'n'"),
         ("k = 1e9", "k = -1e9", "law", "k must be positive"),
         ("mass = 0.03", "mass = -0.03", "mass", "mass must be positive"),
-        ("mass = 0.03", "weight = 0.03", "[bodies.ball]", "one of 'mass', 'ball', 'm0', 'mesh' is"),
+        (
+            "mass = 0.03",
+            "weight = 0.03",
+            "[bodies.ball]",
+            "one of 'mass', 'ball', 'm0', 'mesh', 'matrices' is",
+        ),
         ("mass = 0.03", "mass = 0.03\nm0 = 1.0", "[bodies.ball]", "exclude each other"),
         ("m = [0.2]", "m = [0.2, true]", "m = [", r"bodies.beam.m.1: must be a number \(kg\)"),
         ("m = [0.2]", "m = [0.2, 0.3]", "m = [", "must have the same length"),

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a proces
         ("mesh", 200),
         *(
             pytest.param(*case, marks=pytest.mark.slow)
-            for case in (("matrix", 600), ("scene", 300))
+            for case in (("matrix", 600), ("matrixfile", 600), ("scene", 300))
         ),
     ],
 )

@@ -33,7 +33,12 @@ from typing import Any
 
 from .pool import PATIENCE, processor_time
 
-KINDS = {"mesh": "meshes", "matrix": "matrices", "scene": "scenefiles"}
+KINDS = {
+    "mesh": "meshes",
+    "matrix": "matrices",
+    "matrixfile": "matrixfiles",
+    "scene": "scenefiles",
+}
 
 LIMIT_BYTES = 2**31
 LIMIT_SECONDS = 10.0

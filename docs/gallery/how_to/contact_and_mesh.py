@@ -69,7 +69,8 @@ for mesh, hit in zip(meshes, patches):
 # %%
 # What is right
 # -------------
-# Fine axisymmetric finite elements with unilateral contact and no law at all give 1014.7 N and 59.41 µs for these spheres.
+# Fine axisymmetric finite elements with unilateral contact and no law at all give 1014.7 N and 59.41 µs for these spheres
+# (:doc:`/validation/two_spheres`).
 
 rigid = ao.simulate(
     projectile=ao.ball(0.01, steel), target=ao.ball(0.01, steel), velocity=1.0, duration=100e-6

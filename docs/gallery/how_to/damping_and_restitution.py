@@ -135,7 +135,7 @@ ax.legend()
 aluminium = ao.Material(E=70e9, nu=0.33, rho=2700)
 mesh = ao.box_mesh((0.3, 0.02, 0.01), (24, 2, 2), kind="hexahedron20")
 fixed = [("xmin", "xyz"), ("xmax", "xyz")]
-fig, ax = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+fig, ax = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
 for style, damping in zip(styles, (None, ao.ModalDamping(0.02), ao.Rayleigh(alpha=0.0, beta=2e-6))):
     beam = ao.FEModel.from_mesh(mesh, aluminium, fixed=fixed, damping=damping)
     hit = ao.simulate(
@@ -153,4 +153,4 @@ for style, damping in zip(styles, (None, ao.ModalDamping(0.02), ao.Rayleigh(alph
     )
     ax.plot(1e3 * hit.t, 1e6 * hit.target.displacement, linestyle=style, label=str(damping))
 ax.set(xlabel="time (ms)", ylabel="displacement of the contact point (µm)")
-ax.legend(fontsize=8)
+fig.legend(loc="outside upper center", fontsize=8)

@@ -59,9 +59,14 @@ run = row.simulate(duration=1.2e-3)
 
 _, ax = plt.subplots(layout="constrained")
 for i in (5, 15, 25, 35):
-    ax.plot(1e6 * run.t, run.contacts[i].force, label=f"balls {i} and {i + 1}")
-ax.set(xlabel="time (µs)", ylabel="force (N)")
-ax.legend()
+    ax.plot(1e6 * run.t, run.contacts[i].force)
+    ax.annotate(f"{i} on {i + 1}", (1e6 * run.contacts[i].peak_time, 870), ha="center")
+ax.set(
+    xlabel="time (µs)",
+    ylabel="force (N)",
+    ylim=(0, 950),
+    title="contact forces of ball i on ball i + 1",
+)
 
 # %%
 # Nesterenko's theory, of waves that are long beside a ball, has the speed of a single wave from its largest force:

@@ -1,0 +1,70 @@
+/* Modes of a body, four at a time, in loops whose length the compiler knows, so that it takes two or four
+ * of them at once. What comes of a mode does not depend on its neighbours, nor, undamped, on the
+ * machine's own sine. */
+#ifndef AOI_LANES_H
+#define AOI_LANES_H
+
+#include "aoimpact.h"
+#include "law/law.h"
+
+#include <string.h>
+
+enum { AOI_LANES = 4 };
+
+/* Undamped oscillators after a time: half the angles that they turn, and the sine and cosine of that. */
+typedef struct aoi_turn {
+    double time, half[AOI_LANES], sine[AOI_LANES], cosine[AOI_LANES];
+} aoi_turn;
+
+/* As aoi_motion; ramp only where it is asked for. */
+typedef struct aoi_motions {
+    double impulse[AOI_LANES], rate[AOI_LANES], step[AOI_LANES], ramp[AOI_LANES];
+} aoi_motions;
+
+/* The integrals of aoi_oscillator_integrals. */
+typedef struct aoi_integrals {
+    double impulse[AOI_NODES][AOI_LANES], rate[AOI_NODES][AOI_LANES];
+} aoi_integrals;
+
+/* omega: AOI_LANES of them, 0 for one without a spring. */
+void aoi_turn_make(const double *omega, double time, aoi_turn *turn);
+void aoi_turn_motions(const aoi_turn *turn, aoi_motions *motions);
+void aoi_turn_integrals(const aoi_turn *turn, aoi_integrals *integrals);
+
+/* Of modes first .. first + AOI_LANES - 1 of a body, as far as it has them: how they move in a time, with
+ * the ramp where the body has loads; and the integrals over that time, unless NULL. */
+void aoi_lanes_of(const aoi_modes *body, size_t first, double time, aoi_motions *motions,
+                  aoi_integrals *integrals);
+
+/* How many modes there are from the first on, at most AOI_LANES. */
+static inline size_t aoi_lanes_count(const aoi_modes *body, size_t first)
+{
+    return body->n - first < AOI_LANES ? body->n - first : AOI_LANES;
+}
+
+/* Values of those modes; 0 for what is left of the lanes. */
+static inline void aoi_lanes_take(const double *values, size_t count, double *lanes)
+{
+    if (count == AOI_LANES) { /* a length that the compiler knows */
+        memcpy(lanes, values, AOI_LANES * sizeof *lanes);
+        return;
+    }
+    memset(lanes, 0, AOI_LANES * sizeof *lanes);
+    memcpy(lanes, values, count * sizeof *lanes);
+}
+
+static inline void aoi_lanes_put(const double *lanes, size_t count, double *values)
+{
+    if (count == AOI_LANES) {
+        memcpy(values, lanes, AOI_LANES * sizeof *lanes);
+        return;
+    }
+    memcpy(values, lanes, count * sizeof *lanes);
+}
+
+static inline double aoi_lanes_sum(const double *lanes)
+{
+    return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+}
+
+#endif

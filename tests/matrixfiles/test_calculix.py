@@ -1,0 +1,85 @@
+"""CalculiX itself: its matrices are ours, and a star is a deck of its springs and masses."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_formats import ALU, DOWN, force
+
+import aoimpact as ao
+
+pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+
+MESH = ao.box_mesh((0.1, 0.02, 0.01), (6, 2, 1))
+TYPES = {"hexahedron": "C3D8"}
+
+
+def deck(mesh: ao.Mesh, fixed: Any) -> Iterator[str]:
+    """A deck of this project's own: nodes called 101, 103, …, and their matrices stored."""
+    yield "*NODE, NSET=NALL"
+    for i, (x, y, z) in enumerate(mesh.nodes):
+        yield f"{101 + 2 * i}, {x:.12e}, {y:.12e}, {z:.12e}"
+    yield f"*ELEMENT, TYPE={TYPES[mesh.kind]}, ELSET=EALL"
+    for i, cell in enumerate(mesh.cells):
+        yield ", ".join(map(str, [i + 1, *(101 + 2 * cell)]))
+    if len(fixed):
+        yield "*BOUNDARY"
+        for node in fixed:
+            yield f"{101 + 2 * node}, 1, 3"
+    yield "*MATERIAL, NAME=ALU\n*ELASTIC\n70e9, 0.3\n*DENSITY\n2700."
+    yield "*SOLID SECTION, ELSET=EALL, MATERIAL=ALU"
+    yield "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n"
+
+
+def run(folder: Path, lines: Iterator[str]) -> Path:
+    file = folder / "bar.inp"
+    file.write_text("\n".join(lines))
+    subprocess.run(["ccx", "bar"], cwd=folder, check=True, capture_output=True, timeout=120)
+    return file
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_calculix_s_matrices_are_ours(held: bool, tmp_path: Path) -> None:
+    fixed = np.flatnonzero(MESH.nodes[:, 0] == 0.0) if held else np.zeros(0, int)
+    file = run(tmp_path, deck(MESH, fixed))
+    body = ao.read_matrices(file.with_suffix(".sti"), file.with_suffix(".mas"), nodes=file)
+    ours = ao.FEModel.from_mesh(MESH, ALU, fixed=[(fixed, "xyz")] if held else None)
+    assert body.free is not None
+    assert ours.free is not None
+    rows = np.argsort(body.free)
+    assert (body.free[rows] == ours.free).all()
+    for name in ("K", "M"):
+        read, true = getattr(body, name), getattr(ours, name)
+        off = np.abs(read[rows][:, rows] - true).max()
+        assert off < 1e-12 * np.abs(true.data).max(), name
+    assert body.labels is not None
+    assert (body.labels[:, 0] == 101 + 2 * (body.free // 3)).all()
+    if held:
+        tip = len(MESH.nodes) - 1
+        off = force(body, node=101 + 2 * tip) - force(ours, node=tip)
+        assert np.abs(off).max() < 1e-7 * force(ours, node=tip).max()
+    else:
+        assert body.mass == pytest.approx(ours.mass, rel=1e-12)
+        assert body.rigid_modes.shape[1] == 6
+        assert body.contact(node=101, direction=DOWN).node == 0
+
+
+def test_a_star_is_a_deck_of_springs_and_masses(tmp_path: Path) -> None:
+    """What CalculiX assembles of it are the star's own matrices and natural frequencies."""
+    star = ao.AOModel(m0=0.1, k0=1e6, m=[0.5, 0.2, 0.05], k=[2e6, 3e6, 9e6])
+    files = ao.write_matrices(star, tmp_path)
+    step = "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n"
+    run(tmp_path, iter([files["deck"].read_text() + step]))
+    body = ao.read_matrices(tmp_path / "bar.sti", tmp_path / "bar.mas")
+    assert body.labels is not None
+    rows = np.argsort(body.labels[:, 0])
+    K, M, _ = star.matrices()
+    np.testing.assert_allclose(body.K.toarray()[rows][:, rows], K, rtol=1e-12)
+    np.testing.assert_allclose(body.M.toarray()[rows][:, rows], M, rtol=1e-12)
+    np.testing.assert_allclose(body.frequencies(4), star.natural_frequencies, rtol=1e-9)

@@ -1,0 +1,64 @@
+"""Matrices on the mesh that they are of: patches, laws and stresses as of the meshed body."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800.0)
+MESH = ao.sphere_mesh(0.01, 0.003)
+BALL = ao.FEModel.from_mesh(MESH, STEEL)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return ao.write_matrices(BALL, tmp_path_factory.mktemp("ball"))
+
+
+def test_a_patch_and_the_law_are_those_of_the_mesh(files: dict[str, Path]) -> None:
+    body = ao.read_matrices(
+        files["K"],
+        files["M"],
+        dofs=files["dofs"],
+        nodes=files["nodes"],
+        mesh=MESH,
+        material=STEEL,
+    )
+    wall = ao.rigid(np.inf)
+    hits = [
+        ao.simulate(projectile=one.contact(point=(0, 0, -0.01)), target=wall, law=law, velocity=1.0)
+        for one in (body, BALL)
+        for law in (ao.Hertz.between(STEEL, 0.01, STEEL, np.inf),)
+    ]
+    assert hits[0].peak_force == pytest.approx(hits[1].peak_force, rel=1e-9)
+    assert hits[0].error.contact == pytest.approx(hits[1].error.contact, rel=1e-6)
+    assert body.mass == pytest.approx(BALL.mass)
+
+
+def test_nodes_in_another_order_are_found_by_their_places(files: dict[str, Path]) -> None:
+    order = np.random.default_rng(4).permutation(MESH.n_nodes)
+    table = np.column_stack([order + 1, 1e3 * MESH.nodes[order]])
+    body = ao.read_matrices(
+        files["K"],
+        files["M"],
+        dofs=files["dofs"],
+        nodes=table,
+        mesh=MESH,
+        material=STEEL,
+        length=1e-3,
+    )
+    np.testing.assert_array_equal(body.free, BALL.free)
+    np.testing.assert_array_equal(body.nodes, MESH.nodes)
+
+
+def test_another_mesh_is_refused(files: dict[str, Path]) -> None:
+    given = {"dofs": files["dofs"], "nodes": files["nodes"], "material": STEEL}
+    other = ao.box_mesh((0.01, 0.01, 0.01), (2, 2, 2))
+    with pytest.raises(ao.InputError, match=r"mesh: node \d+ of the body, .* same model"):
+        ao.read_matrices(files["K"], files["M"], mesh=other, **given)
+    with pytest.raises(ao.InputTypeError, match="mesh and material, of the surface: give both"):
+        ao.read_matrices(files["K"], files["M"], **given)

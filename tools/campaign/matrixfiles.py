@@ -1,0 +1,113 @@
+"""Matrix files of every format, damaged, and what says which rows they have and where nodes are."""
+
+from __future__ import annotations
+
+import importlib.util
+import random
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+import aoimpact as ao
+
+from .mutate import damaged
+
+__all__ = ["Given", "make", "seeds"]
+
+_WRITERS = Path(__file__).parents[2] / "tests" / "matrixfiles" / "writers.py"
+
+_NAMED = re.compile(r"\b(K|M|dofs|nodes|labels|stiffness|inertia)\b|matrix file|mesh file")
+
+
+@dataclass(frozen=True)
+class Seed:
+    """Sound files of one model by their names, and which of them say what the rows are."""
+
+    files: dict[str, bytes]
+    keywords: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Given:
+    """Files, some of them damaged, and the keywords that they are given for."""
+
+    folder: Path
+    keywords: dict[str, Path]
+
+    @property
+    def saved(self) -> Path:
+        return self.folder / "damaged"
+
+    def run(self) -> None:
+        body = ao.read_matrices(**self.keywords)  # type: ignore[arg-type]
+        audit = body.audit(frequencies=min(3, body.n_dofs))
+        if not np.isfinite(audit.frequencies).all():
+            raise ArithmeticError(f"frequencies are not finite: {audit.frequencies}")
+
+    def named(self, message: str) -> bool:
+        return _NAMED.search(message) is not None
+
+
+def _writers() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("writers", _WRITERS)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def seeds(folder: Path) -> list[Seed]:
+    """Return sound files of every format: a free block, and one that is held."""
+    writers = _writers()
+    material = ao.Material(E=70e9, nu=0.3, rho=2700.0)
+    found = []
+    for fixed in (None, [("xmin", "xyz")]):
+        mesh = ao.box_mesh((0.1, 0.02, 0.01), (2, 1, 1))
+        body = ao.FEModel.from_mesh(mesh, material, fixed=fixed)
+        assert body.free is not None
+        assert body.nodes is not None
+        labels = np.stack([1 + body.free // 3, 1 + body.free % 3], axis=1)
+        nodes = "".join(f"{i + 1}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(body.nodes))
+        for kind in writers.WRITERS:
+            place = folder / "seed"
+            place.mkdir()
+            stiffness, inertia = writers.written(
+                kind, place, body.K.tocoo(), body.M.tocoo(), labels
+            )
+            keywords = {"K": stiffness.name, "M": inertia.name, "nodes": "nodes.inp"}
+            (place / "nodes.inp").write_text("*NODE\n" + nodes)
+            if kind not in writers.LABELLED:
+                (place / "rows.txt").write_text("".join(f"{n}.{c}\n" for n, c in labels))
+                keywords["dofs"] = "rows.txt"
+            found.append(Seed({one.name: one.read_bytes() for one in place.iterdir()}, keywords))
+            for one in place.iterdir():
+                one.unlink()
+            place.rmdir()
+    return found
+
+
+def make(rng: random.Random, sound: list[Seed], folder: Path) -> Given:
+    """Write the files of one model, one or two of them damaged."""
+    for old in folder.iterdir():
+        old.unlink()
+    seed, other = rng.choice(sound), rng.choice(sound)
+    files = dict(seed.files)
+    wrong = [seed.keywords["K" if rng.random() < 0.6 else rng.choice(sorted(seed.keywords))]]
+    if rng.random() < 0.2:
+        wrong.append(rng.choice(sorted(files)))
+    content: Any = b""
+    for name in wrong:
+        content = damaged(rng, files[name], other.files[rng.choice(sorted(other.files))])
+        files[name] = content
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+    keywords = {key: folder / name for key, name in seed.keywords.items()}
+    if rng.random() < 0.2:
+        keywords.pop(rng.choice(sorted(set(keywords) - {"K"})))
+    (folder / "damaged").write_bytes(content)
+    return Given(folder, keywords)
