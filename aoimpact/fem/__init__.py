@@ -11,6 +11,7 @@ from .composition import (
     Piece,
     each_of,
     layout,
+    materials_of,
     pieces,
 )
 from .contact import Body, ContactPoint, contact_at, contact_point, contact_within
@@ -70,6 +71,7 @@ __all__ = [
     "edge_length",
     "image_field",
     "layout",
+    "materials_of",
     "moves_rigidly",
     "pieces",
     "refuse_mechanism",

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import Frozen, InputError, InputTypeError, IntArray, MeshError
+from ..base import Frozen, InputError, InputTypeError, IntArray
 from ..mesh import Block, Mesh, ReferenceElement, group
 from .material import Material
 from .orthotropic import Orthotropic
@@ -67,7 +67,12 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
     InputError, InputTypeError
         If it is no material, a group is unknown, or an element has none or two of them.
     """
-    if isinstance(given, OneMaterial):
+    if isinstance(given, Materials) and len(given.index) != mesh.n_cells:
+        raise InputError(
+            f"material: these materials belong to a mesh of {len(given.index)} elements, not to "
+            f"one of {mesh.n_cells}"
+        )
+    if isinstance(given, AnyMaterial):
         return given
     if not isinstance(given, Mapping):
         raise InputTypeError(
@@ -169,11 +174,6 @@ def pieces(mesh: Mesh, material: AnyMaterial) -> list[Piece]:
     """Return the elements of a mesh by kind and material."""
     if not isinstance(material, Materials):
         return [Piece(block, material, 0, np.arange(len(block.cells))) for block in mesh.blocks]
-    if len(material.index) != mesh.n_cells:
-        raise MeshError(
-            f"these materials belong to a mesh of {len(material.index)} elements, not to one of "
-            f"{mesh.n_cells}"
-        )
     found = []
     for block in mesh.blocks:
         index = material.index[block.numbers]

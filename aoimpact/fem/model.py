@@ -161,7 +161,7 @@ class FEModel(Frozen):
     def from_mesh(
         cls,
         mesh: str | os.PathLike[str] | Mesh | Any,
-        material: OneMaterial | Mapping[str, OneMaterial],
+        material: AnyMaterial | Mapping[str, OneMaterial],
         fixed: Sequence[Support] | None = None,
         *,
         masses: Sequence[Mounted] | None = None,
@@ -262,7 +262,7 @@ class FEModel(Frozen):
     def with_mesh(
         self,
         mesh: str | os.PathLike[str] | Mesh | Any,
-        material: OneMaterial | Mapping[str, OneMaterial],
+        material: AnyMaterial | Mapping[str, OneMaterial],
     ) -> FEModel:
         """Return this body, its K and M, with the mesh that its nodes are those of.
 
