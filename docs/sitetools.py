@@ -8,10 +8,13 @@ from typing import Any
 
 from aoimpact.base import styled
 
+_kept: list[Any] = []  # a context that nobody holds ends
+
 
 def settle(_conf: Any, _file: str) -> None:
     """Let an example's warnings stand among what it prints, and figures look as the package's."""
-    styled().__enter__()  # for this example: Matplotlib's settings are reset before the next
+    _kept.append(styled())  # Matplotlib's settings are reset before the next example
+    _kept[-1].__enter__()
     logging.getLogger("skfem").setLevel(logging.WARNING)
     warnings.showwarning = lambda message, kind, *_: print(f"{kind.__name__}: {message}")  # type: ignore[assignment]
 

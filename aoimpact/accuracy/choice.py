@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base import ConvergenceError, InputError, held_warnings, positive
 from ..integrate import TIGHTEST, Adaptive, Newmark
-from ..linalg import Solver, checked_solver
+from ..linalg import LinearSolver, Solver, checked_solver
 from ..results import Chosen, Run
 from ..scene import Plan
 from .hierarchy import Models
@@ -80,6 +80,7 @@ def choose_models(
     record: Record,
     law_errors: Sequence[float] = (),
     linear_solver: Solver = "auto",
+    known: dict[Any, LinearSolver] | None = None,
 ) -> R:
     """Run with models of small orders, and say in the run how they were chosen.
 
@@ -102,6 +103,8 @@ def choose_models(
         See `LeftOutFinder`.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
+    known : dict of body to LinearSolver, optional
+        See `least_orders`.
 
     Raises
     ------
@@ -128,6 +131,7 @@ def choose_models(
         quantity=quantity,
         rtol=_MARGIN * tolerance - in_time,
         solver=linear_solver,
+        known=known,
     )
     numbers = number_errors(found.run, found.larger, found.safety) | (
         {quantity.name: found.error} if not quantity.is_history else {}

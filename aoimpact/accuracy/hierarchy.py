@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..fem import ContactPoint, moves_rigidly
-from ..linalg import Solver
+from ..linalg import LinearSolver, Solver
 from ..reduction import (
     AOModel,
     BodyModel,
@@ -126,6 +126,7 @@ class KrylovHierarchy(Hierarchy):
     contact_time: float
     duration: float | None
     solver: Solver = "auto"
+    known: LinearSolver | None = None
     _most: int = field(init=False)
     _models: dict[int, AOModel] = field(init=False, default_factory=dict)
 
@@ -135,7 +136,14 @@ class KrylovHierarchy(Hierarchy):
     @cached_property
     def _space(self) -> KrylovSpace:
         resolved = max(self.contact_time, shortest_contact_time(self.tip))
-        space = KrylovSpace(self.tip, contact_time=resolved, sharpened=True, solver=self.solver)
+        space = KrylovSpace(
+            self.tip,
+            contact_time=resolved,
+            sharpened=True,
+            solver=self.solver,
+            known=self.known,
+        )
+        self.known = None  # the space keeps it as long as it is needed
         if self.duration is not None:
             # A second factorisation, where the body has any mode slower than the contact.
             natural = space.of_vectors(_FEW).natural_frequencies
@@ -234,7 +242,11 @@ class InterfaceHierarchy(Hierarchy):
 
 
 def model_hierarchy(
-    body: BodyModel, contact_time: float, duration: float | None, solver: Solver = "auto"
+    body: BodyModel,
+    contact_time: float,
+    duration: float | None,
+    solver: Solver = "auto",
+    known: LinearSolver | None = None,
 ) -> Hierarchy:
     """Return the models of what `simulate` or a scene takes for a body.
 
@@ -248,6 +260,8 @@ def model_hierarchy(
         How long their motion must be right after that, s.
     solver : str or callable, optional
         The linear solver.
+    known : LinearSolver, optional
+        One of a body touched in one place that has been set up; see `KrylovSpace`.
     """
     if isinstance(body, Hierarchy):
         return body
@@ -256,5 +270,5 @@ def model_hierarchy(
     if isinstance(body, InterfaceModel):
         return FixedModel(body)
     if len(body.tips) == 1:
-        return KrylovHierarchy(body.tips[0], contact_time, duration, solver)
+        return KrylovHierarchy(body.tips[0], contact_time, duration, solver, known)
     return InterfaceHierarchy(body.tips, contact_time, duration, solver)

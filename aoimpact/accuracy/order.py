@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple
 
 from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
-from ..linalg import Solver
+from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, own_contact_time
 from .hierarchy import Hierarchy, Models, model_hierarchy
 from .quantities import Quantity, R
@@ -106,6 +106,7 @@ def least_orders(
     quantity: Quantity,
     rtol: float,
     solver: Solver = "auto",
+    known: dict[Any, LinearSolver] | None = None,
 ) -> Orders:
     """Return small orders of bodies that give a quantity to `rtol` of the whole bodies.
 
@@ -120,6 +121,8 @@ def least_orders(
         Relative.
     solver : str or callable, optional
         The linear solver of the bodies; see `FEModel.inverse`.
+    known : dict of body to LinearSolver, optional
+        Those that have been set up, and can be taken from here.
 
     Raises
     ------
@@ -130,7 +133,9 @@ def least_orders(
     while True:
         # Equal bodies struck at the same place, as two like spheres are, share one basis.
         made = {
-            body: model_hierarchy(body, scales.contact_time, scales.slow, solver)
+            body: model_hierarchy(
+                body, scales.contact_time, scales.slow, solver, _taken(known, body, solver)
+            )
             for body in dict.fromkeys(bodies)
         }
         places = tuple(list(made).index(body) for body in bodies)
@@ -140,6 +145,13 @@ def least_orders(
         if misfit is None:
             return search.least()
         scales, fits = misfit, fits + 1
+
+
+def _taken(known: dict[Any, LinearSolver] | None, body: Any, solver: Solver) -> LinearSolver | None:
+    """The solver of a body that is there already; taken out, so that its memory can be freed."""
+    if not known or solver != "auto" or not isinstance(body, FullModel):
+        return None
+    return known.pop(body.body, None)
 
 
 def first_guess(

@@ -46,7 +46,7 @@ from .frozen import Frozen, checked
 from .heard import heard
 from .memory import available, require
 from .packages import optional_package
-from .progress import bar
+from .progress import advance, bar
 from .style import (
     COLOURS,
     Curve,
@@ -82,6 +82,7 @@ __all__ = [
     "SceneFileError",
     "SingularError",
     "WorkerError",
+    "advance",
     "aligned",
     "available",
     "bar",

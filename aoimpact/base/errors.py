@@ -91,7 +91,7 @@ class RoomError(InputError):
 
 
 class MissingFileError(MeshError, FileNotFoundError):
-    """A mesh file is not there."""
+    """A mesh or matrix file is not there."""
 
 
 class SceneFileError(InputError):

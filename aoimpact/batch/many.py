@@ -7,7 +7,7 @@ import os
 import pickle
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, NamedTuple
@@ -15,7 +15,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..accuracy import Keep, Named, keeper
-from ..base import AOImpactError, InputError, InputTypeError, boolean, held_warnings, nearest, warn
+from ..base import (
+    AOImpactError,
+    InputError,
+    InputTypeError,
+    bar,
+    boolean,
+    held_warnings,
+    nearest,
+    warn,
+)
 from ..impact import simulate
 from .checkpoint import Checkpoint
 from .fingerprint import Fingerprints
@@ -80,6 +89,14 @@ def simulate_many(
     -----
     AOImpactWarning
         Once, at the end, if cases had warnings.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> case = {"projectile": ball, "target": ball, "law": ao.Hertz(k=1e9), "duration": 1e-3}
+    >>> hits = ao.simulate_many([case | {"velocity": speed} for speed in (0.5, 1.0)])
+    >>> round((hits[1].peak_force / hits[0].peak_force) ** (5 / 6), 6)  # Hertz: as V^(6/5)
+    2.0
     """
     return list(iterate_many(cases, workers, keep=keep, checkpoint=checkpoint, progress=progress))
 
@@ -111,6 +128,14 @@ def iterate_many(
     ------
     InputError, InputTypeError, WorkerError
         As from `simulate_many`.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> case = {"projectile": ball, "target": ball, "law": ao.Hertz(k=1e9), "duration": 1e-3}
+    >>> cases = (case | {"velocity": speed} for speed in (0.5, 1.0))
+    >>> [round(hit.restitution, 6) for hit in ao.iterate_many(cases)]
+    [1.0, 1.0]
     """
     scalar = isinstance(cases, np.ndarray) and cases.ndim == 0
     if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable) or scalar:
@@ -136,13 +161,14 @@ def _iterate(
     with ExitStack() as stack:
         store = None if checkpoint is None else stack.enter_context(Checkpoint(checkpoint))
         total = len(cases) if isinstance(cases, Sized) else None
-        bar = stack.enter_context(_bar(total, progress))
+        shown = stack.enter_context(bar("cases", total, unit="case") if progress else nullcontext())
         for value, messages in _outcomes(cases, workers, job, store):
             if messages:
                 first = first or f"case {count}: {messages[0]}"
                 warned += 1
             count += 1
-            bar.update()
+            if shown is not None:
+                shown.update()
             yield value
     if count == 0:
         raise InputError(_EMPTY)
@@ -151,13 +177,6 @@ def _iterate(
 
 
 _EMPTY = "cases is empty: there is nothing to simulate"
-
-
-def _bar(total: int | None, progress: bool) -> Any:
-    from tqdm import tqdm
-
-    hidden = None if progress else True  # None: but on a terminal
-    return tqdm(total=total, disable=hidden, delay=1.0, unit="case", leave=False)
 
 
 class _Item(NamedTuple):

@@ -65,6 +65,14 @@ class SweepTable(Frozen):
     errors : dict of int to exception
         Of the rows that failed; their quantities are NaN. So is a number that there is not: the
         restitution of bodies that have not parted.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> case = {"projectile": ball, "target": ball, "law": ao.Hertz(k=1e9), "duration": 1e-3}
+    >>> table = ao.sweep(case, {"velocity": [0.5, 1.0], "gap": [0.0, 1e-4]}, keep=["peak_force"])
+    >>> table.shape, bool(table.data["peak_force"][2] > table.data["peak_force"][0])
+    ((2, 2), True)
     """
 
     data: npt.NDArray[Any]

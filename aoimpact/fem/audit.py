@@ -57,6 +57,14 @@ class Audit:
         The lowest natural ones, Hz.
     doubts : tuple of str
         What is not like a body, and the likely cause.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> audit = bar.audit(frequencies=0)
+    >>> round(audit.mass, 6), audit.doubts
+    (0.027, ())
     """
 
     n_dofs: int

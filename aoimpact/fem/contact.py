@@ -150,6 +150,16 @@ class ContactPoint(Frozen):
     ------
     InputError, InputTypeError
         If an attribute is of another type or shape, or b is zero.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> end = bar.contact(point=(0.1, 0.005, 0.005))
+    >>> end.direction.round(6), end.patch.radius > 0.0
+    (array([-1.,  0.,  0.]), True)
+    >>> bool(abs(end.b.sum()) > 0.99)  # of a force along x
+    True
     """
 
     body: Body

@@ -42,6 +42,11 @@ class Rayleigh:
         1/s, not negative. It also slows down a free body's rigid motion, as the ground would.
     beta : float, optional
         s, not negative.
+
+    Examples
+    --------
+    >>> round(ao.Rayleigh(alpha=10.0, beta=1e-6).decay(1000.0), 6)  # 1/s at 1000 rad/s
+    5.5
     """
 
     alpha: float = 0.0
@@ -72,6 +77,11 @@ class ModalDamping:
     ----------
     ratio : float
         ζ, share of the critical damping, not negative.
+
+    Examples
+    --------
+    >>> round(ao.ModalDamping(ratio=0.02).decay(1000.0), 6)  # 1/s at 1000 rad/s
+    20.0
     """
 
     ratio: float

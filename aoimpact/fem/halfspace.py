@@ -36,6 +36,14 @@ class PatchCheck:
         Their difference over 3/(4 E* a), the deflection of the body in Hertz's contact of radius a:
         about how much of the body's part of the indentation is uncertain. The force is less so, by
         half and more.
+
+    Examples
+    --------
+    >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    >>> ball = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), steel)
+    >>> check = ao.check_patch(ball.contact(point=(0.01, 0, 0), radius=0.004))
+    >>> check.share < 0.02
+    True
     """
 
     radii: tuple[float, float]
@@ -71,6 +79,14 @@ def check_patch(tip: ContactPoint, *, expected: float | None = None) -> PatchChe
     References
     ----------
     K. L. Johnson, *Contact Mechanics*, eqs. (4.22), (4.23): δ/F = 3/(4 E* a).
+
+    Examples
+    --------
+    >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    >>> ball = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), steel)
+    >>> check = ao.check_patch(ball.contact(point=(0.01, 0, 0), radius=0.004))
+    >>> check.share < 0.02  # of what the body adds, 2 % move with the radius
+    True
     """
     if not isinstance(tip, ContactPoint):
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -109,6 +109,15 @@ class FEModel(Frozen):
     ------
     InputError, InputTypeError
         If a matrix is not what it has to be, or the shapes do not match.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+    >>> chain = ao.FEModel(K=K, M=M, name="chain")
+    >>> chain.frequencies(2).round(1)  # Hz
+    array([139.1, 364.2])
+    >>> end = chain.contact(dof=1)
     """
 
     K: Any
@@ -127,6 +136,10 @@ class FEModel(Frozen):
     attached: IntArray | None = field(init=False, default=None)
     # (n_dofs,): springs to the ground, N/m, that K contains.
     _springs: FloatArray | None = field(init=False, default=None)
+    # Over all dofs: added masses, kg, that M contains.
+    _masses: Any = field(init=False, default=None)
+    # Whether K and M follow from mesh and material, added masses and springs.
+    _assembled: bool = field(init=False, default=False)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
     _soft: FloatArray | None = field(init=False, default=None)
 
@@ -240,21 +253,19 @@ class FEModel(Frozen):
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             K, M = stiffness_mass(solid, made_of)
             own = float((M @ translations[:, 0]) @ translations[:, 0])
-            M = M if heavier is None else _sum(M, heavier)
-            momentum = M @ translations
+            momentum = M @ translations if heavier is None else (M + heavier) @ translations
             mass = float(momentum[:, 0] @ translations[:, 0])
         _check_reach(mass, K, M, solid, made_of)
         _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
         attached = _attached(heavier, stiffer)
-        if stiffer is not None:
-            K, stiffer = _sum(K, sp.diags_array(stiffer, format="csr")), stiffer[free]
-        if len(free) < len(momentum):
-            K, M, momentum = K[free][:, free], M[free][:, free], momentum[free]
+        stiffer = None if stiffer is None else stiffer[free]
+        K, M = _completed(K, M, heavier, stiffer, free)
+        momentum = momentum[free]
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
         model._set(mesh=solid, material=made_of, damping=damped, name=called)
-        model._set(_springs=stiffer, attached=attached)
+        model._set(_springs=stiffer, _masses=heavier, attached=attached, _assembled=True)
         if surface is not None:
             model._set(surface=surface)
         return model
@@ -286,8 +297,8 @@ class FEModel(Frozen):
 
         Examples
         --------
-        >>> from aoimpact.mesh import box_mesh
         >>> from aoimpact.fem import Material
+        >>> from aoimpact.mesh import box_mesh
         >>> bar, steel = box_mesh((0.1, 0.01, 0.01), (10, 1, 1)), Material(210e9, 0.3, 7800)
         >>> made = FEModel.from_mesh(bar, steel)
         >>> FEModel(K=made.K, M=made.M, nodes=bar.nodes).with_mesh(bar, steel)
@@ -307,10 +318,33 @@ class FEModel(Frozen):
         model._set(damping=self.damping, name=self.name)
         return model
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What cannot be made again: without what is kept in between, and matrices of a mesh."""
+        state = {item.name: getattr(self, item.name) for item in fields(self)}
+        if self._assembled:
+            del state["K"], state["M"]
+        return state
+
+    def __getattr__(self, name: str) -> Any:
+        """K and M of an unpickled body with a mesh, assembled when they are first asked for."""
+        known = vars(self)
+        if name not in ("K", "M") or not known.get("_assembled"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        K, M = stiffness_mass(known["mesh"], known["material"])
+        K, M = _completed(K, M, known["_masses"], known["_springs"], known["free"])
+        self._set(K=K, M=M)
+        return vars(self)[name]
+
+    def __copy__(self) -> FEModel:
+        """A body of its own that shares all that is known of this one."""
+        copied = object.__new__(type(self))
+        vars(copied).update(vars(self))
+        return copied
+
     @property
     def n_dofs(self) -> int:
         """Number of free degrees of freedom."""
-        return int(self.K.shape[0])
+        return int(self.K.shape[0]) if self.free is None else len(self.free)
 
     def __repr__(self) -> str:
         parts = [repr(self.name)] if self.name else []
@@ -551,6 +585,16 @@ def _attached(masses: Any, springs: FloatArray | None) -> IntArray:
     dofs = [np.flatnonzero(masses.diagonal())] if masses is not None else []
     dofs += [np.flatnonzero(springs)] if springs is not None else []
     return np.unique(np.concatenate([[], *dofs]) // 3).astype(np.int64)
+
+
+def _completed(
+    K: Any, M: Any, masses: Any, springs: FloatArray | None, free: IntArray
+) -> tuple[Any, Any]:
+    """K and M of a mesh with added masses and springs, on the dofs that no support holds."""
+    M = M if masses is None else _sum(M, masses)
+    if len(free) < K.shape[0]:
+        K, M = K[free][:, free], M[free][:, free]
+    return K if springs is None else _sum(K, sp.diags_array(springs, format="csr")), M
 
 
 def _sum(matrix: Any, other: Any) -> Any:

@@ -64,6 +64,14 @@ class Patch:
         How many faces of elements it touches.
     edges : float
         Mean length of their edges, m.
+
+    Examples
+    --------
+    >>> ball = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), ao.Material(E=210e9, nu=0.3, rho=7800))
+    >>> patch = ball.contact(point=(0.01, 0, 0), radius=0.004).patch
+    >>> modulus = 210e9 / (1 - 0.3**2)
+    >>> round(patch.compliance / (0.6 / (0.004 * modulus)), 12)
+    1.0
     """
 
     radius: float

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +44,9 @@ _WIDE, _HIGH = 960, 720
 
 # Where the time stands, and how far the bodies are moved to the left to make room for the colours.
 _TOLD, _LEFT = (16, 676), 0.1
+
+# How long a trial picture may take on a busy machine, s.
+_PATIENCE = 300.0
 
 # From where the bodies are looked at: two axes across the direction of travel, and from above.
 _VIEW = (0.55, -0.75, 0.5)
@@ -160,14 +166,13 @@ def write_movie(
     if video:
         optional_package("imageio_ffmpeg", "a movie of type .mp4", "take .gif")
         imageio = optional_package("imageio.v3", "a movie of type .mp4", "take .gif")
-    try:
-        with pyvista.vtk_verbosity("off"):
-            frames = list(_frames(pyvista, bodies, times, factor, down))
-    except (RuntimeError, AttributeError, OSError) as error:
+    if not _can_draw():
         raise AOImpactError(
-            f"movie: this machine cannot draw in three dimensions without a window ({error}); on a "
-            "server install EGL or OSMesa, or write files for ParaView, body.to_vtu(path)"
-        ) from error
+            "movie: this machine cannot draw in three dimensions without a window; install EGL or "
+            "OSMesa (Debian: libegl1, libosmesa6), or write files for ParaView, body.to_vtu(path)"
+        )
+    with pyvista.vtk_verbosity("off"):
+        frames = list(_frames(pyvista, bodies, times, factor, down))
     if video:
         imageio.imwrite(file, frames, fps=speed, plugin="FFMPEG", macro_block_size=16)
     else:
@@ -183,6 +188,18 @@ def _write_gif(file: Path, frames: Sequence[Any], speed: float) -> None:
     lasting = 1000.0 / speed
     first, others = pictures[0], pictures[1:]
     first.save(file, save_all=True, append_images=others, duration=lasting, loop=0)
+
+
+@cache
+def _can_draw() -> bool:
+    """Whether a picture can be drawn: tried in a process of its own, since VTK crashes if not."""
+    trial = (
+        "import pyvista; plotter = pyvista.Plotter(off_screen=True, window_size=(64, 48));"
+        "plotter.add_mesh(pyvista.Cube()); plotter.screenshot(return_img=True)"
+    )
+    command = [sys.executable, "-c", trial]
+    done = subprocess.run(command, capture_output=True, check=False, timeout=_PATIENCE)
+    return done.returncode == 0
 
 
 def _enlargement(bodies: Sequence[MovingBody]) -> float:

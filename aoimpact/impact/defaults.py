@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -167,14 +166,28 @@ def mass_of(body: BodyModel) -> float:
     return float(of.M.diagonal().sum()) if of.mass is None else of.mass
 
 
-def fitted(body: BodyModel, port: int, met: Meeting | None) -> BodyModel:
-    """Return a body with the patch that suits an impact, where that was left to be chosen."""
+def fitted(
+    body: BodyModel,
+    port: int,
+    met: Meeting | None,
+    known: dict[Any, LinearSolver] | None = None,
+) -> BodyModel:
+    """Return a body with the patch that suits an impact, where that was left to be chosen.
+
+    Solvers that are set up for it are put into `known`, by their finite-element body.
+    """
     if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
         return body
     tip = body.tips[port]
     if tip.patch is None or not tip.automatic:
         return body
-    invert: Callable[[float], LinearSolver] = cache(tip.body.inverse)
+
+    def invert(s2: float) -> LinearSolver:
+        solver = tip.body.inverse(s2)
+        if known is not None:
+            known[tip.body] = solver
+        return solver
+
     radius = best_radius(
         tip, contact_time=met.contact_time, contact_radius=met.contact_radius, invert=invert
     )
@@ -186,11 +199,14 @@ def fitted(body: BodyModel, port: int, met: Meeting | None) -> BodyModel:
 
 
 def fitted_pair(
-    projectile: BodyModel, target: BodyModel, met: Meeting | None
+    projectile: BodyModel,
+    target: BodyModel,
+    met: Meeting | None,
+    known: dict[Any, LinearSolver] | None = None,
 ) -> tuple[BodyModel, BodyModel]:
     """Return projectile and target with the patches that suit their impact, as `fitted`.
 
     Like bodies stay one.
     """
-    first = fitted(projectile, 0, met)
-    return first, first if target == projectile else fitted(target, 0, met)
+    first = fitted(projectile, 0, met, known)
+    return first, first if target == projectile else fitted(target, 0, met, known)

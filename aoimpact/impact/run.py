@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from time import perf_counter
 from typing import Any, NamedTuple
 
 from ..accuracy import (
@@ -19,8 +20,9 @@ from ..accuracy import (
     choose_models,
     solve,
 )
+from ..base import bar
 from ..fem import ContactPoint
-from ..linalg import Solver
+from ..linalg import LinearSolver, Solver
 from ..reduction import AOModel, BodyModel, FullModel
 from ..results import Handle, Result, Run, warn_of_lag, warn_of_misfit, warn_of_run
 from ..scene import Plan
@@ -72,6 +74,8 @@ def run_models(
     interest: Callable[[], Quantity],
     view: Callable[[Run], R],
     law_errors: Sequence[float] = (),
+    began: float,
+    known: dict[Any, LinearSolver] | None = None,
 ) -> R:
     """Run bodies as they are, or with small models that give a quantity to a tolerance.
 
@@ -91,23 +95,30 @@ def run_models(
         What the caller makes of a run: a `Result`, or the `Run` itself.
     law_errors : sequence of float, optional
         Of each contact, where the law was found from the surfaces; see `LeftOutFinder`.
+    began : float
+        When the call began, by `perf_counter`, s.
+    known : dict of body to LinearSolver, optional
+        Those that have been set up on the way here; see `least_orders`.
     """
     meshed = any(body.contact_points for body in bodies)
     chooses = options.chooses(bodies)
     linear_solver = checked_linear_solver(options.linear_solver, chosen=chooses)
     if chooses:
-        done = choose_models(
-            plan_of,
-            [_kept(body, options.asked) for body in bodies],
-            interest(),
-            options.rtol,
-            options.solver,
-            view=view,
-            energies=options.energies,
-            record=record,
-            law_errors=law_errors,
-            linear_solver=linear_solver,
-        )
+        with bar("models", unit="solution"):
+            done = choose_models(
+                plan_of,
+                [_kept(body, options.asked) for body in bodies],
+                interest(),
+                options.rtol,
+                options.solver,
+                view=view,
+                energies=options.energies,
+                record=record,
+                law_errors=law_errors,
+                linear_solver=linear_solver,
+                known=known,
+            )
+        done = _with_cost(done, began)
     else:
         plan = plan_of(bodies, options.energies)
         run = record.run(plan, partial(solve, solver=options.solver))
@@ -124,3 +135,10 @@ def run_models(
         warn_of_places(whole, names)
     warn_of_run(whole)
     return done
+
+
+def _with_cost(done: R, began: float) -> R:
+    """The same with what its models cost: all but the run itself."""
+    run = done.run if isinstance(done, Result) else done
+    run = replace(run, modelled=max(perf_counter() - began - run.recorder.seconds, 0.0))
+    return replace(done, run=run) if isinstance(done, Result) else run

@@ -7,6 +7,7 @@ import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from ..base import (
 )
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
-from ..linalg import Solver as LinearSolver
+from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model, touched
 from ..results import Handle, Run
 from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
@@ -262,7 +263,7 @@ class Scene:
         preload: bool = False,
         quantity: str | Handle | ContactPoint | StressAt | None = None,
         rtol: float | None = None,
-        linear_solver: LinearSolver | None = None,
+        linear_solver: Solver | None = None,
     ) -> Run:
         """Simulate the scene.
 
@@ -307,6 +308,7 @@ class Scene:
             If gravity has no effect on a constrained AO model given by numbers or without nodes, a
             body's centre of mass is not known, or its model was fitted to another contact time.
         """
+        began = perf_counter()
         length = None if duration is None else checked_duration(duration)
         boolean("energies", energies)
         boolean("preload", preload)
@@ -316,7 +318,8 @@ class Scene:
             self._refuse_overlap()
         record = self._record(length)
         around = self._turns()
-        fitted = self._fitted()
+        known: dict[Any, LinearSolver] = {}
+        fitted = self._fitted(known)
         for i, body in enumerate(fitted):
             # Of several places each has a way of its own, which their model must know.
             if isinstance(body, FullModel) and len(body.tips) > 1:
@@ -336,6 +339,8 @@ class Scene:
             interest=partial(self._interest, quantity, fitted),
             view=_itself,
             law_errors=self._law_errors,
+            began=began,
+            known=known,
         )
 
     def _record(self, length: float | None) -> Record:
@@ -384,7 +389,7 @@ class Scene:
         bodies = [self._bodies[body] for body, _ in contact.ports]
         return meeting(own_law(contact.law), bodies, speed)
 
-    def _fitted(self) -> list[BodyModel]:
+    def _fitted(self, factors: dict[Any, LinearSolver]) -> list[BodyModel]:
         """The bodies with the patches that suit their contacts, where these were left open."""
         bodies = list(self._bodies)
         known: dict[tuple[BodyModel, int], BodyModel] = {}
@@ -398,7 +403,7 @@ class Scene:
             for body, port in contact.ports:
                 key = bodies[body], port
                 if key not in known:
-                    known[key] = fitted(bodies[body], port, met)
+                    known[key] = fitted(bodies[body], port, met, factors)
                 bodies[body] = known[key]
         return bodies
 

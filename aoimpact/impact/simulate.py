@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
+from time import perf_counter
 from typing import Any, NamedTuple
 
 from ..accuracy import Record, StressAt, TimeSolver, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
-from ..linalg import Solver
+from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
 from ..results import Result, Run
 from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
@@ -105,7 +106,15 @@ def simulate(
     AOImpactWarning
         If the record ends in contact, the step is too large for any digit to be right, a body's
         centre of mass is not known, or its model was fitted to another contact time.
+
+    Examples
+    --------
+    >>> ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800))
+    >>> hit = ao.simulate(projectile=ball, target=ball, velocity=1.0)
+    >>> round(hit.peak_force, 1), round(hit.law.k / 1e9, 2)  # N, GN/m^1.5
+    (1001.5, 10.88)
     """
+    began = perf_counter()
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
@@ -133,6 +142,8 @@ def simulate(
         interest=interest,
         view=_result,
         law_errors=(impact.law_error,),
+        began=began,
+        known=impact.known,
     )
     if result.in_contact_at_end and duration is not None:
         warn(
@@ -155,6 +166,8 @@ class _Impact(NamedTuple):
     law_error : float
         Relative error of its stiffness, where it was found from the surfaces.
     record : Record
+    known : dict of body to LinearSolver
+        That have been set up on the way.
     """
 
     bodies: tuple[BodyModel, BodyModel]
@@ -162,12 +175,13 @@ class _Impact(NamedTuple):
     law: ContactLaw
     law_error: float
     record: Record
+    known: dict[Any, LinearSolver]
 
 
 def _complete(
     projectile: BodyModel, target: BodyModel, law: ContactLaw | None, numbers: ImpactNumbers
 ) -> _Impact:
-    bodies = projectile, target
+    bodies, known = (projectile, target), dict[Any, LinearSolver]()
     around = _turns(*bodies)
     error = 0.0
     if law is None:
@@ -181,14 +195,14 @@ def _complete(
     length = numbers.duration
     if length is None or any(isinstance(body, FullModel) for body in bodies):
         met = meeting(law, bodies, numbers.velocity)
-        bodies = fitted_pair(*bodies, met)
+        bodies = fitted_pair(*bodies, met, known)
         if length is None:
             if met is None:
                 raise InputError("duration was left out, and cannot be foreseen here; give it")
             record = Record(numbers.gap / abs(numbers.velocity) + met.contact_time, given=False)
     if length is not None:
         record = Record(length, given=True)
-    return _Impact(bodies, around, law, error, record)
+    return _Impact(bodies, around, law, error, record, known)
 
 
 def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:

@@ -41,6 +41,14 @@ class Adaptive:
     Touches that have together less than a hundredth of the impulse of a contact's largest one do
     not count. Bodies at rest side by side begin to press each other at no certain time when a wave
     reaches them: the start of such a touch is when its force is no longer rounding.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0,
+    ...                duration=1e-3, solver=ao.Adaptive(rtol=1e-10))
+    >>> abs(hit.restitution - 1.0) < 1e-10
+    True
     """
 
     rtol: float = 1e-8

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -95,6 +96,8 @@ class DenseRecorder:
         The rows as the core wrote them, and where each begins.
     x, v : bytes
         The modes of all bodies, and their rates, where the last row ends.
+    seconds : float
+        How long the run took, s.
     """
 
     plan: Plan
@@ -110,6 +113,7 @@ class DenseRecorder:
     places: bytes
     x: bytes
     v: bytes
+    seconds: float = 0.0
     dense: ClassVar[bool] = True
 
     @property
@@ -221,6 +225,7 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
     LawLimitError
         If a contact goes deeper than its law stands for; with its number.
     """
+    began = perf_counter()
     order = _order(plan) if len(plan.contacts) > 2 else None
     bodies, contacts = _for_core(plan, order)
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
@@ -254,6 +259,7 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
         places=places,
         x=x,
         v=v,
+        seconds=perf_counter() - began,
     )
 
 

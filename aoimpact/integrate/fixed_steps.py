@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from time import perf_counter
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -40,12 +41,15 @@ class SteppedRecorder:
     record : Record
     ports : sequence of ndarrays, shape (2, p), or None
         Of each body, as in `Start`; empty where nothing depends on them.
+    seconds : float
+        How long the run took, with those that its error is estimated from, s.
     """
 
     plan: Plan
     rule: Newmark
     record: Record
     ports: Sequence[FloatArray | None] = ()
+    seconds: float = 0.0
     dense: ClassVar[bool] = False
 
     @property
@@ -112,6 +116,7 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
     AOImpactWarning
         If the step is too large for any digit to be right.
     """
+    began = perf_counter()
     run = _Stepping(plan, rule)
     record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
     if error == 1.0:
@@ -122,7 +127,8 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
         )
     for i, contact in enumerate(plan.contacts):
         check_width(contact.law, plan.layout.contact(record.rows, i).indentation, i)
-    return SteppedRecorder(plan, rule, record, run.start.ports), error
+    took = perf_counter() - began
+    return SteppedRecorder(plan, rule, record, run.start.ports, took), error
 
 
 class Start(NamedTuple):

@@ -49,6 +49,14 @@ class Newmark:
     ------
     InputError
         If `dt` ≤ 0, `beta` ≤ 0, `gamma` < 1/2 or `rtol` is not in (0, 1).
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0,
+    ...                duration=1e-3, solver=ao.Newmark(dt=1e-6))
+    >>> len(hit.t), hit.error.time < 1e-3
+    (1001, True)
     """
 
     dt: float | None = None

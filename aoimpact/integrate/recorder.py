@@ -20,6 +20,11 @@ class Recorder(Protocol):
         ...
 
     @property
+    def seconds(self) -> float:
+        """How long the run took, s."""
+        ...
+
+    @property
     def duration(self) -> float:
         """Length of the record, s."""
         ...

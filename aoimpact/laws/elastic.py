@@ -40,6 +40,15 @@ class Hertz(HertzianLaw):
     relative_radius : float, optional
         R, m: the contact is √(R δ) wide, which patches must not be narrower than. E* follows from
         it and k.
+
+    Examples
+    --------
+    >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    >>> law = ao.Hertz.between(steel, 0.01, steel, float("inf"))  # a ball on a plane
+    >>> round(law.k / 1e9, 2)  # GN/m^1.5
+    15.38
+    >>> law.force([0.0, 1e-5]).round(1)  # N
+    array([  0. , 486.5])
     """
 
     k: float
@@ -102,6 +111,11 @@ class PowerLaw(ContactLaw):
         N/mⁿ, positive.
     n : float
         Exponent, at least 1.
+
+    Examples
+    --------
+    >>> round(float(ao.PowerLaw(k=1e6, n=1.2).force(1e-3)), 3)
+    251.189
     """
 
     k: float
@@ -124,6 +138,11 @@ class Linear(ContactLaw):
     ----------
     k : float
         N/m, positive.
+
+    Examples
+    --------
+    >>> float(ao.Linear(k=1e6).force(-1e-3)), float(ao.Linear(k=1e6).force(1e-3))
+    (0.0, 1000.0)
     """
 
     k: float

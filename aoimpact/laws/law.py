@@ -59,6 +59,14 @@ class ContactLaw:
     """The force between two bodies as a function of indentation, its rate, and its history.
 
     Every law is a frozen value; its formulas are the core's (csrc/law).
+
+    Examples
+    --------
+    >>> laws = ao.Hertz(k=1e9), ao.Linear(k=1e7)
+    >>> [isinstance(law, ao.ContactLaw) for law in laws]
+    [True, True]
+    >>> [round(float(law.force(1e-4)), 1) for law in laws]  # N at 0.1 mm
+    [1000.0, 1000.0]
     """
 
     _name: ClassVar[str]

@@ -41,6 +41,13 @@ class Thornton(HertzianLaw):
         F_y, N, positive.
     relative_radius : float, optional
         As of `Hertz`.
+
+    Examples
+    --------
+    >>> law = ao.Thornton(k=1e9, yield_force=10.0)
+    >>> slow = 0.5 * law.yield_velocity(mass=0.01)
+    >>> ao.restitution(law, 0.01, slow), ao.restitution(law, 0.01, 20 * slow) < 1.0
+    (1.0, True)
     """
 
     k: float

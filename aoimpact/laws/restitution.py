@@ -42,6 +42,15 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     InputError, InputTypeError
         If `law` is none, or `mass` or `velocity` is not positive, or numbers end on the way, or a
         user's law gives more energy than it takes.
+
+    Examples
+    --------
+    >>> published = ao.Flores(k=1e9, restitution=0.5, velocity=1.0)
+    >>> round(ao.restitution(published, mass=0.01, velocity=1.0), 4)
+    0.4704
+    >>> asked = ao.HuntCrossley.from_restitution(k=1e9, restitution=0.5, velocity=1.0)
+    >>> round(ao.restitution(asked, mass=0.01, velocity=1.0), 12)
+    0.5
     """
     if not isinstance(law, ContactLaw):
         raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")

@@ -34,6 +34,12 @@ class Tabulated(ContactLaw):
     Attributes
     ----------
     indentation, force : tuple of float
+
+    Examples
+    --------
+    >>> law = ao.Tabulated(indentation=[0.0, 1e-4, 2e-4], force=[0.0, 100.0, 300.0])
+    >>> round(float(law.force(1.5e-4)), 6)
+    185.416667
     """
 
     indentation: tuple[float, ...]

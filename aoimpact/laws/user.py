@@ -49,6 +49,12 @@ class UserLaw(ContactLaw):
     What a Python function raises comes out of `simulate` as it is; so does a clear error for an
     answer that is no number, or NaN. The run gives the interpreter free in between: laws must not
     share state that they change with other threads.
+
+    Examples
+    --------
+    >>> law = ao.UserLaw(lambda depth, rate: 1e9 * depth**1.5)
+    >>> round(float(law.force(1e-4)), 1) == round(float(ao.Hertz(k=1e9).force(1e-4)), 1)
+    True
     """
 
     function: Any

@@ -89,6 +89,12 @@ class HuntCrossley(_Hysteretic):
         Exponent, at least 1.
     relative_radius : float, optional
         As of `Hertz`.
+
+    Examples
+    --------
+    >>> law = ao.HuntCrossley.from_restitution(k=1e9, restitution=0.6, velocity=1.0)
+    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 12)
+    0.6
     """
 
     k: float
@@ -188,7 +194,14 @@ class LankaraniNikravesh(_Nominal):
     another restitution than the nominal one, the further from it the smaller it is: see
     `restitution`.
 
-{_PARAMETERS}"""
+{_PARAMETERS}
+
+    Examples
+    --------
+    >>> law = ao.LankaraniNikravesh(k=1e9, restitution=0.9, velocity=1.0)
+    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
+    0.913
+    """
 
     @staticmethod
     def _factor(e: float) -> float:
@@ -201,7 +214,14 @@ class Flores(_Nominal):
     P. Flores, M. Machado, M. T. Silva, J. M. Martins, Multibody Syst. Dyn. 25 (2011) 357-375. A
     rigid pair delivers nearly the nominal restitution: see `restitution`.
 
-{_PARAMETERS}"""
+{_PARAMETERS}
+
+    Examples
+    --------
+    >>> law = ao.Flores(k=1e9, restitution=0.9, velocity=1.0)
+    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
+    0.894
+    """
 
     @staticmethod
     def _factor(e: float) -> float:
@@ -215,7 +235,14 @@ class Gonthier(_Nominal):
     approximation of the damping that delivers e. A rigid pair delivers nearly the nominal
     restitution where that is small, and loses 4/3 of 1 - e near 1: see `restitution`.
 
-{_PARAMETERS}"""
+{_PARAMETERS}
+
+    Examples
+    --------
+    >>> law = ao.Gonthier(k=1e9, restitution=0.9, velocity=1.0)
+    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
+    0.876
+    """
 
     @staticmethod
     def _factor(e: float) -> float:
@@ -228,7 +255,14 @@ class HerbertMcWhannell(_Nominal):
     R. G. Herbert, D. C. McWhannell, J. Eng. Ind. 99 (1977) 270-275. A rigid pair delivers another
     restitution than the nominal one: see `restitution`.
 
-{_PARAMETERS}"""
+{_PARAMETERS}
+
+    Examples
+    --------
+    >>> law = ao.HerbertMcWhannell(k=1e9, restitution=0.9, velocity=1.0)
+    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
+    0.901
+    """
 
     @staticmethod
     def _factor(e: float) -> float:
@@ -241,7 +275,14 @@ class LeeWang(_Nominal):
     T. W. Lee, A. C. Wang, J. Mech. Transm. Autom. Des. 105 (1983) 534-543. A rigid pair delivers
     another restitution than the nominal one: see `restitution`.
 
-{_PARAMETERS}"""
+{_PARAMETERS}
+
+    Examples
+    --------
+    >>> law = ao.LeeWang(k=1e9, restitution=0.9, velocity=1.0)
+    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 3)
+    0.952
+    """
 
     @staticmethod
     def _factor(e: float) -> float:
@@ -264,6 +305,12 @@ class Tsuji(HertzianLaw):
         m, kg, positive: the reduced mass of the pair, m₁ m₂ / (m₁ + m₂).
     relative_radius : float, optional
         As of `Hertz`.
+
+    Examples
+    --------
+    >>> law = ao.Tsuji.from_restitution(k=1e9, restitution=0.6, mass=0.01)
+    >>> [round(ao.restitution(law, 0.01, speed), 9) for speed in (0.01, 1.0)]  # at any velocity
+    [0.6, 0.6]
     """
 
     k: float
@@ -322,6 +369,12 @@ class KuwabaraKono(HertzianLaw):
         s, not negative: a time of the material.
     relative_radius : float, optional
         As of `Hertz`.
+
+    Examples
+    --------
+    >>> law = ao.KuwabaraKono(k=1e9, A=1e-6)
+    >>> ao.restitution(law, 0.01, 0.1) > ao.restitution(law, 0.01, 1.0)
+    True
     """
 
     k: float
@@ -392,6 +445,12 @@ class KelvinVoigt(ContactLaw):
         N s/m, not negative.
     end : {"force", "indentation"}, optional
         What goes to zero where the contact ends.
+
+    Examples
+    --------
+    >>> law = ao.KelvinVoigt.from_restitution(k=1e7, restitution=0.6, mass=0.01)
+    >>> [round(ao.restitution(law, 0.01, speed), 9) for speed in (0.01, 1.0)]  # at any velocity
+    [0.6, 0.6]
     """
 
     k: float

@@ -13,7 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from ..base import ConvergenceError, FloatArray, InputTypeError, available, choice, require
+from ..base import (
+    ConvergenceError,
+    FloatArray,
+    InputTypeError,
+    advance,
+    available,
+    bar,
+    choice,
+    require,
+)
 from .method import Inverse, Method, Solve
 from .multigrid import MULTIGRID
 from .pardiso import PARDISO
@@ -112,6 +121,7 @@ class LinearSolver:
                 residual = rhs - (kx + self.s2 * mx)
                 excess = self._excess(residual, rhs, x)
             if excess <= 1.0:
+                advance("solution", x.size // len(x))
                 return x, kx, mx
             if not excess < 0.5 * before:
                 break
@@ -212,7 +222,8 @@ def linear_solver(
     method = _quickest(pencil, solutions) if name == "auto" else METHODS[name]
     what = f"solver {method.name!r} of {pencil.what} ({pencil.n} dofs)"
     require(method.memory(pencil), what, _cure(pencil, method))
-    return LinearSolver(method.name, pencil, method.set_up(pencil))
+    with bar(f"{method.name}, {pencil.n} dofs"):
+        return LinearSolver(method.name, pencil, method.set_up(pencil))
 
 
 def stays_quickest(solver: LinearSolver, solutions: int) -> bool:

@@ -14,7 +14,7 @@ from .table import NUMBER, blocks, shown
 
 __all__ = ["is_market", "is_triples", "read_market", "read_triples"]
 
-_TRIPLE = re.compile(rb"\s*\d+\s+\d+\s+" + NUMBER + rb"\s*$")
+_TRIPLE = re.compile(rb"\s*-?\d+\s+-?\d+\s+" + NUMBER + rb"\s*$")
 
 _ENTRY = "row, column and value"
 
@@ -110,7 +110,8 @@ def _entries(
             raise spoilt(
                 file,
                 f"entry {read + first + 1} is of row {row[first]}, column {col[first]}, which "
-                f"should be from 1 to {most or 'the number of dofs'}",
+                f"should be from 1 to {most or 'the number of dofs'}"
+                + ("; internal dofs of Abaqus need FORMAT=MATRIX INPUT" if most is None else ""),
             )
         parts.append((row - 1, col - 1, value))
         read += len(row)

@@ -209,7 +209,8 @@ def _check(
     """Refuse strings that go beyond the last row."""
     if len(strings.rows):
         counts = np.frombuffer(strings.counts, np.int64) // (2 if kind > 2 else 1)
-        last = np.frombuffer(strings.rows, np.int64) + counts
+        rows = np.frombuffer(strings.rows, np.int64)
+        last = np.minimum(rows, n_rows + 1) + counts  # any row, without overflow
         if last.max() > n_rows:
             raise wrong(f"{name}: a column goes to row {last.max()}, but there are {n_rows}")
 
@@ -315,7 +316,7 @@ class _Text:
         lines = [one.rstrip(b"\r").ljust(full)[:full] for one in self._block(n_lines)]
         printed = b"".join(lines)[: count * self._width]
         if printed[-self._width :].strip() == b"" and count:
-            raise self._wrong(f"{count} numbers should end here")
+            raise self._wrong(f"{count} numbers should end here: is it cut short?")
         return printed
 
     def _block(self, n_lines: int) -> list[bytes]:
@@ -331,7 +332,9 @@ class _Text:
     def _integers(self, count: int) -> list[int]:
         words = self._next().split()
         if len(words) != count:
-            raise self._wrong(f"{count} integers should stand here, got {len(words)} words")
+            raise self._wrong(
+                f"{count} integers should stand here, got {len(words)} words: is it cut short?"
+            )
         return [self._integer(word) for word in words]
 
     def _integer(self, word: bytes) -> int:

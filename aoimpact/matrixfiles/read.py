@@ -332,8 +332,16 @@ def _without_held(pair: _Pair) -> _Pair:
 
 
 def _check_order(pair: _Pair) -> None:
-    """Refuse a mass in the place of the stiffness."""
+    """Refuse a mass in the place of the stiffness, and rows that have lost their diagonal."""
     of_mass = pair.M.diagonal()
+    for name, matrix in (("K", pair.K), ("M", pair.M)):
+        size = np.asarray(abs(matrix).sum(axis=1)).ravel()
+        without = np.flatnonzero((matrix.diagonal() == 0.0) & (size > 0.0))
+        if len(without) and not (name == "K" and _multiplier(pair, int(without[0]))):
+            raise InputError(
+                f"{pair.called}: {name} has no entry on the diagonal of {_at(pair, without[0])}, "
+                f"but others in its row ({len(without)} such rows): is the file cut short?"
+            )
     largest = float(np.abs(pair.K.diagonal()).max(initial=0.0))
     heaviest = float(np.abs(of_mass).max(initial=0.0))
     if 0.0 < largest < _LEAST_OMEGA2 * heaviest:
@@ -341,6 +349,19 @@ def _check_order(pair: _Pair) -> None:
             f"{pair.called}: entries of K are up to {largest:.3g} and those of M up to "
             f"{heaviest:.3g}, so that no frequency reaches 1 rad/s: are K and M exchanged?"
         )
+
+
+def _at(pair: _Pair, row: int) -> str:
+    """A row as its program calls it."""
+    if pair.labels is None:
+        return f"row {row + 1}"
+    node, component = pair.labels[row]
+    return f"dof {node}.{component}"
+
+
+def _multiplier(pair: _Pair, row: int) -> bool:
+    """Whether a row without stiffness of its own is one of Abaqus' internal ones."""
+    return pair.labels is not None and bool(pair.labels[row, 0] <= 0)
 
 
 def _scaled(pair: _Pair, length: float, mass: float) -> _Pair:
@@ -357,12 +378,8 @@ def _condensed(pair: _Pair) -> _Pair:
     light = np.asarray(abs(pair.M).sum(axis=1)).ravel() == 0.0
     if not light.any():
         return pair
-    if pair.labels is None:
-        at = f"row {np.flatnonzero(light)[0] + 1}"
-        inner = np.zeros_like(light)
-    else:
-        node, component = pair.labels[np.flatnonzero(light)[0]]
-        at = f"dof {node}.{component}"
+    at, inner = _at(pair, int(np.flatnonzero(light)[0])), np.zeros_like(light)
+    if pair.labels is not None:
         inner = (pair.labels[:, 0] <= 0) | (pair.labels[:, 1] > 3)
     if (light & ~inner).any() or (~light).sum() > _CONDENSED:
         raise InputError(
@@ -399,7 +416,8 @@ def _body(
     try:
         return FEModel(**given)
     except InputError as error:
-        raise type(error)(f"{pair.called}: {error}") from error
+        cause = "is one of the files cut short, of another model, or in other units?"
+        raise type(error)(f"{pair.called}: {error}; {cause}") from error
 
 
 def _coordinates(pair: _Pair, places: Places, length: float) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import warnings
 from collections.abc import Iterator
@@ -11,7 +12,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from ..base import InputError
+from ..base import InputError, warn
 from .found import spoilt
 
 __all__ = ["NUMBER", "blocks", "shown"]
@@ -71,10 +72,22 @@ def blocks(
         except (ValueError, OverflowError, RuntimeError) as error:
             raise _located(file, integers, what, before, comma, comments, str(error)) from None
         if not table.size:
+            _warn_of_last_line(file)
             return
         if not np.isfinite(table["value"]).all():
             raise _located(file, integers, what, before, comma, comments, "one is not finite")
         yield [np.ascontiguousarray(table[name]) for name in kind.names or ()]
+
+
+def _warn_of_last_line(file: Path) -> None:
+    """Say that a last line has no end, so that its number may have lost digits of its exponent."""
+    with file.open("rb") as stream:
+        stream.seek(-1, os.SEEK_END)
+        if stream.read(1) not in b"\n\r":
+            warn(
+                f"matrix file {str(file)!r} ends within a line: its last number may be cut short; "
+                "copy it anew, or, if it is whole, end its last line"
+            )
 
 
 def _located(

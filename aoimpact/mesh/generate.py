@@ -62,6 +62,12 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     InputError
         If `radius` or `size` is not positive, `size` more than the diameter, or so small that the
         mesh would fill the memory.
+
+    Examples
+    --------
+    >>> mesh = ao.sphere_mesh(radius=0.01, size=0.006)
+    >>> mesh.kind, float(abs(mesh.nodes).max().round(9))
+    ('tetra10', 0.01)
     """
     R = positive("radius", radius, unit="m")
     h = positive("size", size, unit="m")
@@ -238,6 +244,12 @@ def paper_sphere_mesh() -> Mesh:
 
     The paper prints the numbers of nodes and elements, not the mesh; this one has the same. Corner
     nodes lie at (±R, 0, 0); the node set "surface" holds the nodes on the sphere.
+
+    Examples
+    --------
+    >>> mesh = ao.paper_sphere_mesh()
+    >>> mesh.n_nodes, len(mesh.cells), mesh.kind
+    (1053, 602, 'tetra10')
     """
     with resources.as_file(resources.files("aoimpact") / "data" / "sphere.msh") as path:
         return read_mesh(path)

@@ -110,6 +110,12 @@ class Mesh(Frozen):
         counted, and the first one is named.
     InputError, InputTypeError
         If the arrays have the wrong shape or type, or node numbers are out of range.
+
+    Examples
+    --------
+    >>> mesh = ao.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]], "tetra")
+    >>> mesh.n_nodes, mesh.kind
+    (4, 'tetra')
     """
 
     nodes: FloatArray
@@ -274,6 +280,17 @@ def read_mesh(
     -----
     AOImpactWarning
         If nodes were dropped or elements renumbered, or if the mesh falls into pieces.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import meshio
+    >>> with tempfile.NamedTemporaryFile(suffix=".vtk") as file:
+    ...     box = ao.box_mesh((20, 10, 10), (2, 1, 1))  # mm
+    ...     meshio.Mesh(box.nodes, [("hexahedron", box.cells)]).write(file.name, file_format="vtk")
+    ...     mesh = ao.read_mesh(file.name, scale=1e-3)
+    >>> mesh.nodes.max(axis=0)  # m
+    array([0.02, 0.01, 0.01])
     """
     factor = positive("scale", scale)
     if isinstance(source, Mesh):

@@ -24,6 +24,14 @@ class FullModel(Frozen):
         The places where it is touched, on one body.
     reducible : bool
         Whether it stands for contact points whose model is yet to be chosen.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> whole = ao.full(bar.contact(dof=0))
+    >>> isinstance(whole, ao.FullModel)
+    True
     """
 
     tips: tuple[ContactPoint, ...]

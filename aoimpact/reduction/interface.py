@@ -63,6 +63,15 @@ class InterfaceModel(Frozen):
         The linear solver that the modes were made with.
     contact_time : float or None
         The duration of the contact that they were fitted to, s; None where they fit any.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.03, 0.07)]
+    >>> model = ao.interface(places, n=8, contact_time=1e-4)
+    >>> model.participation.shape
+    (2, 8)
     """
 
     tips: tuple[ContactPoint, ...]
@@ -256,6 +265,15 @@ def interface(
     -----
     AOImpactWarning
         If the ports excite fewer than `n` modes.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.03, 0.07)]
+    >>> model = ao.interface(places, n=8, contact_time=1e-4)
+    >>> len(model.tips), model.participation.shape
+    (2, (2, 8))
     """
     space = InterfaceSpace(tips, contact_time=contact_time, duration=duration, solver=solver)
     body = space.tips[0].body

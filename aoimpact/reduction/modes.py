@@ -45,6 +45,14 @@ class ModalModel(Frozen):
         ω², (rad/s)², ascending; zero for rigid modes.
     modes : ndarray, shape (n_dofs, n)
         M-orthonormal.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> modes = ao.modal(bar.contact(point=(0.1, 0.005, 0.005)), n=8)
+    >>> modes.truncated(7).omega2.shape
+    (7,)
     """
 
     tip: ContactPoint
@@ -226,6 +234,15 @@ def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
     ------
     InputError
         If `n` is out of range.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> end = bar.contact(point=(0.1, 0.005, 0.005))
+    >>> modes = ao.modal(end, n=8)
+    >>> modes.omega2.shape
+    (8,)
     """
     if not isinstance(tip, ContactPoint):
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")

@@ -16,6 +16,7 @@ from ..base import (
     InputError,
     InputTypeError,
     SingularError,
+    bar,
     choice,
     heard,
     integer,
@@ -238,6 +239,15 @@ def antioscillators(
     -----
     AOImpactWarning
         If b excites fewer than `n` oscillators, or it is not proven that they are the heaviest.
+
+    Examples
+    --------
+    >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1), kind="hexahedron20")
+    >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    >>> end = bar.contact(point=(0.1, 0.005, 0.005))
+    >>> model = ao.antioscillators(end, n=4, method="krylov", contact_time=1e-4)
+    >>> model.n, model.k0, round(model.static_mass / bar.mass, 6)  # free, struck through its centre
+    (4, 0.0, 1.0)
     """
     if not isinstance(tip, ContactPoint):
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
@@ -265,7 +275,9 @@ def antioscillators(
     if n is None:
         found = _ordered(_all_oscillators(tip, static), by)
     else:
-        found = _wanted_oscillators(tip, static, integer("n", n, low=0, high=dofs - 1), by, solvers)
+        wanted = integer("n", n, low=0, high=dofs - 1)
+        with bar(f"constraint modes of {dofs} dofs", unit="solution"):
+            found = _wanted_oscillators(tip, static, wanted, by, solvers)
         if len(found.m) < n:
             warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
         found = found.take(np.arange(min(n, len(found.m))))

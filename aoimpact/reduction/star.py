@@ -70,6 +70,16 @@ class AOModel(Frozen):
     ------
     InputError
         If a value is out of range or not finite, or `m` and `k` differ in length.
+
+    Examples
+    --------
+    >>> model = ao.AOModel(m0=0.1, k0=1e5, m=[0.2], k=[1e6])
+    >>> round(model.static_mass, 3)
+    0.3
+    >>> model.frequencies.round(1)  # Hz
+    array([355.9])
+    >>> float(model.receptance(0.0)) == 1 / model.k0
+    True
     """
 
     m0: float

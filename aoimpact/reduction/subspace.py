@@ -79,6 +79,8 @@ class Subspace:
         Up to which the first of them grows with the number of vectors; 0 if it stays.
     solver : str or callable, optional
         See `FEModel.inverse`.
+    known : LinearSolver, optional
+        That of the first shift, where it has been set up for something else.
 
     Attributes
     ----------
@@ -93,6 +95,7 @@ class Subspace:
         *,
         highest: float = 0.0,
         solver: Solver = "auto",
+        known: LinearSolver | None = None,
     ) -> None:
         body = tips[0].body
         refuse_mechanism(tips)
@@ -103,7 +106,7 @@ class Subspace:
         self._highest = highest
         self.solver_name = ""
         self._solver = checked_solver(solver)
-        self._solvers: dict[float, LinearSolver] = {}
+        self._solvers: dict[float, LinearSolver] = {} if known is None else {shifts[0]: known}
         self._foreseen = FEW_SOLUTIONS
         # The rigid part would drown the rest where s is small; it is in the basis exactly.
         functionals = np.stack([tip.b for tip in tips])

@@ -1,7 +1,7 @@
 """The results of a run: histories, events, energies, tables, plots."""
 
 from .misfit import warn_of_lag, warn_of_misfit
-from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
+from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, ErrorEstimate, LeftOut
 from .plausibility import least_said, warn_of_run
 from .result import Result
 from .run import Chosen, Handle, Run
@@ -11,6 +11,7 @@ __all__ = [
     "BodyResult",
     "Chosen",
     "ContactResult",
+    "Cost",
     "Energy",
     "ErrorEstimate",
     "Handle",

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError
+from ..base import FloatArray, Frozen, InputError, quantity
 from ..fields import Field, Probe, Response
 from ..integrate import Eventful, Events
 
@@ -22,6 +22,7 @@ __all__ = [
     "BodyEnergy",
     "BodyResult",
     "ContactResult",
+    "Cost",
     "Energy",
     "ErrorEstimate",
     "LeftOut",
@@ -282,6 +283,35 @@ class LeftOut:
     contact: float | None = None
     mesh_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
     contact_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a result cost, s.
+
+    Attributes
+    ----------
+    model : float
+        To choose and to make the bodies' models, with the runs that this takes; 0 where models were
+        given.
+    run : float
+        The run itself.
+
+    Examples
+    --------
+    >>> import aoimpact as ao
+    >>> hit = ao.simulate(projectile=ao.rigid(mass=1.0), target=ao.rigid(mass=2.0),
+    ...                   law=ao.Hertz(k=1e9), velocity=1.0)
+    >>> hit.cost.model, hit.cost.run < 1.0
+    (0.0, True)
+    """
+
+    model: float
+    run: float
+
+    def __str__(self) -> str:
+        made = f"model {quantity(self.model, 's', 2)}, " if self.model else ""
+        return f"{made}run {quantity(self.run, 's', 2)}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -20,7 +20,7 @@ from ..base import FloatArray
 from ..integrate import Eventful, Events
 from . import plot
 from .export import as_dataframe, result_dataset
-from .motion import BodyResult, Energy, ErrorEstimate
+from .motion import BodyResult, Cost, Energy, ErrorEstimate
 from .movie import write_impact_movie
 from .plot import During
 from .run import Run
@@ -45,6 +45,17 @@ class Result(Eventful):
         Initial velocity of the projectile [m/s] and initial gap [m].
     law : ContactLaw
         The contact law.
+
+    Examples
+    --------
+    >>> ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800))
+    >>> hit = ao.simulate(projectile=ball, target=ball, velocity=1.0)
+    >>> round(hit.peak_force, 1), hit.contacts[0][0], round(hit.restitution, 6)
+    (1001.5, 0.0, 1.0)
+    >>> hit.at([1e-5, 3e-5]).force.round(1)
+    array([ 331.8, 1001.5])
+    >>> round(float(hit.energy.total[0]), 6)  # J
+    0.016336
     """
 
     run: Run = field(repr=False)
@@ -99,6 +110,11 @@ class Result(Eventful):
     def error(self) -> ErrorEstimate:
         """What is known of the errors; ``error.numbers`` of each number by its name."""
         return self.run.error
+
+    @property
+    def cost(self) -> Cost:
+        """Seconds spent on models and on the run."""
+        return self.run.cost
 
     @property
     def models(self) -> tuple[Any, ...] | None:

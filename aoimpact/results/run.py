@@ -29,7 +29,7 @@ from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
 from .export import as_dataframe, as_dataset
 from .misfit import warn_of_later_motion
-from .motion import BodyEnergy, BodyResult, ContactResult, Energy, ErrorEstimate, LeftOut
+from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, ErrorEstimate, LeftOut
 from .plot import During
 from .summary import place_words, support_words
 from .table import ROLES, body_names, different, run_columns, write_csv
@@ -59,6 +59,16 @@ class Handle:
         As it was added, for messages.
     scene : str
         The mark of the scene that it is of.
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+    >>> run = scene.simulate(duration=1e-3)
+    >>> round(float(run[ball].velocity[-1]), 6)
+    -1.0
     """
 
     body: int
@@ -119,6 +129,20 @@ class Run:
         The times asked for, s; the solver's own if None.
     left_out : LeftOut or callable
         What meshes and contact laws leave out, or what finds that of the run when it is asked.
+    modelled : float
+        How long it took to choose and to make the models, s.
+
+    Examples
+    --------
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9), name="wall")
+    >>> run = scene.simulate(duration=1e-3)
+    >>> run.contacts[number].name, len(run.contacts[number].intervals)
+    ('wall', 1)
+    >>> round(float(run.at([0.0])[ball].velocity[0]), 6)
+    1.0
     """
 
     plan: Plan
@@ -127,6 +151,7 @@ class Run:
     chosen: Chosen | None = None
     asked: FloatArray | None = None
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
+    modelled: float = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         """What has been computed on the way does not travel, but what finds errors cannot."""
@@ -145,6 +170,11 @@ class Run:
     def duration(self) -> float:
         """Length of the record, s."""
         return self.recorder.duration
+
+    @property
+    def cost(self) -> Cost:
+        """Seconds spent on models and on the run."""
+        return Cost(self.modelled, self.recorder.seconds)
 
     @property
     def models(self) -> tuple[Any, ...] | None:
@@ -477,7 +507,7 @@ class Run:
         bodies, contacts = len(self.plan.bodies), len(self.events)
         if max(bodies, contacts) > _SHOWN:
             lines.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
-        lines.append(("solver", self.solver))
+        lines += [("solver", self.solver), ("cost", str(self.cost))]
         return lines
 
     def __repr__(self) -> str:

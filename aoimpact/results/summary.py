@@ -50,6 +50,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
     made_by = [model.origin.solver for model in result.models or () if model.origin is not None]
     if any(made_by):
         rows.append(("linear solver", ", ".join(dict.fromkeys(filter(None, made_by)))))
+    rows.append(("cost", str(result.cost)))
     return rows
 
 

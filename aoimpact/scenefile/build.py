@@ -204,8 +204,9 @@ class Builder:
         )
 
     def _given_material(self, name: str) -> Any:
-        """The tables of a body's materials; None of a body of matrices."""
-        material = self.data["bodies"][name].get("material")
+        """The tables of a body's materials; None of matrices without one."""
+        table = self.data["bodies"][name]
+        material = table.get("matrices", table).get("material")
         if material is None:
             return None
         names = [material] if isinstance(material, str) else material.values()
@@ -279,7 +280,10 @@ class Builder:
             if key in given:
                 file, *matrix = [given[key]] if isinstance(given[key], str) else given[key]
                 given[key] = (self.folder / file, *matrix) if matrix else self.folder / file
-        given |= {key: self.folder / given[key] for key in ("dofs", "nodes") if key in given}
+        files = [key for key in ("dofs", "nodes", "mesh") if key in given]
+        given |= {key: self.folder / given[key] for key in files}
+        if "material" in given:
+            given["material"] = self._material(given["material"])
         with self.located("bodies", name, "matrices"):
             return read_matrices(**given, **self._damping(name))
 

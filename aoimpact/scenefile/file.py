@@ -50,6 +50,28 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
     ------
     SceneFileError
         If the file cannot be read or is wrong: every problem with its line and column.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import tempfile
+    >>> text = '''
+    ... [bodies.ball]
+    ... mass = 0.03
+    ...
+    ... [impact]
+    ... projectile = "ball"
+    ... target = "ball"
+    ... velocity = 1.0
+    ... duration = 1e-3
+    ... law = { type = "Hertz", k = 1e9 }
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "two.toml")
+    ...     _ = path.write_text(text)
+    ...     hit = ao.read_scene(path).simulate()
+    >>> round(hit.restitution, 6)
+    1.0
     """
     file = file_path("path", path)
     try:
@@ -81,6 +103,32 @@ class SceneFile:
         As tomllib gives it.
     spots : mapping
         Line and column of every place in it.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import tempfile
+    >>> text = '''
+    ... [bodies.ball]
+    ... mass = 0.03
+    ...
+    ... [impact]
+    ... projectile = "ball"
+    ... target = "ball"
+    ... velocity = 1.0
+    ... duration = 1e-3
+    ... law = { type = "Hertz", k = 1e9 }
+    ...
+    ... [sweep.over]
+    ... velocity = [0.5, 1.0]
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "two.toml")
+    ...     _ = path.write_text(text)
+    ...     file = ao.read_scene(path)
+    ...     table = ao.sweep(file, file.grid)
+    >>> table.shape
+    (2,)
     """
 
     path: Path

@@ -130,6 +130,8 @@ _MATRICES = Table(
         "nodes": optional(Text()),
         "length": optional(Number("m")),
         "mass": optional(Number("kg")),
+        "mesh": optional(Text()),
+        "material": optional(Reference("materials")),
     }
 )
 

@@ -67,6 +67,14 @@ def compare(
     ------
     InputError
         If there is nothing to compare with.
+
+    Examples
+    --------
+    >>> sphere = ao.AOModel(m0=3e-5, k0=0.0, m=[0.033], k=[2.8e8])
+    >>> table = ao.compare(projectile=sphere, target=sphere, law=ao.Hertz(k=1e10), velocity=1.0,
+    ...                    duration=1e-4, oscillators=(0, 1), modes=(), full=False)
+    >>> table.exact, round(table["rigid"].force, 1)
+    ('AO(1)', 0.4)
     """
     with held_warnings():  # each run has them again
         plan = plan_impact(projectile, target, law, velocity=velocity, duration=duration, gap=gap)

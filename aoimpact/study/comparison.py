@@ -80,6 +80,14 @@ class Comparison:
     rows : tuple of Compared
     linear_solver : str
         What solved for the reduced models; empty where dense matrices served.
+
+    Examples
+    --------
+    >>> sphere = ao.AOModel(m0=3e-5, k0=0.0, m=[0.033], k=[2.8e8])
+    >>> table = ao.compare(projectile=sphere, target=sphere, law=ao.Hertz(k=1e10), velocity=1.0,
+    ...                    duration=1e-4, oscillators=(0, 1), modes=(), full=False)
+    >>> [row.model for row in table.rows], round(table["rigid"].force, 1)
+    (['rigid', 'AO(0)', 'AO(1)'], 0.4)
     """
 
     scene: str

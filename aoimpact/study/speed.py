@@ -93,6 +93,14 @@ def work_precision(
         written out for SciPy.
     ConvergenceError
         If the reference cannot be computed.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> study = ao.work_precision(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0,
+    ...                           duration=1e-3, newmark=[1e-6], repeats=1)
+    >>> study.fastest("Adaptive", 1e-6).error < 1e-6
+    True
     """
     count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
     instance("law", law, ContactLaw)

@@ -106,6 +106,14 @@ class WorkPrecision:
     reference : Reference
     rows : tuple of Measurement
         By method, in the order of the settings.
+
+    Examples
+    --------
+    >>> ball = ao.rigid(mass=0.1)
+    >>> study = ao.work_precision(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0,
+    ...                           duration=1e-3, newmark=[1e-6], repeats=1)
+    >>> sorted({row.method for row in study.rows})
+    ['Adaptive', 'Newmark']
     """
 
     scene: str

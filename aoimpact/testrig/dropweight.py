@@ -22,7 +22,7 @@ from ..base import (
     real,
 )
 from ..results import Result
-from .signal import Signal, contact_force
+from .signal import Signal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -227,7 +227,8 @@ def drop_weight(
     Parameters
     ----------
     source : Signal, (t, force) or Result
-        The force on the impactor, N: measured, simulated, or what a `LoadCell` reads of it.
+        The force on the impactor, N: measured, simulated, or what a `LoadCell` reads of it. Of a
+        scene, with its gravity, ``Signal.of(run, contact=0)``, with mass and velocity.
     mass : float, optional
         Of the impactor, kg; of a result the projectile's.
     velocity : float, optional
@@ -310,9 +311,9 @@ def _force(source: Any, cfc: float | None) -> Signal:
     if not isinstance(source, Result):
         return Signal.of(source).filtered(frequency)
     margin = _SMEARED / frequency
-    plain = contact_force(source, None, 0.0)
+    plain = Signal.of(source)
     rate = max(plain.rate, 20.0 * frequency)
-    return contact_force(source, rate, margin).filtered(frequency)
+    return Signal.of(source, rate=rate, margin=margin).filtered(frequency)
 
 
 def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:

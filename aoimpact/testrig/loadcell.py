@@ -15,7 +15,7 @@ from ..fem import Material, Rayleigh
 from ..reduction import AOModel, ball
 from ..results import Result
 from .oscillator import Oscillator
-from .signal import Signal, contact_force
+from .signal import Signal
 
 __all__ = ["LoadCell"]
 
@@ -185,9 +185,9 @@ class LoadCell:
         return Signal(force.t, self.share * response, unit=force.unit, name="load cell")
 
     def _of_result(self, hit: Result, rate: float | None) -> Signal:
-        force = contact_force(hit, rate, 0.0)
+        force = Signal.of(hit, rate=rate)
         if rate is None and hit.run.recorder.dense:
-            force = contact_force(hit, max(force.rate, _PER_PERIOD * self.frequency), 0.0)
+            force = Signal.of(hit, rate=max(force.rate, _PER_PERIOD * self.frequency))
         if not self._strikes(hit):
             self._compare_mass(hit)
             return self.read(force)

@@ -17,18 +17,20 @@ from ..base import (
     checked,
     draw_curves,
     finite_array,
+    integer,
     nonnegative,
     positive,
     quantity,
     text,
 )
 from ..fields import Probe
-from ..results import Result
+from ..integrate import Events
+from ..results import Result, Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Signal", "contact_force"]
+__all__ = ["Signal"]
 
 # Samples are evenly spaced if each is within this share of a step of where it should be.
 _UNEVEN = 0.05
@@ -120,14 +122,23 @@ class Signal(Frozen):
         return f"Signal({self.name}, {len(self.t)} samples {spaced}, largest {top})"
 
     @classmethod
-    def of(cls, source: Any, *, rate: float | None = None, margin: float = 0.0) -> Signal:
+    def of(
+        cls,
+        source: Any,
+        *,
+        contact: int = 0,
+        rate: float | None = None,
+        margin: float = 0.0,
+    ) -> Signal:
         """Return the signal of a measurement, or of a simulated impact.
 
         Parameters
         ----------
-        source : Signal, (t, values), Result or Probe
+        source : Signal, (t, values), Result, Run or Probe
             Of a result, the contact force; of a probe along a direction, the acceleration of its
             point, from differences of its velocity: give it times close enough.
+        contact : int, optional
+            Which contact of a scene's run, in the order of `Scene.connect`.
         rate : float, optional
             Samples a second, Hz, of a result; by itself 500 in the hardest contact.
         margin : float, optional
@@ -150,15 +161,16 @@ class Signal(Frozen):
         wanted = None if rate is None else positive("rate", rate, unit="Hz")
         if isinstance(source, Signal):
             return source if wanted is None else source.resampled(wanted)
-        if isinstance(source, Result):
-            return contact_force(source, wanted, space)
+        if isinstance(source, Result | Run):
+            run = source.run if isinstance(source, Result) else source
+            return _contact_force(run, contact, wanted, space)
         if isinstance(source, Probe):
             return _acceleration(source)
         if isinstance(source, tuple) and len(source) == 2:
             return cls.of(cls(*source), rate=rate)
         raise InputTypeError(
-            "source must be a Signal, a pair (t, values), the result of simulate, or a probe of "
-            f"one of its bodies, got {type(source).__name__}"
+            "source must be a Signal, a pair (t, values), the result of simulate, the run of a "
+            f"scene, or a probe of one of their bodies, got {type(source).__name__}"
         )
 
     # ------------------------------------------------------------------- its samples
@@ -285,18 +297,20 @@ def _two_poles(cfc: float, rate: float) -> tuple[FloatArray, FloatArray]:
     return np.array([a0, 2.0 * a0, a0]), np.array([1.0, -b1, -b2])
 
 
-def contact_force(hit: Result, rate: float | None, margin: float) -> Signal:
-    """Return the contact force of an impact, evenly sampled, with zeros before and after."""
-    if margin > 0.0 and hit.in_contact_at_end:
+def _contact_force(run: Run, contact: int, rate: float | None, margin: float) -> Signal:
+    """Return a contact's force, evenly sampled, with zeros before and after the record."""
+    events = run.events[integer("contact", contact, low=0, high=len(run.events) - 1)]
+    ends = bool(events.contacts) and events.contacts[-1][1] >= run.duration * (1.0 - 1e-12)
+    if margin > 0.0 and ends:
         raise InputError(
             "the record ends in contact, and what the force does afterwards is not known; call "
             "simulate(..., duration=...) with a longer one"
         )
-    own, dense = Signal(hit.t, hit.force), hit.run.recorder.dense
+    own, dense = Signal(run.t, run.forces[contact]), run.recorder.dense
     if rate is None:
-        rate = _PER_CONTACT / _contact_of_peak(hit) if dense else own.mean_rate
-    times = _times(0.0, hit.duration, rate)
-    force = hit.at(times).force if dense else np.interp(times, own.t, own.values)
+        rate = _PER_CONTACT / _hardest(events, run.duration) if dense else own.mean_rate
+    times = _times(0.0, run.duration, rate)
+    force = run.at(times).forces[contact] if dense else np.interp(times, own.t, own.values)
     if margin * rate > _MOST:
         raise InputError(
             f"margin = {quantity(margin, 's')} is more than {_MOST} samples of "
@@ -308,10 +322,10 @@ def contact_force(hit: Result, rate: float | None, margin: float) -> Signal:
     return Signal(all_times, np.concatenate([silent, force, silent]))
 
 
-def _contact_of_peak(hit: Result) -> float:
+def _hardest(events: Events, duration: float) -> float:
     """Length of the contact in which the force is largest, s; of the record without one."""
-    holds = [end - start for start, end in hit.contacts if start <= hit.peak_time <= end]
-    return holds[0] if holds and holds[0] > 0.0 else hit.duration
+    holds = [end - start for start, end in events.contacts if start <= events.peak_time <= end]
+    return holds[0] if holds and holds[0] > 0.0 else duration
 
 
 def _times(start: float, end: float, rate: float) -> FloatArray:

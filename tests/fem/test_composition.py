@@ -165,7 +165,13 @@ def test_the_contact_meets_the_material_of_its_own_element() -> None:
 
 
 def test_a_body_of_several_materials_can_be_pickled() -> None:
-    body = ao.FEModel.from_mesh(SPLIT, {"lower": ALU, "upper": STEEL}, masses=[("xmax", 1.0)])
+    body = ao.FEModel.from_mesh(
+        SPLIT,
+        {"lower": ALU, "upper": STEEL},
+        fixed=[("ymin", "y")],
+        masses=[("xmax", 1.0)],
+        springs=[("xmin", "xz", 1e6)],
+    )
     again = pickle.loads(pickle.dumps(body))
     assert (again.K != body.K).nnz == 0
     assert (again.M != body.M).nnz == 0
@@ -173,6 +179,15 @@ def test_a_body_of_several_materials_can_be_pickled() -> None:
     assert again.material.groups == {"lower": ALU, "upper": STEEL}
     assert not again.mesh.cell_sets["lower"].flags.writeable
     assert repr(again) == repr(body)
+    assert again.frequencies(3) == pytest.approx(body.frequencies(3), rel=1e-9)
+
+
+def test_matrices_of_another_program_stay_when_a_body_with_their_mesh_is_pickled() -> None:
+    made = ao.FEModel.from_mesh(SPLIT, ALU)
+    given = ao.FEModel(K=2.0 * made.K, M=3.0 * made.M, nodes=SPLIT.nodes)
+    again = pickle.loads(pickle.dumps(given.with_mesh(SPLIT, {"lower": ALU, "upper": STEEL})))
+    assert (again.K != given.K).nnz == 0
+    assert (again.M != given.M).nnz == 0
 
 
 @pytest.mark.parametrize(

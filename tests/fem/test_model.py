@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import pickle
 from collections.abc import Callable
@@ -604,3 +605,21 @@ def test_materials_beyond_reach_of_products_are_refused(E, rho):
     mesh = box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
     with pytest.raises(InputError, match="overflows or vanishes"):
         FEModel.from_mesh(mesh, no_solid(E, rho))
+
+
+@pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]])
+def test_a_pickle_carries_the_mesh_and_not_what_is_assembled_from_it(fixed: Any) -> None:
+    body = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.02), (10, 10, 2)), STEEL, fixed=fixed)
+    tip = body.contact(point=(0.05, 0.05, 0.02))
+    body.inverse(1e10).solve(tip.b)  # what is kept on the way does not travel, either
+    packed = pickle.dumps(body)
+    assert len(packed) < 0.1 * (body.K.data.nbytes + body.M.data.nbytes)
+    again = pickle.loads(packed)
+    assert "K" not in vars(again)
+    for name in ("K", "M"):
+        ours, theirs = getattr(body, name), getattr(again, name)
+        np.testing.assert_array_equal(ours.indices, theirs.indices)
+        np.testing.assert_array_equal(ours.data, theirs.data)
+    assert copy.copy(body).K is body.K
+    with pytest.raises(AttributeError, match="has no attribute 'stiffness'"):
+        body.stiffness  # noqa: B018

@@ -199,7 +199,7 @@ def test_an_impact_on_a_laminate() -> None:
     ball = ao.ball(0.00635, STEEL)
     hit = ao.simulate(
         projectile=ball,
-        target=ao.antioscillators(tip, 8, method="krylov", contact_time=2e-4),
+        target=ao.antioscillators(tip, 24, method="krylov", contact_time=2e-4, duration=1e-3),
         velocity=1.0,
         duration=1e-3,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.fields.movie import MovingBody, _enlargement
+from aoimpact.fields.movie import MovingBody, _can_draw, _enlargement
 from aoimpact.results.movie import _bodies, _turn
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -106,6 +107,19 @@ def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setitem(sys.modules, "pyvista", None)
     with pytest.raises(ao.MissingPackageError, match="pip install pyvista, or write files"):
         strike(ao.ball(0.01, STEEL)).movie(tmp_path / "movie.gif")
+
+
+def test_a_machine_that_cannot_draw_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("pyvista")
+    hit = strike(ao.ball(0.01, STEEL))
+    _can_draw.cache_clear()
+    with monkeypatch.context() as broken:
+        broken.setattr(sys, "executable", shutil.which("false"))
+        with pytest.raises(ao.AOImpactError, match=r"cannot draw .* install EGL or OSMesa"):
+            hit.movie(tmp_path / "movie.gif")
+    _can_draw.cache_clear()
 
 
 def test_frames_are_drawn_and_differ(tmp_path: Path) -> None:

@@ -120,6 +120,23 @@ def test_a_star_of_a_body_hit_off_its_centre_keeps_all_its_mass_and_energy():
     assert approach[-1] == pytest.approx(-approach[0], rel=1e-4)
 
 
+def test_what_is_set_up_to_fit_a_patch_serves_the_model_as_well(monkeypatch):
+    set_up, inverse = [], ao.FEModel.inverse
+
+    def counted(self, s2=0.0, **options):
+        set_up.append(self.name)
+        return inverse(self, s2, **options)
+
+    monkeypatch.setattr(ao.FEModel, "inverse", counted)
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    mesh = ao.box_mesh((0.1, 0.08, 0.01), (10, 8, 2), kind="hexahedron20")
+    ends = [("xmin", "xyz"), ("xmax", "xyz")]
+    plate = ao.FEModel.from_mesh(mesh, steel, fixed=ends, name="plate")
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.006), steel, name="ball")
+    ao.simulate(ball.contact(point=(0, 0, -0.01)), plate.contact(point=(0.05, 0.04, 0.01)), 1.0)
+    assert sorted(set_up) == ["ball", "plate"]
+
+
 @pytest.mark.filterwarnings("ignore:projectile is touched along")
 def test_a_partly_held_projectile_struck_obliquely_starts_alike_as_star_and_as_full_model():
     """Held along x it cannot translate along (1, 1, 0): both move as the static mode."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -72,9 +73,33 @@ def test_a_file_cut_short_is_refused(kind: str, share: float, tmp_path: Path) ->
     files = written(kind, tmp_path, K, M, LABELS)
     content = files[0].read_bytes()
     files[0].write_bytes(content[: int(share * len(content))])
-    with pytest.raises(
-        ao.InputError, match=r"stiffness\.(txt|sti).*(cut short|should stand|twice)"
-    ):
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*ends within a line", AOImpactWarning)
+        with pytest.raises(ao.InputError, match=r"stiffness\.(txt|sti).*(cut short|should st)"):
+            ao.read_matrices(*files)
+
+
+@pytest.mark.parametrize("which", [0, 1])
+@pytest.mark.parametrize("lines", [1, 2, 30])
+@pytest.mark.parametrize("kind", ["calculix", "coordinate", "abaqus", "labels", "dmig", "op4-text"])
+def test_a_file_without_its_last_lines_is_refused(
+    kind: str, lines: int, which: int, tmp_path: Path
+) -> None:
+    """Cut at the end of a line, where each line is sound; no entry is lost in silence."""
+    # In the order of the labels, as these programs write.
+    order = np.lexsort(LABELS.T[::-1])
+    in_order = [sp.coo_array(sp.csr_array(one)[order][:, order]) for one in (K, M)]
+    files = written(kind, tmp_path, *in_order, LABELS[order])
+    content = files[which].read_text().splitlines(keepends=True)
+    files[which].write_text("".join(content[:-lines]))
+    with pytest.raises(ao.InputError, match="cut short"):
+        ao.read_matrices(*files)
+
+
+def test_a_last_line_without_an_end_is_said(tmp_path: Path) -> None:
+    files = written("calculix", tmp_path, K, M, LABELS)
+    files[0].write_bytes(files[0].read_bytes()[:-1])
+    with pytest.warns(AOImpactWarning, match=r"stiffness\.sti' ends within a line: its last numb"):
         ao.read_matrices(*files)
 
 

@@ -56,3 +56,18 @@ def test_all_of_pyyeti_s_files_are_read_as_it_reads_them(file: Path | None) -> N
         assert bool(one.unfit) == (not square or np.iscomplexobj(matrix))
         if not one.unfit and one.size < 10_000:
             np.testing.assert_array_equal(dense(one), matrix.toarray())
+
+
+def test_pyyeti_s_punched_matrices_are_read_as_it_reads_them() -> None:
+    pyyeti = pytest.importorskip("pyyeti")
+    from pyyeti.nastran import bulk
+
+    file = Path(pyyeti.__file__).parent / "tests" / "nastran_dmig_data" / "matrix_factory.pch"
+    theirs = bulk.rddmig(str(file))
+    ours = {one.name.lower(): one for one in read_file(file)}
+    assert ours.keys() == theirs.keys()
+    for name in ("patrn", "ident", "randm"):
+        assert ours[name].labels is not None
+        assert [tuple(label) for label in ours[name].labels] == theirs[name].index.to_list()
+        np.testing.assert_array_equal(dense(ours[name]), theirs[name].to_numpy())
+    assert ours["cmplx"].unfit == "complex"

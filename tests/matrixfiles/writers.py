@@ -36,7 +36,10 @@ PRINTED = {
 
 
 def lower(matrix: Any) -> Any:
-    return sp.coo_array(sp.tril(sp.coo_array(matrix)))
+    """The lower triangle row by row, as programs write it: the diagonal is the last of each row."""
+    rows = sp.csr_array(sp.tril(sp.coo_array(matrix)))
+    rows.sum_duplicates()
+    return rows.tocoo()
 
 
 def market(path: Path, matrix: Any, labels: Any) -> None:

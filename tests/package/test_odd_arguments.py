@@ -498,7 +498,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         ao.Signal,
         {"t": [0.0, 1.0], "values": [0.0, 1.0], "unit": "N", "name": "force", "raw": None},
     ),
-    "Signal.of": (ao.Signal.of, {"source": HIT, "rate": 1e6, "margin": 0.0}),
+    "Signal.of": (ao.Signal.of, {"source": HIT, "contact": 0, "rate": 1e6, "margin": 0.0}),
     "Signal.resampled": (SIGNAL.resampled, {"rate": 2e5}),
     "Signal.filtered": (SIGNAL.filtered, {"cfc": 600}),
     "read_signal": (
@@ -550,7 +550,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         lambda **values: FILE.replaced(values),
         {"velocity": 1.0},
     ),
-    "KrylovSpace sharpened": (_space, {"sharpened": False}),
+    "KrylovSpace sharpened": (_space, {"sharpened": False, "known": None}),
     "KrylovSpace.antioscillators": (lambda **n: _space().antioscillators(**n), {"n": 2}),
     "KrylovSpace.of_vectors": (lambda **n: _space().of_vectors(**n), {"n": 2}),
     "KrylovSpace.factored": (lambda **n: _space().factored(**n), {"n": 2}),

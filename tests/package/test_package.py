@@ -88,7 +88,10 @@ def test_promised_results_are_there() -> None:
     assert all(start < end for start, end in hit.contacts)
     assert hasattr(hit.error, "reduction")
     assert hasattr(hit.error, "time")
-    for name in ("plot_force", "plot_indentation", "plot_energy", "plot_displacement", "to_csv"):
+    for name in (
+        *("plot", "plot_force", "plot_indentation", "plot_energy", "plot_displacement"),
+        *("movie", "to_csv", "to_dataframe", "to_xarray"),
+    ):
         assert callable(getattr(hit, name))
 
 

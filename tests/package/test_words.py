@@ -76,7 +76,7 @@ EXAMPLES = [
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_examples_say_what_comes_out(name: str) -> None:
     module = importlib.import_module(name)
-    public = {each: getattr(ao, each) for each in dir(ao) if not each.startswith("__")}
+    public = {each: getattr(ao, each) for each in dir(ao) if not each.startswith("__")} | {"ao": ao}
     done = doctest.testmod(module, extraglobs=public | vars(module))
     assert done.attempted > 0
     assert done.failed == 0

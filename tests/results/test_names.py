@@ -105,7 +105,7 @@ def test_a_scene_shows_the_names(tmp_path: Path) -> None:
     assert run.names == ("striker", "ball", "body 2")
     assert [of.name for of in run.contacts] == ["first hit", "contact 1"]
     lines = [line.split("  ")[1].strip() for line in repr(run).splitlines()[1:]]
-    assert lines == ["striker", "ball", "body 2", "first hit", "contact 1", "solver"]
+    assert lines == ["striker", "ball", "body 2", "first hit", "contact 1", "solver", "cost"]
     run.to_csv(tmp_path / "run.csv")
     assert {"first hit force [N]", "striker velocity [m/s]"} < set(headings(tmp_path / "run.csv"))
     legends = (run.plot_force(), run.plot_displacement())

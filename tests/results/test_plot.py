@@ -151,3 +151,12 @@ def test_a_legend_hides_no_curve() -> None:
     figure.canvas.draw()
     box, curves = ax.get_legend().get_window_extent(), ax.get_window_extent()
     assert box.y0 >= curves.y1 - 1.0
+
+
+def test_forty_curves_all_look_different() -> None:
+    scene = ao.Scene()
+    for i in range(40):
+        scene.add(ao.rigid(mass=0.01), velocity=float(i))
+    ax = scene.simulate(duration=1e-3).plot_displacement()
+    looks = {(line.get_color(), repr(line._unscaled_dash_pattern)) for line in ax.get_lines()}  # type: ignore[attr-defined]
+    assert len(looks) == 40

@@ -84,6 +84,25 @@ def test_a_body_of_matrices(tmp_path: Path) -> None:
     np.testing.assert_array_equal(file.case()["target"].contact_points[0].b, tip.b)
 
 
+def test_matrices_on_a_mesh(tmp_path: Path) -> None:
+    mesh = ao.box_mesh((0.1, 0.04, 0.04), (10, 4, 4), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALU)
+    ao.write_matrices(body, tmp_path)
+    deck = [f"{i + 1}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(mesh.nodes.tolist())]
+    cells = [",".join(map(str, [i + 1, *(cell + 1)])) for i, cell in enumerate(mesh.cells)]
+    lines = ["*NODE", *deck, "*ELEMENT, TYPE=C3D20", *cells, ""]
+    (tmp_path / "bar.inp").write_text("\n".join(lines))
+    text = MATRICES.replace('["M.npz", "M"]', '"M.mtx"').replace(
+        'nodes = "nodes.txt", mass = 2.0', 'mesh = "bar.inp", material = "alu"'
+    )
+    text = text.replace("node = 5, direction = [0, 0, -1]", "point = [0.05, 0.02, 0.04]")
+    text = "[materials.alu]\nE = 70e9\nnu = 0.3\nrho = 2700\n" + text
+    tip = ao.read_scene(written(tmp_path, text)).case()["target"].contact_points[0]
+    same = body.contact(point=(0.05, 0.02, 0.04))
+    np.testing.assert_allclose(tip.b, same.b, atol=1e-12)
+    assert tip.patch == same.patch
+
+
 def test_files_of_matrices_that_are_wrong_are_named_with_their_line(tmp_path: Path) -> None:
     with pytest.raises(ao.SceneFileError, match=r"toml:\d+:\d+: .*K.*K\.mtx' does not exist"):
         ao.read_scene(written(tmp_path, MATRICES)).case()
@@ -840,8 +859,9 @@ def write_tup(folder: Path) -> ao.Mesh:
 def test_a_body_of_groups_with_masses_and_springs(tmp_path: Path) -> None:
     write_tup(tmp_path)
     (tmp_path / "tup.toml").write_text(TUP)
-    hit = ao.read_scene(tmp_path / "tup.toml").simulate()
-    body = hit.projectile.body
+    scene = ao.read_scene(tmp_path / "tup.toml")
+    assert scene.simulate().peak_force > 0.0
+    body = scene.case()["projectile"].origin.tip.body
     ply = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), 1550).turned(0.5)
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)
     assert body.mass == pytest.approx(7800 * 4e-6 + 1550 * 12e-6 + 6.0)

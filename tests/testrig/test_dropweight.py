@@ -134,6 +134,23 @@ def test_measurement_and_simulation_are_treated_alike() -> None:
     np.testing.assert_allclose(same.energy, both, atol=1e-3 * same.impact_energy)
 
 
+def test_a_drop_under_gravity_is_evaluated_from_its_scene() -> None:
+    """Against the motion and the energies of the scene, which has the weight's work in it."""
+    scene = ao.Scene(gravity=9.81)
+    tup = scene.add(TUP, velocity=0.1)
+    scene.connect(tup, scene.add(ao.rigid(mass=np.inf)), ao.Linear(2e5))
+    run = scene.simulate(duration=0.05)
+    signal = ao.Signal.of(run, contact=0, rate=200e3)
+    test = ao.drop_weight(signal, mass=5.4, velocity=0.1, gravity=9.81, start=0.0)
+    at = run.at(test.t)
+    np.testing.assert_allclose(test.velocity, at[tup].centre_velocity, atol=1e-5)
+    np.testing.assert_allclose(test.deflection, at[tup].centre_displacement, atol=1e-7)
+    lost = 0.5 * 5.4 * (0.1**2 - at[tup].velocity ** 2) + 5.4 * 9.81 * at[tup].displacement
+    np.testing.assert_allclose(test.energy, lost, atol=1e-4 * lost.max())
+    with pytest.raises(ao.InputError, match="contact must be from 0 to 0, got 1"):
+        ao.Signal.of(run, contact=1)
+
+
 def test_a_simulated_plate_is_never_punctured() -> None:
     """A light plate's force falls by half while a heavy impactor goes on: a vibration."""
     light = ao.AOModel(m0=0.5, k0=1e5)

@@ -54,4 +54,4 @@ print(data.velocity.sel(body="plate").isel(time=[0, 100, 200]).values, data.velo
 #     hit.target.field(times).movie("plate.mp4", scale=500)
 #     hit.target.to_vtu("plate", times)
 
-hit.target.field().plot()
+ax = hit.target.field().plot()

@@ -46,7 +46,7 @@ force = ao.Signal(measured.t, measured.values / cell.share)
 test = ao.drop_weight(force, mass=cell.mass, velocity=0.6, gravity=0, start=0, cfc=1000)
 same = ao.drop_weight(hit, cfc=1000)
 ax = test.plot_energy(label="load cell")
-same.plot_energy(ax, label="contact force")
+ax = same.plot_energy(ax, label="contact force")
 
 # %%
 # ``gravity=0`` since `simulate` has none; that of a rig is 9.80665 m/s² by itself. ``start`` is the first touch, of a rig
@@ -81,17 +81,18 @@ fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained", 
 contact.plot(left, label="contact force", color="0.6")
 reading.plot(left, label="load cell", linestyle="--")
 left.set(xlim=(-0.2, 2.0), ylabel="force (N)")
+right.set(xlim=(-0.2, 1.6))
 for cfc, dashes in ((1000, "-"), (600, "--")):
     ao.drop_weight(hit, cfc=cfc).plot_force(
         right, raw=cfc == 1000, label=f"CFC {cfc}", linestyle=dashes
     )
-right.set(xlim=(-0.2, 1.6), ylabel="")
+label = right.set_ylabel("")
 
 # %%
 # Force over deflection
 # ---------------------
 
-test.plot_deflection()
+ax = test.plot_deflection()
 
 # %%
 # Shock at a place of the body
@@ -102,5 +103,5 @@ test.plot_deflection()
 times = np.linspace(0, hit.duration, 20001)
 probe = hit.target.probe((0.03, 0.05, 0.006), direction=(0, 0, -1), times=times)
 spectrum = ao.shock_spectrum(probe, np.geomspace(100, 20e3, 80), damping_ratio=0.05)
-spectrum.plot(parts=True)
+ax = spectrum.plot(parts=True)
 folder.cleanup()

@@ -1,0 +1,100 @@
+"""The notebooks, made from pages of the site and stored with their outputs.
+
+python tools/make_notebooks.py [NAME ...]      # writes notebooks/NAME.ipynb, all if none is named
+
+Needs nbformat, nbclient and ipykernel, and gmsh for the first impact.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+PAGES = (
+    "start/first_impact",
+    "how_to/choosing_a_model",
+    "how_to/contact_and_mesh",
+    "how_to/damping_and_restitution",
+    "how_to/own_matrices",
+    "how_to/several_bodies",
+    "how_to/stress",
+    "how_to/sweeps",
+    "validation/paper",
+    "validation/speed_against_error",
+)
+
+
+def markdown(text: str) -> str:
+    """The page's reStructuredText as Markdown; of the few things that the pages use."""
+    text = re.sub(r"^(=+)\n(.+)\n=+$", r"# \2", text, flags=re.M)
+    text = re.sub(r"^(.+)\n={3,}$", r"# \1", text, flags=re.M)
+    text = re.sub(r"^(.+)\n-{3,}$", r"## \1", text, flags=re.M)
+    text = re.sub(r"\s*\(:doc:`[^`]+`\)", "", text)
+    text = re.sub(r":doc:`/?([^`]+)`", r"the page *\1* of the site", text)
+    text = re.sub(r":\w+:`~?([^`]+)`", r"`\1`", text)
+    text = re.sub(r"\n\.\. code-block:: python\n", "::\n", text)
+    text = re.sub(
+        r"\n?::\n\n((?: {4}.*\n|\n)+)",
+        lambda block: "\n\n```\n" + re.sub(r"(?m)^ {4}", "", block[1]).strip() + "\n```\n\n",
+        text + "\n",
+    )
+    return text.replace("``", "`").replace("```", "``").replace("``\n", "```\n").strip()
+
+
+def cells(page: str) -> list[tuple[str, str]]:
+    """Kind and source of the cells that a page is as a notebook."""
+    script = (ROOT / f"docs/gallery/{page}.py").read_text("utf-8")
+    head, _, body = script.partition('"""')[2].partition('"""')
+    made = [("markdown", markdown(head))]
+    for block in re.split(r"^# %%.*\n", "\n" + body, flags=re.M):
+        comment = re.match(r"(?:#.*\n)*", block)
+        told = comment[0] if comment and block is not body else ""
+        code = block[len(told) :].strip("\n")
+        if told:
+            made.append(("markdown", markdown(re.sub(r"(?m)^# ?", "", told))))
+        if code:
+            made.append(("code", re.sub(r"  # fmt: skip$", "", code, flags=re.M)))
+    return made
+
+
+def notebook(page: str) -> Any:
+    """The notebook of a page, without outputs."""
+    import nbformat
+
+    new = nbformat.v4.new_notebook()
+    kinds = {"markdown": nbformat.v4.new_markdown_cell, "code": nbformat.v4.new_code_cell}
+    for number, (kind, source) in enumerate(cells(page)):
+        new.cells.append(kinds[kind](source, id=f"cell-{number}"))
+    new.metadata["kernelspec"] = {
+        "name": "python3", "language": "python", "display_name": "Python 3"
+    }  # fmt: skip
+    return new
+
+
+def main(names: list[str]) -> None:
+    import nbclient
+    import nbformat
+
+    os.environ.pop("MPLBACKEND", None)  # figures go into the notebook
+    for page in PAGES:
+        name = page.rpartition("/")[2]
+        if names and name not in names:
+            continue
+        made = notebook(page)
+        with tempfile.TemporaryDirectory() as folder:
+            nbclient.NotebookClient(
+                made, timeout=600, kernel_name="python3", resources={"metadata": {"path": folder}},
+                record_timing=False,
+            ).execute()  # fmt: skip
+        made.metadata.pop("language_info", None)
+        nbformat.write(made, ROOT / f"notebooks/{name}.ipynb")
+        print(f"notebooks/{name}.ipynb")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
