@@ -48,6 +48,13 @@ autodoc_typehints = "none"  # the docstrings say types, with shapes and units
 autodoc_member_order = "groupwise"
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
+# All of numpydoc's rules but those that ask every property for an example, a return section or a
+# longer text (public names have examples: a test holds that), and those of style: what starts with
+# a symbol, types that are named above, dataclasses whose fields stand under Attributes.
+numpydoc_validation_checks = {
+    "all", "EX01", "SA01", "ES01", "RT01", "RT03", "RT04", "SS01", "SS02",
+    "GL01", "GL02", "GL03", "GL08", "PR01", "PR03", "PR04", "PR07", "PR08",
+}  # fmt: skip
 
 sphinx_gallery_conf = {
     "examples_dirs": [f"gallery/{name}" for name in ("start", "how_to", "validation")],

@@ -121,7 +121,10 @@ def choose_models(
 
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
-            flexible = any(getattr(model, "n", 1) for model in models)
+            flexible = all(
+                getattr(model, "n", 1) or getattr(body, "n", 1) == 0
+                for model, body in zip(models, bodies, strict=True)
+            )
             plan = plan_of(models, False)
             return view(record.run(plan, partial(solve, solver=rule), last=flexible))
 
@@ -141,7 +144,8 @@ def choose_models(
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     models = tuple(body.model for body in run.plan.bodies)
     chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
-    left_out = LeftOutFinder(quantity, rule, view, law_errors)
+    meshed = any(getattr(body, "given", body).contact_points for body in bodies)
+    left_out = LeftOutFinder(quantity, rule, view, law_errors, meshed)
     return view(replace(run, chosen=chosen, left_out=left_out))
 
 

@@ -65,8 +65,10 @@ _CONTACT_WITHIN_PATCH = 0.5
 # A reduced model's own field serves if it leaves no more than this of b unbalanced.
 _BALANCED = 0.02
 
-# The law less the patch's part stands for contacts that are narrower by this at least.
-_LEAST_OVER_CONTACT = 1.25
+# A patch is so many times as wide as the contact at least. The law less the patch's part has the
+# compliance 0.5/(a E*) - 0.6/(r E*), which is 0 at r = 1.2 a: up to there it is right, but near it
+# hardly tells a deeper contact from a shallower one.
+_LEAST_OVER_CONTACT = 1.4
 
 # The surface ends a little before the ring of quadrature points on which that is noticed; and what
 # it does to a patch is known where there are circles about the patch.

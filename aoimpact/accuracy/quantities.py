@@ -79,6 +79,9 @@ class Quantity:
         Whether a sweep keeps it if it is not told what to keep.
     lasting : bool
         Whether the motion after the last contact is part of it.
+    local : callable, optional
+        Of a `Run`: what the elements leave out of it where it is taken, relative, though the force
+        be right.
     """
 
     name: str
@@ -91,6 +94,7 @@ class Quantity:
     selectable: bool = True
     column: bool = False
     lasting: bool = False
+    local: Callable[[Run], float] | None = None
 
     @property
     def is_history(self) -> bool:

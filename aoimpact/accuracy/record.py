@@ -47,7 +47,7 @@ class Record:
         plan : Plan
         solve : callable
         last : bool, optional
-            Whether these bodies tell when it is over; rigid ones do not.
+            Whether these bodies tell when it is over: not those that are rigid for a trial.
         """
         if self._settled:
             same = plan.duration == self.length
@@ -60,7 +60,7 @@ class Record:
                 break
             further = wanted if math.isfinite(wanted) else _AS_LONG_AGAIN * length
             length = min(further, self._longest)
-        self._cut = wanted > length
+        self._cut = wanted > length and any(events.contacts for events in run.events)
         self.length = min(wanted, length)
         self._settled = last
         return run if self.length == length else solve(replace(plan, duration=self.length))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from ..base import (
     place,
 )
 from ..fem import ContactPoint, FEModel
+from ..fields import Stress, stresses_around
 from ..mesh import weights_at
 from ..results import Run
 from .quantities import Quantity
@@ -32,7 +34,8 @@ class StressAt(Frozen):
     """The stress at a point over the record, for ``simulate(quantity=StressAt(...))``.
 
     Every trial of a model solves for the stress that it leaves out, so that the search takes ten
-    times as long as one for the force.
+    times as long as one for the force. ``error.mesh`` has what the elements leave out of the force,
+    and by how much their own stress differs from its average at the point.
 
     Parameters
     ----------
@@ -82,7 +85,35 @@ def stress_quantity(wanted: StressAt, number: int) -> Quantity:
             return np.full((1, len(times)), np.nan)
         with held_warnings():  # of what it compares
             found = run.bodies[number].probe(wanted.point, times=times).stress
-        name = wanted.component
-        return (found.von_mises if name == "von_mises" else found[name])[None]
+        return _component(found, wanted.component)[None]
 
-    return Quantity("stress", "Pa", history=stress, lasting=True)
+    def local(run: Run) -> float:
+        history = np.abs(stress(run, run.t)[0])
+        largest = float(history.max())
+        if not largest > 0.0:
+            return 0.0
+        with held_warnings():
+            field = run.bodies[number].field(times=run.t[[int(history.argmax())]])
+        return _roughness(wanted, field.displacement[0]) / largest
+
+    return Quantity("stress", "Pa", history=stress, lasting=True, local=local)
+
+
+def _component(stress: Stress, name: str) -> FloatArray:
+    return stress.von_mises if name == "von_mises" else stress[name]
+
+
+def _roughness(wanted: StressAt, displacement: FloatArray) -> float:
+    """By how much the elements about a point differ from their average there, Pa.
+
+    The root mean square, as in the energy by which Zienkiewicz and Zhu estimate errors.
+    """
+    nodes, weights = weights_at(wanted.body.mesh, wanted.point)
+    square = 0.0
+    for node, weight in zip(nodes, weights, strict=True):
+        averaged, of_elements = (
+            _component(found, wanted.component)
+            for found in stresses_around(wanted.body, displacement, int(node))
+        )
+        square += abs(weight) * float(np.mean((of_elements - averaged) ** 2))
+    return math.sqrt(square)

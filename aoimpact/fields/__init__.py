@@ -5,7 +5,7 @@ from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
 from .response import Response
 from .stress import Stress
-from .stresserror import energy_error, missing_energy
+from .stresserror import energy_error, missing_energy, stresses_around
 
 __all__ = [
     "Field",
@@ -17,5 +17,6 @@ __all__ = [
     "missing_energy",
     "movie_path",
     "response_of",
+    "stresses_around",
     "write_movie",
 ]

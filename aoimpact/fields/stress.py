@@ -27,8 +27,10 @@ __all__ = [
     "batches",
     "elements_at",
     "extrapolation",
+    "gauss_of",
     "gauss_stress",
     "nodal_stress",
+    "shown",
     "stress_rows",
 ]
 
@@ -108,10 +110,15 @@ def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
         for batch in batches(piece):
             cells, numbers = batch.cells, batch.numbers
             points[numbers, : len(shape)] = shape @ mesh.nodes[cells]
-            slopes = _slopes(mesh.nodes[cells], element)
-            gradient = np.einsum("...eaj,egai->...egji", displacement[..., cells, :], slopes)
-            components[..., numbers, : len(shape), :] = _hooke(gradient, piece.material)
+            components[..., numbers, : len(shape), :] = gauss_of(mesh, batch, displacement)
     return Stress(components, points)
+
+
+def gauss_of(mesh: Mesh, piece: Piece, displacement: FloatArray) -> FloatArray:
+    """Return the components of `gauss_stress` of some elements, shape (..., n, n_gauss, 6)."""
+    slopes = _slopes(mesh.nodes[piece.cells], piece.element)
+    gradient = np.einsum("...eaj,egai->...egji", displacement[..., piece.cells, :], slopes)
+    return _hooke(gradient, piece.material)
 
 
 def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:
@@ -142,11 +149,11 @@ def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
             for total, share in zip(_histories(gradient, 3), _histories(shares, 4), strict=True):
                 np.add.at(total, at, share)
     gradient /= elements_at(mesh, material, places)[:, None, None]
-    shown = _shown(places, material)
+    chosen = shown(places, material)
     stress = np.empty((*displacement.shape[:-2], mesh.n_nodes, 6))
     for number, of in enumerate(each_of(material)):
-        on = places.which[shown] == number
-        stress[..., on, :] = _hooke(gradient[..., shown[on], :, :], of)
+        on = places.which[chosen] == number
+        stress[..., on, :] = _hooke(gradient[..., chosen[on], :, :], of)
     return Stress(stress, mesh.nodes)
 
 
@@ -166,7 +173,7 @@ def stress_rows(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> sp.csr_ar
         Its product with the displacements is `nodal_stress` there, component by component.
     """
     places = layout(mesh, material)
-    wanted = _shown(places, material)[nodes]
+    wanted = shown(places, material)[nodes]
     slopes = _averaged_slopes(mesh, material, places, wanted)
     # The stress by each ∂u_j/∂x_i, (3 i, 3 j, 6).
     unit = np.zeros((3, 3, 3, 3))
@@ -213,13 +220,13 @@ def batches(piece: Piece) -> Iterator[Piece]:
     return piece.batches(max(1, int(_BATCH / (8 * 3 * n_points * element.n_nodes))))
 
 
-def _shown(places: Layout, material: AnyMaterial) -> IntArray:
-    """Of each node the place whose material is the stiffest, shape (n_nodes,)."""
+def shown(places: Layout, material: AnyMaterial) -> IntArray:
+    """Return of each node the place whose material is the stiffest, shape (n_nodes,)."""
     size = np.array([np.trace(of.stiffness) for of in each_of(material)])
     order = np.lexsort((size[places.which], places.node))
     last = np.append(np.diff(places.node[order]) > 0, True)
-    shown: IntArray = order[last]
-    return shown
+    stiffest: IntArray = order[last]
+    return stiffest
 
 
 def _slopes(corners: FloatArray, element: ReferenceElement) -> FloatArray:

@@ -24,9 +24,9 @@ import numpy.typing as npt
 from ..base import FloatArray
 from ..fem import PAIRS, Body, Layout, Material, OneMaterial, each_of, layout, pieces
 from ..mesh import cofactors, jacobians
-from .stress import batches, elements_at, extrapolation
+from .stress import Stress, batches, elements_at, extrapolation, gauss_of, shown
 
-__all__ = ["energy_error", "missing_energy"]
+__all__ = ["energy_error", "missing_energy", "stresses_around"]
 
 # No share of the energy is taken to be less true than this.
 _LEAST_TRUE = 0.1
@@ -148,3 +148,37 @@ def _strain(
             row *= 0.5
     strain /= det
     return strain, det
+
+
+def stresses_around(body: Body, displacement: FloatArray, node: int) -> tuple[Stress, Stress]:
+    """Return the stress at a node, averaged and as each of the elements that meet there has it.
+
+    Where materials meet, of the elements of the stiffest.
+
+    Parameters
+    ----------
+    body : FEModel
+        Made from a mesh.
+    displacement : ndarray, shape (n_nodes, 3)
+        m.
+    node : int
+
+    Returns
+    -------
+    averaged, of_elements : Stress
+        Of shapes (6,) and (n, 6), Pa.
+    """
+    mesh, material = body.mesh, body.material
+    assert mesh is not None
+    assert material is not None
+    places, parts = layout(mesh, material), []
+    place = shown(places, material)[node]
+    for piece in pieces(mesh, material):
+        around, local = np.nonzero(places.of(piece) == place)
+        if len(around):
+            at_gauss = gauss_of(mesh, piece.taken(around), displacement)
+            parts.append(
+                np.einsum("eg,egc->ec", extrapolation(piece.element.kind)[local], at_gauss)
+            )
+    found = np.concatenate(parts)
+    return Stress(found.mean(axis=0), mesh.nodes[node]), Stress(found, mesh.nodes[node])

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..accuracy import best_radius
-from ..base import AOImpactError, InputError, plain
-from ..fem import contact_within
+from ..base import AOImpactError, InputError, plain, quantity, warn
+from ..fem import ContactPoint, contact_within
 from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
 from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel, touched
@@ -30,6 +30,9 @@ __all__ = [
 # A contact lasts about three times its depth over the speed: 2.94 by Hertz's law (Johnson,
 # eq. 11.25), π by a linear one.
 _DURATION_OVER_DEPTH = 3.0
+
+# A ball with a radius so many times the size of the other body is hardly meant.
+_FAR_LARGER = 5.0
 
 
 def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = False) -> bool:
@@ -108,6 +111,10 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
                 "FEModel.from_mesh(...).contact(point=...), or ball(radius, material)"
             )
         surfaces.append(surface)
+    for (body, _), tip, name, other in zip(
+        ends, reversed(tips), names, reversed(names), strict=True
+    ):
+        _warn_of_size(body, tip, name, other)
     along = [None if tip is None else tip.direction for tip in tips]
     try:
         return law_between(
@@ -115,6 +122,19 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
         )
     except InputError as error:
         raise InputError(f"law: it was left out, but {error}") from None
+
+
+def _warn_of_size(body: BodyModel, other: ContactPoint | None, name: str, other_name: str) -> None:
+    """Warn of a rigid ball far larger than the body it meets: metres taken for millimetres."""
+    surface = getattr(body, "surface", None)
+    if surface is None or other is None or other.body.mesh is None:
+        return
+    radius, size = abs(surface.radii[0]), other.body.mesh.size
+    if _FAR_LARGER * size < radius < math.inf:
+        warn(
+            f"{name} is a ball with a radius of {quantity(radius, 'm', 3)}, and {other_name} is "
+            f"{quantity(size, 'm', 3)} long: is the radius in metres?"
+        )
 
 
 class Meeting(NamedTuple):

@@ -206,15 +206,18 @@ def _chosen(K: File, M: File | None) -> tuple[Found, Found]:
     inertia, also_wanted = (stiffness, "") if M is None else _file("M", M)
     with _naming("K"):
         read = {stiffness: read_file(stiffness)}
-    if M is not None and inertia == stiffness and len(read[stiffness]) == 1:
-        raise InputError(f"K and M are the same file {str(stiffness)!r}, which has one matrix")
+    if inertia == stiffness and len(read[stiffness]) == 1:
+        raise InputError(
+            f"K and M are the same file {str(stiffness)!r}, which has one matrix; give M its own"
+        )
     if inertia not in read:
         with _naming("M"):
             read[inertia] = read_file(inertia)
-    return (
-        _named("K", stiffness, read[stiffness], wanted),
-        _named("M", inertia, read[inertia], also_wanted),
-    )
+    found = _named("K", stiffness, read[stiffness], wanted)
+    other = _named("M", inertia, read[inertia], also_wanted)
+    if found is other:
+        raise InputError(f"K and M are the same matrix {found.called}")
+    return found, other
 
 
 def _file(role: str, given: File) -> tuple[Path, str]:
@@ -342,6 +345,8 @@ def _check_order(pair: _Pair) -> None:
                 f"{pair.called}: {name} has no entry on the diagonal of {_at(pair, without[0])}, "
                 f"but others in its row ({len(without)} such rows): is the file cut short?"
             )
+    if pair.K.nnz == pair.M.nnz and not (pair.K - pair.M).data.any():
+        raise InputError(f"{pair.called}: K and M have the same entries; give M its own file")
     largest = float(np.abs(pair.K.diagonal()).max(initial=0.0))
     heaviest = float(np.abs(of_mass).max(initial=0.0))
     if 0.0 < largest < _LEAST_OMEGA2 * heaviest:

@@ -90,8 +90,8 @@ class Mesh(Frozen):
         kind and its cells. As an attribute of such a mesh: an array as wide as the largest element,
         in which short rows repeat their first node; see `blocks`.
     kind : str, optional
-        meshio's name of the element, one of `KINDS`: "tetra", "hexahedron20", …; "mixed" for
-        several kinds.
+        meshio's name of the element, such as "tetra10" or "hexahedron20"; "mixed" for several
+        kinds.
     node_sets : mapping of str to array of int, optional
         Named sets of nodes, e.g. for supports.
     cell_sets : mapping of str to array of int, optional

@@ -471,9 +471,11 @@ class AOModel(Frozen):
 
         Returns
         -------
-        omega2, participation : ndarrays, shape (modes,)
-            ω², (rad/s)², ascending; r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the
-            receptance is Σ r_j²/(ω_j² - ω²).
+        omega2 : ndarray, shape (modes,)
+            ω², (rad/s)², ascending.
+        participation : ndarray, shape (modes,)
+            r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the receptance is
+            Σ r_j²/(ω_j² - ω²).
 
         Raises
         ------

@@ -25,6 +25,7 @@ from ..base import (
 )
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
+from ..reduction import FullModel
 from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
 from .export import as_dataframe, as_dataset
@@ -376,6 +377,15 @@ class Run:
             for body, of in zip(self.plan.bodies, self.bodies, strict=True)
         )
 
+    @property
+    def _whole(self) -> bool:
+        """Whether full finite-element models took part, and no reduced ones."""
+        models = [body.model for body in self.plan.bodies]
+        full = [isinstance(model, FullModel) for model in models]
+        return any(full) and all(
+            whole or not model.contact_points for whole, model in zip(full, models, strict=True)
+        )
+
     @cached_property
     def error(self) -> ErrorEstimate:
         """What is known of the error."""
@@ -386,7 +396,8 @@ class Run:
             if self.recorder.dense and energy is not None:
                 _warn_of_ledger(energy, self.time_error)
         if (of := self.chosen) is None:
-            return ErrorEstimate(None, self.time_error, energy, left_out=self._left_out)
+            nothing = 0.0 if self._whole else None
+            return ErrorEstimate(nothing, self.time_error, energy, left_out=self._left_out)
         return ErrorEstimate(
             of.error,
             self.time_error,

@@ -44,7 +44,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
     rows += [
         ("rebound velocity", _rebound(result, "rebound_velocity", " m/s")),
         ("restitution", _rebound(result, "restitution")),
-        ("error of the peak" if result.error.quantity is None else "error", _error(result)),
+        (_of_what(result), _error(result)),
         ("solver", result.solver),
     ]
     made_by = [model.origin.solver for model in result.models or () if model.origin is not None]
@@ -133,6 +133,11 @@ def _contact(result: Result) -> str:
     return text
 
 
+def _of_what(result: Result) -> str:
+    known = result.error.quantity is not None or result.error.mesh is not None
+    return "error" if known else "error of the peak"
+
+
 def _error(result: Result) -> str:
     """Of the quantity of interest: of a history, at its worst over the record."""
     error = result.error
@@ -146,12 +151,15 @@ def _error(result: Result) -> str:
         del parts["mesh"], parts["contact"]  # there is none
     known = [part for part in parts.values() if part is not None]
     listed = in_words(parts)
-    if error.quantity is None:
+    if error.quantity is None and error.mesh is None:
         return f"{listed} %"
     total = math.fsum(known)
     within = f"± {percent(total)} %" if math.isfinite(total) else "not bounded"
-    name = error.quantity.replace("_", " ")
-    if error.of(error.quantity) is None:
+    interest = error.quantity or "force"
+    name = interest.replace("_", " ")
+    if interest not in {*error.numbers, *error.left_out.mesh_numbers}:  # a history
         name += ", at its worst over the record,"
+    if error.quantity is None:
+        return f"{name} {within} ({listed})"
     chosen = f"models and steps chosen for {100.0 * (error.rtol or 0.0):.2g} %"
     return f"{name} {within} ({listed}); {chosen}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ..base import (
     FloatArray,
     Frozen,
     InputError,
+    choice,
     draw_curves,
     file_path,
     nonnegative,
@@ -75,6 +76,13 @@ class DropWeight(Frozen):
         First and last touch, s.
     simulated : bool
         Whether the bodies are those of a simulation, which cannot break.
+
+    Examples
+    --------
+    >>> tup, plate = ao.rigid(mass=5.0), ao.AOModel(m0=0.1, k0=5e6, m=[0.2], k=[4e7])
+    >>> hit = ao.simulate(projectile=tup, target=plate, law=ao.Hertz(k=1e9), velocity=2.0)
+    >>> round(ao.drop_weight(hit).impact_energy, 6)  # J
+    10.0
     """
 
     t: FloatArray
@@ -150,15 +158,35 @@ class DropWeight(Frozen):
 
         Keywords go to ``Axes.plot``.
         """
-        shown = slice(*np.searchsorted(self.t, [self.start, self.end]))
+        shown = self._touching
         across = (self.deflection[shown], "deflection", "m")
         curves: list[Curve] = [(self.force[shown], {})]
         return draw_curves(ax, across, "force", "N", curves, kwargs)
 
-    def plot_energy(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the energy that the specimen has taken up over time. Returns the axes."""
-        shown = self._shown
-        across = (self.t[shown] - self.start, "time", "s")
+    def plot_energy(
+        self,
+        ax: Axes | None = None,
+        *,
+        over: Literal["time", "deflection"] = "time",
+        **kwargs: Any,
+    ) -> Axes:
+        """Draw the energy that the specimen has taken up; keywords go to ``Axes.plot``.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+        over : {"time", "deflection"}, optional
+            From the first touch on; over the deflection only while they touch.
+
+        Returns
+        -------
+        Axes
+        """
+        if choice("over", over, ("time", "deflection")) == "time":
+            shown, across = self._shown, (self.t[self._shown] - self.start, "time", "s")
+        else:
+            shown = self._touching
+            across = (self.deflection[shown], "deflection", "m")
         curves: list[Curve] = [(self.energy[shown], {})]
         return draw_curves(ax, across, "energy", "J", curves, kwargs)
 
@@ -172,6 +200,10 @@ class DropWeight(Frozen):
             ax = draw_curves(ax, across, "force", "N", grey)
         curves: list[Curve] = [(self.force[shown], {})]
         return draw_curves(ax, across, "force", "N", curves, kwargs)
+
+    @property
+    def _touching(self) -> slice:
+        return slice(*np.searchsorted(self.t, [self.start, self.end]))
 
     @property
     def _shown(self) -> slice:

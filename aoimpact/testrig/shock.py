@@ -60,6 +60,14 @@ class ShockSpectrum(Frozen):
         What responds, and its unit.
     damping_ratio : float
         Of all oscillators.
+
+    Examples
+    --------
+    >>> tup, plate = ao.rigid(mass=5.0), ao.AOModel(m0=0.1, k0=5e6, m=[0.2], k=[4e7])
+    >>> hit = ao.simulate(projectile=tup, target=plate, law=ao.Hertz(k=1e9), velocity=2.0)
+    >>> spectrum = ao.shock_spectrum(hit, frequencies=[100.0, 1000.0])
+    >>> spectrum.frequencies
+    array([ 100., 1000.])
     """
 
     frequencies: FloatArray

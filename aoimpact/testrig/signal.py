@@ -140,7 +140,8 @@ class Signal(Frozen):
         contact : int, optional
             Which contact of a scene's run, in the order of `Scene.connect`.
         rate : float, optional
-            Samples a second, Hz, of a result; by itself 500 in the hardest contact.
+            Samples a second, Hz, of a result; by itself 500 in the hardest contact, and those of a
+            solver of fixed steps, between which lines are straight.
         margin : float, optional
             Of a result, how long before and after the record the force is 0, s: room for a filter.
 

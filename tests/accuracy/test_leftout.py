@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -67,13 +68,14 @@ def test_more_stiffness_of_the_law_from_doubtful_curvatures_counts_as_contact() 
     assert hit.peak_force == pytest.approx(given.peak_force, rel=hit.error.total)
 
 
-def test_what_is_taken_as_rigid_has_no_error_of_its_mesh() -> None:
+@pytest.mark.parametrize("fixed", [None, [("zmin", "xyz")]], ids=["free", "held"])
+def test_what_is_taken_as_rigid_has_no_error_of_its_mesh(fixed: list[tuple[str, str]]) -> None:
     """What its elasticity would do is the error of the reduction."""
     mesh = ao.box_mesh((0.05, 0.05, 0.05), (4, 4, 4), kind="hexahedron20")
-    block = ao.FEModel.from_mesh(mesh, STEEL)
+    block = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed)
     tip = block.contact(point=(0.025, 0.025, 0.05))
     hit = ao.simulate(projectile=BALL, target=tip, velocity=1.0, rtol=5e-2)
-    assert [model.label for model in hit.models] == ["rigid", "rigid"]
+    assert [model.n for model in hit.models] == [0, 0]
     assert hit.error.mesh == 0.0
     assert hit.error.total == pytest.approx(hit.error.reduction + hit.error.time, abs=1e-2)
 
@@ -91,3 +93,22 @@ def test_a_law_that_ends_just_beyond_the_impact_has_its_errors() -> None:
     assert 0.5 < hit.error.mesh / whole.error.mesh < 2.0
     # Infinite where what is left out would lead beyond the table.
     assert hit.error.contact > 0.0
+
+
+def test_a_full_model_leaves_out_mesh_and_contact_but_nothing_by_reduction() -> None:
+    """As much as the model of the same body that is chosen, whose numbers are found otherwise."""
+    body = plate(8, "hexahedron20")
+    chosen = strike(body)
+    assert chosen.models is not None
+    (tip,) = chosen.models[1].contact_points
+    hertz = ao.Hertz.between(STEEL, 0.01, ALU, math.inf)
+    whole = ao.simulate(BALL, ao.full(tip), chosen.velocity, law=hertz, duration=chosen.duration)
+    error = whole.error
+    assert error.reduction == 0.0
+    assert error.total == pytest.approx(error.mesh + error.contact + error.time)
+    assert error.mesh == pytest.approx(chosen.error.mesh, rel=0.2)
+    assert error.contact == pytest.approx(chosen.error.contact, rel=0.2)
+    assert error.of("peak_force") is not None
+    assert re.search(
+        r"error  +force, at its worst over the record, ± .* \(mesh .*model 0", repr(whole)
+    )

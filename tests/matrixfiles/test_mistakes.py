@@ -110,6 +110,13 @@ def test_stiffness_and_mass_exchanged_are_refused(kind: str, tmp_path: Path) -> 
         ao.read_matrices(inertia, stiffness)
 
 
+def test_the_same_matrix_in_two_files_is_refused(tmp_path: Path) -> None:
+    stiffness, inertia = written("market", tmp_path, K, M, LABELS)
+    inertia.write_bytes(stiffness.read_bytes())
+    with pytest.raises(ao.InputError, match="K and M have the same entries; give M its own file"):
+        ao.read_matrices(stiffness, inertia)
+
+
 def test_names_in_the_files_tell_that_they_are_exchanged(tmp_path: Path) -> None:
     stiffness, inertia = written("op4", tmp_path, K, M, LABELS)
     with pytest.raises(ao.InputError, match="it holds MAA, given for K: are K and M exchanged"):
@@ -126,6 +133,10 @@ def test_one_file_with_both_and_names_in_it(tmp_path: Path) -> None:
         ao.read_matrices((both, "KBB"), both)
     with pytest.raises(ao.InputError, match=r"are the same file .* which has one matrix"):
         ao.read_matrices(stiffness, stiffness)
+    with pytest.raises(ao.InputError, match=r"are the same file .* which has one matrix; give M"):
+        ao.read_matrices(stiffness)
+    with pytest.raises(ao.InputError, match=r"K and M are the same matrix both\.op4: KAA"):
+        ao.read_matrices((both, "KAA"), (both, "KAA"))
 
 
 def test_matrices_of_different_models_are_refused(tmp_path: Path) -> None:

@@ -151,6 +151,13 @@ def test_every_public_name_is_in_the_help_and_on_the_site() -> None:
     assert set(dir(ao)) == set(ao.__all__)
 
 
+def test_every_public_name_has_an_example() -> None:
+    for name in set(ao.__all__) - {"__version__"}:
+        thing = getattr(ao, name)
+        if not (isinstance(thing, type) and issubclass(thing, Exception)):
+            assert ">>> " in (inspect.getdoc(thing) or ""), name
+
+
 # ------------------------------------------------------------------------------------- imports
 
 

@@ -200,6 +200,12 @@ def test_curves_and_files(tmp_path: Path) -> None:
     one, two = ax.get_lines()
     assert (one.get_color(), one.get_linestyle()) != (two.get_color(), two.get_linestyle())
     assert test.plot_deflection().get_xlabel() == "deflection (mm)"
+    over = test.plot_energy(over="deflection")
+    assert over.get_xlabel() == "deflection (mm)"
+    x, y = (np.asarray(part, dtype=float) for part in over.get_lines()[0].get_data())
+    assert y[x.argmax()] == pytest.approx(test.turn.energy, rel=1e-6)  # in J, at the turn
+    with pytest.raises(ao.InputError, match="over must be one of"):
+        test.plot_energy(over="force")  # type: ignore[arg-type]
     plt.close("all")
     test.to_csv(tmp_path / "test.csv")
     signal = ao.read_signal(tmp_path / "test.csv", values="force")

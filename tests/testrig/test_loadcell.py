@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -104,6 +105,20 @@ def test_a_rigid_projectile_reads_nearly_what_the_tup_reads() -> None:
     rigid = ao.simulate(projectile=ao.rigid(mass=stiff.mass), **given)
     one, other = stiff.read(tup, rate=1e6), stiff.read(rigid, rate=1e6)
     np.testing.assert_allclose(one.values, other.values, atol=1e-2 * other.values.max())
+
+
+def test_a_tup_on_a_plate_is_recorded_until_the_impact_is_over() -> None:
+    """Its own oscillator does not tell how long the plate holds it."""
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    mesh = ao.box_mesh((0.15, 0.1, 0.006), (6, 4, 1), kind="hexahedron20")
+    sides = [(side, "xyz") for side in ("xmin", "xmax", "ymin", "ymax")]
+    plate = ao.FEModel.from_mesh(mesh, steel, fixed=sides)
+    target = plate.contact(point=(0.075, 0.05, 0.006), radius=0.02)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ao.AOImpactWarning)  # the patch is wide
+        hit = ao.simulate(projectile=CELL.tup(), target=target, law=LAW, velocity=0.5)
+    assert not hit.in_contact_at_end
+    assert hit.duration == pytest.approx(2.0 * hit.contacts[-1][1], rel=0.05)
 
 
 def test_another_mass_warns() -> None:

@@ -32,7 +32,7 @@ import aoimpact as ao
 #      - in MATRIX INPUT itself
 #    * - Ansys
 #      - ``*SMAT, K, D, IMPORT, FULL, file.full, STIFF``, ``*EXPORT, K, MMF, K.mtx``; likewise MASS
-#      - ``dofs=``: the mapping file of ``HBMAT``, or an array
+#      - ``dofs=``: the mapping file that ``HBMAT`` writes of the same ``.full``, or an array
 #    * - CalculiX
 #      - ``*FREQUENCY, SOLVER=MATRIXSTORAGE``: ``.sti`` and ``.mas``
 #      - in the ``.dof`` beside them

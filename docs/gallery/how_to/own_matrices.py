@@ -3,7 +3,9 @@ My own K and M
 ==============
 
 Stiffness and mass may come from any program that writes them: sparse or dense, symmetric, with the supports taken out.
-What the package then needs to know is where the body is touched.
+What the package then needs to know is where the body is touched. The files of Abaqus, Ansys, CalculiX and Nastran, and
+Matrix Market's and SciPy's, are read by :func:`aoimpact.read_matrices`, with the labels of the nodes
+(:doc:`/how-to/other_programs`).
 """
 
 import numpy as np
@@ -85,7 +87,18 @@ wide = ao.simulate(
 print(f"{wide.peak_force:.1f} N")
 
 # %%
-# What is wrong with a matrix is told when the body is made:
+# Surface and stress
+# ------------------
+# With the mesh that the matrices are of, ``body.with_mesh(mesh, material)`` gives them a surface: patches, Hertz's law and
+# stresses then work as for a body that was made from a mesh.
+
+meshed = block.with_mesh(mesh, aluminium)
+print(meshed.contact(point=(0.4, 0.01, 0.02 / 2)))
+
+# %%
+# What is wrong with a matrix is told when the body is made, and ``body.audit()`` shows what wrong units look like:
+
+print(meshed.audit(frequencies=2))
 
 try:
     ao.FEModel(K=np.array([[2.0, -1.0], [-1.1, 1.0]]), M=np.eye(2))

@@ -25,7 +25,7 @@ plate = ao.FEModel.from_mesh(mesh, aluminium, fixed=sides, name="plate")
 cell = ao.LoadCell(nose=0.2, carriage=2.2, stiffness=6e8, damping_ratio=0.02)
 tup = cell.tup(radius=0.008, material=steel)
 middle = plate.contact(point=(0.075, 0.05, 0.006))
-hit = ao.simulate(projectile=tup, target=middle, velocity=0.6, duration=4e-3)
+hit = ao.simulate(projectile=tup, target=middle, velocity=0.6)
 print(hit)
 
 # %%
@@ -89,10 +89,16 @@ for cfc, dashes in ((1000, "-"), (600, "--")):
 label = right.set_ylabel("")
 
 # %%
-# Force over deflection
-# ---------------------
+# Force and energy over deflection
+# --------------------------------
 
 ax = test.plot_deflection()
+
+# %%
+# The energy over the deflection goes up as the plate takes it up, and back down as it gives it back. What is left on the
+# axis at the end is the absorbed energy.
+
+ax = test.plot_energy(over="deflection")
 
 # %%
 # Shock at a place of the body
