@@ -166,7 +166,7 @@ class KrylovHierarchy(Hierarchy):
 
     def _made(self, order: int) -> AOModel:
         if order < self.first:
-            return rigid(mass=math.inf)
+            return rigid(mass=math.inf, name=self.tip.name)
         if self._small and order == self.tip.body.n_dofs:
             return antioscillators(self.tip, order="frequency")
         model = self._space.factored(order - self.first)
@@ -189,7 +189,7 @@ class KrylovHierarchy(Hierarchy):
 def _rigid(model: AOModel) -> AOModel:
     """A model without oscillators as a body that does not deform, not under a patch either."""
     if model.constrained:
-        return rigid(mass=math.inf)
+        return rigid(mass=math.inf, name=model.name)
     if model.origin is None or model.origin.tip.patch is None:
         return model
     tip = replace(model.origin.tip, patch=None)  # else its indentation is taken out of the law

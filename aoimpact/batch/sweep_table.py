@@ -29,11 +29,13 @@ from ..base import (
     label,
     legend,
     optional_package,
+    plain,
     quantity,
     scale_for,
     sequence,
     texts,
 )
+from ..fem import ContactPoint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -311,6 +313,8 @@ def _text(value: Any) -> str:
     """All digits of numbers; of bodies and the like what they call themselves."""
     if isinstance(value, (bool, int, float, str)):
         return str(value)
+    if isinstance(value, ContactPoint) and value.point is not None:
+        return f"{value.name or 'a body'} at {plain(value.point)} m"
     return str(getattr(value, "label", value))
 
 

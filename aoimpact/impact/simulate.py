@@ -118,7 +118,7 @@ def simulate(
     numbers = checked_numbers(velocity, duration, gap, energies)
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
-    _pair(*bodies, numbers.velocity)
+    pair = _pair(*bodies, numbers.velocity)
     interest = partial(impact_quantity, quantity, *bodies)
     if options.asked:  # bad input is said before any work is done
         checked_rtol(rtol)
@@ -130,8 +130,9 @@ def simulate(
             turned(model, (0,)) if turn else model
             for model, turn in zip(models, impact.turns, strict=True)
         )
-        known = numbers._replace(duration=impact.record.length)
-        return _planned(first, second, impact.law, known, energies)
+        as_given = first is bodies[0] and second is bodies[1]
+        met = pair if as_given else _pair(first, second, numbers.velocity)
+        return _planned(met, impact.law, impact.record.length, numbers.gap, energies)
 
     result = run_models(
         plan_of,
@@ -238,23 +239,25 @@ def plan_impact(
         For an argument that makes no sense.
     """
     _check_law(law)
-    numbers = checked_numbers(velocity, checked_duration(duration), gap, energies)
-    return _planned(projectile, target, law, numbers, energies)
+    numbers = checked_numbers(velocity, duration, gap, energies)
+    pair = _pair(projectile, target, numbers.velocity)
+    return _planned(pair, law, checked_duration(duration), numbers.gap, energies)
 
 
 def _planned(
-    projectile: Any, target: Any, law: ContactLaw, numbers: ImpactNumbers, energies: bool
+    bodies: tuple[SceneBody, SceneBody],
+    law: ContactLaw,
+    length: float,
+    distance: float,
+    energies: bool,
 ) -> Plan:
-    speed, length, distance = numbers
-    assert length is not None
-    bodies = _pair(projectile, target, speed)
     if math.isinf(bodies[0].static_mass) and math.isinf(bodies[1].static_mass):
         raise InputError(
             "projectile and target are both of infinite mass: there is no motion between them"
         )
     between = effective_law(law, [touched(body.model) for body in bodies])
     contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
-    return Plan(bodies, (speed, 0.0), (contact,), (), 0.0, length, energies)
+    return Plan(bodies, (bodies[0].velocity, 0.0), (contact,), (), 0.0, length, energies)
 
 
 def _pair(projectile: Any, target: Any, speed: float) -> tuple[SceneBody, SceneBody]:

@@ -18,6 +18,10 @@ def _always() -> bool:
     return True
 
 
+def _as_estimated() -> float:
+    return 1.0
+
+
 @dataclass(frozen=True)
 class Inverse:
     """(K + s²M)⁻¹ as a method has set it up.
@@ -31,11 +35,15 @@ class Inverse:
     at : callable or None
         s² ↦ the inverse at another shift, for less than setting up another one. There are factors
         for one shift at a time: do not alternate.
+    pace : callable
+        How many times as long as `Method.seconds` estimates a solution takes, by the last one; 1
+        before the first.
     """
 
     solve: Solve
     precondition: Solve | None = None
     at: Callable[[float], Inverse] | None = None
+    pace: Callable[[], float] = _as_estimated
 
 
 @dataclass(frozen=True)

@@ -227,14 +227,20 @@ def linear_solver(
 
 
 def stays_quickest(solver: LinearSolver, solutions: int) -> bool:
-    """Whether "auto" would take the same one for so many solutions."""
-    return _quickest(solver.pencil, solutions).name == solver.name
+    """Whether no factors would be quicker for so many more, which take as long as its last one."""
+    pencil, own = solver.pencil, METHODS[solver.name]
+    left = solver.inverse.pace() * (own.seconds(pencil, solutions) - own.seconds(pencil, 0))
+    return all(m.seconds(pencil, solutions) >= left for m in _fitting(pencil) if m.direct)
+
+
+def _fitting(pencil: Pencil) -> list[Method]:
+    free = available()
+    return [m for m in METHODS.values() if m.is_installed() and m.memory(pencil) <= free]
 
 
 def _quickest(pencil: Pencil, solutions: int) -> Method:
     """The method that will be quickest of those that are installed and fit into memory."""
-    free, count = available(), min(solutions, sys.maxsize)  # no overflow as a float
-    fitting = [m for m in METHODS.values() if m.is_installed() and m.memory(pencil) <= free]
+    fitting, count = _fitting(pencil), min(solutions, sys.maxsize)  # no overflow as a float
     if not fitting:
         return _LAST_RESORT
     seconds = {method.name: method.seconds(pencil, count) for method in fitting}

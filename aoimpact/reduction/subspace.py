@@ -359,8 +359,8 @@ class Subspace:
         )
 
     def _inverse(self, shift: float) -> LinearSolver:
-        if self._solves >= self._foreseen:
-            self._foresee(_UNFORESEEN * self._solves)
+        beyond = self._solves >= self._foreseen
+        self._foresee(_UNFORESEEN * self._solves if beyond else self._foreseen)
         if shift not in self._solvers:
             try:
                 self._solvers[shift] = self.body.inverse(
@@ -376,10 +376,9 @@ class Subspace:
         return self._solvers[shift]
 
     def _foresee(self, solutions: int) -> None:
-        """Drop iterative solvers, if for so many solutions in all factors are quicker."""
-        if solutions <= self._foreseen:
-            return
-        self._foreseen, left = solutions, solutions - self._solves
+        """Drop iterative solvers, if factors are quicker for what is left of so many solutions."""
+        self._foreseen = max(solutions, self._foreseen)
+        left = self._foreseen - self._solves
         if self._solver == "auto":
             self._solvers = {
                 shift: one

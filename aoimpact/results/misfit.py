@@ -55,10 +55,11 @@ def warn_of_lag(plan: Plan, run: Run, names: Sequence[str]) -> None:
         What to call the bodies.
     """
     for number, body in enumerate(plan.bodies):
-        model, touches = body.model, _touches(plan, run, number)
-        if not (isinstance(model, AOModel) and body.massless and touches):
+        model = body.model
+        if not (isinstance(model, AOModel) and isinstance(damping := model.damping, Rayleigh)):
             continue
-        if not isinstance(damping := model.damping, Rayleigh):
+        touches = _touches(plan, run, number)
+        if not (body.massless and touches):
             continue
         longest = max(end - start for start, end in touches)
         if damping.beta > _LAGS * longest:

@@ -72,11 +72,13 @@ def summary_html(result: Result) -> str:
 
 def _body(result: Result, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
-    mass = "mass not known" if body.mass is None else quantity(body.mass, "kg")
+    mass = ", mass not known" if body.mass is None else f", {quantity(body.mass, 'kg')}"
+    if body.mass == math.inf:
+        mass = ""
     name = "" if body.name == which else f"{body.name}: "
     model = result.run.plan.bodies[0 if which == "projectile" else 1].model
     place = place_words(touched(model), rigid=body.label in _RIGID)
-    return f"{name}{body.label}, {mass}{support_words(body)}{place}"
+    return f"{name}{body.label}{mass}{support_words(body)}{place}"
 
 
 def support_words(body: BodyResult | SceneBody) -> str:

@@ -231,3 +231,16 @@ def test_bad_plots_are_refused() -> None:
         table.plot(ax=3)  # type: ignore[arg-type]
     with pytest.raises(ao.InputError, match="column must be one of"):
         table["forc"]
+
+
+def test_places_are_columns_that_can_be_read():
+    mesh = ao.box_mesh((0.1, 0.02, 0.02), (5, 1, 1))
+    alu = ao.Material(E=70e9, nu=0.3, rho=2700)
+    bar = ao.FEModel.from_mesh(mesh, alu, fixed=[("xmin", "xyz")], name="bar")
+    places = [
+        bar.contact(point=(x, 0.02, 0.02), direction=(0, 0, -1), radius=0) for x in (0.06, 0.1)
+    ]
+    base = {"projectile": ao.rigid(mass=0.01), "law": ao.Hertz(k=1e8), "velocity": 0.1}
+    table = ao.sweep(base, {"target": places}, keep="peak_force")
+    assert "bar at (0.06, 0.02, 0.02) m" in repr(table)
+    assert "ContactPoint" not in repr(table)

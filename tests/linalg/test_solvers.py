@@ -1,6 +1,7 @@
 """Linear solvers: one answer from all of them, and a clear word where there is none."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -346,3 +347,17 @@ def test_zero_has_the_solution_zero(bar):
     found = bar.inverse(1e10)
     assert isinstance(found, LinearSolver)
     np.testing.assert_array_equal(found.solve(np.zeros(bar.n_dofs)), np.zeros(bar.n_dofs))
+
+
+def test_iterations_are_given_up_for_factors_where_they_go_slowly():
+    """By how many there were, not by a clock, and only if factors are quicker for what is left."""
+    body = ao.FEModel.from_mesh(box_mesh((0.2, 0.1, 0.005), (16, 8, 1), kind="hexahedron20"), STEEL)
+    solver = body.inverse(1e10, solver="multigrid")
+    assert solver.inverse.pace() == 1.0
+    solver.solve(np.ones(body.n_dofs))
+    assert solver.inverse.pace() > 1.5  # a plate's modes are not a ball's
+    slow = replace(solver, inverse=replace(solver.inverse, pace=lambda: 1e6))
+    assert not solvers.stays_quickest(slow, 1)
+    swift = replace(solver, inverse=replace(solver.inverse, pace=lambda: 1e-6))
+    assert solvers.stays_quickest(swift, 1)
+    assert solvers.stays_quickest(slow, 0)

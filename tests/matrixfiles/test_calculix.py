@@ -17,7 +17,7 @@ import aoimpact as ao
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
 
 MESH = ao.box_mesh((0.1, 0.02, 0.01), (6, 2, 1))
-TYPES = {"hexahedron": "C3D8"}
+TYPES = {"hexahedron": "C3D8", "hexahedron20": "C3D20"}
 
 
 def deck(mesh: ao.Mesh, fixed: Any) -> Iterator[str]:
@@ -27,7 +27,8 @@ def deck(mesh: ao.Mesh, fixed: Any) -> Iterator[str]:
         yield f"{101 + 2 * i}, {x:.12e}, {y:.12e}, {z:.12e}"
     yield f"*ELEMENT, TYPE={TYPES[mesh.kind]}, ELSET=EALL"
     for i, cell in enumerate(mesh.cells):
-        yield ", ".join(map(str, [i + 1, *(101 + 2 * cell)]))
+        words = list(map(str, [i + 1, *(101 + 2 * cell)]))
+        yield ",\n".join(", ".join(words[start : start + 11]) for start in range(0, len(words), 11))
     if len(fixed):
         yield "*BOUNDARY"
         for node in fixed:
@@ -68,6 +69,22 @@ def test_calculix_s_matrices_are_ours(held: bool, tmp_path: Path) -> None:
         assert body.mass == pytest.approx(ours.mass, rel=1e-12)
         assert body.rigid_modes.shape[1] == 6
         assert body.contact(node=101, direction=DOWN).node == 0
+
+
+def test_a_deck_of_quadratic_elements_gives_patch_and_force_of_the_mesh(tmp_path: Path) -> None:
+    mesh = ao.box_mesh((0.1, 0.04, 0.02), (10, 4, 2), kind="hexahedron20")
+    fixed = np.flatnonzero(mesh.nodes[:, 0] == 0.0)
+    file = run(tmp_path, deck(mesh, fixed))
+    files = file.with_suffix(".sti"), file.with_suffix(".mas")
+    theirs = ao.read_matrices(*files, mesh=file, material=ALU)
+    ours = ao.FEModel.from_mesh(mesh, ALU, fixed=[(fixed, "xyz")])
+    np.testing.assert_allclose(theirs.frequencies(6), ours.frequencies(6), rtol=1e-8)
+    ball = ao.ball(radius=0.01, material=ALU)
+    hits = [
+        ao.simulate(projectile=ball, target=body.contact(point=(0.08, 0.02, 0.02)), velocity=1.0)
+        for body in (theirs, ours)
+    ]
+    assert hits[0].peak_force == pytest.approx(hits[1].peak_force, rel=1e-6)
 
 
 def test_a_star_is_a_deck_of_springs_and_masses(tmp_path: Path) -> None:

@@ -122,16 +122,21 @@ def strike(density, velocity, on, widened=1.5):
 def show(on):
     print("density  velocity   deflection (mm)            rebound ratio         contact")
     print("g/cm³    m/s        measured  here   error     measured  here  error  ms")
+    errors = []
     for density, velocity, deflection, ratio in measured:
         _, _, deep, rebound, end = strike(density, velocity, on)
+        errors.append((deep / deflection - 1, rebound / ratio - 1))
         print(
             f"{density / 1e3:.2f}     {velocity:.4f}     {deflection:.3f}     {deep:.3f}  "
             f"{100 * (deep / deflection - 1):+5.1f} %   {ratio:.3f}     {rebound:.3f} "
             f"{100 * (rebound / ratio - 1):+5.1f} %  {1e3 * end:.2f}"
         )
+    return np.array(errors)
 
 
-show((body, basis, free))
+errors = show((body, basis, free))
+assert np.abs(errors[:3]).max() < 0.03  # the light ball
+assert np.abs(errors[3:, 0]).max() < 0.03  # the heavy ball's deflection
 
 # %%
 # The radius of the disc does not matter:
@@ -153,7 +158,7 @@ for widened in (1.35, 2.0):
 # nothing comes back in time:
 
 print(f"there and back: {2e3 * edge / np.sqrt(tension / area_mass):.2f} ms")
-show(membrane(4 * edge))
+assert np.abs(show(membrane(4 * edge))).max() < 0.13
 
 # %%
 # Without the reflected wave the light ball's rebound is the same, and the heavy ball's comes to within 4 to 13 % of the

@@ -127,7 +127,7 @@ for velocity, style in ((1.0, "-"), (5.0, "--"), (10.0, ":")):
     hit = hit.at(np.linspace(0, hit.contact_duration, 400))
     ax.plot(1e6 * hit.approach, hit.force / 1e3, style, label=f"{velocity:g} m/s")
 depth = np.linspace(0, 180e-6, 100)
-ax.plot(1e6 * depth, law.force(depth) / 1e3, color="0.6", lw=1, label="Hertz")
+ax.plot(1e6 * depth, law.force(depth) / 1e3, "-", color="0.5", lw=1, label="Hertz")
 ax.set(xlabel="approach of the centres of mass (µm)", ylabel="force (kN)")
 ax.legend()
 
