@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from aoimpact.base.errors import AOImpactWarning
 from aoimpact.fem.material import Material
+from aoimpact.mesh.elements import reference_element
 from aoimpact.mesh.generate import box_mesh
 from aoimpact.mesh.mesh import Mesh
 
@@ -36,11 +37,82 @@ def distorted_box(kind: str, lengths: tuple[float, float, float] = (2.0, 1.5, 1.
     mesh = box_mesh(lengths, (2, 2, 2), kind=kind)
     rng = np.random.default_rng(7)
     spacing = np.array(lengths) / 2
-    push = 0.09 * spacing * rng.uniform(-1.0, 1.0, mesh.nodes.shape)
+    reach = 0.05 if kind.startswith("pyramid") else 0.09  # these are half as high as a brick
+    push = reach * spacing * rng.uniform(-1.0, 1.0, mesh.nodes.shape)
     for axis, length in enumerate(lengths):
         on_face = (mesh.nodes[:, axis] == 0.0) | (np.abs(mesh.nodes[:, axis] - length) < 1e-12)
         push[on_face, axis] = 0.0
     return Mesh(mesh.nodes + push, mesh.cells, mesh.kind, mesh.node_sets)
+
+
+def mixed_box(
+    lengths: tuple[float, float, float], counts: tuple[int, int, int], *, order: int = 1
+) -> Mesh:
+    """A box of bricks below, half of them cut into wedges, and tetrahedra above.
+
+    In the layer between, pyramids and tetrahedra meet in the middle of each brick. Groups: "low",
+    "wedges", "middle", "high".
+    """
+    found: dict[str, list[FloatArray]] = {}
+    groups: dict[str, list[tuple[str, int]]] = {}
+    for brick in product(*map(range, counts)):
+        for kind, group, piece in _pieces_of(brick, counts):
+            name = kind + _SECOND[kind] if order == 2 else kind
+            cells = found.setdefault(name, [])
+            groups.setdefault(group, []).append((name, len(cells)))
+            element = reference_element(name)
+            cells.append(8.0 * (element.linear.shape(element.nodes) @ (piece + brick)))
+    places = np.rint(np.concatenate([np.concatenate(cells) for cells in found.values()]))
+    grid, number = np.unique(places, axis=0, return_inverse=True)
+    blocks, first, done = [], {}, 0
+    for name, cells in found.items():
+        shape = len(cells), reference_element(name).n_nodes
+        first[name] = sum(len(block) for _, block in blocks)
+        blocks.append((name, number.ravel()[done : done + shape[0] * shape[1]].reshape(shape)))
+        done += shape[0] * shape[1]
+    cell_sets = {group: [first[name] + i for name, i in of] for group, of in groups.items()}
+    nodes = grid * (np.array(lengths) / (8.0 * np.array(counts)))
+    sides = {
+        f"{axis}{side}": np.flatnonzero(nodes[:, i] == value)
+        for i, axis in enumerate("xyz")
+        for side, value in (("min", 0.0), ("max", nodes[:, i].max()))
+    }
+    return Mesh(nodes, blocks, "mixed", sides, cell_sets)
+
+
+_SECOND = {"tetra": "10", "hexahedron": "20", "wedge": "15", "pyramid": "13"}
+
+
+def _pieces_of(
+    brick: tuple[int, ...], counts: tuple[int, ...]
+) -> list[tuple[str, str, FloatArray]]:
+    """The elements of a brick: kinds, groups and corners from 0 to 1."""
+    middle = counts[2] // 2
+    wedges = brick[0] >= counts[0] // 2
+    if brick[2] > middle:
+        return [("tetra", "high", piece) for piece in _of_brick("tetra")]
+    if brick[2] < middle:
+        kind, group = ("wedge", "wedges") if wedges else ("hexahedron", "low")
+        return [(kind, group, piece) for piece in _of_brick(kind)]
+    found = []
+    for piece in _of_brick("pyramid"):
+        below, above = (piece[:4, 2] == 0.0).all(), (piece[:4, 2] == 1.0).all()
+        if (below and wedges and middle > 0) or (above and brick[2] < counts[2] - 1):
+            # Tetrahedra above have the diagonal from (0, 0), wedges below the other one.
+            start = int(np.flatnonzero(piece[:4, :2].sum(axis=1) == (1.0 if below else 0.0))[0])
+            base = np.roll(piece[:4], -start, axis=0)
+            apex = piece[4:]
+            found += [
+                ("tetra", "middle", np.vstack([base[[0, 1, 2]], apex])),
+                ("tetra", "middle", np.vstack([base[[0, 2, 3]], apex])),
+            ]
+        else:
+            found.append(("pyramid", "middle", piece))
+    return found
+
+
+def _of_brick(kind: str) -> FloatArray:
+    return reference_element(kind).cell.of_brick
 
 
 def interior(mesh: Mesh) -> npt.NDArray[np.bool_]:

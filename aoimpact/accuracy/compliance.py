@@ -33,7 +33,6 @@ from ..base import FloatArray, InputError, InputTypeError, nonnegative, positive
 from ..fem import ContactPoint, contact_at, edge_length, image_field, room
 from ..fields import energy_error, missing_energy
 from ..linalg import LinearSolver
-from ..mesh import reference_element
 from ..reduction import SHIFT_TIMES_DURATION, AOModel, InterfaceModel, unbalanced
 
 __all__ = ["ComplianceError", "best_radius", "compliance_error"]
@@ -248,14 +247,9 @@ def _energies(tip: ContactPoint, x: FloatArray, radius: float) -> tuple[float, f
     difference, own = energy_error(tip.body, x, np.any(forces.reshape(-1, 3), axis=1))
     distance = np.linalg.norm(mesh.nodes - tip.point, axis=1)
     around = distance[mesh.cells].min(axis=1) < _NEAR * radius
-    typical = _TYPICAL[_quadratic(mesh.kind)]
+    typical = _TYPICAL[mesh.quadratic]
     near, far = (typical * missing_energy(difference[of], own[of]) for of in (around, ~around))
     return near, far, float(difference[around].sum())
-
-
-def _quadratic(kind: str) -> bool:
-    element = reference_element(kind)
-    return element.linear is not element
 
 
 def _error_of(
@@ -305,7 +299,7 @@ def best_radius(
     surface = tip.body.surface
     if surface is None or tip.point is None:
         raise InputError(f"{tip!r} is not on the surface of a mesh; give the radius")
-    quadratic = _quadratic(surface.mesh.kind)
+    quadratic = surface.mesh.quadratic
     radius = max(least, _START[quadratic] * edge_length(surface, tip.point))
     about = room(surface, tip.point, _MOST * radius)
     largest = min(_MOST * radius, _ROOMY * about.free)

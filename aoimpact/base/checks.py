@@ -293,8 +293,18 @@ def plain(vector: FloatArray) -> str:
     return f"({', '.join(f'{x if abs(x) > noise else 0.0:.6g}' for x in vector)})"
 
 
-def node_ids(name: str, value: Any, n_nodes: int) -> IntArray:
-    """Return `value` as sorted unique node numbers in [0, `n_nodes`); bools are refused.
+def node_ids(name: str, value: Any, count: int, what: str = "node") -> IntArray:
+    """Return `value` as sorted unique numbers of nodes in [0, `count`); bools are refused.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    value : array_like of int
+    count : int
+        How many there are.
+    what : str, optional
+        What is numbered.
 
     Raises
     ------
@@ -306,17 +316,17 @@ def node_ids(name: str, value: Any, n_nodes: int) -> IntArray:
     try:
         array = np.atleast_1d(np.asarray(value))
     except ValueError as error:
-        raise InputTypeError(f"{name} must be a list of node numbers: {error}") from None
+        raise InputTypeError(f"{name} must be a list of {what} numbers: {error}") from None
     if array.size == 0:
-        raise InputError(f"{name} selects no nodes")
+        raise InputError(f"{name} selects no {what}s")
     if array.dtype.kind not in "iu":
-        raise InputTypeError(f"{name} must be integer node numbers, got {_short(value)}")
+        raise InputTypeError(f"{name} must be integer {what} numbers, got {_short(value)}")
     if array.ndim != 1:
-        raise InputError(f"{name} must be a flat list of node numbers, got shape {array.shape}")
+        raise InputError(f"{name} must be a flat list of {what} numbers, got shape {array.shape}")
     low, high = int(array.min()), int(array.max())
-    if low < 0 or high >= n_nodes:
+    if low < 0 or high >= count:
         wrong = low if low < 0 else high
-        raise InputError(f"{name} has node {wrong}, but nodes run from 0 to {n_nodes - 1}")
+        raise InputError(f"{name} has {what} {wrong}, but {what}s run from 0 to {count - 1}")
     return np.unique(array).astype(np.int64)
 
 

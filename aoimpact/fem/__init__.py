@@ -1,15 +1,28 @@
 """Finite-element models: material, supports, assembly, damping, and the contact functional."""
 
 from .assembly import stiffness_mass
+from .attached import RigidMass
 from .audit import Audit, audited
+from .composition import (
+    AnyMaterial,
+    Layout,
+    Materials,
+    OneMaterial,
+    Piece,
+    each_of,
+    layout,
+    materials_of,
+    pieces,
+)
 from .contact import Body, ContactPoint, contact_at, contact_point, contact_within
 from .contactsurface import ContactSurface
 from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch, image_field
 from .labels import checked_labels
-from .material import Material
+from .material import PAIRS, Material
 from .mechanism import refuse_mechanism
 from .model import FEModel
+from .orthotropic import Orthotropic
 from .patch import Patch
 from .statics import (
     StaticMode,
@@ -24,17 +37,25 @@ from .touch import Room, edge_length, room
 
 __all__ = [
     "FASTEST",
+    "PAIRS",
+    "AnyMaterial",
     "Audit",
     "Body",
     "ContactPoint",
     "ContactSurface",
     "Damping",
     "FEModel",
+    "Layout",
     "Material",
+    "Materials",
     "ModalDamping",
+    "OneMaterial",
+    "Orthotropic",
     "Patch",
     "PatchCheck",
+    "Piece",
     "Rayleigh",
+    "RigidMass",
     "Room",
     "StaticMode",
     "audited",
@@ -46,9 +67,13 @@ __all__ = [
     "contact_within",
     "damping_or_none",
     "displacement",
+    "each_of",
     "edge_length",
     "image_field",
+    "layout",
+    "materials_of",
     "moves_rigidly",
+    "pieces",
     "refuse_mechanism",
     "room",
     "selected_nodes",

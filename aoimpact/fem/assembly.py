@@ -16,8 +16,10 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import FloatArray, bar, heard
-from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
+from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
+from .composition import AnyMaterial, Piece, pieces
 from .material import Material
+from .orthotropic import Orthotropic
 
 __all__ = ["stiffness_mass"]
 
@@ -37,15 +39,15 @@ class _Pattern:
     ----------
     indptr, indices : int32 arrays
         Compressed rows: row a holds the nodes b that share an element with a, ascending.
-    place : int32 array, shape (n_elements, n_local, n_local)
-        Which of the pairs each entry of each element's matrix belongs to.
+    place : tuple of int32 arrays, shape (n_elements, n_local, n_local)
+        Which of the pairs each entry of each element's matrix belongs to; for each block.
     transposed : int32 array
         For pair (a, b), which one is (b, a).
     """
 
     indptr: npt.NDArray[np.int32]
     indices: npt.NDArray[np.int32]
-    place: npt.NDArray[np.int32]
+    place: tuple[npt.NDArray[np.int32], ...]
     transposed: npt.NDArray[np.int32]
 
     @property
@@ -53,50 +55,49 @@ class _Pattern:
         return len(self.indices)
 
 
-def stiffness_mass(mesh: Mesh, material: Material) -> tuple[sp.csr_array, sp.csr_array]:
+def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
     """Return K and the consistent M over all dofs 3·node + component.
 
     Fully integrated: K exact on elements with straight sides and constant Jacobian, M on all.
-    Blocks of K for isotropic elasticity: K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV.
+    Blocks of K for isotropic elasticity: K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV; else
+    K_ij = ∫ C_ikjl ∂kφ ∂lφᵀ dV.
 
     Parameters
     ----------
     mesh : Mesh
-    material : Material
+    material : Material, Orthotropic or Materials
 
     Returns
     -------
     K, M : scipy.sparse.csr_array, shape (3 n_nodes, 3 n_nodes)
         N/m and kg. Exactly symmetric, column indices sorted.
     """
-    element = reference_element(mesh.kind)
     pattern = heard(lambda: _pattern(mesh))
     stiffness = np.zeros((len(_PAIRS), pattern.n_pairs))
     mass = np.zeros(pattern.n_pairs)
     with bar("assembly", mesh.n_cells, unit="element") as progress:
-        for batch in _batches(mesh, element):
-            places = pattern.place[batch].reshape(-1)
-            nodes = mesh.nodes[mesh.cells[batch]]
-            for block, values in zip(stiffness, _stiffness(element, nodes, material), strict=True):
-                np.add.at(block, places, values.reshape(-1))
-            np.add.at(mass, places, material.rho * _mass(element, nodes).reshape(-1))
-            progress.update(len(nodes))
+        for piece in pieces(mesh, material):
+            place = pattern.place[mesh.blocks.index(piece.block)]
+            for batch in piece.batches(_batch(piece.element)):
+                places = place[batch.rows].reshape(-1)
+                nodes = mesh.nodes[batch.cells]
+                for block, values in zip(stiffness, _stiffness(batch, nodes), strict=True):
+                    np.add.at(block, places, values.reshape(-1))
+                values = piece.material.rho * _mass(piece.element, nodes)
+                np.add.at(mass, places, values.reshape(-1))
+                progress.update(len(nodes))
     return heard(lambda: (_expand_stiffness(pattern, stiffness), _expand_mass(pattern, mass)))
 
 
-def _batches(mesh: Mesh, element: ReferenceElement) -> Iterator[slice]:
+def _batch(element: ReferenceElement) -> int:
     n_points = max(len(element.stiffness_rule.weights), len(element.mass_rule.weights))
-    largest = 8 * max((3 * element.n_nodes) ** 2, 9 * n_points)
-    step = max(1, int(_BATCH / largest))
-    for start in range(0, mesh.n_cells, step):
-        yield slice(start, start + step)
+    return max(1, int(_BATCH / (8 * max((3 * element.n_nodes) ** 2, 9 * n_points))))
 
 
-def _stiffness(
-    element: ReferenceElement, nodes: FloatArray, material: Material
-) -> Iterator[FloatArray]:
+def _stiffness(piece: Piece, nodes: FloatArray) -> Iterator[FloatArray]:
     """Yield the blocks `_PAIRS` of the element matrices, each (n_elements, n_local, n_local)."""
     n, n_local = nodes.shape[:2]
+    element, material = piece.element, piece.material
     rule = element.stiffness_rule
     gradient = element.gradient(rule.points)
     det, cof = cofactors(jacobians(nodes, gradient))
@@ -108,15 +109,27 @@ def _stiffness(
         )
     rows = slopes.reshape(n, 3 * n_local, -1)
     products = (rows @ rows.transpose(0, 2, 1)).reshape(n, 3, n_local, 3, n_local)
-    lam, mu = material.lame
-    trace = mu * (products[:, 0, :, 0] + products[:, 1, :, 1] + products[:, 2, :, 2])
+    each = _isotropic if isinstance(material, Material) else _anisotropic
     for i, j in _PAIRS:
-        product = products[:, i, :, j]
-        block = lam * product + mu * product.transpose(0, 2, 1)
+        block = each(products, i, j, material)  # type: ignore[arg-type]
         if i == j:
-            block += trace
             block = 0.5 * (block + block.transpose(0, 2, 1))
         yield block
+
+
+def _isotropic(products: FloatArray, i: int, j: int, material: Material) -> FloatArray:
+    lam, mu = material.lame
+    product = products[:, i, :, j]
+    block: FloatArray = lam * product + mu * product.transpose(0, 2, 1)
+    if i == j:
+        block += mu * (products[:, 0, :, 0] + products[:, 1, :, 1] + products[:, 2, :, 2])
+    return block
+
+
+def _anisotropic(products: FloatArray, i: int, j: int, material: Orthotropic) -> FloatArray:
+    elastic = material.tensor[i, :, j, :]
+    block: FloatArray = np.einsum("nkalb,kl->nab", products, elastic)
+    return block
 
 
 def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
@@ -134,15 +147,16 @@ def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
 
 def _pattern(mesh: Mesh) -> _Pattern:
     """Sort the pairs of nodes of all elements by two transpositions: linear in their number."""
-    n_cells, n_local = mesh.cells.shape
-    cells = mesh.cells.astype(np.int32)
-    size = cells.size * n_local
+    blocks = [block.cells.astype(np.int32) for block in mesh.blocks]
+    cells = np.concatenate([block.reshape(-1) for block in blocks])
+    lengths = np.concatenate([np.full(block.size, block.shape[1]) for block in blocks])
+    size = int(lengths.sum())
     # Row (e, a) of this matrix lists the nodes b of element e; the values number the entries.
     entries = sp.csr_array(
         (
             np.arange(size, dtype=np.int32 if size < 2**31 else np.int64),
-            np.repeat(cells, n_local, axis=0).reshape(-1),
-            np.arange(0, size + 1, n_local),
+            np.concatenate([np.repeat(of, of.shape[1], axis=0).reshape(-1) for of in blocks]),
+            np.concatenate([[0], np.cumsum(lengths)]),
         ),
         shape=(cells.size, mesh.n_nodes),
     )
@@ -150,7 +164,7 @@ def _pattern(mesh: Mesh) -> _Pattern:
     del entries
     # With row (e, a) replaced by its node, transposing back sorts rows and, within them, columns.
     by_row = sp.csc_array(
-        (by_column.data, cells.reshape(-1)[by_column.indices], by_column.indptr),
+        (by_column.data, cells[by_column.indices], by_column.indptr),
         shape=(mesh.n_nodes, mesh.n_nodes),
     ).tocsr()
     del by_column
@@ -165,9 +179,12 @@ def _pattern(mesh: Mesh) -> _Pattern:
     numbered = sp.csr_array(
         (np.arange(len(indices), dtype=np.int32), indices, indptr), shape=by_row.shape
     )
-    return _Pattern(
-        indptr, indices, place.reshape(n_cells, n_local, n_local), numbered.tocsc().data
+    ends = np.cumsum([block.size * block.shape[1] for block in blocks])
+    places = tuple(
+        part.reshape(*block.shape, block.shape[1])
+        for part, block in zip(np.split(place, ends[:-1]), blocks, strict=True)
     )
+    return _Pattern(indptr, indices, places, numbered.tocsc().data)
 
 
 def _expand_stiffness(pattern: _Pattern, upper: FloatArray) -> sp.csr_array:

@@ -36,6 +36,7 @@ from ..base import (
 )
 from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
 from ..mesh import Mesh, Surface, surface_shape
+from .composition import AnyMaterial
 from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
 from .labels import labelled_rows, one_node
@@ -46,6 +47,7 @@ from .touch import (
     Touch,
     automatic_radius,
     edge_length,
+    material_at,
     pressed_normal,
     thickness,
     touched,
@@ -94,7 +96,9 @@ class Body(Protocol):
     @property
     def mesh(self) -> Mesh | None: ...
     @property
-    def material(self) -> Material | None: ...
+    def material(self) -> AnyMaterial | None: ...
+    @property
+    def attached(self) -> IntArray | None: ...
     @property
     def surface(self) -> Surface | None: ...
     @property
@@ -210,10 +214,24 @@ class ContactPoint(Frozen):
         InputError
             If the point is on a sharp edge.
         """
-        surface, material = self.body.surface, self.body.material
+        surface, material = self.body.surface, self.material
         if surface is None or material is None or self.point is None:
             return None
         return contact_surface(surface_shape(surface, self.point), material)
+
+    @cached_property
+    def material(self) -> Material | None:
+        """What the contact meets: the material of the element there; None without a mesh.
+
+        Of an orthotropic one the isotropic stand-in of its half-space, `Orthotropic.half_space`.
+        """
+        surface, material = self.body.surface, self.body.material
+        if surface is None or material is None or self.point is None:
+            return None
+        normal = self.direction if self.normal is None else self.normal
+        if normal is None:
+            return None
+        return material_at(surface, material, self.point, normal)
 
     @cached_property
     def depth(self) -> float:

@@ -130,7 +130,7 @@ def image_field(
     """
     body = tip.body
     assert body.surface is not None
-    assert body.material is not None
+    assert tip.material is not None
     assert tip.point is not None
     assert tip.direction is not None
     normal = normal_at(body.surface, tip.point)
@@ -139,7 +139,7 @@ def image_field(
     moved[body.free] = displacement
     radius = 0.0 if tip.patch is None else tip.patch.radius
     cosine = min(1.0, abs(float(tip.direction @ normal)))
-    compliance = half_space_compliance(body.material, radius or 1.0, cosine)
+    compliance = half_space_compliance(tip.material, radius or 1.0, cosine)
     there = radii[: len(means)]
     deflection = means @ (moved.reshape(-1, 3) @ tip.direction)
     return there, deflection - compliance * half_space_deflection(there, radius)

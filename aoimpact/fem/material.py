@@ -5,9 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..base import InputError, positive, real, warn
+import numpy as np
+import numpy.typing as npt
 
-__all__ = ["Material"]
+from ..base import FloatArray, InputError, positive, real, unit_vector, warn
+
+__all__ = ["PAIRS", "Material", "warn_of_units"]
+
+
+# The components of strain and stress: VTK's order of a symmetric tensor.
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 # Unit, and range among solids: from the softest rubbers to diamond, from foams to osmium. Then the
@@ -77,7 +84,7 @@ class Material:
             )
         object.__setattr__(self, "nu", nu)
         for name in given:
-            _warn_of_units(name, getattr(self, name))
+            warn_of_units(name, getattr(self, name))
 
     def __repr__(self) -> str:
         strength = f", yield_strength={self.yield_strength!r}" if self.yield_strength else ""
@@ -93,6 +100,28 @@ class Material:
         """Lamé's constants (λ, μ), Pa; λ = E ν / ((1+ν)(1−2ν))."""
         lam = self.E * self.nu / ((1.0 + self.nu) * (1.0 - 2.0 * self.nu))
         return lam, self.shear_modulus
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Hooke's matrix, Pa, shape (6, 6): stress of strain, both xx, yy, zz, xy, yz, xz.
+
+        Shear strains are the angles γ = 2ε.
+        """
+        lam, mu = self.lame
+        hooke = np.diag([2.0 * mu] * 3 + [mu] * 3)
+        hooke[:3, :3] += lam
+        return hooke
+
+    def half_space(self, normal: npt.ArrayLike) -> Material:
+        """Return what a contact on a surface with that normal meets: the material itself.
+
+        Parameters
+        ----------
+        normal : array_like, shape (3,)
+            Any length but zero.
+        """
+        unit_vector("normal", normal)
+        return self
 
     @property
     def plane_strain_modulus(self) -> float:
@@ -116,8 +145,8 @@ class Material:
         return math.sqrt(self.E / self.rho)
 
 
-def _warn_of_units(name: str, value: float) -> None:
-    """Warn of a value that no solid has."""
+def warn_of_units(name: str, value: float, what: str = "") -> None:
+    """Warn of a value that no solid has; `name` is that of a parameter, `what` is said of it."""
     unit, low, high, likely = _SOLIDS[name]
     if low <= value <= high:
         return
@@ -129,4 +158,4 @@ def _warn_of_units(name: str, value: float) -> None:
         ),
         f"is it in {unit}?",
     )
-    warn(f"{name}={value:g} {unit} is that of no solid: {cure}")
+    warn(f"{what or name}={value:g} {unit} is that of no solid: {cure}")

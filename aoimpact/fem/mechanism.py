@@ -94,7 +94,13 @@ def refuse_mechanism(tips: Sequence[Moved]) -> None:
             )
 
 
-def mechanism_of(surface: Surface, free: IntArray, M: Any, rigid: FloatArray) -> Mechanism | None:
+def mechanism_of(
+    surface: Surface,
+    free: IntArray,
+    M: Any,
+    rigid: FloatArray,
+    springs: FloatArray | None = None,
+) -> Mechanism | None:
     """Return the mechanism of a mesh; None if there is none.
 
     Parameters
@@ -105,13 +111,15 @@ def mechanism_of(surface: Surface, free: IntArray, M: Any, rigid: FloatArray) ->
     M : scipy.sparse.csr_array, shape (n_dofs, n_dofs)
     rigid : ndarray, shape (n_dofs, r)
         M-orthonormal rigid motions that the supports leave free.
+    springs : ndarray, shape (n_dofs,), optional
+        To the ground, which hold as supports do.
     """
     if not surface.part.any():
         return None
     parts = _Parts.of(surface)
     if not len(parts.joint):
         return None
-    rows = parts.constraints(free)
+    rows = parts.constraints(free if springs is None else free[springs == 0.0])
     unresisted = _null_space((rows.T @ rows).tocsr())
     count = unresisted.shape[1] - rigid.shape[1]
     if count <= 0:

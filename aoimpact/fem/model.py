@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
 from ..base import (
     FloatArray,
@@ -51,11 +52,12 @@ from ..mesh import (
     unresisted_motions,
 )
 from .assembly import stiffness_mass
+from .attached import Mounted, SpringSupport, added_mass, spring_stiffness
 from .audit import Audit, audited
+from .composition import AnyMaterial, Materials, OneMaterial, materials_of
 from .contact import ContactPoint, contact_point
 from .damping import Damping, damping_or_none
 from .labels import axes_of, checked_labels, node_numbers
-from .material import Material
 from .mechanism import Mechanism, mechanism_in, mechanism_of
 from .supports import Support, free_dofs
 
@@ -97,7 +99,8 @@ class FEModel(Frozen):
     Attributes
     ----------
     mesh : Mesh or None
-    material : Material or None
+    material : Material, Orthotropic or Materials, or None
+        Several ones as `Materials`.
     mass : float or None
         Of the whole body, kg, from 1ᵀM1; None if M does not determine it: neither nodes nor
         labels, or an M without the dofs of the supports.
@@ -125,10 +128,18 @@ class FEModel(Frozen):
     name: str = ""
     labels: IntArray | None = None
     mesh: Mesh | None = field(init=False, default=None)
-    material: Material | None = field(init=False, default=None)
+    material: AnyMaterial | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
     # (n_dofs, 3): column c is M g_c on the free dofs, with g_c the translation of all nodes.
     _momentum: FloatArray | None = field(init=False, default=None)
+    # Nodes with added masses or springs, which so carry traction.
+    attached: IntArray | None = field(init=False, default=None)
+    # (n_dofs,): springs to the ground, N/m, that K contains.
+    _springs: FloatArray | None = field(init=False, default=None)
+    # Over all dofs: added masses, kg, that M contains.
+    _masses: Any = field(init=False, default=None)
+    # Whether K and M follow from mesh and material, added masses and springs.
+    _assembled: bool = field(init=False, default=False)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
     _soft: FloatArray | None = field(init=False, default=None)
 
@@ -163,9 +174,12 @@ class FEModel(Frozen):
     def from_mesh(
         cls,
         mesh: str | os.PathLike[str] | Mesh | Any,
-        material: Material,
+        material: AnyMaterial | Mapping[str, OneMaterial],
         fixed: Sequence[Support] | None = None,
         *,
+        masses: Sequence[Mounted] | None = None,
+        springs: Sequence[SpringSupport] | None = None,
+        part: str | Sequence[str] | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> FEModel:
@@ -175,23 +189,35 @@ class FEModel(Frozen):
         ----------
         mesh : path, meshio.Mesh or Mesh
             In metres; see `read_mesh`.
-        material : Material
+        material : Material, Orthotropic, or mapping of str to these
+            One for all, or one for each named group of elements; every element needs exactly one.
         fixed : sequence of (nodes, letters), optional
             Supports: node numbers, the name of a node set of the mesh, or a function of the nodes'
             coordinates (n_nodes, 3) that returns one bool for each; and the components constrained
             there, of "x", "y", "z". None leaves the body free.
+        masses : sequence of (nodes, kg) or RigidMass, optional
+            Added masses: nodes as in `fixed`, and what they carry together, in equal shares and in
+            all three directions. A `RigidMass` has a centre and moments of inertia as well.
+        springs : sequence of (nodes, letters, N/m), optional
+            Springs to the ground: nodes and directions as in `fixed`, and the stiffness of all
+            these nodes together in each of the directions, in equal shares. A dashpot to the
+            ground is no such entry: damping is by modes (`damping`), and one at a place is not.
+        part : str or sequence of str, optional
+            Named groups of elements that make up the body, of a file with several bodies.
         damping : Rayleigh or ModalDamping, optional
-            Inherited by the models made from this one.
+            Inherited by the models made from this one. Rayleigh's holds for added masses and
+            springs, too.
         name : str, optional
             What results, tables and plots are to call the body; inherited as well.
 
         Raises
         ------
         InputError, InputTypeError
-            If `material` is none, a support selects no node or unknown components, or volumes, mass
-            or stiffness leave the range of numbers.
+            If `material` is none, or leaves out elements; if a support, mass or spring selects no
+            node or unknown components; or if volumes, mass or stiffness leave the range of numbers.
         MeshError
-            If the mesh cannot be read, or has elements that are inside out, flat or there twice.
+            If the mesh cannot be read, or has elements that are inside out, flat, there twice or
+            do not fit together.
 
         Warns
         -----
@@ -200,32 +226,55 @@ class FEModel(Frozen):
 
         Examples
         --------
+        >>> from aoimpact.fem import Material
         >>> from aoimpact.mesh import box_mesh
         >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
         >>> FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
         FEModel(120 dofs, 44 nodes, 10 hexahedron, 0.027 kg, 12 dofs constrained)
+
+        On springs, with a weight of 2 kg at its end:
+
+        >>> FEModel.from_mesh(
+        ...     bar,
+        ...     Material(E=70e9, nu=0.3, rho=2700),
+        ...     masses=[("xmax", 2.0)],
+        ...     springs=[("zmin", "xyz", 1e6)],
+        ... )
+        FEModel(132 dofs, 44 nodes, 10 hexahedron, 2.027 kg, 66 springs to the ground, free)
         """
-        if not isinstance(material, Material):
-            raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
         damped, called = damping_or_none(damping), text("name", name)
-        solid = read_mesh(mesh)
+        solid = read_mesh(mesh, part=part)
+        made_of = materials_of(solid, material)
+        surface = boundary(solid) if len(solid.blocks) > 1 else None  # which checks that they fit
         free = free_dofs(solid.nodes, fixed, solid.node_sets)
+        heavier = added_mass(solid.nodes, masses, solid.node_sets)
+        stiffer = spring_stiffness(solid.nodes, springs, solid.node_sets, free)
         translations = _translations(np.arange(3 * solid.n_nodes))
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            K, M = stiffness_mass(solid, material)
-            momentum = M @ translations
+            K, M = stiffness_mass(solid, made_of)
+            own = float((M @ translations[:, 0]) @ translations[:, 0])
+            momentum = M @ translations if heavier is None else (M + heavier) @ translations
             mass = float(momentum[:, 0] @ translations[:, 0])
-        _check_reach(mass, K, M, solid, material)
-        _warn_of_units(mass, solid.size, mass / material.rho / solid.n_cells)
-        if len(free) < len(momentum):
-            K, M, momentum = K[free][:, free], M[free][:, free], momentum[free]
+        _check_reach(mass, K, M, solid, made_of)
+        _warn_of_units(mass, solid.size, own / _density(made_of) / solid.n_cells)
+        attached = _attached(heavier, stiffer)
+        stiffer = None if stiffer is None else stiffer[free]
+        K, M = _completed(K, M, heavier, stiffer, free)
+        momentum = momentum[free]
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
-        model._set(mesh=solid, material=material, damping=damped, name=called)
+        model._set(mesh=solid, material=made_of, damping=damped, name=called)
+        model._set(_springs=stiffer, _masses=heavier, attached=attached, _assembled=True)
+        if surface is not None:
+            model._set(surface=surface)
         return model
 
-    def with_mesh(self, mesh: str | os.PathLike[str] | Mesh | Any, material: Material) -> FEModel:
+    def with_mesh(
+        self,
+        mesh: str | os.PathLike[str] | Mesh | Any,
+        material: AnyMaterial | Mapping[str, OneMaterial],
+    ) -> FEModel:
         """Return this body, its K and M, with the mesh that its nodes are those of.
 
         What belongs to a surface is then known: patches, Hertz's law, stress. For matrices of
@@ -236,8 +285,8 @@ class FEModel(Frozen):
         mesh : path, meshio.Mesh or Mesh
             In metres. Its nodes are found by where they are; those that no row of K belongs to are
             constrained.
-        material : Material
-            Of the surface, for contact and stress; K and M stay as they are.
+        material : Material, Orthotropic, or mapping of str to these
+            As for `from_mesh`, for contact and stress; K and M stay as they are.
 
         Raises
         ------
@@ -248,43 +297,41 @@ class FEModel(Frozen):
 
         Examples
         --------
+        >>> from aoimpact.fem import Material
         >>> from aoimpact.mesh import box_mesh
         >>> bar, steel = box_mesh((0.1, 0.01, 0.01), (10, 1, 1)), Material(210e9, 0.3, 7800)
         >>> made = FEModel.from_mesh(bar, steel)
         >>> FEModel(K=made.K, M=made.M, nodes=bar.nodes).with_mesh(bar, steel)
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 0.078 kg, free)
         """
-        if not isinstance(material, Material):
-            raise InputTypeError(f"material must be a Material, got {type(material).__name__}")
         if self.nodes is None or self.free is None:
             raise InputError("with_mesh: this body has no nodes; give FEModel(nodes=)")
         solid = read_mesh(mesh)
+        made_of = materials_of(solid, material)
         node, component = np.divmod(self.free, 3)
         numbers = np.arange(len(self.nodes))
         numbers[node] = node_numbers(self.nodes, node, solid.nodes, solid.size)
         free = 3 * numbers[node] + component
         model = object.__new__(type(self))
         model._set(K=self.K, M=self.M, nodes=solid.nodes, free=free, labels=self.labels)
-        model._set(mass=self.mass, _momentum=self._momentum, mesh=solid, material=material)
+        model._set(mass=self.mass, _momentum=self._momentum, mesh=solid, material=made_of)
         model._set(damping=self.damping, name=self.name)
         return model
 
     def __getstate__(self) -> dict[str, Any]:
         """What cannot be made again: without what is kept in between, and matrices of a mesh."""
         state = {item.name: getattr(self, item.name) for item in fields(self)}
-        if self.mesh is not None:
+        if self._assembled:
             del state["K"], state["M"]
         return state
 
     def __getattr__(self, name: str) -> Any:
         """K and M of an unpickled body with a mesh, assembled when they are first asked for."""
         known = vars(self)
-        if name not in ("K", "M") or known.get("mesh") is None:
+        if name not in ("K", "M") or not known.get("_assembled"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         K, M = stiffness_mass(known["mesh"], known["material"])
-        free = known["free"]
-        if len(free) < K.shape[0]:
-            K, M = K[free][:, free], M[free][:, free]
+        K, M = _completed(K, M, known["_masses"], known["_springs"], known["free"])
         self._set(K=K, M=M)
         return vars(self)[name]
 
@@ -305,9 +352,13 @@ class FEModel(Frozen):
         if self.nodes is not None:
             parts.append(f"{len(self.nodes)} nodes")
         if self.mesh is not None:
-            parts.append(f"{self.mesh.n_cells} {self.mesh.kind}")
+            parts.append(self.mesh.contents)
+        if isinstance(self.material, Materials):
+            parts.append(f"{len(self.material.materials)} materials")
         if self.mass is not None:
             parts.append(f"{self.mass:.4g} kg")
+        if self._springs is not None:
+            parts.append(f"{np.count_nonzero(self._springs)} springs to the ground")
         if self.nodes is not None:
             fixed = 3 * len(self.nodes) - self.n_dofs
             parts.append(f"{fixed} dofs constrained" if fixed else "free")
@@ -362,7 +413,8 @@ class FEModel(Frozen):
         leave free; without nodes the null space of K, by its lowest modes.
         """
         if self.nodes is not None:
-            modes = unresisted_motions(self.K, self.M, rigid_motions(self.nodes)[self.free])
+            motions = rigid_motions(self.nodes)[self.free]
+            modes = unresisted_motions(self.K, self.M, motions, self._springs)
         elif self.K.data.any():
             modes = null_space(self.K, self.M)
         else:
@@ -382,7 +434,7 @@ class FEModel(Frozen):
                 return None
             return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
         assert self.free is not None  # a body with a mesh has nodes
-        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes)
+        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes, self._springs)
 
     def inverse(
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
@@ -528,6 +580,40 @@ class FEModel(Frozen):
         return None if self.mesh is None else boundary(self.mesh)
 
 
+def _attached(masses: Any, springs: FloatArray | None) -> IntArray:
+    """Nodes that something is fastened to."""
+    dofs = [np.flatnonzero(masses.diagonal())] if masses is not None else []
+    dofs += [np.flatnonzero(springs)] if springs is not None else []
+    return np.unique(np.concatenate([[], *dofs]) // 3).astype(np.int64)
+
+
+def _completed(
+    K: Any, M: Any, masses: Any, springs: FloatArray | None, free: IntArray
+) -> tuple[Any, Any]:
+    """K and M of a mesh with added masses and springs, on the dofs that no support holds."""
+    M = M if masses is None else _sum(M, masses)
+    if len(free) < K.shape[0]:
+        K, M = K[free][:, free], M[free][:, free]
+    return K if springs is None else _sum(K, sp.diags_array(springs, format="csr")), M
+
+
+def _sum(matrix: Any, other: Any) -> Any:
+    """Return the sum of two CSR matrices in the form that solvers take."""
+    total = (matrix + other).tocsr()
+    total.sort_indices()
+    if total.nnz < 2**31:
+        total.indices = total.indices.astype(np.int32, copy=False)
+        total.indptr = total.indptr.astype(np.int32, copy=False)
+    return total
+
+
+def _density(material: AnyMaterial) -> float:
+    """Of all elements, about: for a volume that is only to be compared with that of a building."""
+    if not isinstance(material, Materials):
+        return material.rho
+    return float(np.mean(np.array([of.rho for of in material.materials])[material.index]))
+
+
 def _translations(dofs: IntArray | None) -> FloatArray:
     assert dofs is not None
     return np.eye(3)[dofs % 3]
@@ -585,7 +671,7 @@ def _checked_total(total: FloatArray) -> float:
     return mass
 
 
-def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: Material) -> None:
+def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: AnyMaterial) -> None:
     """Refuse what leaves the range of doubles, so that no nan or zero mass is computed with."""
     stiffest = float(np.abs(K.data).max())  # nan and infinity fail the comparisons
     lightest = float(M.diagonal().min())

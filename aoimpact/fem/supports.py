@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ..base import FloatArray, InputError, InputTypeError, IntArray, nearest, node_ids
 
-__all__ = ["Support", "free_dofs", "selected_nodes"]
+__all__ = ["Selector", "Support", "components", "free_dofs", "selected_nodes"]
 
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
@@ -39,9 +39,9 @@ def free_dofs(
     fixed_dofs = np.zeros((len(nodes), 3), dtype=bool)
     for i, entry in enumerate(_entries(fixed)):
         selector, letters = entry
-        components = _components(f"fixed[{i}]", letters)
+        wanted = components(f"fixed[{i}]", letters)
         selected = selected_nodes(f"fixed[{i}]", selector, nodes, node_sets)
-        for component in components:
+        for component in wanted:
             fixed_dofs[selected, component] = True
     if fixed_dofs.all():
         raise InputError("fixed holds every dof of the body; leave some free to move")
@@ -60,7 +60,8 @@ def _entries(fixed: Any) -> Sequence[Support]:
     return fixed
 
 
-def _components(name: str, letters: Any) -> list[int]:
+def components(name: str, letters: Any) -> list[int]:
+    """Return the components, ascending, that letters such as "xz" mean."""
     if not isinstance(letters, str):
         raise InputTypeError(f'{name}: letters must be text such as "xyz", got {letters!r}')
     if not letters or set(letters) - set("xyz"):

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import FloatArray, InputError, RoomError, plain, warn
-from ..mesh import SHARP, Place, Surface, reference_element
+from ..base import FloatArray, InputError, IntArray, RoomError, plain, warn
+from ..mesh import SHARP, Place, Surface
+from .composition import AnyMaterial, Materials, OneMaterial
 from .material import Material
 from .patch import Patch, free_radius, half_space_compliance, spread
 
@@ -16,6 +17,7 @@ __all__ = [
     "Touch",
     "automatic_radius",
     "edge_length",
+    "material_at",
     "normal_at",
     "pressed_normal",
     "room",
@@ -71,7 +73,7 @@ class Touch:
 
 def touched(
     surface: Surface,
-    material: Material,
+    material: AnyMaterial,
     point: FloatArray,
     along: FloatArray | None,
     radius: float,
@@ -106,14 +108,39 @@ def touched(
     on = spread(surface, here.x[0], normal, radius)
     direction = _facing(point, along, on.normal)
     cosine = min(1.0, abs(float(direction @ on.normal)))
+    met = _of_face(surface, material, int(here.face[0])).half_space(on.normal)
+    _warn_of_several(surface, material, on.faces, radius)
     patch = Patch(
         radius=radius,
-        modulus=material.plane_strain_modulus,
-        compliance=half_space_compliance(material, radius, cosine),
+        modulus=met.plane_strain_modulus,
+        compliance=half_space_compliance(met, radius, cosine),
         faces=len(on.faces),
         edges=float(surface.edges(on.faces).mean()),
     )
     return Touch(here.x[0], direction, on.weights, on.normal, patch)
+
+
+def material_at(
+    surface: Surface, material: AnyMaterial, point: FloatArray, normal: FloatArray
+) -> Material:
+    """Return what a contact at a point of the surface meets: as a half-space, and isotropic."""
+    face = int(surface.nearest(point)[0].face[0])
+    return _of_face(surface, material, face).half_space(normal)
+
+
+def _of_face(surface: Surface, material: AnyMaterial, face: int) -> OneMaterial:
+    return material.of(int(surface.cell[face])) if isinstance(material, Materials) else material
+
+
+def _warn_of_several(
+    surface: Surface, material: AnyMaterial, faces: IntArray, radius: float
+) -> None:
+    """Warn of a patch on several materials, of which no half-space is made."""
+    if isinstance(material, Materials) and len(set(material.index[surface.cell[faces]])) > 1:
+        warn(
+            f"radius={radius:.3g} m: the patch lies on several materials; that at its middle is "
+            "taken for the law, so take a smaller radius, or a point farther from the interface"
+        )
 
 
 def automatic_radius(surface: Surface, point: FloatArray, expected: float | None) -> float:
@@ -134,19 +161,19 @@ def edge_length(surface: Surface, point: FloatArray) -> float:
 def warn_if_coarse(surface: Surface, patch: Patch) -> None:
     """Warn where a patch is too small for the mesh under it."""
     least = _resolved(surface) * patch.edges
+    kinds = ", ".join(block.kind for block in surface.mesh.blocks)
     if patch.radius < least:
         warn(
             f"radius={patch.radius:.3g} m: the mesh is too coarse for this patch, on "
             f"{patch.faces} faces with edges of {patch.edges:.3g} m; take a radius of "
-            f"{least:.2g} m at least, or {surface.mesh.kind} elements of "
+            f"{least:.2g} m at least, or {kinds} elements of "
             f"{patch.radius / least:.2g} of their size"
         )
 
 
 def _resolved(surface: Surface) -> float:
     """How many edges long the radius of a patch must be."""
-    element = reference_element(surface.mesh.kind)
-    return _RESOLVED[element.n_nodes > element.n_corners]
+    return _RESOLVED[surface.mesh.quadratic]
 
 
 @dataclass(frozen=True)

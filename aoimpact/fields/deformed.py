@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import FloatArray, InputTypeError, IntArray, nonnegative, quantity, scale_for
-from ..mesh import Mesh, boundary, reference_element, reference_faces
+from ..mesh import Mesh, boundary
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
@@ -76,8 +76,8 @@ def outlines(mesh: Mesh) -> list[IntArray]:
     """The faces of the surface, each as the nodes on its edges, in order around it."""
     surface = boundary(mesh)
     found: list[IntArray] = []
-    for number, side in enumerate(reference_faces(mesh.kind)):
-        places = reference_element(mesh.kind).nodes[side.nodes]
+    for number, (block, side) in enumerate(surface.sides):
+        places = mesh.blocks[block].element.nodes[side.nodes]
         u, v = np.linalg.pinv(side.axes.T) @ (places - places[: side.n_corners].mean(axis=0)).T
         rim = np.flatnonzero(np.hypot(u, v) > 1e-9)  # but not the node in the face's middle
         around = side.nodes[rim[np.argsort(np.arctan2(v[rim], u[rim]))]]

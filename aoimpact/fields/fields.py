@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import FloatArray, InputError, choice, heard, integer, warn
-from ..fem import Body, Material
+from ..fem import AnyMaterial, Body
 from ..mesh import Mesh
 from . import deformed, movie, vtu
 from .stress import Stress, gauss_stress, nodal_stress
@@ -104,8 +104,9 @@ class Field:
         ----------
         at : {"nodes", "gauss"}, optional
             "nodes": extrapolated from the Gauss points and averaged over the elements that meet
-            there, components of shape (k, n_nodes, 6). "gauss": at the Gauss points of the
-            elements' stiffness, components of shape (k, n_cells, n_gauss, 6).
+            there, components of shape (k, n_nodes, 6); where materials meet, over those of the
+            stiffest. "gauss": at the Gauss points of the elements' stiffness, components of shape
+            (k, n_cells, n_gauss, 6), in a mixed mesh with nan where an element has fewer.
 
         Raises
         ------
@@ -231,7 +232,7 @@ def warn_if_wrong(times: FloatArray, error: FloatArray | None) -> None:
     )
 
 
-def solid(body: Body, what: str) -> tuple[Mesh, Material]:
+def solid(body: Body, what: str) -> tuple[Mesh, AnyMaterial]:
     """Return the body's mesh and material; `what` needs them."""
     if body.mesh is None or body.material is None:
         raise InputError(

@@ -4,7 +4,8 @@ At the Gauss points the strains are those of the elements. From there they are c
 by the polynomial of the element's corners (linear in a tetrahedron, trilinear in a brick) that fits
 them best: one degree lower than the displacements, it takes from the strains what is accurate to
 one order more (J. Barlow, Int. J. Num. Meth. Eng. 10, 243, 1976). At a node the elements' values
-are averaged.
+are averaged, but never across an interface of materials, where stress jumps: there it is that of
+the stiffest.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import FloatArray, IntArray, choice
-from ..fem import Material
+from ..fem import PAIRS, AnyMaterial, Layout, Material, OneMaterial, Piece, each_of, layout, pieces
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
 
 __all__ = [
@@ -26,15 +27,16 @@ __all__ = [
     "batches",
     "elements_at",
     "extrapolation",
+    "gauss_of",
     "gauss_stress",
     "nodal_stress",
+    "shown",
     "stress_rows",
 ]
 
 
 # VTK's order of a symmetric tensor.
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
-_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 # Elements are taken so many at a time that their gradients stay in this size, bytes.
 _BATCH = 16e6
@@ -66,7 +68,7 @@ class Stress:
     def tensor(self) -> FloatArray:
         """The symmetric tensor, Pa, shape (..., 3, 3)."""
         tensor = np.empty((*self.components.shape[:-1], 3, 3))
-        for place, (i, j) in enumerate(_PLACES):
+        for place, (i, j) in enumerate(PAIRS):
             tensor[..., i, j] = tensor[..., j, i] = self.components[..., place]
         return tensor
 
@@ -84,42 +86,50 @@ class Stress:
         return np.asarray(np.linalg.eigvalsh(self.tensor), dtype=np.float64)[..., ::-1]
 
 
-def gauss_stress(mesh: Mesh, material: Material, displacement: FloatArray) -> Stress:
+def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:
     """Return the stress at the points of quadrature of the stiffness.
 
     Parameters
     ----------
     mesh : Mesh
-    material : Material
+    material : Material, Orthotropic or Materials
     displacement : ndarray, shape (..., n_nodes, 3)
         m.
 
     Returns
     -------
     Stress
-        Of shape (..., n_cells, n_gauss, 6).
+        Of shape (..., n_cells, n_gauss, 6), in a mixed mesh with nan after an element's own points.
     """
-    element = reference_element(mesh.kind)
-    shape = element.shape(element.stiffness_rule.points)
-    n_gauss = len(shape)
-    components = np.empty((*displacement.shape[:-2], mesh.n_cells, n_gauss, 6))
-    points = np.empty((mesh.n_cells, n_gauss, 3))
-    for batch in batches(mesh.n_cells, element):
-        cells = mesh.cells[batch]
-        points[batch] = shape @ mesh.nodes[cells]
-        slopes = _slopes(mesh.nodes[cells], element)
-        gradient = np.einsum("...eaj,egai->...egji", displacement[..., cells, :], slopes)
-        components[..., batch, :, :] = _hooke(gradient, material)
+    most = max(len(block.element.stiffness_rule.weights) for block in mesh.blocks)
+    components = np.full((*displacement.shape[:-2], mesh.n_cells, most, 6), np.nan)
+    points = np.full((mesh.n_cells, most, 3), np.nan)
+    for piece in pieces(mesh, material):
+        element = piece.element
+        shape = element.shape(element.stiffness_rule.points)
+        for batch in batches(piece):
+            cells, numbers = batch.cells, batch.numbers
+            points[numbers, : len(shape)] = shape @ mesh.nodes[cells]
+            components[..., numbers, : len(shape), :] = gauss_of(mesh, batch, displacement)
     return Stress(components, points)
 
 
-def nodal_stress(mesh: Mesh, material: Material, displacement: FloatArray) -> Stress:
+def gauss_of(mesh: Mesh, piece: Piece, displacement: FloatArray) -> FloatArray:
+    """Return the components of `gauss_stress` of some elements, shape (..., n, n_gauss, 6)."""
+    slopes = _slopes(mesh.nodes[piece.cells], piece.element)
+    gradient = np.einsum("...eaj,egai->...egji", displacement[..., piece.cells, :], slopes)
+    return _hooke(gradient, piece.material)
+
+
+def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:
     """Return the stress at the nodes, averaged over the elements that meet there.
+
+    Where materials meet, over the elements of the stiffest.
 
     Parameters
     ----------
     mesh : Mesh
-    material : Material
+    material : Material, Orthotropic or Materials
     displacement : ndarray, shape (..., n_nodes, 3)
         m.
 
@@ -128,25 +138,32 @@ def nodal_stress(mesh: Mesh, material: Material, displacement: FloatArray) -> St
     Stress
         Of shape (..., n_nodes, 6).
     """
-    element = reference_element(mesh.kind)
-    gradient = np.zeros((*displacement.shape[:-2], mesh.n_nodes, 3, 3))
-    for batch in batches(mesh.n_cells, element):
-        cells = mesh.cells[batch]
-        slopes = _slopes_at_nodes(mesh.nodes[cells], element)
-        shares = np.einsum("...eaj,enai->...enji", displacement[..., cells, :], slopes)
-        for total, share in zip(_histories(gradient, 3), _histories(shares, 4), strict=True):
-            np.add.at(total, cells, share)
-    gradient /= elements_at(mesh)[:, None, None]
-    return Stress(_hooke(gradient, material), mesh.nodes)
+    places = layout(mesh, material)
+    gradient = np.zeros((*displacement.shape[:-2], len(places.key), 3, 3))
+    for piece in pieces(mesh, material):
+        for batch in batches(piece):
+            cells = batch.cells
+            slopes = _slopes_at_nodes(mesh.nodes[cells], piece.element)
+            shares = np.einsum("...eaj,enai->...enji", displacement[..., cells, :], slopes)
+            at = places.of(batch)
+            for total, share in zip(_histories(gradient, 3), _histories(shares, 4), strict=True):
+                np.add.at(total, at, share)
+    gradient /= elements_at(mesh, material, places)[:, None, None]
+    chosen = shown(places, material)
+    stress = np.empty((*displacement.shape[:-2], mesh.n_nodes, 6))
+    for number, of in enumerate(each_of(material)):
+        on = places.which[chosen] == number
+        stress[..., on, :] = _hooke(gradient[..., chosen[on], :, :], of)
+    return Stress(stress, mesh.nodes)
 
 
-def stress_rows(mesh: Mesh, material: Material, nodes: IntArray) -> sp.csr_array:
+def stress_rows(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> sp.csr_array:
     """Return the stress at some nodes as a linear function of all displacements.
 
     Parameters
     ----------
     mesh : Mesh
-    material : Material
+    material : Material, Orthotropic or Materials
     nodes : ndarray of int
         Each once.
 
@@ -155,41 +172,61 @@ def stress_rows(mesh: Mesh, material: Material, nodes: IntArray) -> sp.csr_array
     scipy.sparse.csr_array, shape (6 len(nodes), 3 n_nodes)
         Its product with the displacements is `nodal_stress` there, component by component.
     """
+    places = layout(mesh, material)
+    wanted = shown(places, material)[nodes]
+    slopes = _averaged_slopes(mesh, material, places, wanted)
     # The stress by each ∂u_j/∂x_i, (3 i, 3 j, 6).
     unit = np.zeros((3, 3, 3, 3))
     for j, i in np.ndindex(3, 3):
         unit[i, j, j, i] = 1.0
-    stress = _hooke(unit, material)
-    slopes = _averaged_slopes(mesh, nodes)
-    rows = [sp.kron(slope, by.T, format="csr") for slope, by in zip(slopes, stress, strict=True)]
-    return rows[0] + rows[1] + rows[2]
+    found, order = [], []
+    for number, of in enumerate(each_of(material)):
+        on = np.flatnonzero(places.which[wanted] == number)
+        by_slope = zip(slopes, _hooke(unit, of), strict=True)
+        one, two, three = (sp.kron(slope[on], by.T, format="csr") for slope, by in by_slope)
+        found.append(one + two + three)
+        order.append(on)
+    row = np.argsort(np.concatenate(order))
+    return sp.csr_array(sp.vstack(found, format="csr")[(6 * row[:, None] + np.arange(6)).ravel()])
 
 
-def _averaged_slopes(mesh: Mesh, nodes: IntArray) -> list[sp.csr_array]:
-    """∂/∂x, ∂/∂y, ∂/∂z at some nodes of a function given at all, each (len(nodes), n_nodes)."""
-    element, count = reference_element(mesh.kind), elements_at(mesh)
-    row = np.full(mesh.n_nodes, -1)
-    row[nodes] = np.arange(len(nodes))
-    around = np.flatnonzero((row[mesh.cells] >= 0).any(axis=1))
+def _averaged_slopes(
+    mesh: Mesh, material: AnyMaterial, places: Layout, wanted: IntArray
+) -> list[sp.csr_array]:
+    """∂/∂x, ∂/∂y, ∂/∂z at some places of a function given at all nodes, each (n, n_nodes)."""
+    count = elements_at(mesh, material, places)
+    row = np.full(len(places.key), -1)
+    row[wanted] = np.arange(len(wanted))
     found: list[tuple[IntArray, IntArray, FloatArray]] = []
-    for batch in batches(len(around), element):
-        cells = mesh.cells[around[batch]]
-        cell, local = np.nonzero(row[cells] >= 0)
-        slopes = _slopes_at_nodes(mesh.nodes[cells], element)[cell, local]
-        at = cells[cell, local]
-        slopes /= count[at][:, None, None]
-        found.append((np.repeat(row[at], cells.shape[1]), cells[cell].ravel(), slopes))
+    for piece in pieces(mesh, material):
+        around = np.flatnonzero((row[places.of(piece)] >= 0).any(axis=1))
+        for batch in batches(piece.taken(around)):
+            cells, at_places = batch.cells, places.of(batch)
+            cell, local = np.nonzero(row[at_places] >= 0)
+            slopes = _slopes_at_nodes(mesh.nodes[cells], piece.element)[cell, local]
+            at = at_places[cell, local]
+            slopes /= count[at][:, None, None]
+            i = np.repeat(row[at], cells.shape[1])
+            found.append((i, cells[cell].ravel(), slopes.reshape(-1, 3)))
     i, j, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    shape = (len(nodes), mesh.n_nodes)
-    return [sp.csr_array((values[..., axis].ravel(), (i, j)), shape=shape) for axis in range(3)]
+    shape = (len(wanted), mesh.n_nodes)
+    return [sp.csr_array((values[:, axis], (i, j)), shape=shape) for axis in range(3)]
 
 
-def batches(n_cells: int, element: ReferenceElement) -> Iterator[slice]:
-    """Slices of the elements, of which all values at Gauss points fit into a cache or two."""
+def batches(piece: Piece) -> Iterator[Piece]:
+    """Parts of the elements, of which all values at Gauss points fit into a cache or two."""
+    element = piece.element
     n_points = max(element.n_nodes, len(element.stiffness_rule.weights))
-    step = max(1, int(_BATCH / (8 * 3 * n_points * element.n_nodes)))
-    for start in range(0, n_cells, step):
-        yield slice(start, start + step)
+    return piece.batches(max(1, int(_BATCH / (8 * 3 * n_points * element.n_nodes))))
+
+
+def shown(places: Layout, material: AnyMaterial) -> IntArray:
+    """Return of each node the place whose material is the stiffest, shape (n_nodes,)."""
+    size = np.array([np.trace(of.stiffness) for of in each_of(material)])
+    order = np.lexsort((size[places.which], places.node))
+    last = np.append(np.diff(places.node[order]) > 0, True)
+    stiffest: IntArray = order[last]
+    return stiffest
 
 
 def _slopes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
@@ -222,9 +259,12 @@ def extrapolation(kind: str) -> FloatArray:
     return extrapolation
 
 
-def elements_at(mesh: Mesh) -> FloatArray:
-    """How many elements meet at each node."""
-    return np.bincount(mesh.cells.reshape(-1), minlength=mesh.n_nodes).astype(np.float64)
+def elements_at(mesh: Mesh, material: AnyMaterial, places: Layout) -> FloatArray:
+    """How many elements meet at each place."""
+    count = np.zeros(len(places.key))
+    for piece in pieces(mesh, material):
+        count += np.bincount(places.of(piece).reshape(-1), minlength=len(count))
+    return count
 
 
 def _histories(array: FloatArray, axes: int) -> FloatArray:
@@ -232,12 +272,19 @@ def _histories(array: FloatArray, axes: int) -> FloatArray:
     return array.reshape(-1, *array.shape[array.ndim - axes :])
 
 
-def _hooke(gradient: FloatArray, material: Material) -> FloatArray:
-    """σ = λ tr ε I + 2μ ε of displacement gradients (..., 3, 3), shape (..., 6)."""
+def _hooke(gradient: FloatArray, material: OneMaterial) -> FloatArray:
+    """σ of displacement gradients (..., 3, 3), shape (..., 6)."""
+    if not isinstance(material, Material):
+        strain = np.empty((*gradient.shape[:-2], 6))
+        for place, (i, j) in enumerate(PAIRS):
+            both = gradient[..., i, j] + gradient[..., j, i]
+            strain[..., place] = both if i != j else 0.5 * both
+        found: FloatArray = strain @ material.stiffness
+        return found
     lam, mu = material.lame
     trace = np.einsum("...ii->...", gradient)
     stress = np.empty((*gradient.shape[:-2], 6))
-    for place, (i, j) in enumerate(_PLACES):
+    for place, (i, j) in enumerate(PAIRS):
         stress[..., place] = mu * (gradient[..., i, j] + gradient[..., j, i])
     stress[..., :3] += lam * trace[..., None]
     return stress

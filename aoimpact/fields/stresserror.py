@@ -12,7 +12,8 @@ times their energy: (1 - ϑ)/ϑ of it, in place of 1 - ϑ (`missing_energy`).
 
 On free surfaces the average is worst, and one thing is known: there is no traction. What there is
 of it is taken out, P σ P with P = I - n nᵀ. So the estimate sees, too, the false stress across a
-plate of one layer of linear elements, which all of them have alike.
+plate of one layer of linear elements, which all of them have alike. Where materials meet, stress
+jumps of right: each has an average of its own there.
 """
 
 from __future__ import annotations
@@ -21,17 +22,14 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray
-from ..fem import Body, Material
-from ..mesh import Mesh, cofactors, jacobians, reference_element
-from .stress import Stress, batches, elements_at, extrapolation, gauss_stress
+from ..fem import PAIRS, Body, Layout, Material, OneMaterial, each_of, layout, pieces
+from ..mesh import cofactors, jacobians
+from .stress import Stress, batches, elements_at, extrapolation, gauss_of, shown
 
 __all__ = ["energy_error", "missing_energy", "stresses_around"]
 
 # No share of the energy is taken to be less true than this.
 _LEAST_TRUE = 0.1
-
-# The components of strain, in the order of `COMPONENTS`.
-_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 def missing_energy(difference: FloatArray, own: FloatArray) -> float:
@@ -52,7 +50,7 @@ def energy_error(
     displacement : ndarray, shape (n_dofs,)
         m.
     loaded : ndarray of bool, shape (n_nodes,)
-        Nodes that may carry traction, beside those of the supports.
+        Nodes that may carry traction, beside those of supports, added masses and springs.
 
     Returns
     -------
@@ -65,56 +63,75 @@ def energy_error(
     everywhere = np.zeros(3 * mesh.n_nodes)
     everywhere[body.free] = displacement
     moved = everywhere.reshape(-1, 3)
-    element = reference_element(mesh.kind)
-    gradient = element.gradient(element.stiffness_rule.points)
-    averaged = np.zeros((6, mesh.n_nodes))
-    for batch in batches(mesh.n_cells, element):
-        cells = mesh.cells[batch]
-        strain, _ = _strain(mesh.nodes[cells], moved[cells], gradient)
-        for total, share in zip(averaged, strain @ extrapolation(mesh.kind).T, strict=True):
-            total += np.bincount(cells.reshape(-1), share.reshape(-1), mesh.n_nodes)
-    averaged /= elements_at(mesh)
-    _free_of_traction(averaged, body, loaded)
-    shape, weights = element.shape(element.stiffness_rule.points), element.stiffness_rule.weights
+    places, everything = layout(mesh, material), pieces(mesh, material)
+    averaged = np.zeros((6, len(places.key)))
+    for piece in everything:
+        gradient = piece.element.gradient(piece.element.stiffness_rule.points)
+        to_nodes = extrapolation(piece.element.kind).T
+        for batch in batches(piece):
+            strain, _ = _strain(mesh.nodes[batch.cells], moved[batch.cells], gradient)
+            at = places.of(batch).reshape(-1)
+            for total, share in zip(averaged, strain @ to_nodes, strict=True):
+                total += np.bincount(at, share.reshape(-1), len(places.key))
+    averaged /= elements_at(mesh, material, places)
+    _free_of_traction(averaged, body, places, loaded)
     difference, own = np.empty(mesh.n_cells), np.empty(mesh.n_cells)
-    for batch in batches(mesh.n_cells, element):
-        cells = mesh.cells[batch]
-        strain, det = _strain(mesh.nodes[cells], moved[cells], gradient)
-        own[batch] = (det * _density(strain, material)) @ weights
-        strain -= averaged[:, cells] @ shape.T
-        difference[batch] = (det * _density(strain, material)) @ weights
+    for piece in everything:
+        rule = piece.element.stiffness_rule
+        gradient, shape = piece.element.gradient(rule.points), piece.element.shape(rule.points)
+        for batch in batches(piece):
+            strain, det = _strain(mesh.nodes[batch.cells], moved[batch.cells], gradient)
+            own[batch.numbers] = (det * _energy(strain, piece.material)) @ rule.weights
+            strain -= averaged[:, places.of(batch)] @ shape.T
+            difference[batch.numbers] = (det * _energy(strain, piece.material)) @ rule.weights
     return difference, own
 
 
-def _density(strain: FloatArray, material: Material) -> FloatArray:
+def _energy(strain: FloatArray, material: OneMaterial) -> FloatArray:
     """Twice the energy of a volume, J/m³, of strain of shape (6, ...)."""
-    lam, mu = material.lame
-    direct, shear = (strain[:3] ** 2).sum(axis=0), (strain[3:] ** 2).sum(axis=0)
-    density: FloatArray = 2.0 * mu * (direct + 2.0 * shear) + lam * strain[:3].sum(axis=0) ** 2
-    return density
+    if isinstance(material, Material):
+        lam, mu = material.lame
+        direct, shear = (strain[:3] ** 2).sum(axis=0), (strain[3:] ** 2).sum(axis=0)
+        energy: FloatArray = 2.0 * mu * (direct + 2.0 * shear) + lam * strain[:3].sum(axis=0) ** 2
+        return energy
+    return np.asarray(np.einsum("i...,ij,j...->...", strain, _of_tensor(material), strain))
 
 
-def _free_of_traction(strain: FloatArray, body: Body, loaded: npt.NDArray[np.bool_]) -> None:
-    """Take the traction out of the strain at nodes of free surfaces, shape (6, n_nodes)."""
+def _of_tensor(material: OneMaterial) -> FloatArray:
+    """Twice the energy of tensor components of strain, shape (6, 6): shear counts twice."""
+    angle = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+    energy: FloatArray = angle[:, None] * material.stiffness * angle
+    return energy
+
+
+def _free_of_traction(
+    strain: FloatArray, body: Body, places: Layout, loaded: npt.NDArray[np.bool_]
+) -> None:
+    """Take the traction out of the strain at places on free surfaces, shape (6, n_places)."""
     surface, material = body.surface, body.material
     assert surface is not None
     assert material is not None
     supported = np.ones(3 * len(loaded), dtype=bool)
     supported[body.free] = False
-    normals = surface.node_normals
-    free = np.flatnonzero(normals[0].any(axis=1) & ~loaded & ~supported.reshape(-1, 3).any(axis=1))
-    lam, mu = material.lame
-    tensor, identity = np.empty((len(free), 3, 3)), np.eye(3)
-    for row, (i, j) in zip(strain, _PAIRS, strict=True):
-        tensor[:, i, j] = tensor[:, j, i] = row[free]
-    stress = 2.0 * mu * tensor + lam * np.trace(tensor, axis1=1, axis2=2)[:, None, None] * identity
-    for normal in normals[:, free]:
-        across = identity - normal[:, :, None] * normal[:, None, :]
-        stress = across @ stress @ across
-    share = lam / (3.0 * lam + 2.0 * mu)
-    stress -= share * np.trace(stress, axis1=1, axis2=2)[:, None, None] * identity
-    for row, (i, j) in zip(strain, _PAIRS, strict=True):
-        row[free] = stress[:, i, j] / (2.0 * mu)
+    kept = loaded | supported.reshape(-1, 3).any(axis=1)
+    if body.attached is not None:
+        kept[body.attached] = True
+    kept = kept[places.node]
+    several = len(places.key) > len(loaded)
+    normals = surface.normals_at(places.cells, len(places.key)) if several else surface.node_normals
+    for number, of in enumerate(each_of(material)):
+        free = np.flatnonzero(normals[0].any(axis=1) & ~kept & (places.which == number))
+        hooke = of.stiffness
+        angle = np.where(np.arange(6) < 3, 1.0, 2.0)[:, None]
+        components = hooke @ (angle * strain[:, free])
+        stress, identity = np.empty((len(free), 3, 3)), np.eye(3)
+        for row, (i, j) in zip(components, PAIRS, strict=True):
+            stress[:, i, j] = stress[:, j, i] = row
+        for normal in normals[:, free]:
+            across = identity - normal[:, :, None] * normal[:, None, :]
+            stress = across @ stress @ across
+        components = np.stack([stress[:, i, j] for i, j in PAIRS])
+        strain[:, free] = np.linalg.solve(hooke, components) / angle
 
 
 def _strain(
@@ -124,7 +141,7 @@ def _strain(
     det, cofactor = cofactors(jacobians(corners, gradient))
     slope = jacobians(moved, gradient)
     strain = np.empty((6, *det.shape))
-    for row, (i, j) in zip(strain, _PAIRS, strict=True):
+    for row, (i, j) in zip(strain, PAIRS, strict=True):
         np.einsum("aeg,aeg->eg", slope[i], cofactor[j], out=row)
         if i != j:
             row += np.einsum("aeg,aeg->eg", slope[j], cofactor[i])
@@ -135,6 +152,8 @@ def _strain(
 
 def stresses_around(body: Body, displacement: FloatArray, node: int) -> tuple[Stress, Stress]:
     """Return the stress at a node, averaged and as each of the elements that meet there has it.
+
+    Where materials meet, of the elements of the stiffest.
 
     Parameters
     ----------
@@ -152,9 +171,14 @@ def stresses_around(body: Body, displacement: FloatArray, node: int) -> tuple[St
     mesh, material = body.mesh, body.material
     assert mesh is not None
     assert material is not None
-    around, local = np.nonzero(mesh.cells == node)
-    nodes, cells = np.unique(mesh.cells[around], return_inverse=True)
-    part = Mesh(mesh.nodes[nodes], cells.reshape(len(around), -1), mesh.kind)
-    at_gauss = gauss_stress(part, material, displacement[nodes]).components
-    found = np.einsum("eg,egc->ec", extrapolation(mesh.kind)[local], at_gauss)
+    places, parts = layout(mesh, material), []
+    place = shown(places, material)[node]
+    for piece in pieces(mesh, material):
+        around, local = np.nonzero(places.of(piece) == place)
+        if len(around):
+            at_gauss = gauss_of(mesh, piece.taken(around), displacement)
+            parts.append(
+                np.einsum("eg,egc->ec", extrapolation(piece.element.kind)[local], at_gauss)
+            )
+    found = np.concatenate(parts)
     return Stress(found.mean(axis=0), mesh.nodes[node]), Stress(found, mesh.nodes[node])

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base import FloatArray, InputError, file_path
-from ..mesh import Mesh
+from ..mesh import Mesh, meshio_of_all_kinds
 
 __all__ = ["write_series"]
 
@@ -33,8 +33,7 @@ def write_series(
     InputError
         If the folder is not there.
     """
-    import meshio  # slow to import
-
+    meshio = meshio_of_all_kinds()
     given = file_path("path", path)
     stem = given.with_suffix("") if given.suffix.lower() in (".vtu", ".pvd") else given
     if not stem.parent.is_dir():
@@ -45,7 +44,7 @@ def write_series(
         # Double precision in binary: what is read back is what was written, to the last bit.
         meshio.Mesh(
             mesh.nodes,
-            [(mesh.kind, mesh.cells)],
+            [(block.kind, block.cells) for block in mesh.blocks],
             point_data={key: np.ascontiguousarray(values[i]) for key, values in data.items()},
         ).write(stem.parent / name, file_format="vtu", binary=True)
     listing = stem.parent / f"{stem.name}.pvd"

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from .. import _core
 from ..base import FloatArray, IntArray
-from ..mesh import Mesh, reference_element
+from ..mesh import Mesh
 from .smoother import diagonal_blocks
 
 __all__ = ["aggregated", "corner_interpolation"]
@@ -34,17 +34,26 @@ def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
     corners : ndarray, shape (n_corners,)
         Their node numbers, ascending.
     """
-    element = reference_element(mesh.kind)
-    shape = element.linear.shape(element.nodes)
-    corners, number = np.unique(mesh.cells[:, : element.n_corners], return_inverse=True)
-    number = number.reshape(mesh.n_cells, -1)
-    # A node has the same weights in all elements that share it: take the first.
-    _, first = np.unique(mesh.cells, return_index=True)
-    cell, local = np.divmod(first, element.n_nodes)
-    weights, parents = shape[local], number[cell]
-    used = np.abs(weights) > 1e-9
-    node = np.repeat(np.arange(mesh.n_nodes), used.sum(axis=1))
-    entries = (weights[used], (node, parents[used]))
+    is_corner = np.zeros(mesh.n_nodes, dtype=bool)
+    for block in mesh.blocks:
+        is_corner[block.cells[:, : block.element.n_corners]] = True
+    corners, number = np.flatnonzero(is_corner), np.cumsum(is_corner) - 1
+    rows, columns, values = [], [], []
+    done = np.zeros(mesh.n_nodes, dtype=bool)
+    for block in mesh.blocks:
+        element = block.element
+        shape = element.linear.shape(element.nodes)
+        # A node has the same weights in all elements that share it: take the first.
+        nodes, first = np.unique(block.cells, return_index=True)
+        nodes, first = nodes[~done[nodes]], first[~done[nodes]]
+        done[nodes] = True
+        cell, local = np.divmod(first, element.n_nodes)
+        weights, parents = shape[local], number[block.cells[cell, : element.n_corners]]
+        used = np.abs(weights) > 1e-9
+        rows.append(np.repeat(nodes, used.sum(axis=1)))
+        columns.append(parents[used])
+        values.append(weights[used])
+    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
     return sp.csr_array(entries, shape=(mesh.n_nodes, len(corners))), corners
 
 

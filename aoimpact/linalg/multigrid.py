@@ -18,7 +18,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from ..base import ConvergenceError, FloatArray, SingularError, bar, heard
-from ..mesh import reference_element, rigid_motions
+from ..mesh import rigid_motions
 from .coarsening import aggregated, corner_interpolation
 from .matrices import check_entries
 from .method import Inverse, Method
@@ -58,11 +58,6 @@ _TOLERANCE = 5e-11
 # not known; the set-up is about one more.
 _SECONDS, _SECONDS_WITHOUT_NODES = 5e-6, 1e-4
 _ITERATIONS = 12
-
-
-def _is_quadratic(kind: str) -> bool:
-    element = reference_element(kind)
-    return element.linear is not element
 
 
 def _most_in_coarsest(stored: float) -> float:
@@ -119,7 +114,7 @@ class Multigrid:
             self._scale = float(A.diagonal().max())
             self._length = A.shape[0]
             self.sizes = [self._length]
-            if pencil.mesh is not None and _is_quadratic(pencil.mesh.kind):
+            if pencil.mesh is not None and pencil.mesh.quadratic:
                 A, candidates = heard(partial(self._to_corners, A))
                 progress.update()
             affordable = _most_in_coarsest(pencil.K.nnz)

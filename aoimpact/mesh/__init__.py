@@ -3,15 +3,17 @@
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
 from .faces import reference_faces
+from .files import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from .locate import node_at, weights_at
-from .mesh import Mesh, read_mesh
+from .mesh import Block, Mesh, group, read_mesh, taken
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of
 
 __all__ = [
     "KINDS",
     "SHARP",
+    "Block",
     "Mesh",
     "Place",
     "ReferenceElement",
@@ -21,7 +23,9 @@ __all__ = [
     "box_mesh",
     "cofactors",
     "every_motion",
+    "group",
     "jacobians",
+    "meshio_of_all_kinds",
     "motions_at",
     "node_at",
     "paper_sphere_mesh",
@@ -32,6 +36,7 @@ __all__ = [
     "rigid_motions",
     "sphere_mesh",
     "surface_shape",
+    "taken",
     "unresisted_motions",
     "weights_at",
 ]

@@ -18,7 +18,7 @@ import scipy
 import scipy.sparse as sp
 
 from ..base import FloatArray, Frozen, InputError, IntArray, plain, positive
-from .elements import reference_element
+from .mesh import Block
 from .surface import SHARP, Surface, plane_of
 
 __all__ = ["SurfaceShape", "surface_shape"]
@@ -193,11 +193,19 @@ def _spacing(surface: Surface, face: IntArray) -> float:
 
 def _curved(surface: Surface, face: IntArray) -> npt.NDArray[np.bool_]:
     """Whether the faces have nodes between their corners that lie off the chords."""
-    element = reference_element(surface.mesh.kind)
-    cells = surface.mesh.cells[surface.cell[face]]
+    number = surface.block(face)
+    off = np.zeros(len(face), dtype=bool)
+    for i in np.unique(number):
+        block = surface.mesh.blocks[i]
+        if block.element.quadratic:
+            off[number == i] = _off_chords(surface, block, face[number == i])
+    return off
+
+
+def _off_chords(surface: Surface, block: Block, face: IntArray) -> npt.NDArray[np.bool_]:
+    element = block.element
+    cells = block.cells[surface.cell[face] - block.first]
     middles = cells[:, element.n_corners :]
-    if not middles.size:
-        return np.zeros(len(face), dtype=bool)
     chords = element.linear.shape(element.nodes[element.n_corners :])
     corners = surface.mesh.nodes[cells[:, : element.n_corners]]
     gap = np.linalg.norm(surface.mesh.nodes[middles] - chords @ corners, axis=2)

@@ -1,8 +1,9 @@
 """The solid elements: shape functions and quadrature of each kind, nodes in meshio's order.
 
-Shape functions are scikit-fem's. Its nodes come in another order than meshio's (VTK's); the two
-are matched by the nodes' places in the reference element, so there is no table of permutations
-that could be wrong.
+Shape functions are scikit-fem's, where it has the element. Its nodes come in another order than
+meshio's (VTK's); the two are matched by the nodes' places in the reference element, so there is no
+table of permutations that could be wrong. Of the others it is enough to say which functions they
+are combinations of: each is one at its own node and zero at the others.
 """
 
 from __future__ import annotations
@@ -17,6 +18,9 @@ import numpy as np
 import scipy
 
 from ..base import FloatArray, IntArray
+
+# 1 - z at an apex: its square, inverted, is a number.
+_APEX = 1e-150
 
 __all__ = [
     "KINDS",
@@ -40,8 +44,6 @@ class Cell:
     corners : ndarray, shape (n_corners, 3)
     normals : ndarray, shape (n_sides, 3)
         Outward normals of the sides, of any length.
-    summed : int
-        Of so many coordinates the sum is at most 1; each one lies between 0 and 1.
     of_brick : ndarray, shape (n_cells, n_corners, 3)
         The cells into which a brick, from 0 to 1 along each axis, is cut.
     """
@@ -49,8 +51,15 @@ class Cell:
     linear: str
     corners: FloatArray
     normals: FloatArray
-    summed: int
     of_brick: FloatArray
+
+    def inside(self, place: FloatArray) -> FloatArray:
+        """Return a place, shape (3,), drawn towards the middle until it is within the cell."""
+        middle = self.corners.mean(axis=0)
+        beyond = self.normals @ (place - middle)
+        room = (self.corners @ self.normals.T).max(axis=0) - self.normals @ middle
+        drawn: FloatArray = middle + (place - middle) / max(1.0, float((beyond / room).max()))
+        return drawn
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +91,7 @@ class ReferenceElement:
     nodes: FloatArray
     stiffness_rule: Rule
     mass_rule: Rule
-    _basis: Any
-    _order: IntArray
+    _basis: _Basis
 
     @property
     def n_nodes(self) -> int:
@@ -108,19 +116,72 @@ class ReferenceElement:
 
     def evaluate(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return `shape` and `gradient` at once, for little more than one of them."""
-        shape = np.empty((len(points), self.n_nodes))
-        gradient = np.empty((len(points), self.n_nodes, 3))
-        for a, i in enumerate(self._order):
-            shape[:, a], derivatives = self._basis.lbasis(points.T, int(i))
-            for alpha, derivative in enumerate(derivatives):
-                gradient[:, a, alpha] = derivative
-        return shape, gradient
+        return self._basis(points)
+
+    @property
+    def quadratic(self) -> bool:
+        """Whether it has nodes between its corners."""
+        return self.n_nodes > self.n_corners
 
     @property
     def mirror(self) -> IntArray:
         """The order of nodes that turns a left-handed element into a right-handed one."""
         reflected = self.nodes[:, [1, 0, 2]]
         return _match(reflected, self.nodes)
+
+
+# φ_a, shape (n, n_nodes), and ∂φ_a/∂ξ_α, shape (n, n_nodes, 3), at n points.
+_Basis = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True, eq=False)
+class _FromScikitFem:
+    """The shape functions of one of scikit-fem's elements, nodes in another order."""
+
+    element: Any
+    order: IntArray
+
+    def __call__(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        shape = np.empty((len(points), len(self.order)))
+        gradient = np.empty((*shape.shape, 3))
+        for a, i in enumerate(self.order):
+            shape[:, a], derivatives = self.element.lbasis(points.T, int(i))
+            for alpha, derivative in enumerate(derivatives):
+                gradient[:, a, alpha] = derivative
+        return shape, gradient
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodal:
+    """Shape functions of a space of functions xⁱ yʲ zᵏ (1 - z)⁻ˡ, rows (i, j, k, l) of `powers`."""
+
+    powers: IntArray
+    combination: FloatArray
+
+    @classmethod
+    def at(cls, powers: Any, nodes: FloatArray) -> _Nodal:
+        found = np.array(powers)
+        combination: FloatArray = np.linalg.inv(_monomials(nodes, found)[0]).astype(np.float64)
+        return cls(found, combination)
+
+    def __call__(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        values, slopes = _monomials(points, self.powers)
+        gradient = np.einsum("nmx,ma->nax", slopes, self.combination)
+        return values @ self.combination, np.ascontiguousarray(gradient)
+
+
+def _monomials(points: FloatArray, powers: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Values, shape (n, m), and derivatives, (n, m, 3); at an apex z = 1 those where x, y = 0."""
+    under = 1.0 / np.maximum(1.0 - points[:, 2:], _APEX)
+    base = np.hstack([points, under])
+    values = np.prod(base[:, None] ** powers, axis=2)
+    slopes = np.zeros((*values.shape, 3))
+    for axis in range(3):
+        lower = powers.copy()
+        lower[:, axis] = np.maximum(lower[:, axis] - 1, 0)
+        slopes[:, :, axis] = powers[:, axis] * np.prod(base[:, None] ** lower, axis=2)
+    slopes[:, :, 2] += powers[:, 3] * values * under
+    return values, slopes
 
 
 def _match(wanted: FloatArray, among: FloatArray) -> IntArray:
@@ -151,6 +212,14 @@ def _wedge_rule(degree: int) -> Rule:
     return Rule(np.array(points), np.outer(w, v).ravel())
 
 
+def _pyramid_rule(n: int) -> Rule:
+    """Exact to degree 2n − 1 in x/(1-z), y/(1-z) and z, positive: n points in each direction."""
+    (z, w), (a, u) = (scipy.special.roots_jacobi(n, power, 0.0) for power in (2.0, 0.0))
+    a, b, z = np.meshgrid((1 + a) / 2, (1 + a) / 2, (1 + z) / 2, indexing="ij")
+    points = np.stack([a * (1 - z), b * (1 - z), z], axis=-1).reshape(-1, 3)
+    return Rule(points, np.einsum("i,j,k->ijk", u / 2, u / 2, w / 8).ravel())
+
+
 def _conical_rule(n: int) -> Rule:
     """Exact to degree 2n − 1 on the tetrahedron, positive: Gauss–Jacobi rules, n in each direction.
 
@@ -174,19 +243,27 @@ def _tetrahedra_of_a_brick() -> FloatArray:
     return pieces
 
 
-def _cell(
-    linear: str, corners: Any, normals: Any, summed: int, of_brick: FloatArray | None = None
-) -> Cell:
+def _pyramids_of_a_brick() -> FloatArray:
+    """A pyramid on each side of the brick, with the apex in the middle."""
+    base = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], dtype=np.float64)
+    sides = [np.roll(base, turn, axis=1) for turn in range(3)]
+    sides += [1.0 - side[::-1] for side in sides]
+    pieces = np.stack([[*side, (0.5, 0.5, 0.5)] for side in sides])
+    odd = np.linalg.det(pieces[:, [1, 3, 4]] - pieces[:, :1]) < 0.0
+    pieces[odd] = pieces[odd][:, [0, 3, 2, 1, 4]]
+    return pieces
+
+
+def _cell(linear: str, corners: Any, normals: Any, of_brick: FloatArray | None = None) -> Cell:
     places = np.array(corners, dtype=np.float64)
     pieces = places[None] if of_brick is None else of_brick
-    return Cell(linear, places, np.array(normals, dtype=np.float64), summed, pieces)
+    return Cell(linear, places, np.array(normals, dtype=np.float64), pieces)
 
 
 _TETRAHEDRON = _cell(
     "tetra",
     corners=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
     normals=((-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 1, 1)),
-    summed=3,
     of_brick=_tetrahedra_of_a_brick(),
 )
 _HEXAHEDRON = _cell(
@@ -196,15 +273,20 @@ _HEXAHEDRON = _cell(
         *((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
     ),
     normals=((-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    summed=0,
 )
 _WEDGE_CORNERS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)])
 _WEDGE = _cell(
     "wedge",
     corners=_WEDGE_CORNERS,
     normals=((-1, 0, 0), (0, -1, 0), (1, 1, 0), (0, 0, -1), (0, 0, 1)),
-    summed=2,
     of_brick=np.stack([_WEDGE_CORNERS, _WEDGE_CORNERS * [-1, -1, 1] + [1, 1, 0]]),
+)
+
+_PYRAMID = _cell(
+    "pyramid",
+    corners=((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1)),
+    normals=((-1, 0, 0), (0, -1, 0), (1, 0, 1), (0, 1, 1), (0, 0, -1)),
+    of_brick=_pyramids_of_a_brick(),
 )
 
 # The nodes after the corners, each in the middle of these corners (VTK's file-format figures).
@@ -220,15 +302,35 @@ _HEXAHEDRON_FACES = (
     *((0, 1, 2, 3), (4, 5, 6, 7)),
 )
 _HEXAHEDRON_MIDDLES = (*_HEXAHEDRON_EDGES, *_HEXAHEDRON_FACES, tuple(range(8)))
+_WEDGE_EDGES = (
+    *((0, 1), (1, 2), (0, 2)),
+    *((3, 4), (4, 5), (3, 5)),
+    *((0, 3), (1, 4), (2, 5)),
+)
+_PYRAMID_EDGES = (*((0, 1), (1, 2), (2, 3), (0, 3)), *((0, 4), (1, 4), (2, 4), (3, 4)))
+
+# Quadratic in x, y, and in z with what is linear in x, y: 8 functions on each square side. And
+# x²y/(1-z), xy²/(1-z), xy/(1-z) beside all quadratic ones (G. Bedrosian, Int. J. Num. Meth. Eng.
+# 35, 95, 1992), the first of which are the linear pyramid's.
+_IN_PLANE = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+_WEDGE_15 = (
+    *((i, j, k, 0) for i, j in _IN_PLANE for k in range(2)),
+    *((i, j, 2, 0) for i, j in _IN_PLANE[:3]),
+)
+_PYRAMID_5 = ((0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (1, 1, 0, 1))
+_PYRAMID_13 = (
+    *((i, j, k, 0) for i in range(3) for j in range(3 - i) for k in range(3 - i - j)),
+    *((1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1)),
+)
 
 
 @dataclass(frozen=True)
 class _Kind:
-    """What `ReferenceElement` is made from: scikit-fem's name of it, and rules when needed."""
+    """What `ReferenceElement` is made from: scikit-fem's name of it or its space, and rules."""
 
     cell: Cell
     middles: tuple[tuple[int, ...], ...]
-    basis: str
+    basis: str | tuple[tuple[int, ...], ...]
     stiffness_rule: Callable[[], Rule]
     mass_rule: Callable[[], Rule]
 
@@ -237,6 +339,7 @@ class _Kind:
 #
 # Degrees needed with curved sides, where the Jacobian is a polynomial too. Hexahedra of order p, in
 # each coordinate: 3p − 1 for ∫∇φ dV, 5p − 1 for ∫φφ dV; tetrahedra, in all: 3p − 3 and 5p − 3.
+# Wedges: 3p − 2 and 5p − 2 in the triangle; pyramids, in x/(1-z) and y/(1-z): 3p and 5p.
 # From "degree" 5 on, scikit-fem's positive rules for tetrahedra are exact to one degree less.
 _ALL = {
     "tetra": _Kind(
@@ -262,6 +365,16 @@ _ALL = {
     "wedge": _Kind(
         *(_WEDGE, (), "ElementWedge1"), *(partial(_wedge_rule, 2), partial(_wedge_rule, 4))
     ),
+    "wedge15": _Kind(
+        *(_WEDGE, _WEDGE_EDGES, _WEDGE_15), *(partial(_wedge_rule, 5), partial(_wedge_rule, 9))
+    ),
+    "pyramid": _Kind(
+        *(_PYRAMID, (), _PYRAMID_5), *(partial(_pyramid_rule, 2), partial(_pyramid_rule, 3))
+    ),
+    "pyramid13": _Kind(
+        *(_PYRAMID, _PYRAMID_EDGES, _PYRAMID_13),
+        *(partial(_pyramid_rule, 4), partial(_pyramid_rule, 6)),
+    ),
 }
 
 KINDS = tuple(_ALL)
@@ -270,16 +383,20 @@ KINDS = tuple(_ALL)
 @cache
 def reference_element(kind: str) -> ReferenceElement:
     """Return the element of meshio's name `kind`, one of `KINDS`."""
-    import skfem.element
-
     of = _ALL[kind]
     corners = of.cell.corners
     nodes = np.vstack([corners, *(corners[list(c)].mean(axis=0) for c in of.middles)])
-    element = getattr(skfem.element, of.basis)()
-    order = _match(nodes, np.asarray(element.doflocs, dtype=np.float64))
-    return ReferenceElement(
-        kind, of.cell, nodes, of.stiffness_rule(), of.mass_rule(), element, order
-    )
+    basis = _basis(of.basis, nodes)
+    return ReferenceElement(kind, of.cell, nodes, of.stiffness_rule(), of.mass_rule(), basis)
+
+
+def _basis(of: str | tuple[tuple[int, ...], ...], nodes: FloatArray) -> _Basis:
+    if isinstance(of, tuple):
+        return _Nodal.at(of, nodes)
+    import skfem.element  # slow to import
+
+    element = getattr(skfem.element, of)()
+    return _FromScikitFem(element, _match(nodes, np.asarray(element.doflocs, dtype=np.float64)))
 
 
 def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:

@@ -9,7 +9,8 @@ import os
 import re
 import stat
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from ..base import IntArray, MemoryLimitError, MeshError, MissingFileError, file
 from .elements import KINDS
 from .guard import bounded, bounded_text
 
-__all__ = ["load", "named_nodes"]
+__all__ = ["load", "meshio_of_all_kinds", "named_cells", "named_nodes"]
 
 
 # meshio's names of kinds of cells: a shape and its number of nodes.
@@ -51,8 +52,7 @@ def load(path: str | os.PathLike[str]) -> Any:
             f"mesh file {str(file)!r}: files {file.suffix} hold surfaces, without volume cells; "
             "mesh the inside, and write .msh, .vtu or .inp"
         )
-    import meshio  # slow to import; before `bounded`, which puts bounds into its modules
-
+    meshio = meshio_of_all_kinds()  # before `bounded`, which puts bounds into its modules
     said = io.StringIO()
     try:
         # meshio tries one reader after the other, prints why each failed, and then exits.
@@ -77,7 +77,7 @@ def load(path: str | os.PathLike[str]) -> Any:
             f"mesh file {str(file)!r} needs the package {error.name}: pip install {error.name}"
         ) from None
     except KeyError as error:
-        # Some readers know more kinds of cells, such as wedge15, than meshio's meshes can hold.
+        # Some readers know more kinds of cells, such as tetra4, than meshio's meshes can hold.
         if _KIND.fullmatch(str(error.args[0] if error.args else "")):
             raise MeshError(
                 f"mesh file {str(file)!r} has cells of an unsupported kind: {error.args[0]}; "
@@ -91,6 +91,16 @@ def load(path: str | os.PathLike[str]) -> Any:
         f"mesh file {str(file)!r} cannot be read: {reason or 'meshio gives no reason'}; "
         "see the formats of meshio, and convert it to one of them (.msh, .vtu, .inp, …)"
     )
+
+
+def meshio_of_all_kinds() -> Any:
+    """Return meshio, taught the kinds of cells that its readers know and its meshes do not."""
+    import meshio  # slow to import
+    from meshio._mesh import topological_dimension
+
+    for kind in KINDS:
+        topological_dimension.setdefault(kind, 3)
+    return meshio
 
 
 def _existing(path: str | os.PathLike[str]) -> tuple[Path, int]:
@@ -119,6 +129,10 @@ def _read(file: Path, read: Callable[..., Any]) -> Any:
     return read(file)
 
 
+# Of a group of cells: its name, the number of the block, and the cells' numbers there.
+_CellGroup = tuple[str, int, npt.NDArray[Any]]
+
+
 def named_nodes(mesh: Any) -> dict[str, IntArray]:
     """Return the named groups of a `meshio.Mesh` as sorted node numbers.
 
@@ -131,52 +145,93 @@ def named_nodes(mesh: Any) -> dict[str, IntArray]:
     MeshError
         If groups name what is not there, or not by numbers.
     """
+    return _joined(
+        lambda: chain(
+            ((str(name), _indices(members)) for name, members in mesh.point_sets.items()),
+            ((name, _nodes_of(mesh.cells[i], of)) for name, i, of in _cell_groups(mesh)),
+            _med_points(mesh),
+        )
+    )
+
+
+def named_cells(mesh: Any, first: Mapping[int, int]) -> dict[str, IntArray]:
+    """Return the named groups of cells of a `meshio.Mesh` as sorted numbers.
+
+    Parameters
+    ----------
+    mesh : meshio.Mesh
+    first : mapping of int to int
+        By the number of a block, the number of its first cell; of the blocks that count.
+
+    Raises
+    ------
+    MeshError
+        As for `named_nodes`.
+    """
+    return _joined(
+        lambda: (
+            (name, first[i] + _checked_members(mesh.cells[i], of))
+            for name, i, of in _cell_groups(mesh)
+            if i in first
+        )
+    )
+
+
+def _joined(groups: Callable[[], Iterable[tuple[str, IntArray]]]) -> dict[str, IntArray]:
     found: dict[str, list[IntArray]] = {}
     try:
-        for name, nodes in _groups(mesh):
-            if len(nodes):
-                found.setdefault(name, []).append(nodes)
+        for name, members in groups():
+            if len(members):
+                found.setdefault(name, []).append(members)
     except (ValueError, TypeError, LookupError, OverflowError, AttributeError) as error:
         raise MeshError(f"the named groups of the mesh are wrong: {error}") from None
     return {name: np.unique(np.concatenate(parts)) for name, parts in found.items()}
 
 
-def _groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
-    for name, members in mesh.point_sets.items():
-        yield str(name), _indices(members)
+def _cell_groups(mesh: Any) -> Iterator[_CellGroup]:
     for name, blocks in mesh.cell_sets.items():
         if name.startswith("gmsh:"):  # a table of meshio's own, not a group
             continue
-        for block, members in zip(mesh.cells, blocks, strict=False):
+        for i, (_, members) in enumerate(zip(mesh.cells, blocks, strict=False)):
             if members is not None and len(members):
-                yield str(name), _nodes_of(block, _indices(members))
+                yield str(name), i, _indices(members)
     yield from _physical_groups(mesh)
-    yield from _med_groups(mesh)
+    yield from _med_cells(mesh)
 
 
-def _physical_groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
+def _physical_groups(mesh: Any) -> Iterator[_CellGroup]:
     names = {
         (int(value[1]), int(value[0])): str(name)
         for name, value in mesh.field_data.items()
         if np.size(value) == 2
     }
-    for block, tags in zip(mesh.cells, mesh.cell_data.get("gmsh:physical", ()), strict=False):
+    all_tags = mesh.cell_data.get("gmsh:physical", ())
+    for i, (block, tags) in enumerate(zip(mesh.cells, all_tags, strict=False)):
         for tag in np.unique(tags):
             if tag != 0:
                 name = f"{_DIMENSION_NAMES[block.dim]} {tag}"
-                yield names.get((block.dim, int(tag)), name), _nodes_of(block, tags == tag)
+                yield names.get((block.dim, int(tag)), name), i, np.flatnonzero(tags == tag)
 
 
-def _med_groups(mesh: Any) -> Iterator[tuple[str, IntArray]]:
+def _med_points(mesh: Any) -> Iterator[tuple[str, IntArray]]:
     tags = mesh.point_data.get("point_tags")
     if tags is not None:
         for tag, names in getattr(mesh, "point_tags", {}).items():
             for name in names:
                 yield str(name), np.flatnonzero(tags == tag)
-    for block, tags in zip(mesh.cells, mesh.cell_data.get("cell_tags", ()), strict=False):
+
+
+def _med_cells(mesh: Any) -> Iterator[_CellGroup]:
+    all_tags = mesh.cell_data.get("cell_tags", ())
+    for i, (_, tags) in enumerate(zip(mesh.cells, all_tags, strict=False)):
         for tag, names in getattr(mesh, "cell_tags", {}).items():
             for name in names:
-                yield str(name), _nodes_of(block, tags == tag)
+                yield str(name), i, np.flatnonzero(tags == tag)
+
+
+def _checked_members(block: Any, members: npt.NDArray[Any]) -> IntArray:
+    checked: IntArray = np.arange(len(block.data))[members]
+    return checked
 
 
 def _nodes_of(block: Any, members: npt.NDArray[Any]) -> IntArray:

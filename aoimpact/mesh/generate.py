@@ -220,22 +220,22 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     element = reference_element(choice("kind", kind, KINDS))
     _refuse_monster(8.0 * float(min(math.prod(counts), 10**30)), "divisions", counts)
     lattice = _brick_nodes(element, np.array(counts))
-    doubled = 2 * np.array(counts) + 1
-    keys = np.ravel_multi_index(tuple(np.moveaxis(lattice, 2, 0)), tuple(doubled))
+    places = 4 * np.array(counts) + 1
+    keys = np.ravel_multi_index(tuple(np.moveaxis(lattice, 2, 0)), tuple(places))
     used, cells = np.unique(keys, return_inverse=True)
-    grid = np.stack(np.unravel_index(used, tuple(doubled)), axis=1)
+    grid = np.stack(np.unravel_index(used, tuple(places)), axis=1)
     sets = {}
     for axis, name in enumerate("xyz"):
         sets[f"{name}min"] = np.flatnonzero(grid[:, axis] == 0)
-        sets[f"{name}max"] = np.flatnonzero(grid[:, axis] == doubled[axis] - 1)
-    return Mesh(grid * (sides / (doubled - 1)), cells.reshape(keys.shape), kind, sets)
+        sets[f"{name}max"] = np.flatnonzero(grid[:, axis] == places[axis] - 1)
+    return Mesh(grid * (sides / (places - 1)), cells.reshape(keys.shape), kind, sets)
 
 
 def _brick_nodes(element: ReferenceElement, counts: IntArray) -> IntArray:
-    """Nodes of all elements on the lattice of half bricks, shape (n_cells, n_nodes, 3)."""
-    local = 2.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)
+    """Nodes of all elements on the lattice of quarter bricks, shape (n_cells, n_nodes, 3)."""
+    local = 4.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)
     bricks = np.array(list(product(*(range(count) for count in counts))))
-    nodes = 2 * bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]
+    nodes = 4 * bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]
     return nodes.reshape(-1, element.n_nodes, 3)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import FloatArray, InputError, IntArray, plain
-from .elements import ReferenceElement, reference_element
+from .elements import ReferenceElement
 from .mesh import Mesh
 
 __all__ = ["node_at", "weights_at"]
@@ -45,15 +45,16 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
     InputError
         If the point is off the body.
     """
-    element = reference_element(mesh.kind)
     best = np.inf
     for cell in _candidates(mesh, point):
-        corners = mesh.nodes[mesh.cells[cell]]
-        place = _inside(element, _reference_place(element, corners, point))
+        block = next(of for of in mesh.blocks if cell < of.numbers.stop)
+        element, members = block.element, block.cells[cell - block.first]
+        corners = mesh.nodes[members]
+        place = element.cell.inside(np.clip(_reference_place(element, corners, point), 0.0, 1.0))
         shape = element.shape(place[None])[0]
         off = float(np.linalg.norm(shape @ corners - point) / _size(corners))
         if off < best:
-            best, nodes, weights = off, mesh.cells[cell], shape
+            best, nodes, weights = off, members, shape
         if best <= _INSIDE:
             break
     if best > _ON_SURFACE:
@@ -113,16 +114,6 @@ def _reference_place(
             break
         place = ahead
     return place
-
-
-def _inside(element: ReferenceElement, place: FloatArray) -> FloatArray:
-    """The place in the reference element that is nearest, or nearly so."""
-    inside = np.clip(place, 0.0, 1.0)
-    summed = element.cell.summed
-    total = float(inside[:summed].sum())
-    if total > 1.0:
-        inside[:summed] /= total
-    return inside
 
 
 def _off_the_body(mesh: Mesh, point: FloatArray) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -22,14 +22,17 @@ from ..base import (
     MeshError,
     choice,
     finite_array,
+    nearest,
     node_ids,
     positive,
+    sequence,
+    text,
     warn,
 )
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
-from .files import load, named_nodes
+from .files import load, named_cells, named_nodes
 
-__all__ = ["Mesh", "read_mesh"]
+__all__ = ["Block", "Mesh", "group", "read_mesh", "taken"]
 
 
 # det J below this fraction of the cube of the element's size: no volume to speak of.
@@ -42,20 +45,63 @@ _LARGEST, _SMALLEST = 1e50, 1e-50
 _COINCIDENT = 1e-9
 
 
+# Kinds of elements and their cells.
+_Blocks = list[tuple[str, IntArray]]
+
+
+@dataclass(frozen=True, eq=False)
+class Block(Frozen):
+    """The elements of one kind in a mesh.
+
+    Attributes
+    ----------
+    kind : str
+        One of `KINDS`.
+    cells : ndarray of int, shape (n, nodes per cell)
+    first : int
+        Number of the first among all elements of the mesh.
+    """
+
+    kind: str
+    cells: IntArray
+    first: int
+
+    @property
+    def element(self) -> ReferenceElement:
+        """Its shape functions and quadrature."""
+        return reference_element(self.kind)
+
+    @property
+    def numbers(self) -> slice:
+        """Of its elements among all of the mesh."""
+        return slice(self.first, self.first + len(self.cells))
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(Frozen):
-    """A mesh of solid elements of one kind.
+    """A mesh of solid elements.
 
     Parameters
     ----------
     nodes : array_like, shape (n_nodes, 3)
         Coordinates, m.
     cells : array_like of int, shape (n_cells, nodes per cell)
-        Node numbers in meshio's (VTK's) order.
-    kind : str
-        meshio's name of the element, such as "tetra10" or "hexahedron20".
+        Node numbers in meshio's (VTK's) order. Of several kinds of elements: a list of pairs of a
+        kind and its cells. As an attribute of such a mesh: an array as wide as the largest element,
+        in which short rows repeat their first node; see `blocks`.
+    kind : str, optional
+        meshio's name of the element, such as "tetra10" or "hexahedron20"; "mixed" for several
+        kinds.
     node_sets : mapping of str to array of int, optional
         Named sets of nodes, e.g. for supports.
+    cell_sets : mapping of str to array of int, optional
+        Named groups of elements by their numbers, e.g. for materials. Kinds are numbered through,
+        one after the other.
+
+    Attributes
+    ----------
+    blocks : tuple of Block
+        The elements, kind by kind.
 
     Raises
     ------
@@ -74,15 +120,22 @@ class Mesh(Frozen):
 
     nodes: FloatArray
     cells: IntArray
-    kind: str
+    kind: str = "mixed"
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    blocks: tuple[Block, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        element = reference_element(choice("kind", self.kind, KINDS))
+        given = _given_blocks(self.cells, self.kind)
         nodes = np.array(finite_array("nodes", self.nodes, shape=(None, 3), unit="m"))
-        cells = _checked_cells(self.cells, element, len(nodes))
+        blocks, first = [], 0
+        for kind, cells in given:
+            checked_cells = _checked_cells(cells, reference_element(kind), len(nodes))
+            blocks.append(Block(kind, checked_cells, first))
+            first += len(checked_cells)
         used = np.zeros(len(nodes), dtype=bool)
-        used[cells] = True
+        for block in blocks:
+            used[block.cells] = True
         unused = np.flatnonzero(~used)
         if len(unused):
             raise MeshError(
@@ -90,19 +143,15 @@ class Mesh(Frozen):
                 f"{unused[0]}; leave them out, or let read_mesh do so"
             )
         _check_reach(nodes)
-        _check_duplicates(cells, element)
-        _check_elements(nodes, cells, element)
-        if not isinstance(self.node_sets, Mapping):
-            raise InputTypeError(
-                f"node_sets must be a dict of names and node numbers, got {self.node_sets!r}"
-            )
-        sets = {
-            str(name): node_ids(f"node_sets[{name!r}]", members, len(nodes))
-            for name, members in self.node_sets.items()
-        }
+        for block in blocks:
+            _check_duplicates(block)
+            _check_elements(nodes, block)
+        object.__setattr__(self, "node_sets", _sets("node_sets", self.node_sets, len(nodes)))
+        object.__setattr__(self, "cell_sets", _sets("cell_sets", self.cell_sets, first))
         object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "cells", cells)
-        object.__setattr__(self, "node_sets", sets)
+        object.__setattr__(self, "blocks", tuple(blocks))
+        object.__setattr__(self, "cells", _table(blocks))
+        object.__setattr__(self, "kind", blocks[0].kind if len(blocks) == 1 else "mixed")
         super().__post_init__()
 
     @property
@@ -120,29 +169,112 @@ class Mesh(Frozen):
         """The longest side of the box that holds the mesh, m."""
         return float(np.ptp(self.nodes, axis=0).max())
 
+    @property
+    def quadratic(self) -> bool:
+        """Whether elements have nodes between their corners."""
+        return any(block.element.quadratic for block in self.blocks)
+
+    @property
+    def contents(self) -> str:
+        """The elements in words, as in "10 hexahedron, 4 wedge"."""
+        return ", ".join(f"{len(block.cells)} {block.kind}" for block in self.blocks)
+
     def __repr__(self) -> str:
         sets = f", sets: {', '.join(self.node_sets)}" if self.node_sets else ""
-        return f"Mesh({self.n_nodes} nodes, {self.n_cells} {self.kind}{sets})"
+        groups = f", groups: {', '.join(self.cell_sets)}" if self.cell_sets else ""
+        return f"Mesh({self.n_nodes} nodes, {self.contents}{sets}{groups})"
+
+    def part(self, names: str | Sequence[str]) -> Mesh:
+        """Return the mesh of some named groups of elements: one of several bodies in a file.
+
+        Sets and groups keep what of them belongs to it; nodes and elements are numbered anew.
+
+        Parameters
+        ----------
+        names : str or sequence of str
+            Of `cell_sets`.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If there is no group of that name.
+
+        Examples
+        --------
+        >>> from aoimpact.mesh import box_mesh
+        >>> box = box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
+        >>> two = Mesh(box.nodes, box.cells, box.kind, box.node_sets, {"tup": [0], "plate": [1]})
+        >>> two.part("tup")
+        Mesh(8 nodes, 1 hexahedron, sets: xmin, ymin, ymax, zmin, zmax, groups: tup)
+        """
+        return _part(self, "names", names)
 
 
-def read_mesh(source: str | os.PathLike[str] | Any, *, scale: float = 1.0) -> Mesh:
+def _part(mesh: Mesh, name: str, given: Any) -> Mesh:
+    wanted = [given] if isinstance(given, str) else sequence(name, given)
+    if not wanted:
+        raise InputError(f"{name}: give the name of a group of elements")
+    return taken(mesh, np.unique(np.concatenate([group(mesh, name, each) for each in wanted])))
+
+
+def group(mesh: Mesh, name: str, wanted: Any) -> IntArray:
+    """Return the numbers of the elements of a named group; `name` is the argument's."""
+    text(name, wanted)
+    if wanted not in mesh.cell_sets:
+        known = ", ".join(map(repr, mesh.cell_sets)) or "none"
+        raise InputError(
+            f"{name}: the mesh has no group of elements {wanted!r}"
+            f"{nearest(wanted, mesh.cell_sets)}; it has {known}"
+        )
+    return mesh.cell_sets[wanted]
+
+
+def taken(mesh: Mesh, cells: IntArray) -> Mesh:
+    """Return the mesh of some elements, shape (n,), ascending, with their nodes alone."""
+    chosen = np.zeros(mesh.n_cells, dtype=bool)
+    chosen[cells] = True
+    used = np.zeros(mesh.n_nodes, dtype=bool)
+    used[mesh.cells[chosen]] = True
+    number, place = np.cumsum(used) - 1, np.cumsum(chosen) - 1
+    blocks: Any = [
+        (block.kind, number[block.cells[chosen[block.numbers]]])
+        for block in mesh.blocks
+        if chosen[block.numbers].any()
+    ]
+    nodes = {name: number[ids[used[ids]]] for name, ids in mesh.node_sets.items()}
+    groups = {name: place[ids[chosen[ids]]] for name, ids in mesh.cell_sets.items()}
+    kept = [{name: ids for name, ids in of.items() if len(ids)} for of in (nodes, groups)]
+    return Mesh(mesh.nodes[used], blocks, "mixed", *kept)
+
+
+def read_mesh(
+    source: str | os.PathLike[str] | Any,
+    *,
+    scale: float = 1.0,
+    part: str | Sequence[str] | None = None,
+) -> Mesh:
     """Return a mesh of solid elements from any file that meshio reads.
 
-    Cells of lower dimension are not part of the body; their groups become named node sets. What
-    meshio readers leave in disorder is put right: midside nodes that come in another order than
-    meshio's own, elements numbered left-handed throughout, and nodes of no element.
+    Cells of lower dimension are not part of the body; their groups become named node sets. Groups
+    of volume cells become both sets of nodes and groups of elements. What meshio readers leave in
+    disorder is put right: midside nodes that come in another order than meshio's own, elements
+    numbered left-handed throughout, and nodes of no element.
 
     Parameters
     ----------
     source : path, meshio.Mesh or Mesh
     scale : float, optional
         Factor on the coordinates, to metres: 1e-3 for a file in millimetres.
+    part : str or sequence of str, optional
+        Groups of elements that make up the body; all elements if left out. See `Mesh.part`.
 
     Raises
     ------
     MeshError
         If the file cannot be read (`MissingFileError` if it is not there), has no volume cells or
-        several kinds of them, or elements that are inverted or flat.
+        some of an unsupported kind, or elements that are inverted or flat.
+    InputError
+        If there is no group of the name given as `part`.
 
     Warns
     -----
@@ -162,20 +294,69 @@ def read_mesh(source: str | os.PathLike[str] | Any, *, scale: float = 1.0) -> Me
     """
     factor = positive("scale", scale)
     if isinstance(source, Mesh):
-        if factor == 1.0:
-            return source
-        return Mesh(_scaled(source.nodes, factor), source.cells, source.kind, source.node_sets)
+        mesh = source if factor == 1.0 else replace_nodes(source, _scaled(source.nodes, factor))
+        return mesh if part is None else _part(mesh, "part", part)
     if isinstance(source, (str, os.PathLike)):
         raw = load(source)
         try:
-            return _ordered(raw, factor)
+            mesh = _ordered(raw, factor)
         except (MeshError, InputError, InputTypeError) as error:
             raise MeshError(f"mesh file {os.fspath(source)!r}: {error}") from None
-    if not all(hasattr(source, name) for name in ("points", "cells", "point_sets", "cell_sets")):
+    elif all(hasattr(source, name) for name in ("points", "cells", "point_sets", "cell_sets")):
+        mesh = _ordered(source, factor)
+    else:
         raise InputTypeError(
             f"mesh must be a path, a meshio.Mesh or a Mesh, got {type(source).__name__}"
         )
-    return _ordered(source, factor)
+    mesh = mesh if part is None else _part(mesh, "part", part)
+    _warn_of_pieces(mesh)
+    return mesh
+
+
+def replace_nodes(mesh: Mesh, nodes: FloatArray) -> Mesh:
+    """Return the same mesh with its nodes elsewhere."""
+    blocks: Any = [(block.kind, block.cells) for block in mesh.blocks]
+    return Mesh(nodes, blocks, "mixed", mesh.node_sets, mesh.cell_sets)
+
+
+def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
+    """The kinds of elements and their cells, of either form of the arguments."""
+    if not (isinstance(kind, str) and kind == "mixed"):
+        return [(choice("kind", kind, KINDS), cells)]
+    how = 'cells of a mixed mesh must be a list of pairs such as [("tetra", array), …]'
+    try:
+        pairs = [(name, part) for name, part in cells]
+    except (TypeError, ValueError):
+        raise InputTypeError(f"{how}; with an array give its kind") from None
+    if not pairs:
+        raise InputError(f"{how}, got none")
+    kinds = [choice(f"cells[{i}][0]", name, KINDS) for i, (name, _) in enumerate(pairs)]
+    if len(set(kinds)) < len(kinds):
+        raise InputError(f"cells: join the cells of one kind, got {', '.join(kinds)}")
+    return list(zip(kinds, (part for _, part in pairs), strict=True))
+
+
+def _table(blocks: Sequence[Block]) -> IntArray:
+    """The cells of all blocks in one array; short rows repeat their first node."""
+    if len(blocks) == 1:
+        return blocks[0].cells
+    width = max(block.cells.shape[1] for block in blocks)
+    return np.concatenate(
+        [
+            np.hstack([block.cells, np.repeat(block.cells[:, :1], width - block.cells.shape[1], 1)])
+            for block in blocks
+        ]
+    )
+
+
+def _sets(name: str, sets: Any, count: int) -> dict[str, IntArray]:
+    what = "node" if name == "node_sets" else "element"
+    if not isinstance(sets, Mapping):
+        raise InputTypeError(f"{name} must be a dict of names and {what} numbers, got {sets!r}")
+    return {
+        str(key): node_ids(f"{name}[{key!r}]", members, count, what)
+        for key, members in sets.items()
+    }
 
 
 def _ordered(raw: Any, factor: float) -> Mesh:
@@ -184,16 +365,16 @@ def _ordered(raw: Any, factor: float) -> Mesh:
         raise MeshError(
             f"coordinates of the mesh must have shape (any, 3), got {np.shape(raw.points)}"
         )
-    kind, cells = _volume_cells(raw)
-    element = reference_element(kind)
-    cells = _checked_cells(cells, element, len(raw.points))
-    nodes = _scaled(_coordinates(raw.points, cells), factor)
-    nodes, cells, sets = _drop_unused(nodes, cells, named_nodes(raw))
-    cells = _order_midside_nodes(nodes, cells, element)
-    cells = _make_right_handed(nodes, cells, element)
-    mesh = Mesh(nodes, cells, kind, sets)
-    _warn_of_pieces(mesh)
-    return mesh
+    blocks, first = _volume_cells(raw)
+    blocks = [
+        (kind, _checked_cells(cells, reference_element(kind), len(raw.points)))
+        for kind, cells in blocks
+    ]
+    nodes = _scaled(_coordinates(raw.points, blocks), factor)
+    nodes, blocks, sets = _drop_unused(nodes, blocks, named_nodes(raw))
+    blocks = [(kind, _order_midside_nodes(nodes, cells, kind)) for kind, cells in blocks]
+    blocks = [(kind, _make_right_handed(nodes, cells, kind)) for kind, cells in blocks]
+    return Mesh(nodes, blocks, "mixed", sets, named_cells(raw, first))  # type: ignore[arg-type]
 
 
 def _scaled(nodes: FloatArray, factor: float) -> FloatArray:
@@ -219,21 +400,22 @@ def _check_reach(nodes: FloatArray) -> None:
         )
 
 
-def _coordinates(points: Any, cells: IntArray) -> FloatArray:
+def _coordinates(points: Any, blocks: _Blocks) -> FloatArray:
     """Return checked coordinates; those of nodes that no cell uses may be anything."""
     array = np.asarray(points)
     if array.ndim == 2 and array.shape[1] == 2:
         raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
     unused = np.ones(len(array), dtype=bool)
-    unused[cells] = False
+    for _, cells in blocks:
+        unused[cells] = False
     if unused.any() and array.dtype.kind == "f":
         points = np.array(points, subok=True)  # a masked array stays one, and is refused
         points[unused] = 0.0
     return finite_array("coordinates of the mesh", points, shape=(None, 3), unit="m")
 
 
-def _volume_cells(raw: Any) -> tuple[str, IntArray]:
-    """Return the one kind of volume cell and its cells, in the order of the file."""
+def _volume_cells(raw: Any) -> tuple[list[tuple[str, Any]], dict[int, int]]:
+    """Return the volume cells by kind, in the order of the file, and each block's first number."""
     counts: Counter[str] = Counter()
     for block in raw.cells:
         counts[block.type] += len(block.data)
@@ -250,18 +432,23 @@ def _volume_cells(raw: Any) -> tuple[str, IntArray]:
     if unknown:
         what = ", ".join(f"{counts[kind]} {kind}" for kind in unknown)
         raise MeshError(f"the mesh has volume cells of an unsupported kind: {what}; {supported}")
-    if len(volume) > 1:
-        raise MeshError(
-            f"the mesh mixes kinds of volume cells: {listed}; mesh the body with one kind"
-        )
-    (kind,) = volume
-    # Empty blocks, as of a header without elements, may have any shape.
-    blocks = [block.data for block in raw.cells if block.type == kind and len(block.data)]
-    try:
-        return kind, np.concatenate(blocks)
-    except ValueError:
-        shapes = ", ".join(sorted({str(np.shape(block)) for block in blocks}))
-        raise MeshError(f"blocks of cells of kind {kind} have different shapes: {shapes}") from None
+    found: list[tuple[str, Any]] = []
+    first: dict[int, int] = {}
+    count = 0
+    for kind in (kind for kind in KINDS if kind in volume):
+        # Empty blocks, as of a header without elements, may have any shape.
+        parts = [(i, of.data) for i, of in enumerate(raw.cells) if of.type == kind and len(of.data)]
+        for i, cells in parts:
+            first[i] = count
+            count += len(cells)
+        try:
+            found.append((kind, np.concatenate([cells for _, cells in parts])))
+        except ValueError:
+            shapes = ", ".join(sorted({str(np.shape(cells)) for _, cells in parts}))
+            raise MeshError(
+                f"blocks of cells of kind {kind} have different shapes: {shapes}"
+            ) from None
+    return found, first
 
 
 def _checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
@@ -287,12 +474,13 @@ def _checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntAr
 
 
 def _drop_unused(
-    nodes: FloatArray, cells: IntArray, sets: dict[str, IntArray]
-) -> tuple[FloatArray, IntArray, dict[str, IntArray]]:
+    nodes: FloatArray, blocks: _Blocks, sets: dict[str, IntArray]
+) -> tuple[FloatArray, _Blocks, dict[str, IntArray]]:
     used = np.zeros(len(nodes), dtype=bool)
-    used[cells] = True
+    for _, cells in blocks:
+        used[cells] = True
     if used.all():
-        return nodes, cells, sets
+        return nodes, blocks, sets
     first = int(np.flatnonzero(~used)[0])
     warn(
         f"{int((~used).sum())} of {len(nodes)} nodes belong to no volume element and were dropped; "
@@ -300,13 +488,15 @@ def _drop_unused(
     )
     number = np.cumsum(used) - 1
     kept = {name: number[members[used[members]]] for name, members in sets.items()}
-    return nodes[used], number[cells], {name: ids for name, ids in kept.items() if len(ids)}
+    moved = [(kind, number[cells]) for kind, cells in blocks]
+    return nodes[used], moved, {name: ids for name, ids in kept.items() if len(ids)}
 
 
-def _order_midside_nodes(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> IntArray:
+def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
     """Put midside nodes in meshio's order by where they lie, if they are in another throughout."""
+    element = reference_element(kind)
     n = element.n_corners
-    if element.n_nodes == n:
+    if not element.quadratic:
         return cells
     sample = cells[np.linspace(0, len(cells) - 1, min(len(cells), 2000)).astype(int)]
     between = element.linear.shape(element.nodes[n:])
@@ -320,26 +510,26 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, element: ReferenceE
     if np.array_equal(order, np.arange(len(order))):
         return cells
     warn(
-        f"the midside nodes of the {len(cells)} {element.kind} elements come in another order than "
+        f"the midside nodes of the {len(cells)} {kind} elements come in another order than "
         f"meshio's; they were put in order by their places ({(order + n).tolist()})",
     )
     return np.ascontiguousarray(np.concatenate([cells[:, :n], cells[:, n:][:, order]], axis=1))
 
 
-def _make_right_handed(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> IntArray:
+def _make_right_handed(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
     """Renumber the elements if every one of them is the mirror image of a good one."""
+    element = reference_element(kind)
     _, highest = _jacobian_range(nodes, cells, element)
     if (highest >= 0.0).any():
         return cells
-    warn(
-        f"all {len(cells)} elements are numbered left-handed; they were renumbered",
-    )
+    warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
     return np.ascontiguousarray(cells[:, element.mirror])
 
 
-def _check_duplicates(cells: IntArray, element: ReferenceElement) -> None:
+def _check_duplicates(block: Block) -> None:
     """Refuse elements on the same corners: their stiffness and mass would count twice."""
-    corners = np.sort(cells[:, : element.n_corners], axis=1)
+    cells = block.cells
+    corners = np.sort(cells[:, : block.element.n_corners], axis=1)
     order = np.lexsort(corners.T)  # stable: of equal elements the first comes first
     same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
     if same.any():
@@ -347,14 +537,15 @@ def _check_duplicates(cells: IntArray, element: ReferenceElement) -> None:
         earlier, later = int(order[first]), int(order[first + 1])
         raise MeshError(
             f"{int(same.sum())} of {len(cells)} elements are there twice, on the same corners in "
-            f"whatever order: element {later} repeats element {earlier}, with nodes "
-            f"{cells[earlier].tolist()}; remove duplicate elements in the mesher (a volume in two "
-            "groups, or copied)"
+            f"whatever order: element {block.first + later} repeats element "
+            f"{block.first + earlier}, with nodes {cells[earlier].tolist()}; remove duplicate "
+            "elements in the mesher (a volume in two groups, or copied)"
         )
 
 
-def _check_elements(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> None:
-    lowest, highest = _jacobian_range(nodes, cells, element)
+def _check_elements(nodes: FloatArray, block: Block) -> None:
+    cells = block.cells
+    lowest, highest = _jacobian_range(nodes, cells, block.element)
     flat = np.maximum(np.abs(lowest), np.abs(highest)) <= _FLAT
     inverted = (lowest <= _FLAT) & ~flat
     for bad, what in ((flat, "flat (no volume)"), (inverted, "inverted (Jacobian not positive)")):
@@ -363,7 +554,7 @@ def _check_elements(nodes: FloatArray, cells: IntArray, element: ReferenceElemen
             centre = ", ".join(f"{x:.4g}" for x in nodes[cells[first]].mean(axis=0))
             raise MeshError(
                 f"{int(bad.sum())} of {len(cells)} elements are {what}; the first is element "
-                f"{first} near ({centre}) m with nodes {cells[first].tolist()}; "
+                f"{block.first + first} near ({centre}) m with nodes {cells[first].tolist()}; "
                 "repair or improve the mesh there"
             )
 

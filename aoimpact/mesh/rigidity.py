@@ -43,7 +43,9 @@ def motions_at(places: FloatArray) -> FloatArray:
     return motions
 
 
-def unresisted_motions(K: Any, M: Any, motions: FloatArray) -> FloatArray:
+def unresisted_motions(
+    K: Any, M: Any, motions: FloatArray, springs: FloatArray | None = None
+) -> FloatArray:
     """Return an M-orthonormal basis of the rigid motions with K r = 0, shape (n, r).
 
     Every combination of the motions is tested (a body hinged about any line turns about it),
@@ -54,10 +56,16 @@ def unresisted_motions(K: Any, M: Any, motions: FloatArray) -> FloatArray:
     K, M : scipy.sparse.csr_array, shape (n, n)
     motions : ndarray, shape (n, 6)
         Rigid motions on the dofs of K, of magnitude one.
+    springs : ndarray, shape (n,), optional
+        To the ground, which K contains: known to be there, they resist however soft they are.
     """
     forces = K @ motions
+    if springs is not None:  # apart from rounding of the forces in the body
+        forces -= springs[:, None] * motions
     stiffness = K.diagonal()[:, None]
     np.divide(forces, stiffness, out=forces, where=stiffness > 0.0)
+    if springs is not None:
+        forces = np.where(springs[:, None] > 0.0, motions, forces)
     # K is symmetric, so that strong connection is connection; it needs no transpose.
     n_parts, part = sp.csgraph.connected_components(K, connection="strong")
     order = np.argsort(part, kind="stable")

@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray
-from .elements import reference_element
-from .faces import reference_faces
+from ..base import FloatArray, IntArray, MeshError
+from .faces import ReferenceFace, reference_faces
 from .mesh import Mesh
 
 __all__ = ["SHARP", "Place", "Surface", "boundary", "plane_of"]
@@ -46,6 +45,9 @@ _SAME_PLACE = 1e-9
 
 # A determinant, relative to the largest entry squared, of tangents that are one direction.
 _SINGULAR = 1e-12
+
+# Tangents near a pyramid's apex, where its slopes have no value, are those so much farther in.
+_OFF_APEX = 1e-6
 
 # Pairs of a point and a side that are worked on at a time: some 100 MB for 27 nodes.
 _CHUNK = 50_000
@@ -84,7 +86,8 @@ class Surface:
     ----------
     mesh : Mesh
     cell, side : ndarrays of int, shape (n_faces,)
-        The element that each face belongs to, and which of `reference_faces` it is.
+        The element that each face belongs to, and which of the `reference_faces` of the mesh's
+        kinds, taken one after the other, it is.
     joined : ndarray of int, shape (any, 2)
         Pairs of elements that share a side.
     """
@@ -105,12 +108,21 @@ class Surface:
     @cached_property
     def nodes(self) -> IntArray:
         """Node numbers of each face, corners first; short rows repeat their first node."""
-        sides = reference_faces(self.mesh.kind)
-        width = max(4, *(len(face.nodes) for face in sides))
-        local = np.stack([np.resize(face.nodes, width) for face in sides])
-        for row, face in zip(local, sides, strict=True):
+        width = max(4, *(len(face.nodes) for _, face in self.sides))
+        local = np.stack([np.resize(face.nodes, width) for _, face in self.sides])
+        for row, (_, face) in zip(local, self.sides, strict=True):
             row[len(face.nodes) :] = face.nodes[0]
         return np.take_along_axis(self.mesh.cells[self.cell], local[self.side], axis=1)
+
+    @cached_property
+    def sides(self) -> list[tuple[int, ReferenceFace]]:
+        """The sides of each kind of element in the mesh, with the number of its block."""
+        return _sides(self.mesh)
+
+    def block(self, face: IntArray) -> IntArray:
+        """Return which block of the mesh each face's element is in."""
+        number: IntArray = np.array([block for block, _ in self.sides])[self.side[face]]
+        return number
 
     @cached_property
     def balls(self) -> tuple[FloatArray, FloatArray]:
@@ -120,16 +132,36 @@ class Surface:
         return centre, _BULGE * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
 
     def shape(self, face: IntArray, uv: FloatArray) -> FloatArray:
-        """Return the shape functions of the faces' elements, shape (n, nodes per cell)."""
-        return reference_element(self.mesh.kind).shape(self._xi(face, uv))
+        """Return the shape functions of the faces' elements, as wide as the mesh's `cells`."""
+        return self._evaluate(face, self._xi(face, uv))[0]
 
     def at(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return x, shape (n, 3), and ∂x/∂u, ∂x/∂v, shape (n, 2, 3), of points on faces."""
-        element, xi = reference_element(self.mesh.kind), self._xi(face, uv)
         corners = self.mesh.nodes[self.mesh.cells[self.cell[face]]]
-        shape, gradient = element.evaluate(xi)
+        xi = self._xi(face, uv)
+        shape, gradient = self._evaluate(face, xi)
+        if self._has_apexes and (at_apex := xi[:, 2] > 1.0 - _OFF_APEX).any():
+            on, inner = face[at_apex], uv[at_apex]
+            inner = inner + _OFF_APEX * (self.middle(on) - inner)
+            gradient[at_apex] = self._evaluate(on, self._xi(on, inner))[1]
         x = np.einsum("na,nai->ni", shape, corners)
         return x, self._axes[self.side[face]] @ (gradient.swapaxes(1, 2) @ corners)
+
+    def _evaluate(self, face: IntArray, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Shape functions and gradients; those of small elements are filled up with zeros."""
+        blocks = self.mesh.blocks
+        if len(blocks) == 1:
+            return blocks[0].element.evaluate(xi)
+        number, width = self.block(face), self.mesh.cells.shape[1]
+        shape, gradient = np.zeros((len(face), width)), np.zeros((len(face), width, 3))
+        for i, block in enumerate(blocks):
+            on, n = number == i, block.element.n_nodes
+            shape[on, :n], gradient[on, :n] = block.element.evaluate(xi[on])
+        return shape, gradient
+
+    @cached_property
+    def _has_apexes(self) -> bool:
+        return any(block.element.cell.linear == "pyramid" for block in self.mesh.blocks)
 
     def normal(self, face: IntArray, uv: FloatArray) -> FloatArray:
         """Return outward unit normals, shape (n, 3)."""
@@ -144,18 +176,22 @@ class Surface:
 
         Faces within 45° of each other are one smooth side; places without a further side are zero.
         """
-        element = reference_element(self.mesh.kind)
+        return self.normals_at(self.mesh.cells, self.mesh.n_nodes)
+
+    def normals_at(self, cells: IntArray, count: int) -> FloatArray:
+        """Return `node_normals` of `count` nodes for elements numbered otherwise, as `cells`."""
         nodes, normals = [], []
-        for side, face in enumerate(reference_faces(self.mesh.kind)):
+        for side, (number, face) in enumerate(self.sides):
             on = np.flatnonzero(self.side == side)
+            element = self.mesh.blocks[number].element
             places = (element.nodes[face.nodes] - face.origin) @ np.linalg.pinv(face.axes)
             for local, uv in zip(face.nodes, places, strict=True):
-                nodes.append(self.mesh.cells[self.cell[on], local])
+                nodes.append(cells[self.cell[on], local])
                 normals.append(self.normal(on, np.tile(uv, (len(on), 1))))
         node, normal = np.concatenate(nodes), np.concatenate(normals)
-        found = np.zeros((3, self.mesh.n_nodes, 3))
+        found = np.zeros((3, count, 3))
         for mean in found:
-            first = np.zeros(self.mesh.n_nodes, dtype=np.int64)
+            first = np.zeros(count, dtype=np.int64)
             first[node[::-1]] = np.arange(len(node))[::-1]
             alike = np.einsum("ni,ni->n", normal, normal[first[node]]) > SHARP
             np.add.at(mean, node[alike], normal[alike])
@@ -301,32 +337,78 @@ class Surface:
 
     @cached_property
     def _origins(self) -> FloatArray:
-        return np.stack([face.origin for face in reference_faces(self.mesh.kind)])
+        return np.stack([face.origin for _, face in self.sides])
 
     @cached_property
     def _axes(self) -> FloatArray:
-        return np.stack([face.axes for face in reference_faces(self.mesh.kind)])
+        return np.stack([face.axes for _, face in self.sides])
 
     @cached_property
     def _triangle(self) -> npt.NDArray[np.bool_]:
-        return np.array([face.n_corners == 3 for face in reference_faces(self.mesh.kind)])
+        return np.array([face.n_corners == 3 for _, face in self.sides])
+
+
+def _sides(mesh: Mesh) -> list[tuple[int, ReferenceFace]]:
+    return [
+        (number, face)
+        for number, block in enumerate(mesh.blocks)
+        for face in reference_faces(block.kind)
+    ]
 
 
 def boundary(mesh: Mesh) -> Surface:
-    """Return the surface of a mesh: the sides whose corners belong to no other element."""
-    sides = reference_faces(mesh.kind)
-    keys = np.full((len(sides), mesh.n_cells, 4), -1)
-    for key, face in zip(keys, sides, strict=True):
-        corners = mesh.cells[:, face.nodes[: face.n_corners]]
-        key[:, : face.n_corners] = np.sort(corners, axis=1)
-    flat = keys.reshape(-1, 4)
-    order = np.lexsort(flat.T)
-    same = (flat[order[1:]] == flat[order[:-1]]).all(axis=1)
-    single = np.ones(len(flat), dtype=bool)
-    single[order[1:][same]] = single[order[:-1][same]] = False
-    side, cell = np.divmod(np.flatnonzero(single), mesh.n_cells)
-    joined = np.stack([order[1:][same], order[:-1][same]], axis=1) % mesh.n_cells
-    return Surface(mesh, cell, side, joined)
+    """Return the surface of a mesh: the sides whose corners belong to no other element.
+
+    Raises
+    ------
+    MeshError
+        If elements of different kinds do not fit together.
+    """
+    corners, cells, numbers = [], [], []
+    for side, (number, face) in enumerate(_sides(mesh)):
+        block = mesh.blocks[number]
+        key = np.full((len(block.cells), 4), -1)
+        key[:, : face.n_corners] = np.sort(block.cells[:, face.nodes[: face.n_corners]], axis=1)
+        corners.append(key)
+        cells.append(np.arange(block.first, block.first + len(block.cells)))
+        numbers.append(np.full(len(block.cells), side))
+    key, cell, side_of = (np.concatenate(parts) for parts in (corners, cells, numbers))
+    order = np.lexsort(key.T)
+    same = (key[order[1:]] == key[order[:-1]]).all(axis=1)
+    single = np.ones(len(key), dtype=bool)
+    one, other = order[1:][same], order[:-1][same]
+    single[one] = single[other] = False
+    surface = Surface(
+        mesh, cell[single], side_of[single], np.stack([cell[one], cell[other]], axis=1)
+    )
+    if len(mesh.blocks) > 1:
+        _check_fit(surface, key[single], side_of[one], side_of[other])
+    return surface
+
+
+def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArray) -> None:
+    """Refuse kinds that meet in sides with other nodes: displacements would gape there."""
+    count = np.array([len(face.nodes) for _, face in surface.sides])
+    apart = count[one] != count[other]
+    if apart.any():
+        cells = surface.joined[np.flatnonzero(apart)[0]].tolist()
+        raise MeshError(
+            f"{int(apart.sum())} pairs of elements share a side with different nodes on it, the "
+            f"first are elements {cells[0]} and {cells[1]}: the mesh mixes elements of first and "
+            f"second order ({surface.mesh.contents}); mesh the body with one order"
+        )
+    square = corners[:, 3] >= 0
+    triples = np.concatenate([np.delete(corners[square], i, axis=1) for i in range(4)])
+    lone = np.concatenate([corners[~square, :3], np.unique(triples, axis=0)])
+    order = np.lexsort(lone.T)
+    same = (lone[order[1:]] == lone[order[:-1]]).all(axis=1)
+    if same.any():
+        nodes = lone[order[1:][same]][0].tolist()
+        raise MeshError(
+            f"{int(same.sum())} triangular sides of elements lie on quadrilateral ones, the first "
+            f"on nodes {nodes}: displacements would not agree there; put pyramids between "
+            "tetrahedra and hexahedra or wedges, or mesh the body with one kind"
+        )
 
 
 def plane_of(axis: FloatArray) -> FloatArray:

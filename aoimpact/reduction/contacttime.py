@@ -13,9 +13,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..base import InputError, positive
-from ..fem import ContactPoint, stiffness_mass
-from ..mesh import Mesh
+from ..base import InputError, IntArray, positive
+from ..fem import (
+    AnyMaterial,
+    ContactPoint,
+    Material,
+    Materials,
+    OneMaterial,
+    each_of,
+    stiffness_mass,
+)
+from ..mesh import taken
 
 __all__ = [
     "SHIFT_TIMES_DURATION",
@@ -44,21 +52,34 @@ def contact_stiffness(tip: ContactPoint) -> float:
     """
     body, b = tip.body, tip.b
     share = float(b @ b)
-    if body.mesh is None or body.material is None or body.material.nu <= _COMPRESSIBLE:
+    if body.mesh is None or body.material is None:
+        return float(b @ (body.K @ b)) / share**2
+    material = body.material
+    if not any(isinstance(of, Material) and of.nu > _COMPRESSIBLE for of in each_of(material)):
         return float(b @ (body.K @ b)) / share**2
     assert body.free is not None  # a body with a mesh has nodes
     force = np.zeros(3 * body.mesh.n_nodes)
     force[body.free] = b
     moved = force.reshape(-1, 3)
     touched = np.abs(moved).max(axis=1) > 0.0
-    cells = body.mesh.cells[touched[body.mesh.cells].any(axis=1)]
-    nodes, local = np.unique(cells, return_inverse=True)
-    around = Mesh(body.mesh.nodes[nodes], local.reshape(cells.shape), body.mesh.kind)
-    shear = body.material.E / (1.0 + body.material.nu)
-    softer = replace(body.material, E=shear * (1.0 + _COMPRESSIBLE), nu=_COMPRESSIBLE)
-    K, _ = stiffness_mass(around, softer)
-    there = moved[nodes].ravel()
+    cells = np.flatnonzero(touched[body.mesh.cells].any(axis=1))
+    there = moved[np.unique(body.mesh.cells[cells])].ravel()
+    K, _ = stiffness_mass(taken(body.mesh, cells), _softer(material, cells))
     return float(there @ (K @ there)) / share**2
+
+
+def _softer(material: AnyMaterial, cells: IntArray) -> AnyMaterial:
+    if not isinstance(material, Materials):
+        return _compressible(material)
+    materials = tuple(_compressible(of) for of in material.materials)
+    return replace(material.taken(cells), materials=materials)
+
+
+def _compressible(material: OneMaterial) -> OneMaterial:
+    if not isinstance(material, Material) or material.nu <= _COMPRESSIBLE:
+        return material
+    shear = material.E / (1.0 + material.nu)
+    return replace(material, E=shear * (1.0 + _COMPRESSIBLE), nu=_COMPRESSIBLE)
 
 
 def fitted_shifts(

@@ -174,7 +174,7 @@ def _contact_point(end: Any) -> ContactPoint | None:
 
 
 def _material(end: Any, tip: ContactPoint | None) -> Material | None:
-    known = getattr(end, "surface", None) if tip is None else tip.body  # of a rigid ball
+    known = getattr(end, "surface", None) if tip is None else tip  # of a rigid ball
     return getattr(known, "material", None)
 
 

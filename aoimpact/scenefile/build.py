@@ -14,7 +14,18 @@ import numpy as np
 
 from ..accuracy import SCENE_CHOICES
 from ..base import InputError, nearest
-from ..fem import ContactPoint, FEModel, Material, ModalDamping, Rayleigh, contact_point
+from ..fem import (
+    ContactPoint,
+    FEModel,
+    Material,
+    ModalDamping,
+    OneMaterial,
+    Orthotropic,
+    Rayleigh,
+    RigidMass,
+    contact_point,
+    materials_of,
+)
 from ..impact import Scene, SceneCase
 from ..laws import ContactLaw, Hertz, Thornton
 from ..matrixfiles import read_matrices
@@ -184,7 +195,7 @@ class Builder:
                 return rigid(**table, name=name)
         if "ball" in table:
             with self.located(*place):
-                return ball(table["ball"], self._material(table["material"]), name=name)
+                return ball(table["ball"], self._isotropic(table["material"]), name=name)
         if "m0" in table:
             with self.located(*place):
                 return AOModel(**table | self._damping(name), name=name)
@@ -193,10 +204,13 @@ class Builder:
         )
 
     def _given_material(self, name: str) -> Any:
-        """The table of a body's material; None of matrices without one."""
+        """The tables of a body's materials; None of matrices without one."""
         table = self.data["bodies"][name]
         material = table.get("matrices", table).get("material")
-        return None if material is None else self.data["materials"][material]
+        if material is None:
+            return None
+        names = [material] if isinstance(material, str) else material.values()
+        return [self.data["materials"][each] for each in names]
 
     def _model(self, name: str) -> Any:
         table, place = self.data["bodies"][name], ("bodies", name)
@@ -239,17 +253,26 @@ class Builder:
 
     def _solid(self, name: str) -> FEModel:
         table, place = self.data["bodies"][name], ("bodies", name)
-        material = self._material(table["material"])
         with self.located(*place, "mesh"):
-            mesh = self._mesh(table["mesh"])
-        supports = []
-        for i, entry in enumerate(table.get("fixed", ())):
-            with self.located(*place, "fixed", i):
-                supports.append((_support_nodes(entry, mesh), entry["hold"]))
-        with self.located(*place, *(["fixed"] if supports else [])):
-            return FEModel.from_mesh(
-                mesh, material, fixed=supports or None, name=name, **self._damping(name)
-            )
+            mesh = self._mesh(table["mesh"], table.get("part"))
+        with self.located(*place, "material"):
+            material = materials_of(mesh, self._materials(table["material"]))
+        entries: dict[str, Any] = {
+            key: self._entries(name, key, mesh)
+            for key in ("fixed", "masses", "springs")
+            if table.get(key)
+        }
+        # Of several lists the message names the one that is wrong.
+        with self.located(*place, *(entries if len(entries) == 1 else ())):
+            return FEModel.from_mesh(mesh, material, **entries, name=name, **self._damping(name))
+
+    def _entries(self, name: str, key: str, mesh: Mesh) -> list[Any]:
+        """What is fastened to a body: supports, masses or springs, as `from_mesh` takes them."""
+        made = []
+        for i, entry in enumerate(self.data["bodies"][name][key]):
+            with self.located("bodies", name, key, i):
+                made.append(_FASTENED[key](_nodes_of(entry, mesh), entry))
+        return made
 
     def _of_matrices(self, name: str) -> FEModel:
         given = dict(self.data["bodies"][name]["matrices"])
@@ -264,22 +287,46 @@ class Builder:
         with self.located("bodies", name, "matrices"):
             return read_matrices(**given, **self._damping(name))
 
-    def _mesh(self, mesh: str | Mapping[str, Any]) -> Mesh:
+    def _mesh(self, mesh: str | Mapping[str, Any], part: Any = None) -> Mesh:
         if mesh == _PAPER_SPHERE:
-            return paper_sphere_mesh()
+            return read_mesh(paper_sphere_mesh(), part=part)
         if isinstance(mesh, str):
-            return read_mesh(self.folder / mesh)
+            return read_mesh(self.folder / mesh, part=part)
         if "file" in mesh:
-            return read_mesh(self.folder / mesh["file"], scale=mesh.get("scale", 1.0))
+            return read_mesh(self.folder / mesh["file"], scale=mesh.get("scale", 1.0), part=part)
+        return read_mesh(self._generated(mesh), part=part)
+
+    def _generated(self, mesh: Mapping[str, Any]) -> Mesh:
         if "sphere" in mesh:
             return sphere_mesh(mesh["sphere"], mesh["size"])
         return box_mesh(mesh["box"], mesh["divisions"], kind=mesh.get("kind", "hexahedron"))
 
     # ---------------------------------------------------------------- materials and laws
 
-    def _material(self, name: str) -> Material:
+    def _material(self, name: str) -> OneMaterial:
+        table = self.data["materials"][name]
         with self.located("materials", name):
-            return Material(**self.data["materials"][name])
+            if "orthotropic" not in table:
+                return Material(**table)
+            axes = {"axes": table["axes"]} if "axes" in table else {}
+            made = Orthotropic(**table["orthotropic"], rho=table["rho"], **axes)
+            return made.turned(table["turned"], made.axes[2]) if "turned" in table else made
+
+    def _materials(self, named: str | Mapping[str, str]) -> OneMaterial | dict[str, OneMaterial]:
+        """The material of a body, or those of its groups of elements."""
+        if isinstance(named, str):
+            return self._material(named)
+        return {group: self._material(each) for group, each in named.items()}
+
+    def _isotropic(self, name: str) -> Material:
+        """A material that a ball or a law's surface needs."""
+        material = self._material(name)
+        if isinstance(material, Orthotropic):
+            raise InputError(
+                f"material: {name!r} is orthotropic; a ball and a surface of a law need an "
+                "isotropic one"
+            )
+        return material
 
     def _law(self, *place: str | int) -> ContactLaw | None:
         """The law of an impact or a contact; None where it is left out."""
@@ -294,7 +341,7 @@ class Builder:
                 surfaces = [
                     part
                     for surface in table["k"]["between"]
-                    for part in (self._material(surface["material"]), surface["radius"])
+                    for part in (self._isotropic(surface["material"]), surface["radius"])
                 ]
                 if "yield_pressure" in table:
                     return _yielding(table, surfaces)
@@ -331,11 +378,25 @@ def _made(classes: Mapping[str, Any], table: Mapping[str, Any]) -> Any:
     return (cls.from_restitution if by_restitution else cls)(**given)
 
 
-def _support_nodes(entry: Mapping[str, Any], mesh: Mesh) -> Any:
-    """Nodes of a support: as written, or those on all of the planes that it names."""
+def _mounted(nodes: Any, entry: Mapping[str, Any]) -> Any:
+    """An added mass: shared by its nodes, or, with a centre or inertia, a rigid one."""
+    more = {key: entry[key] for key in ("centre", "inertia") if key in entry}
+    return RigidMass(nodes, entry["mass"], **more) if more else (nodes, entry["mass"])
+
+
+# By the list they are in: what the keyword of `FEModel.from_mesh` takes.
+_FASTENED: dict[str, Callable[[Any, Mapping[str, Any]], Any]] = {
+    "fixed": lambda nodes, entry: (nodes, entry["hold"]),
+    "masses": _mounted,
+    "springs": lambda nodes, entry: (nodes, entry["along"], entry["stiffness"]),
+}
+
+
+def _nodes_of(entry: Mapping[str, Any], mesh: Mesh) -> Any:
+    """Nodes of an entry: as written, or those on all of the planes that it names."""
     planes = {axis: entry[axis] for axis in "xyz" if axis in entry}
     if ("nodes" in entry) == bool(planes):
-        raise InputError("a support needs either nodes, or planes x, y, z on all of which they lie")
+        raise InputError("give either nodes, or planes x, y, z on all of which they lie")
     if not planes:
         return entry["nodes"]
     on = np.ones(mesh.n_nodes, dtype=bool)

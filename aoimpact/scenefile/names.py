@@ -41,12 +41,32 @@ SOLVERS = {solver.__name__: solver for solver in (Adaptive, Newmark)}
 _VECTOR = Listed(Number(), 3)
 
 
-_MATERIAL = Table(
+_MATERIAL = Variants(
     {
-        "E": needed(Number("Pa")),
-        "nu": needed(Number()),
-        "rho": needed(Number("kg/m³")),
-        "yield_strength": optional(Number("Pa")),
+        "E": Table(
+            {
+                "E": needed(Number("Pa")),
+                "nu": needed(Number()),
+                "rho": needed(Number("kg/m³")),
+                "yield_strength": optional(Number("Pa")),
+            }
+        ),
+        "orthotropic": Table(
+            {
+                "orthotropic": needed(
+                    Table(
+                        {
+                            "E": needed(Listed(Number("Pa"), 3)),
+                            "G": needed(Listed(Number("Pa"), 3)),
+                            "nu": needed(_VECTOR),
+                        }
+                    )
+                ),
+                "rho": needed(Number("kg/m³")),
+                "axes": optional(Listed(_VECTOR)),
+                "turned": optional(Number("rad")),
+            }
+        ),
     }
 )
 
@@ -64,15 +84,26 @@ _MESH = Variants(
     }
 )
 
-_SUPPORT = Table(
+# Nodes: a set, numbers, or all on some planes.
+_NODES = {
+    "nodes": optional(Either((Text(), Listed(Integer())))),
+    "x": optional(Number("m")),
+    "y": optional(Number("m")),
+    "z": optional(Number("m")),
+}
+
+_SUPPORT = Table({"hold": needed(Text())} | _NODES)
+
+_ADDED = Table(
     {
-        "hold": needed(Text()),
-        "nodes": optional(Either((Text(), Listed(Integer())))),
-        "x": optional(Number("m")),
-        "y": optional(Number("m")),
-        "z": optional(Number("m")),
+        "mass": needed(Number("kg")),
+        "centre": optional(_VECTOR),
+        "inertia": optional(Either((_VECTOR, Listed(_VECTOR, 3)))),
     }
+    | _NODES
 )
+
+_SPRING = Table({"along": needed(Text()), "stiffness": needed(Number("N/m"))} | _NODES)
 
 # How a place is pressed on.
 _PRESSED = {
@@ -157,8 +188,13 @@ _BODY = Variants(
         "mesh": Table(
             {
                 "mesh": needed(Either((Text(), _MESH))),
-                "material": needed(Reference("materials")),
+                "material": needed(
+                    Either((Reference("materials"), Entries(Reference("materials"))))
+                ),
+                "part": optional(Either((Text(), Listed(Text())))),
                 "fixed": optional(Listed(_SUPPORT)),
+                "masses": optional(Listed(_ADDED)),
+                "springs": optional(Listed(_SPRING)),
                 "damping": optional(_DAMPING),
             }
             | _TOUCHED

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import meshio
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -22,6 +21,7 @@ from skfem.helpers import ddot, dot, eye, sym_grad, trace
 from aoimpact.fem.assembly import stiffness_mass
 from aoimpact.fem.material import Material
 from aoimpact.mesh.elements import KINDS, reference_element
+from aoimpact.mesh.files import meshio_of_all_kinds
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
 from aoimpact.mesh.mesh import Mesh, read_mesh
 
@@ -193,6 +193,9 @@ ORDERS = {
     "tetra": (2, (4, 8)),
     "hexahedron": (2, (4, 8)),
     "wedge": (2, (4, 8)),
+    "wedge15": (4, (2, 4)),
+    "pyramid": (2, (4, 8)),
+    "pyramid13": (4, (2, 4)),
     "tetra10": (4, (4, 8)),
     "hexahedron20": (4, (2, 4)),
     "hexahedron27": (4, (2, 4)),
@@ -247,7 +250,7 @@ def test_meshio_s_own_writer_keeps_the_order(tmp_path: Path) -> None:
     for kind in KINDS:
         mesh = distorted_box(kind)
         path = tmp_path / f"{kind}.vtu"
-        meshio.write(path, meshio.Mesh(mesh.nodes, [(kind, mesh.cells)]))
+        meshio_of_all_kinds().Mesh(mesh.nodes, [(kind, mesh.cells)]).write(path)
         again = read_mesh(path)
         assert np.array_equal(again.cells, mesh.cells)
         assert np.array_equal(again.nodes, mesh.nodes)

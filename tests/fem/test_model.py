@@ -571,7 +571,7 @@ def test_a_body_beyond_the_range_of_numbers_is_refused(E: float, rho: float) -> 
 def test_bad_meshes_and_materials_are_refused() -> None:
     with pytest.raises(MeshError, match="does not exist"):
         FEModel.from_mesh("nowhere.msh", STEEL)
-    with pytest.raises(InputTypeError, match="material must be a Material, got float"):
+    with pytest.raises(InputTypeError, match=r"material must be a Material, .* got float"):
         FEModel.from_mesh(BLOCK, 210e9)  # type: ignore[arg-type]
 
 

@@ -16,6 +16,9 @@ COUNTS = {
     "hexahedron20": [(8, 4)] * 6,
     "hexahedron27": [(9, 4)] * 6,
     "wedge": [(4, 4)] * 3 + [(3, 3)] * 2,
+    "wedge15": [(8, 4)] * 3 + [(6, 3)] * 2,
+    "pyramid": [(3, 3)] * 4 + [(4, 4)],
+    "pyramid13": [(6, 3)] * 4 + [(8, 4)],
 }
 
 
@@ -45,5 +48,7 @@ def test_sides_close_the_element(kind: str) -> None:
         [f.origin + s * f.axes.sum(axis=0) for f, s in zip(faces, share, strict=True)]
     )
     np.testing.assert_allclose(area.sum(axis=0), 0.0, atol=1e-15)
-    volume = {"tetra": 1 / 6, "wedge": 1 / 2}.get(reference_element(kind).cell.linear, 1.0)
+    volume = {"tetra": 1 / 6, "wedge": 1 / 2, "pyramid": 1 / 3}.get(
+        reference_element(kind).cell.linear, 1.0
+    )
     assert np.einsum("fi,fi->", area, middle) / 3.0 == pytest.approx(volume)  # Gauss's theorem

@@ -90,7 +90,7 @@ def test_sphere_is_as_fine_as_asked(size: float) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_box_has_its_volume_and_its_faces(kind: str) -> None:
     mesh = box_mesh((3.0, 2.0, 1.0), (3, 4, 2), kind=kind)
-    per_brick = {"tetra": 6, "wedge": 2}.get(reference_element(kind).cell.linear, 1)
+    per_brick = {"tetra": 6, "wedge": 2, "pyramid": 6}.get(reference_element(kind).cell.linear, 1)
     assert mesh.n_cells == 24 * per_brick
     each = volumes(mesh)
     assert each == pytest.approx(6.0 / mesh.n_cells, rel=1e-13)

@@ -73,6 +73,7 @@ STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 HERTZ = ao.Hertz(1e9)
 BALL = ao.rigid(0.03)
 STAR = ao.AOModel(m0=0.1, k0=1e4, m=[0.2], k=[1e6])
+PLY = ao.Orthotropic(E=(135e9, 9e9, 9e9), G=(5e9, 5e9, 3.2e9), nu=(0.3, 0.3, 0.4), rho=1550)
 BOX = ao.box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
 BAR = ao.FEModel.from_mesh(BOX, STEEL)
 TIP = BAR.contact(point=(0.1, 0.0, 0.0), direction=(-1.0, 0.0, 0.0), radius=0)
@@ -281,9 +282,36 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "sphere_mesh": (ao.sphere_mesh, {"radius": 1.0, "size": 1.0}),
     "Mesh": (
         ao.Mesh,
-        {"nodes": BOX.nodes, "cells": BOX.cells, "kind": BOX.kind, "node_sets": BOX.node_sets},
+        {
+            "nodes": BOX.nodes,
+            "cells": BOX.cells,
+            "kind": BOX.kind,
+            "node_sets": BOX.node_sets,
+            "cell_sets": {"all": [0]},
+        },
     ),
-    "read_mesh": (ao.read_mesh, {"source": BOX, "scale": 1.0}),
+    "Mesh.part": (
+        ao.Mesh(BOX.nodes, BOX.cells, BOX.kind, {}, {"all": [0]}).part,
+        {"names": "all"},
+    ),
+    "read_mesh": (ao.read_mesh, {"source": BOX, "scale": 1.0, "part": None}),
+    "Material.half_space": (STEEL.half_space, {"normal": (0, 0, 1)}),
+    "Orthotropic": (
+        ao.Orthotropic,
+        {
+            "E": (135e9, 9e9, 9e9),
+            "G": (5e9, 5e9, 3.2e9),
+            "nu": (0.3, 0.3, 0.4),
+            "rho": 1550.0,
+            "axes": ((1, 0, 0), (0, 1, 0)),
+        },
+    ),
+    "Orthotropic.turned": (PLY.turned, {"angle": 0.1, "about": (0, 0, 1)}),
+    "Orthotropic.half_space": (PLY.half_space, {"normal": (0, 0, 1)}),
+    "RigidMass": (
+        ao.RigidMass,
+        {"nodes": "xmax", "mass": 1.0, "centre": (0, 0, 0), "inertia": (1.0, 1.0, 1.0)},
+    ),
     "read_scene": (ao.read_scene, {"path": "no.toml"}),
     "FEModel": (
         ao.FEModel,
@@ -291,7 +319,16 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "FEModel.from_mesh": (
         ao.FEModel.from_mesh,
-        {"mesh": BOX, "material": STEEL, "fixed": None, "damping": None, "name": ""},
+        {
+            "mesh": BOX,
+            "material": STEEL,
+            "fixed": None,
+            "masses": [("xmax", 1.0)],
+            "springs": [("xmax", "x", 1e6)],
+            "part": None,
+            "damping": None,
+            "name": "",
+        },
     ),
     "FEModel.contact": (
         BAR.contact,

@@ -9,6 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from every_law import LAWS as EVERY_LAW
@@ -140,8 +141,6 @@ def test_a_support_on_planes_is_the_edge_where_they_meet(tmp_path: Path) -> None
 
 
 def test_meshes_lie_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import meshio
-
     mesh = ao.box_mesh((100.0, 10.0, 10.0), (4, 1, 1))  # mm
     folder = tmp_path / "scene"
     folder.mkdir()
@@ -494,7 +493,7 @@ WRONG = {
         ("{ box = [0.1", '{ file = "no.msh", size = [0.1', "mesh", "unknown name 'size'"),
         ('"xmin"', '"xmim"', "fixed", "did you mean 'xmin'"),
         ('nodes = "xmin"', "x = 0.2", "    { x", "no node lies on x = 0.2 m; the mesh spans"),
-        ('nodes = "xmin", ', "", "    { hold", "needs either nodes, or planes"),
+        ('nodes = "xmin", ', "", "    { hold", "give either nodes, or planes"),
         ("[0.1, 0.0, 0.0]", "[0.2, 0.0, 0.0]", "contact", "off the body"),
         ("[0, 0, 1]", "[0, 0, 0]", "contact", "must not be the zero vector"),
         ("direction = [0, 0, 1]", "dof = 1", "contact", "exclude each other"),
@@ -802,3 +801,104 @@ def test_the_former_name_of_rtol_is_told(tmp_path: Path) -> None:
     both = former.replace("tolerance", "rtol = 0.05\ntolerance")
     with pytest.raises(ao.SceneFileError, match="former name of rtol"):
         ao.read_scene(written(tmp_path, both)).simulate()
+
+
+# ------------------------------------------------------------- several materials, masses, springs
+
+TUP = """
+[materials.steel]
+E = 210e9
+nu = 0.3
+rho = 7800
+
+[materials.ply]
+orthotropic = { E = [135e9, 9e9, 9e9], G = [5e9, 5e9, 3.2e9], nu = [0.3, 0.3, 0.4] }
+rho = 1550
+turned = 0.5
+
+[bodies.tup]
+mesh = "tup.msh"
+part = ["nose", "body"]
+material = { nose = "steel", body = "ply" }
+masses = [
+    { z = 0.04, mass = 5.0 },
+    { nodes = [0, 7, 20, 30], mass = 1.0, centre = [0, 0, 0.1], inertia = [1e-3, 1e-3, 1e-3] },
+]
+springs = [{ nodes = "body", along = "z", stiffness = 1e4 }]
+contact = { point = [0.01, 0.01, 0.0], direction = [0, 0, -1], radius = 0.0 }
+model = { type = "antioscillators", n = 2, method = "krylov", contact_time = 1.6e-3 }
+
+[bodies.wall]
+mass = inf
+
+[impact]
+projectile = "tup"
+target = "wall"
+velocity = 1.0
+duration = 5e-3
+law = { type = "Hertz", k = 1e9 }
+"""
+
+
+def write_tup(folder: Path) -> ao.Mesh:
+    """A bar along z of two groups, and a third body beside it in the same file."""
+    bar = ao.box_mesh((0.02, 0.02, 0.04), (2, 2, 4))
+    cells = [bar.cells[bar.nodes[bar.cells].mean(axis=1)[:, 2] < 0.01]]
+    cells += [bar.cells[bar.nodes[bar.cells].mean(axis=1)[:, 2] > 0.01], bar.cells + bar.n_nodes]
+    tags = [np.full(len(part), i + 1) for i, part in enumerate(cells)]
+    raw = meshio.Mesh(
+        np.vstack([bar.nodes, bar.nodes + np.array([1.0, 0.0, 0.0])]),
+        [("hexahedron", part) for part in cells],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={n: np.array([i + 1, 3]) for i, n in enumerate(("nose", "body", "other"))},
+    )
+    raw.write(folder / "tup.msh", file_format="gmsh22", binary=False)
+    return bar
+
+
+def test_a_body_of_groups_with_masses_and_springs(tmp_path: Path) -> None:
+    write_tup(tmp_path)
+    (tmp_path / "tup.toml").write_text(TUP)
+    scene = ao.read_scene(tmp_path / "tup.toml")
+    assert scene.simulate().peak_force > 0.0
+    body = scene.case()["projectile"].origin.tip.body
+    ply = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), 1550).turned(0.5)
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    assert body.mass == pytest.approx(7800 * 4e-6 + 1550 * 12e-6 + 6.0)
+    same = ao.FEModel.from_mesh(
+        tmp_path / "tup.msh",
+        {"nose": steel, "body": ply},
+        masses=[
+            (lambda x: np.abs(x[:, 2] - 0.04) < 1e-9, 5.0),
+            ao.RigidMass([0, 7, 20, 30], 1.0, (0, 0, 0.1), (1e-3, 1e-3, 1e-3)),
+        ],
+        springs=[("body", "z", 1e4)],
+        part=["nose", "body"],
+    )
+    assert (same.K != body.K).nnz == 0
+    assert (same.M != body.M).nnz == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "said"),
+    [
+        ('nose = "steel", ', "", "material =", "4 of 16 elements have none.*'nose'"),
+        ('nose = "steel"', 'noze = "steel"', "material =", "did you mean 'nose'"),
+        ('body = "ply" }', 'body = "plie" }', "material =", "did you mean 'ply'"),
+        ('["nose", "body"]', '["nos"]', "mesh =", "no group of elements 'nos'"),
+        ("mass = 5.0", "mass = -5.0", "[bodies.tup]", "mass must be positive"),
+        ('along = "z"', 'along = "w"', "[bodies.tup]", 'letters must be of "x"'),
+        ("nu = [0.3, 0.3, 0.4]", "nu = [0.3, 0.4]", "orthotropic =", "must have 3 entries"),
+        ("stiffness = 1e4", "k = 1e4", "springs =", "unknown name 'k'|'stiffness' is missing"),
+    ],
+)
+def test_wrong_groups_masses_and_springs_name_the_line(
+    tmp_path: Path, old: str, new: str, line: str, said: str
+) -> None:
+    write_tup(tmp_path)
+    assert old in TUP
+    text = TUP.replace(old, new)
+    (tmp_path / "tup.toml").write_text(text)
+    number = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith(line))
+    with pytest.raises(ao.SceneFileError, match=rf"tup.toml:{number}:\d+: .*({said})"):
+        ao.read_scene(tmp_path / "tup.toml").simulate()

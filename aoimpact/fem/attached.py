@@ -1,0 +1,238 @@
+"""What is fastened to the nodes of a body: masses, and springs to the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from ..base import (
+    FloatArray,
+    InputError,
+    InputTypeError,
+    IntArray,
+    checked,
+    finite_array,
+    place,
+    positive,
+)
+from ..mesh import motions_at
+from .supports import Selector, components, selected_nodes
+
+__all__ = ["Mounted", "RigidMass", "SpringSupport", "added_mass", "spring_stiffness"]
+
+# A rotation that nodes tell less well than this from none, by singular values of their motions.
+_UNKNOWN = 1e-5
+
+# The mass of a rigid attachment couples all of its nodes: a matrix of (3 · nodes)².
+_MOST_NODES = 500
+
+# Entries of an inertia that are rounding, relative.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMass:
+    """A rigid part of a machine on some nodes: a mass with a centre and moments of inertia.
+
+    It takes part in the mean rigid motion of its nodes, the one that fits their displacements best,
+    and does not stiffen them (Nastran's RBE3, Abaqus' distributing coupling); where the seat is to
+    be stiff, mesh it. The body's mass, centre of mass and moments of inertia come out exactly.
+
+    Parameters
+    ----------
+    nodes : str, callable or array_like
+        As in `fixed`: at most 500, not all on one line unless there is neither inertia nor a centre
+        off their middle.
+    mass : float
+        kg.
+    centre : array_like, shape (3,), optional
+        Its centre of mass, m; the middle of the nodes if left out.
+    inertia : array_like, shape (3,) or (3, 3), optional
+        Moments of inertia about axes x, y, z through its centre of mass, or their tensor, kg m²;
+        none if left out.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If the mass is not positive, or the inertia is none of a body.
+
+    Examples
+    --------
+    >>> RigidMass("seat", 5.0, centre=(0, 0, 0.15), inertia=(0.02, 0.02, 0.01)).mass
+    5.0
+    """
+
+    nodes: Selector
+    mass: float
+    centre: npt.ArrayLike | None = None
+    inertia: npt.ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        checked(self, mass=_mass)
+        if self.centre is not None:
+            checked(self, centre=place)
+        if self.inertia is not None:
+            checked(self, inertia=_inertia)
+
+
+Mounted = tuple[Selector, float] | RigidMass
+SpringSupport = tuple[Selector, str, float]
+
+
+def added_mass(
+    nodes: FloatArray, masses: Sequence[Mounted] | None, node_sets: Mapping[str, IntArray]
+) -> sp.csr_array | None:
+    """Return what is added to M over all dofs, shape (3 n_nodes, 3 n_nodes); None for nothing.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    masses : sequence of (nodes, kg) or RigidMass
+        A mass is shared equally by its nodes, in all three directions.
+    node_sets : mapping of str to array of int
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If an entry is none of these or selects nothing, or a mass is not positive.
+    """
+    how = 'give a list of pairs such as [("carriage", 5.0)], or of RigidMass'
+    added = None
+    for i, entry in enumerate(_listed("masses", masses, how)):
+        name = f"masses[{i}]"
+        if isinstance(entry, RigidMass):
+            one = _rigid(name, entry, nodes, node_sets)
+        else:
+            selector, mass = _tuple(name, entry, 2, how)
+            ids = selected_nodes(name, selector, nodes, node_sets)
+            share = np.zeros((len(nodes), 3))
+            share[ids] = positive(f"{name}: the mass", mass, unit="kg") / len(ids)
+            one = sp.diags_array(share.reshape(-1), format="csr")
+            one.eliminate_zeros()
+        added = one if added is None else added + one
+    return added
+
+
+def _rigid(
+    name: str, mount: RigidMass, nodes: FloatArray, node_sets: Mapping[str, IntArray]
+) -> sp.csr_array:
+    """WᵀJW with q = W u the rigid motion about its centre that fits its nodes best."""
+    ids = selected_nodes(name, mount.nodes, nodes, node_sets)
+    if len(ids) > _MOST_NODES:
+        raise InputError(
+            f"{name}: the rigid mass is on {len(ids)} nodes, {_MOST_NODES} are the most: take some "
+            "of them, well spread over the seat"
+        )
+    middle = nodes[ids].mean(axis=0)
+    centre = middle if mount.centre is None else np.asarray(mount.centre)
+    inertia = np.zeros((3, 3)) if mount.inertia is None else np.asarray(mount.inertia)
+    size = float(np.abs(nodes[ids] - middle).max()) or 1.0
+    motions = motions_at((nodes[ids] - middle) / size).reshape(-1, 6)
+    values, vectors = np.linalg.eigh(motions.T @ motions)
+    known = values > _UNKNOWN**2 * values[-1]
+    fit = (vectors[:, known] / values[known]) @ (motions @ vectors[:, known]).T
+    # From translation and rotation · size about the middle of the nodes to those about the centre.
+    to_centre = np.eye(6)
+    to_centre[:3, 3:] = motions_at((centre - middle)[None] / size)[0, :, 3:]
+    weights = np.zeros((6, 6))
+    weights[:3, :3] = mount.mass * np.eye(3)
+    weights[3:, 3:] = inertia / size**2
+    weights = to_centre.T @ weights @ to_centre
+    lost = vectors[:, ~known].T @ weights
+    if np.abs(lost).max(initial=0.0) > _ROUNDING * mount.mass:
+        raise InputError(
+            f"{name}: its {len(ids)} nodes lie on one line, or are one, and tell no rotation about "
+            "it, which has inertia there; give nodes spread over the seat, or leave centre and "
+            "inertia out"
+        )
+    block = fit.T @ weights @ fit
+    dofs = (3 * ids[:, None] + np.arange(3)).reshape(-1)
+    row, column = np.repeat(dofs, len(dofs)), np.tile(dofs, len(dofs))
+    entries = (0.5 * (block + block.T)).reshape(-1)
+    return sp.csr_array((entries, (row, column)), shape=(nodes.size, nodes.size))
+
+
+def spring_stiffness(
+    nodes: FloatArray,
+    springs: Sequence[SpringSupport] | None,
+    node_sets: Mapping[str, IntArray],
+    free: IntArray,
+) -> FloatArray | None:
+    """Return what is added to the diagonal of K over all dofs, shape (3 n_nodes,); None for none.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    springs : sequence of (nodes, letters, N/m)
+        The stiffness is that of all the nodes together, in each of the directions named.
+    node_sets : mapping of str to array of int
+    free : ndarray of int
+        The dofs that no support holds.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If an entry is none of these or selects nothing, a stiffness is not positive, or a support
+        holds a node against its spring.
+    """
+    how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
+    total = np.zeros((len(nodes), 3))
+    held = np.ones(len(nodes) * 3, dtype=bool)
+    held[free] = False
+    for i, entry in enumerate(_listed("springs", springs, how)):
+        name = f"springs[{i}]"
+        selector, letters, stiffness = _tuple(name, entry, 3, how)
+        ids = selected_nodes(name, selector, nodes, node_sets)
+        share = positive(f"{name}: the stiffness", stiffness, unit="N/m") / len(ids)
+        for component in components(name, letters):
+            on_support = held.reshape(-1, 3)[ids, component]
+            if on_support.any():
+                raise InputError(
+                    f"{name}: {int(on_support.sum())} of its {len(ids)} nodes, the first is "
+                    f"{ids[on_support][0]}, are held in {'xyz'[component]} by fixed, so that the "
+                    "spring would not act there; release them, or take other nodes"
+                )
+            total[ids, component] += share
+    return total.reshape(-1) if total.any() else None
+
+
+def _listed(name: str, entries: Any, how: str) -> Sequence[Any]:
+    if entries is None:
+        return ()
+    if isinstance(entries, (str, Mapping)) or not isinstance(entries, Sequence):
+        raise InputTypeError(f"{name}: {how}; got {type(entries).__name__}")
+    return entries
+
+
+def _tuple(name: str, entry: Any, length: int, how: str) -> Sequence[Any]:
+    if isinstance(entry, str) or not isinstance(entry, Sequence) or len(entry) != length:
+        raise InputTypeError(f"{name}: {how}; got {entry!r}")
+    return entry
+
+
+def _mass(name: str, value: Any) -> float:
+    return positive(name, value, unit="kg")
+
+
+def _inertia(name: str, value: Any) -> FloatArray:
+    given = finite_array(name, value, unit="kg m²")
+    if given.shape not in ((3,), (3, 3)):
+        raise InputError(f"{name} must have shape (3,) or (3, 3), got {given.shape}")
+    tensor = np.diag(given) if given.ndim == 1 else given
+    largest = float(np.abs(tensor).max())
+    if np.abs(tensor - tensor.T).max() > _ROUNDING * largest:
+        raise InputError(f"{name} must be symmetric, got {given.tolist()}")
+    low, middle, high = np.linalg.eigvalsh(tensor).tolist()
+    if low < -_ROUNDING * largest or high > (1.0 + _ROUNDING) * (low + middle):
+        raise InputError(
+            f"{name}: no body has the principal moments {low:g}, {middle:g} and {high:g} kg m²: "
+            "none is negative, and each at most the sum of the other two"
+        )
+    return tensor

@@ -1,0 +1,223 @@
+"""Bodies of several materials: bars against closed forms, stress at interfaces, what is refused."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.optimize
+from bodies import mixed_box, no_solid
+
+import aoimpact as ao
+from aoimpact.base.errors import InputError, InputTypeError
+from aoimpact.fem import Materials
+from aoimpact.fields import energy_error
+from aoimpact.fields.stress import gauss_stress, nodal_stress, stress_rows
+from aoimpact.mesh import read_mesh
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+ALU = ao.Material(E=70e9, nu=0.33, rho=2700)
+LENGTH, SHARE = 1.0, 0.4
+
+
+def halves(kind: str = "hexahedron20", n: int = 20) -> ao.Mesh:
+    """A bar along x whose first 40 % are "left", the others "right"."""
+    bar = ao.box_mesh((LENGTH, 0.01, 0.01), (n, 1, 1), kind=kind)
+    left = bar.nodes[bar.cells].mean(axis=1)[:, 0] < SHARE * LENGTH
+    groups = {"left": np.flatnonzero(left), "right": np.flatnonzero(~left)}
+    return ao.Mesh(bar.nodes, bar.cells, bar.kind, bar.node_sets, groups)
+
+
+def axial(mesh: ao.Mesh, material: Any, **more: Any) -> ao.FEModel:
+    """A bar that moves along x alone, held at its left end unless it is told otherwise."""
+    everywhere = (np.arange(mesh.n_nodes), "yz")
+    ends = more.pop("fixed", [("xmin", "x")])
+    return ao.FEModel.from_mesh(mesh, material, [everywhere, *ends], **more)
+
+
+def test_frequencies_of_a_bar_of_two_materials() -> None:
+    """E₁κ₁ cot κ₁L₁ = E₂κ₂ tan κ₂L₂ with κ = ω √(ρ/E): stress and displacement agree between."""
+    one, other = no_solid(E=210e9, nu=0.0, rho=7800.0), no_solid(E=70e9, nu=0.0, rho=2700.0)
+    found = axial(halves(), {"left": one, "right": other}).frequencies(2)
+    lengths = SHARE * LENGTH, (1.0 - SHARE) * LENGTH
+
+    def misfit(omega: float) -> float:
+        (k1, z1), (k2, z2) = (
+            (omega * math.sqrt(m.rho / m.E), math.sqrt(m.rho * m.E)) for m in (one, other)
+        )
+        a, b = k1 * lengths[0], k2 * lengths[1]
+        return z1 * math.cos(a) * math.cos(b) - z2 * math.sin(a) * math.sin(b)
+
+    grid = np.linspace(1.0, 3e4, 400)
+    values = [misfit(x) for x in grid]
+    exact = [
+        scipy.optimize.brentq(misfit, grid[i], grid[i + 1]) / (2.0 * math.pi)
+        for i in range(len(grid) - 1)
+        if values[i] * values[i + 1] < 0.0
+    ]
+    assert found == pytest.approx(exact[:2], rel=2e-6)
+
+
+def test_frequencies_of_a_bar_with_a_mass_and_a_spring() -> None:
+    """EAκ tan(κL - α) = mω² with tan α = k/(EAκ): a spring at one end, a mass at the other."""
+    material, area = no_solid(E=70e9, nu=0.0, rho=2700.0), 1e-4
+    k, m = 3e6, 0.5
+    body = axial(
+        halves("hexahedron", 400),  # whose four nodes at each end share alike
+        material,
+        fixed=[],
+        masses=[("xmax", m)],
+        springs=[("xmin", "x", k)],
+    )
+    assert body.rigid_modes.shape[1] == 0
+
+    def misfit(omega: float) -> float:
+        kappa = omega * math.sqrt(material.rho / material.E)
+        slope = material.E * area * kappa  # u = cos κx + (k/slope) sin κx
+        c, s = math.cos(kappa * LENGTH), math.sin(kappa * LENGTH)
+        return slope * (k / slope * c - s) - m * omega**2 * (c + k / slope * s)
+
+    first = scipy.optimize.brentq(misfit, 100.0, 3000.0) / (2.0 * math.pi)
+    second = scipy.optimize.brentq(misfit, 5000.0, 16000.0) / (2.0 * math.pi)
+    assert body.frequencies(2) == pytest.approx([first, second], rel=1e-6)
+
+
+LAYERS = ao.box_mesh((0.2, 0.1, 0.02), (4, 2, 2), kind="hexahedron20")
+SPLIT = ao.Mesh(
+    LAYERS.nodes,
+    LAYERS.cells,
+    LAYERS.kind,
+    LAYERS.node_sets,
+    {
+        "lower": np.flatnonzero(LAYERS.nodes[LAYERS.cells].mean(axis=1)[:, 2] < 0.01),
+        "upper": np.flatnonzero(LAYERS.nodes[LAYERS.cells].mean(axis=1)[:, 2] > 0.01),
+    },
+)
+
+
+def stretched() -> tuple[ao.FEModel, np.ndarray]:
+    """Two layers, ν = 0, stretched by the same strain: stress jumps from one to the other."""
+    materials = {"lower": no_solid(70e9, 2700.0, 0.0), "upper": no_solid(210e9, 7800.0, 0.0)}
+    body = ao.FEModel.from_mesh(SPLIT, materials)
+    moved = np.zeros((SPLIT.n_nodes, 3))
+    moved[:, 0] = 1e-3 * SPLIT.nodes[:, 0]
+    return body, moved
+
+
+def test_stress_jumps_between_materials_and_is_not_averaged() -> None:
+    body, moved = stretched()
+    assert body.material is not None
+    assert body.mesh is not None
+    at_nodes = nodal_stress(body.mesh, body.material, moved)["xx"]
+    stiff = body.mesh.nodes[:, 2] > 0.0099  # the interface shows the stiffer side
+    assert at_nodes == pytest.approx(np.where(stiff, 210e6, 70e6), rel=1e-10)
+    inside = gauss_stress(body.mesh, body.material, moved)
+    assert inside["xx"] == pytest.approx(
+        np.where(inside.points[..., 2] > 0.01, 210e6, 70e6), rel=1e-10
+    )
+    some = np.array([0, 5, int(np.argmin(np.abs(body.mesh.nodes[:, 2] - 0.01)))])
+    rows = stress_rows(body.mesh, body.material, some) @ moved.reshape(-1)
+    assert rows.reshape(-1, 6)[:, 0] == pytest.approx(at_nodes[some], rel=1e-10)
+
+
+def test_an_exact_field_of_two_materials_has_no_error() -> None:
+    body, moved = stretched()
+    ends = np.isin(
+        np.arange(SPLIT.n_nodes), np.concatenate([SPLIT.node_sets[f"x{s}"] for s in ("min", "max")])
+    )
+    energy = moved.reshape(-1) @ (body.K @ moved.reshape(-1))
+    assert energy_error(body, moved.reshape(-1), ends)[0].sum() < 1e-20 * energy
+    whole = ao.FEModel.from_mesh(LAYERS, no_solid(70e9, 2700.0, 0.0))
+    strange = moved * (1.0 + (LAYERS.nodes[:, 2:] > 0.0101))
+    assert (
+        energy_error(whole, strange.reshape(-1), ends)[0].sum() > 1e-3 * energy
+    )  # it does see jumps
+
+
+def test_groups_of_one_material_are_one_material() -> None:
+    both = ao.FEModel.from_mesh(halves(), {"left": STEEL, "right": STEEL})
+    one = ao.FEModel.from_mesh(halves(), STEEL)
+    assert both.material == STEEL
+    assert (both.K != one.K).nnz == 0
+
+
+def test_the_contact_meets_the_material_of_its_own_element() -> None:
+    mesh = mixed_box((0.1, 0.1, 0.1), (8, 8, 3))
+    of = {"low": STEEL, "wedges": STEEL, "middle": ALU, "high": ALU}
+    body = ao.FEModel.from_mesh(mesh, of)
+    top, bottom = (body.contact(point=(0.05, 0.05, z), radius=0.04) for z in (0.1, 0.0))
+    assert top.material == ALU
+    assert bottom.material == STEEL
+    assert top.patch is not None
+    assert top.patch.modulus == ALU.plane_strain_modulus
+    assert top.contact_surface is not None
+    assert top.contact_surface.material == ALU
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        body.contact(point=(0.1, 0.05, 0.035), radius=0.033)
+    assert any("patch lies on several materials" in str(each.message) for each in said)
+    hit = ao.simulate(projectile=ao.ball(0.01, STEEL), target=top, velocity=1.0)
+    assert hit.law == ao.Hertz.between(STEEL, 0.01, ALU, math.inf)
+
+
+def test_a_body_of_several_materials_can_be_pickled() -> None:
+    body = ao.FEModel.from_mesh(
+        SPLIT,
+        {"lower": ALU, "upper": STEEL},
+        fixed=[("ymin", "y")],
+        masses=[("xmax", 1.0)],
+        springs=[("xmin", "xz", 1e6)],
+    )
+    again = pickle.loads(pickle.dumps(body))
+    assert (again.K != body.K).nnz == 0
+    assert (again.M != body.M).nnz == 0
+    assert isinstance(again.material, Materials)
+    assert again.material.groups == {"lower": ALU, "upper": STEEL}
+    assert not again.mesh.cell_sets["lower"].flags.writeable
+    assert repr(again) == repr(body)
+    assert again.frequencies(3) == pytest.approx(body.frequencies(3), rel=1e-9)
+
+
+def test_matrices_of_another_program_stay_when_a_body_with_their_mesh_is_pickled() -> None:
+    made = ao.FEModel.from_mesh(SPLIT, ALU)
+    given = ao.FEModel(K=2.0 * made.K, M=3.0 * made.M, nodes=SPLIT.nodes)
+    again = pickle.loads(pickle.dumps(given.with_mesh(SPLIT, {"lower": ALU, "upper": STEEL})))
+    assert (again.K != given.K).nnz == 0
+    assert (again.M != given.M).nnz == 0
+
+
+@pytest.mark.parametrize(
+    ("material", "said"),
+    [
+        ({"lower": ALU}, r"8 of 16 elements have none.*8 of them in 'upper'"),
+        ({"lower": ALU, "uper": STEEL}, r"no group of elements 'uper'.*did you mean 'upper'"),
+        ({}, "names no groups"),
+    ],
+)
+def test_elements_without_material_are_counted(material: Any, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        ao.FEModel.from_mesh(SPLIT, material)
+
+
+def test_elements_with_two_materials_are_counted() -> None:
+    groups = {**SPLIT.cell_sets, "all": np.arange(16)}
+    mesh = ao.Mesh(SPLIT.nodes, SPLIT.cells, SPLIT.kind, {}, groups)
+    with pytest.raises(InputError, match="8 elements are in both groups 'lower' and 'all'"):
+        ao.FEModel.from_mesh(mesh, {"lower": ALU, "all": STEEL})
+    with pytest.raises(InputTypeError, match=r"material\['lower'\] must be a Material"):
+        ao.FEModel.from_mesh(mesh, {"lower": 70e9})  # type: ignore[dict-item]
+
+
+def test_parts_of_a_file_are_bodies_of_their_own() -> None:
+    whole = ao.FEModel.from_mesh(SPLIT, ALU, part="upper")
+    assert whole.mass == pytest.approx(2700 * 0.2 * 0.1 * 0.01)
+    assert whole.mesh is not None
+    assert set(whole.mesh.node_sets) == {"xmin", "xmax", "ymin", "ymax", "zmax"}
+    assert set(whole.mesh.cell_sets) == {"upper"}
+    assert read_mesh(SPLIT, part=["lower", "upper"]).n_cells == 16
+    with pytest.raises(InputError, match="did you mean 'upper'"):
+        read_mesh(SPLIT, part="uppr")

@@ -1,0 +1,249 @@
+"""Meshes of several kinds of elements: what they are, how they fit, and what is refused."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+import scipy.linalg as la
+from bodies import mixed_box, rigid_motions
+
+import aoimpact as ao
+from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError, MeshError
+from aoimpact.fem import stiffness_mass
+from aoimpact.fields import energy_error
+from aoimpact.fields.stress import gauss_stress, nodal_stress
+from aoimpact.mesh import boundary, meshio_of_all_kinds, read_mesh, weights_at
+
+STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
+LENGTHS = (2.0, 1.5, 1.0)
+GROUPS = {"low", "wedges", "middle", "high"}
+both_orders = pytest.mark.parametrize("order", [1, 2])
+
+
+def distorted(order: int) -> ao.Mesh:
+    """The mixed box with its inner nodes pushed about: those of second order become curved."""
+    mesh = mixed_box(LENGTHS, (2, 2, 3), order=order)
+    inside = np.setdiff1d(np.arange(mesh.n_nodes), np.concatenate(list(mesh.node_sets.values())))
+    nodes = mesh.nodes.copy()
+    nodes[inside] += 0.02 * np.random.default_rng(2).uniform(-1, 1, (len(inside), 3))
+    cells = [(block.kind, block.cells) for block in mesh.blocks]
+    return ao.Mesh(nodes, cells, "mixed", mesh.node_sets, mesh.cell_sets)
+
+
+@both_orders
+def test_patch_constant_strain_and_rigid_motions(order: int) -> None:
+    mesh = distorted(order)
+    K, M = stiffness_mass(mesh, STEEL)
+    gradient = np.random.default_rng(1).standard_normal((3, 3))
+    u = (mesh.nodes @ gradient.T).reshape(-1)
+    on_surface = np.zeros(mesh.n_nodes, dtype=bool)
+    on_surface[boundary(mesh).nodes] = True
+    rounding = (abs(K) @ np.abs(u)).max()
+    assert np.abs((K @ u).reshape(-1, 3)[~on_surface]).max() < 1e-14 * rounding
+    motions = rigid_motions(mesh.nodes)
+    assert np.abs(K @ motions).max() < 1e-14 * (abs(K) @ np.abs(motions)).max()
+    lowest = la.eigvalsh(K.toarray())
+    assert lowest[6] > 1e-5 * lowest[-1] > 1e5 * abs(lowest[5])
+    assert motions[:, 0] @ (M @ motions[:, 0]) == pytest.approx(STEEL.rho * 3.0, rel=1e-12)
+    assert (K != K.T).nnz == 0
+
+
+@both_orders
+def test_the_surface_is_that_of_the_box(order: int) -> None:
+    surface = boundary(mixed_box(LENGTHS, (3, 2, 4), order=order))
+    everything = np.arange(len(surface.cell))
+    normals = surface.normal(everything, surface.middle(everything))
+    assert np.sort(np.abs(normals), axis=1) == pytest.approx(np.tile([0, 0, 1], (len(normals), 1)))
+    x, tangents = surface.at(everything, surface.middle(everything))
+    triangle = surface.middle(everything)[:, 0] < 0.4
+    area = np.linalg.norm(np.cross(*tangents.swapaxes(0, 1)), axis=1) * np.where(triangle, 0.5, 1)
+    assert area.sum() == pytest.approx(2 * (3.0 + 2.0 + 1.5))
+    assert (area * np.einsum("ni,ni->n", x, normals)).sum() == pytest.approx(9.0)  # 3 volumes
+    assert (surface.part == 0).all()
+
+
+@both_orders
+def test_stress_of_a_constant_strain(order: int) -> None:
+    mesh = distorted(order)
+    gradient = 1e-4 * np.random.default_rng(1).standard_normal((3, 3))
+    moved = mesh.nodes @ gradient.T
+    strain = 0.5 * (gradient + gradient.T)
+    lam, mu = STEEL.lame
+    exact = lam * np.trace(strain) * np.eye(3) + 2.0 * mu * strain
+    at_nodes = nodal_stress(mesh, STEEL, moved).tensor
+    assert at_nodes == pytest.approx(np.tile(exact, (mesh.n_nodes, 1, 1)), rel=1e-8, abs=1.0)
+    inside = gauss_stress(mesh, STEEL, moved)["xx"]
+    known = np.isfinite(inside)
+    assert inside[known] == pytest.approx(exact[0, 0])
+    for block in mesh.blocks:
+        count = len(block.element.stiffness_rule.weights)
+        assert known[block.numbers].sum(axis=1) == pytest.approx(count)
+    body = ao.FEModel.from_mesh(mesh, STEEL)
+    energy = moved.reshape(-1) @ (body.K @ moved.reshape(-1))
+    on_surface = np.zeros(mesh.n_nodes, dtype=bool)
+    on_surface[boundary(mesh).nodes] = True
+    assert energy_error(body, moved.reshape(-1), on_surface)[0].sum() < 1e-20 * energy
+
+
+@both_orders
+def test_points_are_found_in_whatever_element(order: int) -> None:
+    mesh = distorted(order)
+    for point in np.random.default_rng(4).uniform(0.02, 0.98, (60, 3)) * LENGTHS:
+        nodes, weights = weights_at(mesh, point)
+        assert weights @ mesh.nodes[nodes] == pytest.approx(point, abs=1e-10)
+        assert weights.sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("order", "rate"), [(1, 2.0), (2, 4.0)])
+def test_frequencies_converge_with_twice_the_order(order: int, rate: float) -> None:
+    """A bar that moves along z alone, through bricks, pyramids and tetrahedra: ω = π/2 c/L."""
+    material = ao.Material(E=70e9, nu=0.0, rho=2700)
+    exact = np.sqrt(70e9 / 2700) / 4.0
+    errors = []
+    for n in (4, 8):
+        mesh = mixed_box((0.2, 0.2, 1.0), (2, 2, n), order=order)
+        fixed = [(np.arange(mesh.n_nodes), "xy"), ("zmin", "z")]
+        errors.append(ao.FEModel.from_mesh(mesh, material, fixed).frequencies(1)[0] / exact - 1.0)
+    assert errors[1] > 0.0
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(rate, abs=0.3)
+
+
+@both_orders
+def test_through_files(order: int, tmp_path: Path) -> None:
+    mesh = mixed_box(LENGTHS, (2, 2, 3), order=order)
+    cells = [(block.kind, block.cells) for block in mesh.blocks]
+    raw = meshio_of_all_kinds().Mesh(mesh.nodes, cells)
+    raw.write(tmp_path / "mixed.vtu")
+    again = read_mesh(tmp_path / "mixed.vtu")
+    written = {block.kind: block.cells for block in mesh.blocks}
+    assert len(again.blocks) == len(written)
+    for block in again.blocks:
+        assert np.array_equal(block.cells, written[block.kind])
+    copy = pickle.loads(pickle.dumps(mesh))
+    assert copy.blocks[0].cells.flags.writeable is False
+    assert repr(copy) == repr(mesh)
+
+
+def test_groups_of_cells_in_a_file_of_several_kinds(tmp_path: Path) -> None:
+    """Gmsh's physical groups, one of them without a name, over blocks in any order."""
+    mesh = mixed_box(LENGTHS, (2, 2, 3))
+    blocks, tags = [], []
+    names = dict(zip(("low", "wedges", "middle", "high"), (1, 2, 3, 4), strict=True))
+    for name, tag in reversed(names.items()):
+        for block in mesh.blocks:
+            members = mesh.cell_sets[name]
+            own = members[(members >= block.first) & (members < block.numbers.stop)] - block.first
+            if len(own):
+                blocks.append((block.kind, block.cells[own]))
+                tags.append(np.full(len(own), tag))
+    raw = meshio.Mesh(
+        mesh.nodes,
+        blocks,
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={name: np.array([tag, 3]) for name, tag in names.items() if tag != 2},
+    )
+    raw.write(tmp_path / "groups.msh", file_format="gmsh22", binary=False)
+    read = read_mesh(tmp_path / "groups.msh")
+    assert set(read.cell_sets) == {"low", "volume 2", "middle", "high"}
+    assert set(read.node_sets) == set(read.cell_sets)
+    for name, tag in names.items():
+        part = read.part(f"volume {tag}" if tag == 2 else name)
+        K, M = stiffness_mass(part, STEEL)
+        wanted = stiffness_mass(mesh.part(name), STEEL)[1].sum()
+        assert M.sum() == pytest.approx(wanted, rel=1e-12)
+        assert K.shape[0] == 3 * part.n_nodes
+    high = read_mesh(tmp_path / "groups.msh", part=["middle", "high"])
+    assert high.kind == "mixed"
+    assert high.nodes[:, 2].min() == pytest.approx(1.0 / 3.0)
+
+
+def test_files_with_cells_of_second_order_that_meshio_cannot_hold(tmp_path: Path) -> None:
+    """Abaqus' C3D15, as a file has it."""
+    box = ao.box_mesh((1, 1, 1), (1, 1, 1), kind="wedge15")
+    nodes = "".join(f"{i + 1}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(box.nodes))
+    rows = "".join(
+        f"{i + 1}, " + ", ".join(str(n + 1) for n in cell) + "\n"
+        for i, cell in enumerate(box.cells)
+    )
+    (tmp_path / "wedge.inp").write_text(f"*NODE\n{nodes}*ELEMENT, TYPE=C3D15\n{rows}")
+    read = read_mesh(tmp_path / "wedge.inp")
+    assert np.array_equal(read.cells, box.cells)
+
+
+def joined(lower: ao.Mesh, upper: ao.Mesh, height: float) -> list[tuple[str, np.ndarray]]:
+    nodes = np.vstack([lower.nodes, upper.nodes + np.array([0, 0, height])]).round(9)
+    unique, number = np.unique(nodes, axis=0, return_inverse=True)
+    number = number.ravel()
+    cells = [(lower.kind, number[lower.cells]), (upper.kind, number[upper.cells + lower.n_nodes])]
+    return [("nodes", unique), *cells]
+
+
+@pytest.mark.parametrize(
+    ("kinds", "said"),
+    [
+        (("hexahedron", "tetra"), "8 triangular sides .* lie on quadrilateral ones.*pyramids"),
+        (("hexahedron20", "wedge"), None),
+        (("tetra10", "tetra"), None),
+    ],
+)
+def test_kinds_that_do_not_fit_are_refused(kinds: tuple[str, str], said: str | None) -> None:
+    lower, upper = (ao.box_mesh((1, 1, 1), (2, 2, 2), kind=kind) for kind in kinds)
+    (_, nodes), *cells = joined(lower, upper, 1.0)
+    if kinds == ("hexahedron20", "wedge"):  # quadrilaterals on quadrilaterals: beside each other
+        (_, nodes), *cells = joined(
+            ao.Mesh(lower.nodes[:, [1, 2, 0]], lower.cells, lower.kind),
+            ao.Mesh(upper.nodes[:, [1, 2, 0]], upper.cells, upper.kind),
+            1.0,
+        )
+    mesh = ao.Mesh(nodes, cells)
+    with pytest.raises(MeshError, match=said or "share a side with different nodes"):
+        ao.FEModel.from_mesh(mesh, STEEL)
+
+
+def test_what_is_no_mixed_mesh() -> None:
+    mesh = mixed_box(LENGTHS, (2, 2, 3))
+    (kind, cells), *_ = [(block.kind, block.cells) for block in mesh.blocks]
+    with pytest.raises(InputTypeError, match="list of pairs"):
+        ao.Mesh(mesh.nodes, cells)
+    with pytest.raises(InputError, match="join the cells of one kind"):
+        ao.Mesh(mesh.nodes, [(kind, cells), (kind, cells)])
+    with pytest.raises(InputError, match=r"cells\[0\]\[0\] must be one of"):
+        ao.Mesh(mesh.nodes, [("hexaeder", cells)])
+    with pytest.raises(InputError, match=r"cell_sets\['a'\] has element 999"):
+        ao.Mesh(mesh.nodes, [(b.kind, b.cells) for b in mesh.blocks], "mixed", {}, {"a": [999]})
+
+
+def test_a_file_with_two_bodies_is_read_part_by_part(tmp_path: Path) -> None:
+    one = ao.box_mesh((1, 1, 1), (1, 1, 1))
+    raw = meshio.Mesh(
+        np.vstack([one.nodes, one.nodes + np.array([0, 0, 2])]),
+        [("hexahedron", one.cells), ("hexahedron", one.cells + one.n_nodes)],
+        cell_sets={
+            "tup": [np.array([0]), np.array([], int)],
+            "plate": [np.array([], int), np.array([0])],
+        },
+    )
+    with pytest.warns(AOImpactWarning, match="2 pieces"):
+        whole = read_mesh(raw)
+    assert set(whole.cell_sets) == {"tup", "plate"}
+    plate = read_mesh(raw, part="plate")
+    assert plate.nodes[:, 2].min() == 2.0
+
+
+@pytest.mark.slow
+def test_an_impact_on_a_mixed_plate_is_that_on_one_of_bricks() -> None:
+    """The force of a ball on a block of one kind and of four, each fine enough."""
+    forces = []
+    for mesh in (
+        mixed_box((0.06, 0.06, 0.03), (10, 10, 5), order=2),
+        ao.box_mesh((0.06, 0.06, 0.03), (10, 10, 5), kind="hexahedron20"),
+    ):
+        block = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("zmin", "xyz")])
+        tip = block.contact(point=(0.03, 0.03, 0.03), radius=0.01)
+        hit = ao.simulate(projectile=ao.ball(0.01, STEEL), target=tip, velocity=1.0)
+        forces.append(hit.peak_force)
+    assert forces[0] == pytest.approx(forces[1], rel=1e-2)
