@@ -53,4 +53,7 @@ def quantity(value: float, unit: str, digits: int = 4) -> str:
         value, unit = 1e3 * value, "g"
     rounded = float(f"{value:.{digits}g}")
     scale = scale_for(rounded, unit)
-    return f"{rounded * scale.factor:.{digits}g} {scale.unit}".rstrip()
+    scaled = rounded * scale.factor
+    if 10.0**digits <= abs(scaled) < 1e6:  # rounded already: 870, not 8.7e+02
+        return f"{scaled:.0f} {scale.unit}".rstrip()
+    return f"{scaled:.{digits}g} {scale.unit}".rstrip()

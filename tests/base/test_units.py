@@ -28,6 +28,14 @@ def test_quantities_carry_fitting_prefixes(value: float, unit: str, text: str) -
     assert quantity(value, unit) == text
 
 
+def test_few_digits_of_hundreds_are_told_without_an_exponent() -> None:
+    assert [quantity(value, "s", 2) for value in (0.87, 0.0087, 1234.0)] == [
+        "870 ms",
+        "8.7 ms",
+        "1200 s",
+    ]
+
+
 def test_scale_is_read_back_from_a_label() -> None:
     for largest in (1e-14, 3e-6, 0.5, 70.0, 5e4, 3e7):
         scale = scale_for(largest, "m")
