@@ -58,7 +58,7 @@ def cells(page: str) -> list[tuple[str, str]]:
         if told:
             made.append(("markdown", markdown(re.sub(r"(?m)^# ?", "", told))))
         if code:
-            made.append(("code", re.sub(r"  # fmt: skip$", "", code, flags=re.M)))
+            made.append(("code", code))
     return made
 
 
@@ -74,6 +74,11 @@ def notebook(page: str) -> Any:
         "name": "python3", "language": "python", "display_name": "Python 3"
     }  # fmt: skip
     return new
+
+
+def drawn(output: Any) -> bool:
+    """Whether an output only names an object of Matplotlib."""
+    return bool(re.match(r"\[?<(matplotlib|Axes)", output.get("data", {}).get("text/plain", "")))
 
 
 def main(names: list[str]) -> None:
@@ -92,6 +97,9 @@ def main(names: list[str]) -> None:
                 record_timing=False,
             ).execute()  # fmt: skip
         made.metadata.pop("language_info", None)
+        for cell in made.cells:
+            if cell.cell_type == "code":  # without what a figure calls itself
+                cell.outputs = [each for each in cell.outputs if not drawn(each)]
         nbformat.write(made, ROOT / f"notebooks/{name}.ipynb")
         print(f"notebooks/{name}.ipynb")
 

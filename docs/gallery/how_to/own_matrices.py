@@ -21,10 +21,31 @@ import aoimpact as ao
 
 E, rho, length, width, height, n = 210e9, 7800.0, 1.0, 0.05, 0.02, 60
 EI, line_mass, h = E * width * height**3 / 12, rho * width * height, length / n
-k = EI / h**3 * np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2],
-                          [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h**2, -6 * h, 4 * h**2]])  # fmt: skip
-m = line_mass * h / 420 * np.array([[156, 22 * h, 54, -13 * h], [22 * h, 4 * h**2, 13 * h, -3 * h**2],
-                                    [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h**2, -22 * h, 4 * h**2]])  # fmt: skip
+k = (
+    EI
+    / h**3
+    * np.array(
+        [
+            [12, 6 * h, -12, 6 * h],
+            [6 * h, 4 * h**2, -6 * h, 2 * h**2],
+            [-12, -6 * h, 12, -6 * h],
+            [6 * h, 2 * h**2, -6 * h, 4 * h**2],
+        ]
+    )
+)
+m = (
+    line_mass
+    * h
+    / 420
+    * np.array(
+        [
+            [156, 22 * h, 54, -13 * h],
+            [22 * h, 4 * h**2, 13 * h, -3 * h**2],
+            [54, 13 * h, 156, -22 * h],
+            [-13 * h, -3 * h**2, -22 * h, 4 * h**2],
+        ]
+    )
+)
 K = sp.lil_array((2 * n + 2, 2 * n + 2))
 M = sp.lil_array((2 * n + 2, 2 * n + 2))
 for i in range(n):

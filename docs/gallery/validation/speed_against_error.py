@@ -62,9 +62,7 @@ m = 4 * beam_mass / np.tanh(x) ** 2 / x**2
 beam = ao.AOModel(
     m0=17 / 35 * beam_mass - m.sum(), k0=48 * bending, m=m, k=m * (2 * x) ** 4 * bending / beam_mass
 )
-case = {
-    "projectile": ao.rigid(mass=mass), "target": beam, "law": ao.Hertz(k=1e10), "velocity": 1.0
-}  # fmt: skip
+case = {"projectile": ao.rigid(mass=mass), "target": beam, "law": ao.Hertz(k=1e10), "velocity": 1.0}
 study = ao.work_precision(duration=20e-3, newmark=[2e-6, 1e-6, 3e-7], repeats=3, **case)
 print(study)
 
@@ -81,8 +79,13 @@ print(study)
 # are those against its own tightest run.
 
 chatter = ao.work_precision(
-    projectile=ao.rigid(mass=2.0), target=beam.truncated(12), law=ao.Hertz(k=1e9), velocity=0.1,
-    duration=20e-3, newmark=[], repeats=1,
-)  # fmt: skip
+    projectile=ao.rigid(mass=2.0),
+    target=beam.truncated(12),
+    law=ao.Hertz(k=1e9),
+    velocity=0.1,
+    duration=20e-3,
+    newmark=[],
+    repeats=1,
+)
 for row in chatter.rows:
     print(f"{row.setting:>12}  worst error {row.error:.1e}")

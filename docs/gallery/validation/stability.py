@@ -82,9 +82,14 @@ def contact_force(x):
 
 
 truth = solve_ivp(
-    lambda _, y: [y[1], -contact_force(y[0]) / body], (0, 1.5e-4), [0.0, 1.0], method="DOP853",
-    rtol=1e-12, atol=1e-18, max_step=1e-7,
-)  # fmt: skip
+    lambda _, y: [y[1], -contact_force(y[0]) / body],
+    (0, 1.5e-4),
+    [0.0, 1.0],
+    method="DOP853",
+    rtol=1e-12,
+    atol=1e-18,
+    max_step=1e-7,
+)
 peak = max(contact_force(x) for x in truth.y[0])
 print(
     f"SciPy {peak:.4f} N, here {hit.peak_force:.4f} N, difference {abs(hit.peak_force / peak - 1):.0e}"
@@ -110,9 +115,12 @@ with warnings.catch_warnings():
         worst = 0.0
         for speed in (1e-4, 1e-2, 1.0, 100.0):
             run = ao.simulate(
-                projectile=ao.rigid(mass=0.1), target=ao.rigid(mass=math.inf), law=law, velocity=speed,
+                projectile=ao.rigid(mass=0.1),
+                target=ao.rigid(mass=math.inf),
+                law=law,
+                velocity=speed,
                 duration=40 * law.stroke(0.05 * speed**2) / speed,
-            )  # fmt: skip
+            )
             worst = max(worst, abs(run.restitution - ao.restitution(law, 0.1, speed)))
         print(f"{name:13s} {worst:.0e}")
 
