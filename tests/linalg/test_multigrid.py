@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from bodies import distorted_box
+from bodies import distorted_box, mixed_box
 
 import aoimpact as ao
 from aoimpact.linalg.coarsening import aggregated, corner_interpolation
@@ -271,3 +271,21 @@ def test_a_hundred_thousand_dofs(name):
     body = ball(1.35e-3) if name == "ball" else held_bar((120, 6, 6))
     assert 8e4 < body.n_dofs < 1.5e5
     assert solved(pencil_of(body, SHIFT), load_on(body)) <= 20
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [1, 2])
+def test_jumps_of_stiffness_added_masses_and_springs_are_no_harder(order):
+    """Four kinds of elements, E of 1 and 1e4 side by side, 5 kg and springs on some 60 000 dofs."""
+    n = 26 if order == 1 else 14
+    mesh = mixed_box((0.1, 0.1, 0.1), (n, n, n), order=order)
+    soft = ao.Material(E=21e6, nu=0.3, rho=1200)
+    body = ao.FEModel.from_mesh(
+        mesh,
+        {"low": STEEL, "wedges": soft, "middle": STEEL, "high": STEEL},
+        masses=[("zmax", 5.0)],
+        springs=[("xmin", "xyz", 1e5)],
+    )
+    assert body.n_dofs > 50_000
+    assert solved(pencil_of(body, 0.0), load_on(body)) <= 30
+    assert solved(pencil_of(body, SHIFT), load_on(body)) <= 30
