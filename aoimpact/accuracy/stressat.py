@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,16 @@ from ..base import (
     place,
 )
 from ..fem import ContactPoint, FEModel
-from ..fields import Stress, stresses_around
+from ..fields import Response, Stress, stresses_around
+from ..linalg import SolverBook
 from ..mesh import weights_at
 from ..results import Run
 from .quantities import Quantity
 
 __all__ = ["StressAt", "stress_quantity"]
+
+# Runs that a search goes back to: of one order, and of those up to eight larger.
+_COMPARED = 9
 
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "von_mises")
 
@@ -33,9 +38,8 @@ _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "von_mises")
 class StressAt(Frozen):
     """The stress at a point over the record, for ``simulate(quantity=StressAt(...))``.
 
-    Every trial of a model solves for the stress that it leaves out, so that the search takes ten
-    times as long as one for the force. ``error.mesh`` has what the elements leave out of the force,
-    and by how much their own stress differs from its average at the point.
+    ``error.mesh`` has what the elements leave out of the force, and by how much their own stress
+    differs from its average at the point.
 
     Parameters
     ----------
@@ -80,11 +84,19 @@ class StressAt(Frozen):
 def stress_quantity(wanted: StressAt, number: int) -> Quantity:
     """Return the stress at a point of the body with that number in the plan."""
 
+    factors = SolverBook(wanted.body.inverse)  # for all models that are compared
+
+    @lru_cache(maxsize=_COMPARED)
+    def response(run: Run) -> Response:
+        found = run.response(number, factors)
+        assert found is not None  # a body with a mesh
+        return found
+
     def stress(run: Run, times: FloatArray) -> FloatArray:
         if run.plan.bodies[number].wall:  # the body as one that does not deform
             return np.full((1, len(times)), np.nan)
         with held_warnings():  # of what it compares
-            found = run.bodies[number].probe(wanted.point, times=times).stress
+            found = response(run).probe(wanted.point, None, None, times).stress
         return _component(found, wanted.component)[None]
 
     def local(run: Run) -> float:
@@ -93,7 +105,7 @@ def stress_quantity(wanted: StressAt, number: int) -> Quantity:
         if not largest > 0.0:
             return 0.0
         with held_warnings():
-            field = run.bodies[number].field(times=run.t[[int(history.argmax())]])
+            field = response(run).field(run.t[[int(history.argmax())]])
         return _roughness(wanted, field.displacement[0]) / largest
 
     return Quantity("stress", "Pa", history=stress, lasting=True, local=local)

@@ -17,6 +17,7 @@ before.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,6 +27,7 @@ import scipy
 
 from ..base import FloatArray
 from ..fem import Body
+from ..linalg import LinearSolver
 from ..reduction import AOModel, InterfaceModel
 
 __all__ = ["PACE", "Recovery", "Reduced", "reduced_interface", "reduced_star"]
@@ -86,10 +88,13 @@ class Recovery:
     reduced : Reduced
     s : float
         Of the correction, rad/s; positive.
+    inverse : callable or None
+        s² ↦ the solver of K + s²M, where models of one body share it.
     """
 
     reduced: Reduced
     s: float
+    inverse: Callable[[float], LinearSolver] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # What is quickly made again does not travel.
@@ -158,7 +163,7 @@ class Recovery:
         weights[:, order] = upper[:k]
         if k == 0:
             return np.zeros((len(r), 0)), weights
-        solver = body.inverse(s2, solutions=k)
+        solver = self.inverse(s2) if self.inverse else body.inverse(s2, solutions=k)
         return solver.solve(np.ascontiguousarray(scale * q[:, :k])), weights * size
 
     @property

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..base import FloatArray
 from ..integrate import Events, Motion, Recorder
+from ..linalg import LinearSolver
 from ..reduction import InterfaceModel
 from ..scene import FreeMotion, FullBody, Plan
 from .recovery import PACE, Recovery, Reduced, reduced_interface, reduced_star
@@ -21,8 +23,16 @@ Span = tuple[float, float]
 _FADING = 0.75
 
 
+# Steps of the correction's shift in a doubling of it: runs that differ little share factors.
+_SHIFTS = 4
+
+
 def response_of(
-    plan: Plan, recorder: Recorder, events: Sequence[Events], body: int
+    plan: Plan,
+    recorder: Recorder,
+    events: Sequence[Events],
+    body: int,
+    inverse: Callable[[float], LinearSolver] | None = None,
 ) -> Response | None:
     """Return the response of a whole body in a run; None without finite elements.
 
@@ -36,6 +46,8 @@ def response_of(
         Of its contacts.
     body : int
         Its number in the plan.
+    inverse : callable, optional
+        s² ↦ the solver of K + s²M, where runs of several models of the body share it.
     """
     model = plan.bodies[body]
     first, largest, peak_time = _contacts_of(plan, events, recorder.duration, body)
@@ -45,7 +57,7 @@ def response_of(
     if reduced is None:
         return None
     motion = recorder.motion(body)
-    recovery = Recovery(reduced, PACE / (largest[1] - largest[0]))
+    recovery = Recovery(reduced, _shift(largest[1] - largest[0]), inverse)
     loaded = plan.gravity != 0.0 or plan.load_on(body) is not None
     return Response(
         reduced.body,
@@ -57,6 +69,10 @@ def response_of(
         free_from=0.0 if loaded else first[0] + _FADING * (first[1] - first[0]),
         static_deflection=_static_deflection(motion, recovery) if plan.preload else None,
     )
+
+
+def _shift(contact_time: float) -> float:
+    return math.exp2(round(_SHIFTS * math.log2(PACE / contact_time)) / _SHIFTS)
 
 
 def _contacts_of(

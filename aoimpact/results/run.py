@@ -25,6 +25,7 @@ from ..base import (
 )
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
+from ..linalg import LinearSolver
 from ..reduction import FullModel
 from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
@@ -206,8 +207,11 @@ class Run:
         given = [contact.name for contact in self.plan.contacts]
         return different(given, [f"contact {i}" for i in range(len(given))])
 
-    def _response(self, body: int) -> Response | None:
-        return response_of(self.plan, self.recorder, self.events, body)
+    def response(
+        self, body: int, inverse: Callable[[float], LinearSolver] | None = None
+    ) -> Response | None:
+        """The response of all of a body, by its number; see `fields.response_of`."""
+        return response_of(self.plan, self.recorder, self.events, body, inverse)
 
     # ------------------------------------------------------------------- histories
 
@@ -276,7 +280,7 @@ class Run:
             port_displacements=rows.port_displacements,
             port_velocities=rows.port_velocities,
             _times=self.t,
-            _respond=partial(self._response, index),
+            _respond=partial(self.response, index),
             _doubt=None if self._asked_for_motion else partial(self._doubt, index),
         )
 
