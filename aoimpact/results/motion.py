@@ -442,7 +442,8 @@ class ErrorEstimate:
 
 def percent(share: float) -> str:
     """Return a relative error in percent, by two digits."""
-    return f"{100.0 * share:.2g}" if share >= _ROUNDING else "0"
+    digits = f"{100.0 * share:.2g}" if share >= _ROUNDING else "0"
+    return f"{float(digits):.0f}" if 1.0 <= share < 1e3 else digits  # 120, not 1.2e+02
 
 
 def in_words(parts: Mapping[str, float | None]) -> str:

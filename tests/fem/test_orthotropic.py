@@ -143,6 +143,7 @@ def bending_stiffness(angles: tuple[float, ...]) -> FloatArray:
 SUPPORTED = [("xmin", "yz"), ("xmax", "yz"), ("ymin", "xz"), ("ymax", "xz")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angles", [(0.0, 90.0, 90.0, 0.0), (90.0, 0.0, 90.0)])
 def test_frequencies_of_a_cross_ply_plate(angles: tuple[float, ...]) -> None:
     """ω² ρh = D11 α⁴ + 2 (D12 + 2 D66) α²β² + D22 β⁴, α = mπ/a, β = nπ/b (Navier)."""

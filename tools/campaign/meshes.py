@@ -13,7 +13,7 @@ import meshio
 import numpy as np
 
 import aoimpact as ao
-from aoimpact.mesh import KINDS
+from aoimpact.mesh import KINDS, meshio_of_all_kinds
 
 from .mutate import damaged
 
@@ -94,6 +94,7 @@ class Given:
 
 def _boxes() -> list[meshio.Mesh]:
     boxes = []
+    meshio_of_all_kinds()
     for kind in KINDS:
         box = ao.box_mesh((1.0, 0.5, 0.5), (2, 1, 1), kind=kind)
         sides = {"xmin": np.flatnonzero(box.nodes[:, 0] == 0.0)}
