@@ -43,7 +43,7 @@ from .errors import (
     warn,
 )
 from .frozen import Frozen, checked
-from .heard import heard
+from .heard import OFTEN, heard
 from .memory import available, require
 from .packages import optional_package
 from .progress import advance, bar
@@ -63,6 +63,7 @@ from .units import Scale, quantity, scale_for, scale_of
 __all__ = [
     "COLOURS",
     "FARTHEST",
+    "OFTEN",
     "AOImpactError",
     "AOImpactWarning",
     "ConvergenceError",

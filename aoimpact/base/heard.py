@@ -7,12 +7,12 @@ import threading
 from collections.abc import Callable
 from typing import TypeVar
 
-__all__ = ["heard"]
+__all__ = ["OFTEN", "heard"]
 
 T = TypeVar("T")
 
 # s; where waiting itself hears no signals (Windows), they are heard this often.
-_OFTEN = 0.05
+OFTEN = 0.05
 
 
 def heard(call: Callable[[], T]) -> T:
@@ -35,7 +35,7 @@ def heard(call: Callable[[], T]) -> T:
         ended.set()
 
     threading.Thread(target=run, daemon=True).start()
-    while not ended.wait(_OFTEN):
+    while not ended.wait(OFTEN):
         pass
     if errors:
         raise errors.pop()

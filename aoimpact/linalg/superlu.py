@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import FloatArray, SingularError, heard
+from ..base import OFTEN, FloatArray, SingularError, heard
 from .fill import direct_seconds, factor_entries, graph_width
 from .method import Inverse, Method
 from .pencil import Pencil
@@ -62,7 +64,11 @@ class Factorization:
     """
 
     matrix: Any
-    _lu: Any
+    _held: list[Any]  # SuperLU's factors; see `_owned`
+
+    @property
+    def _lu(self) -> Any:
+        return self._held[0]
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
@@ -111,15 +117,47 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
     """
     csc = sp.csc_matrix(matrix)
     try:
-        lu = heard(lambda: _factors(csc)) if csc.nnz > _SHORT else _factors(csc)
+        factors = _owned(csc) if csc.nnz > _SHORT else Factorization(csc, [_factors(csc)])
     except RuntimeError as error:  # SuperLU: "Factor is exactly singular"
         raise SingularError(f"{what} is singular ({error})") from None
-    factors = Factorization(csc, lu)
     if not checked:
         return factors
     check_condition(csc, factors.solve, what)
     if csc.shape[0] <= CHECKED_DOFS and (negative := factors.negative_pivots()):
         raise SingularError(f"{what} is not positive definite ({negative} negative pivots)")
+    return factors
+
+
+def _owned(matrix: Any) -> Factorization:
+    """Factors that another thread makes while this one hears signals, and frees.
+
+    SciPy notes SuperLU's memory for each thread by itself: what another thread frees than the one
+    that allocated it is never given back.
+    """
+    held: list[Any] = []
+    errors: list[BaseException] = []
+    made, dropped = threading.Event(), threading.Event()
+
+    def own() -> None:
+        try:
+            held.append(_factors(matrix))
+        except BaseException as error:
+            errors.append(error)
+        made.set()
+        dropped.wait()
+        held.clear()
+
+    threading.Thread(target=own, daemon=True).start()
+    try:
+        while not made.wait(OFTEN):
+            pass
+        if errors:
+            raise errors.pop()
+    except BaseException:
+        dropped.set()
+        raise
+    factors = Factorization(matrix, held)
+    weakref.finalize(factors, dropped.set).atexit = False
     return factors
 
 

@@ -1,5 +1,8 @@
 """Factorisations: exact on what is definite, honest about what is not."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -9,6 +12,8 @@ from aoimpact import _core
 from aoimpact.linalg.superlu import factorize
 
 from slender import beam, rod
+
+STATM = Path("/proc/self/statm")
 
 
 def test_solution_of_a_static_problem():
@@ -28,6 +33,24 @@ def test_the_cores_sweeps_solve_the_same_system():
     A = K + 1e4 * M
     backward_error = np.abs(A @ x - b) / (abs(A) @ np.abs(x) + np.abs(b))
     assert backward_error.max() < 1e-13
+
+
+@pytest.mark.skipif(not STATM.exists(), reason="reads the process's memory from /proc")
+def test_memory_of_factors_is_given_back():
+    """SciPy gives it back only to the thread that took it, which is not the one that reads them."""
+
+    def resident():
+        return int(STATM.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    line = sp.diags_array([-1.0, 2.1, -1.0], offsets=[-1, 0, 1], shape=(16, 16))
+    matrix = sp.kronsum(sp.kronsum(line, line), line)  # a cube of springs
+    factors = factorize(matrix)
+    size = 16 * (factors._lu.L.nnz + factors._lu.U.nnz)
+    assert matrix.nnz > 20_000  # by a thread of its own
+    first = resident()
+    for _ in range(30):
+        factors = factorize(matrix)
+    assert resident() - first < 10 * size
 
 
 def test_singular_matrices_are_refused_not_solved():
