@@ -210,7 +210,15 @@ class Run:
     def response(
         self, body: int, inverse: Callable[[float], LinearSolver] | None = None
     ) -> Response | None:
-        """The response of all of a body, by its number; see `fields.response_of`."""
+        """Return the response of all of a body; None without finite elements.
+
+        Parameters
+        ----------
+        body : int
+            Its number.
+        inverse : callable, optional
+            s² ↦ the solver of K + s²M, where runs of several models of the body share it.
+        """
         return response_of(self.plan, self.recorder, self.events, body, inverse)
 
     # ------------------------------------------------------------------- histories
