@@ -25,7 +25,6 @@ from ..base import (
 )
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
-from ..linalg import LinearSolver
 from ..reduction import FullModel
 from ..scene import Plan, RecordLayout, SceneBody
 from . import plot
@@ -207,19 +206,8 @@ class Run:
         given = [contact.name for contact in self.plan.contacts]
         return different(given, [f"contact {i}" for i in range(len(given))])
 
-    def response(
-        self, body: int, inverse: Callable[[float], LinearSolver] | None = None
-    ) -> Response | None:
-        """Return the response of all of a body; None without finite elements.
-
-        Parameters
-        ----------
-        body : int
-            Its number.
-        inverse : callable, optional
-            s² ↦ the solver of K + s²M, where runs of several models of the body share it.
-        """
-        return response_of(self.plan, self.recorder, self.events, body, inverse)
+    def _response(self, body: int) -> Response | None:
+        return response_of(self.plan, self.recorder, self.events, body)
 
     # ------------------------------------------------------------------- histories
 
@@ -288,7 +276,7 @@ class Run:
             port_displacements=rows.port_displacements,
             port_velocities=rows.port_velocities,
             _times=self.t,
-            _respond=partial(self.response, index),
+            _respond=partial(self._response, index),
             _doubt=None if self._asked_for_motion else partial(self._doubt, index),
         )
 
