@@ -71,7 +71,7 @@ def checked_rtol(rtol: float | None) -> float:
 def choose_models(
     plan_of: Callable[[Models, bool], Plan],
     bodies: Sequence[Any],
-    quantity: Quantity,
+    interest: Callable[[], Quantity],
     rtol: float | None,
     solver: Any,
     *,
@@ -90,7 +90,8 @@ def choose_models(
         Of a model for each body, and whether to record energies.
     bodies : sequence
         As of `least_orders`.
-    quantity : Quantity
+    interest : callable
+        Returns the quantity of interest.
     rtol : float, optional
         Relative.
     solver : Adaptive or Newmark, optional
@@ -113,7 +114,7 @@ def choose_models(
     ConvergenceError
         If neither the largest models tried nor the given solver meet the tolerance.
     """
-    tolerance = checked_rtol(rtol)
+    tolerance, quantity = checked_rtol(rtol), interest()
     steps = isinstance(solver, Newmark)
     in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
     asked = rtol is not None
@@ -145,7 +146,7 @@ def choose_models(
     models = tuple(body.model for body in run.plan.bodies)
     chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
     meshed = any(getattr(body, "given", body).contact_points for body in bodies)
-    left_out = LeftOutFinder(quantity, rule, view, law_errors, meshed)
+    left_out = LeftOutFinder(interest, rule, view, law_errors, meshed)
     return view(replace(run, chosen=chosen, left_out=left_out))
 
 

@@ -55,8 +55,8 @@ class LeftOutFinder:
 
     Attributes
     ----------
-    quantity : Quantity
-        Of interest.
+    interest : callable
+        Returns the quantity of interest, anew: what it keeps while runs are compared goes with it.
     solver : Adaptive or Newmark, optional
         Of the run.
     view : callable
@@ -68,7 +68,7 @@ class LeftOutFinder:
         numbers nothing is known.
     """
 
-    quantity: Quantity
+    interest: Callable[[], Quantity]
     solver: TimeSolver | None
     view: Callable[[Run], Result | Run]
     law_errors: Sequence[float] = ()
@@ -91,19 +91,22 @@ class LeftOutFinder:
         for end in (end for ends in found for end in ends or ()):
             softening[end.body] = max(end.softening, softening.get(end.body, 0.0))
         contact = [math.fsum(end.contact for end in ends or ()) for ends in found]
-        in_mesh, mesh_numbers = self._changes(run, _softer(run, softening))
-        if self.quantity.local is not None:
-            in_mesh += self.quantity.local(run)
-        in_contact, contact_numbers = self._changes(run, _in_series(run, contact))
+        quantity = self.interest()
+        in_mesh, mesh_numbers = self._changes(quantity, run, _softer(run, softening))
+        if quantity.local is not None:
+            in_mesh += quantity.local(run)
+        in_contact, contact_numbers = self._changes(quantity, run, _in_series(run, contact))
         if any(self.law_errors):
-            in_law, law_numbers = self._changes(run, _stiffer(run, self.law_errors))
+            in_law, law_numbers = self._changes(quantity, run, _stiffer(run, self.law_errors))
             in_contact += in_law
             contact_numbers = {
                 name: error + law_numbers[name] for name, error in contact_numbers.items()
             }
         return LeftOut(in_mesh, in_contact, mesh_numbers, contact_numbers)
 
-    def _changes(self, run: Run, altered: _Altered) -> tuple[float, Mapping[str, float]]:
+    def _changes(
+        self, quantity: Quantity, run: Run, altered: _Altered
+    ) -> tuple[float, Mapping[str, float]]:
         """By how much the quantity and each number change."""
         exact = self.view(run)
         if altered.plan is None:
@@ -113,7 +116,7 @@ class LeftOutFinder:
                 other = self.view(solve(altered.plan, self.solver))
         except AOImpactError:  # a contact that grows beyond what its law stands for
             return math.inf, dict.fromkeys(number_errors(exact, [exact]), math.inf)
-        change = altered.scale * self.quantity.difference(exact, other)  # type: ignore[type-var]
+        change = altered.scale * quantity.difference(exact, other)  # type: ignore[type-var]
         numbers = number_errors(exact, [other])
         return change, {name: altered.scale * error for name, error in numbers.items()}
 

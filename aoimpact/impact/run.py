@@ -108,7 +108,7 @@ def run_models(
             done = choose_models(
                 plan_of,
                 [_kept(body, options.asked) for body in bodies],
-                interest(),
+                interest,
                 options.rtol,
                 options.solver,
                 view=view,
@@ -124,7 +124,7 @@ def run_models(
         run = record.run(plan, partial(solve, solver=options.solver))
         warn_of_misfit(run.plan, run, names)
         if plan.contacts and meshed:
-            finder = LeftOutFinder(interest(), options.solver, view, law_errors)
+            finder = LeftOutFinder(interest, options.solver, view, law_errors)
             run = replace(run, left_out=finder)
         done = view(run)
     record.warn_if_cut()

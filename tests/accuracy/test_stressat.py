@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import gc
 import math
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.linalg import SolverBook
 
 from twelve import ALL_EDGES, ALUMINIUM, STEEL, box, cube
 
@@ -126,3 +128,14 @@ def test_the_error_of_the_mesh_is_said_of_the_stress() -> None:
         true = np.abs(found - right).max() / np.abs(right).max()
         assert true < hit.error.total + fine.error.total, mesh
         assert hit.error.total < 5.0 * true, mesh
+
+
+def test_a_result_keeps_nothing_of_the_search_for_its_model(plate: Any) -> None:
+    def solvers() -> int:
+        gc.collect()
+        return sum(type(each) is SolverBook for each in gc.get_objects())
+
+    before = solvers()
+    hit = strike(plate, quantity=ao.StressAt(plate, POINT, "xx"), rtol=0.2)
+    assert hit.error.mesh is not None
+    assert solvers() == before
