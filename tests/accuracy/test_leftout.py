@@ -74,7 +74,7 @@ def test_what_is_taken_as_rigid_has_the_error_of_the_models_that_prove_it(
 ) -> None:
     """What its elasticity would do is known to its mesh's error: 2 % and less of so stiff a block.
 
-    Under it the ball's contact is as soft as a half-space, and hardly a share of that is the mesh's.
+    The ball's contact is nearly that with a half-space, of which the mesh has hardly a share.
     """
     mesh = ao.box_mesh((0.05, 0.05, 0.05), (4, 4, 4), kind="hexahedron20")
     block = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed)
