@@ -11,7 +11,6 @@ import numpy as np
 import resolved
 
 import aoimpact as ao
-from aoimpact.mesh import Mesh
 
 steel, aluminium, pmma = (
     resolved.Solid(E, nu, rho)
@@ -40,11 +39,11 @@ def cylinder(solid, height, kind, across, layers):
     x, y = (0.5 * c + 0.5 * c**3 for c in (x, y))
     disc = np.stack([x * np.sqrt(1 - 0.5 * y * y), y * np.sqrt(1 - 0.5 * x * x)], axis=1)
     nodes = np.column_stack([0.03 * disc, height * (0.5 * z - 0.5 * z**2)])
-    return ao.FEModel.from_mesh(Mesh(nodes, mesh.cells, kind), material(solid))
+    return ao.FEModel.from_mesh(ao.Mesh(nodes, mesh.cells, kind), material(solid))
 
 
 ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=0.01, size=0.005), material(steel))
-print("target           mesh             nodes  resolved (N)  here (N)  error     said")
+print("target           mesh             nodes  resolved (N)  here (N)  error     estimate")
 for name, (solid, height, lasts, finest, reach, labels) in targets.items():
     upper = resolved.ball(0.01, steel, finest, reach=reach)
     lower = resolved.block(
@@ -58,14 +57,14 @@ for name, (solid, height, lasts, finest, reach, labels) in targets.items():
             target=target.contact(point=(0, 0, 0)),
             velocity=1.0,
         )
-        said = sum(hit.error.parts("peak_force").values())
+        estimate = sum(hit.error.parts("peak_force").values())
         error = hit.peak_force / truth - 1
         print(
             f"{name:15s}  {label:15s}  {len(target.nodes):5d}  {truth:7.1f}       {hit.peak_force:7.1f} "
-            f"  {100 * error:+5.2f} %   {100 * said:.1f} %"
+            f"  {100 * error:+5.2f} %   {100 * estimate:.1f} %"
         )
-        assert abs(error) < said + 2e-3  # which the resolved impact may itself be wrong
+        assert abs(error) < estimate + 2e-3  # which the resolved impact may itself be wrong
 
 # %%
-# On each mesh the force is within the error that is said with it. The resolved values move by less than 0.2 % when their
-# meshes are refined. Coarse linear bricks are far too stiff in the bending of the disc, and the error says so.
+# On each mesh the true error of the force is within the estimate. The resolved values change by less than 0.2 % when their
+# meshes are refined. Coarse linear bricks are far too stiff in the bending of the disc, and the estimate shows it.
