@@ -11,12 +11,13 @@ from aoimpact.base import styled
 _kept: list[Any] = []  # a context that nobody holds ends
 
 
-def settle(_conf: Any, _file: str) -> None:
+def settle(_conf: Any = None, _file: str = "") -> None:
     """Let an example's warnings stand among what it prints, and figures look as the package's."""
     _kept.append(styled())  # Matplotlib's settings are reset before the next example
     _kept[-1].__enter__()
     logging.getLogger("skfem").setLevel(logging.WARNING)
-    warnings.showwarning = lambda message, kind, *_: print(f"{kind.__name__}: {message}")  # type: ignore[assignment]
+    # Not showwarning, which sphinx-gallery replaces around each block.
+    warnings.formatwarning = lambda message, kind, *_, **__: f"{kind.__name__}: {message}\n"
 
 
 def parameter(app: Any, env: Any, node: Any, text: Any) -> Any:

@@ -7,11 +7,12 @@ time, each of which costs one solve; and, if the body is constrained, by its sta
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
 import scipy
+import scipy.sparse.linalg
 
 from .. import _core
 from ..base import FloatArray, SingularError, require
@@ -57,6 +58,9 @@ _NOTHING_NEW = 1e-11
 # factorisation of K: models of 8 oscillators on blocks of 9 400 and 42 000 dofs are made 1.7 and
 # 2.1 times as fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
+
+# Iterations for a static mode after which a preconditioner of K itself is set up for it.
+_MOST_ITERATIONS = 60
 
 _BYTES_PER_NUMBER = 8.0
 
@@ -251,6 +255,10 @@ class Subspace:
             within, left = self._galerkin(loads)
         if left <= _REACHED:
             return list(within)
+        if not direct and not self.rigid_count:
+            found = [self._iterated(load, dynamic) for load in loads]
+            if all(x is not None for x in found):
+                return [self._outside(place, x) for place, x in enumerate(found) if x is not None]
         invert = SolverBook(
             dynamic.at or partial(self.body.inverse, solver=self._solver, solutions=len(loads))
         )
@@ -259,23 +267,62 @@ class Subspace:
             for place, load in enumerate(loads)
         ]
 
-    def _galerkin(self, loads: FloatArray) -> tuple[FloatArray, float]:
-        """K⁻¹ of each load in the span of the vectors so far, and the largest |b - K x|/|b|."""
+    def _within(self) -> Callable[[FloatArray], FloatArray] | None:
+        """f, shape (m, n_dofs), ↦ K⁻¹ f in the span of the vectors so far, their coordinates."""
         new = slice(self._given, self._count)
-        vectors = self._basis[new]
-        stiffness = self._stiffness[new, new]
-        found = np.zeros((len(loads), self._count))
+        vectors, stiffness = self._basis[new], self._stiffness[new, new]
         if not (stiffness.diagonal() > 0.0).all():  # rounding of K, or a mechanism
-            return found, np.inf
+            return None
         scale = 1.0 / np.sqrt(stiffness.diagonal())
         try:
             factors = scipy.linalg.cho_factor(scale[:, None] * stiffness * scale)
         except np.linalg.LinAlgError:
+            return None
+
+        def solve(loads: FloatArray) -> FloatArray:
+            found: FloatArray = (
+                scale * scipy.linalg.cho_solve(factors, (loads @ vectors.T * scale).T).T
+            )
+            return found
+
+        return solve
+
+    def _galerkin(self, loads: FloatArray) -> tuple[FloatArray, float]:
+        """K⁻¹ of each load in the span of the vectors so far, and the largest |b - K x|/|b|."""
+        found, solve = np.zeros((len(loads), self._count)), self._within()
+        if solve is None:
             return found, np.inf
-        found[:, new] = scale * scipy.linalg.cho_solve(factors, (loads @ vectors.T * scale).T).T
-        rest = loads - (self.body.K @ (found[:, new] @ vectors).T).T
+        new = slice(self._given, self._count)
+        found[:, new] = solve(loads)
+        rest = loads - (self.body.K @ (found[:, new] @ self._basis[new]).T).T
         sizes = np.linalg.norm(loads, axis=1)
         return found, float((np.linalg.norm(rest, axis=1) / np.where(sizes > 0, sizes, 1.0)).max())
+
+    def _iterated(self, load: FloatArray, dynamic: LinearSolver) -> FloatArray | None:
+        """Return K⁻¹ `load` by conjugate gradients; None where they do not get there.
+
+        The preconditioner of K + s²M does for K once the slow motions are taken out of the
+        residual, and those that the load excites lie in the span of the vectors so far.
+        """
+        solve, precondition = self._within(), dynamic.precondition
+        if solve is None or precondition is None:
+            return None
+        vectors = self._basis[self._given : self._count]
+
+        def both(r: FloatArray) -> FloatArray:
+            coarse: FloatArray = solve(r[None])[0] @ vectors
+            return precondition(r) + coarse
+
+        x: FloatArray
+        x, failed = scipy.sparse.linalg.cg(
+            self.body.K,
+            load,
+            x0=solve(load[None])[0] @ vectors,
+            rtol=_REACHED,
+            maxiter=_MOST_ITERATIONS,
+            M=scipy.sparse.linalg.LinearOperator(self.body.K.shape, matvec=both, dtype=float),
+        )
+        return None if failed else x
 
     def _outside(self, place: int, x: FloatArray) -> FloatArray:
         """Put what is new of a static mode found by other means in its place in the basis."""

@@ -62,7 +62,7 @@ table = ao.compare(
     velocity=1.0,
     duration=hit.duration,
     oscillators=(0, 1, 2, 4, 8, 16),
-    modes=(20,),
+    modes=(5, 20, 40),
     full=False,
 )
 print(table)
@@ -71,7 +71,7 @@ print(table)
 # Anti-oscillators that are fitted to the contact's duration converge much faster than natural modes: a mode shape does
 # not know where the body is touched.
 
-table.plot()
+ax = table.plot()
 
 # %%
 # Give the model yourself
