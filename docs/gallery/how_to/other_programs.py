@@ -126,6 +126,7 @@ hit = ao.simulate(
     velocity=1.0,
 )
 print(hit)
+ax = hit.plot_force()
 
 # %%
 # A star in another program
