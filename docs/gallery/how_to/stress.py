@@ -3,7 +3,9 @@ Where is the stress largest?
 ============================
 
 The displacement, velocity and stress of every point of a body follow from the force, whatever model it was computed
-with. A reduced model has few shapes, which give the force but not yet the stress; what they leave out is corrected
+with.
+
+A reduced model has few shapes, which give the force but not yet the stress; what they leave out is corrected
 (:doc:`/theory/reduction`).
 """
 
