@@ -81,6 +81,12 @@ def drawn(output: Any) -> bool:
     return bool(re.match(r"\[?<(matplotlib|Axes)", output.get("data", {}).get("text/plain", "")))
 
 
+def look() -> list[str]:
+    """What makes figures and warnings of a kernel look as the site's, before its first cell."""
+    line = f"import sys; sys.path.append({str(ROOT / 'docs')!r}); from sitetools import settle"
+    return [f"--IPKernelApp.exec_lines=[{line!r}, 'settle(); del settle, sys']"]
+
+
 def main(names: list[str]) -> None:
     import nbclient
     import nbformat
@@ -94,7 +100,7 @@ def main(names: list[str]) -> None:
         with tempfile.TemporaryDirectory() as folder:
             nbclient.NotebookClient(
                 made, timeout=600, kernel_name="python3", resources={"metadata": {"path": folder}},
-                record_timing=False,
+                record_timing=False, extra_arguments=look(),
             ).execute()  # fmt: skip
         made.metadata.pop("language_info", None)
         for cell in made.cells:

@@ -51,6 +51,7 @@ def styled() -> Any:
     look: Any = {
         "axes.prop_cycle": cycler(color=COLOURS * count) + cycler(linestyle=dashes),
         "axes.grid": True,
+        "axes.xmargin": 0.0,
         "figure.constrained_layout.h_pad": 0.08,
         "figure.constrained_layout.w_pad": 0.08,
         "axes.spines.right": False,
@@ -120,6 +121,7 @@ def error_axes(ax: Axes, across: str, up: str) -> Axes:
     """Return axes with curves of errors on them, labelled, both logarithmic."""
     ax.set_xscale("log")
     ax.set_yscale("log")
+    ax.margins(x=0.05)  # markers at both ends
     ax.set_xlabel(across)
     ax.set_ylabel(up)
     ax.grid(True, which="major", alpha=0.3)

@@ -448,9 +448,16 @@ def _coordinates(pair: _Pair, places: Places, length: float) -> dict[str, Any]:
         numbers = used
     missing = np.setdiff1d(used, numbers)
     if len(missing):
+        cause = "is it another model's file?"
+        if missing[0] > numbers.max():
+            cause = (
+                f"are they inner ones of elements (as of CalculiX' C3D8I), numbered after the last "
+                f"node, {numbers.max()}? Take elements without, or leave nodes out and give each "
+                "contact its node and direction; else it is another model's file"
+            )
         raise InputError(
             f"nodes: {len(missing)} nodes of {pair.called} are not there, the first is "
-            f"{missing[0]}: is it another model's file?"
+            f"{missing[0]}: {cause}"
         )
     if len(numbers) > len(used) and _moves_without(pair):
         keep = np.isin(numbers, used)

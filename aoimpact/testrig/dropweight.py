@@ -23,7 +23,7 @@ from ..base import (
     real,
 )
 from ..results import Result
-from .signal import Signal
+from .signal import UNFILTERED, Signal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -191,12 +191,15 @@ class DropWeight(Frozen):
         return draw_curves(ax, across, "energy", "J", curves, kwargs)
 
     def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
-        """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey."""
+        """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey.
+
+        Keywords go to ``Axes.plot``.
+        """
         shown = self._shown
         across = (self.t[shown] - self.start, "time", "s")
         before = self.signal.raw
         if raw and before is not None:
-            grey: list[Curve] = [(before.values[shown], {"color": "0.75", "lw": 0.8, "ls": "-"})]
+            grey: list[Curve] = [(before.values[shown], UNFILTERED)]
             ax = draw_curves(ax, across, "force", "N", grey)
         curves: list[Curve] = [(self.force[shown], {})]
         return draw_curves(ax, across, "force", "N", curves, kwargs)

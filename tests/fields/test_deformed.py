@@ -65,7 +65,8 @@ def test_units_time_and_colours_are_said() -> None:
     assert drawn.get_alpha() == 0.5
     colours = drawn.get_array()
     assert (colours.min(), colours.max()) == (0.0, 20.0)  # MPa, at the two ends
-    assert drawn.colorbar.ax.get_ylabel() == "von Mises stress (MPa)"
+    told = "von Mises stress (MPa), largest near\n(200, 10, 10) mm"  # the end x = 0.2 m
+    assert drawn.colorbar.ax.get_ylabel() == told
 
 
 def test_it_draws_on_the_axes_given() -> None:

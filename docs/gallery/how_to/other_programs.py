@@ -43,6 +43,10 @@ import aoimpact as ao
 #      - ``scipy.sparse.save_npz``, ``numpy.savez``, ``scipy.io.mmwrite``
 #      - ``dofs=``: an array of node and component
 #
+# CalculiX integrates the mass of all its solid elements but C3D8 and C3D20 at few points, which leaves some motions without
+# mass. Such a body is read and struck as any other; the elements C3D8I have inner nodes, which no coordinates belong to:
+# leave ``nodes`` out, or take another element.
+#
 # Here CalculiX' files are imitated: a bar in millimetres, tonnes and newtons, held at one end, its nodes called 101,
 # 102, ...
 
@@ -126,6 +130,7 @@ hit = ao.simulate(
     velocity=1.0,
 )
 print(hit)
+ax = hit.plot_force()
 
 # %%
 # A star in another program

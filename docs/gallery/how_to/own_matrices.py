@@ -3,7 +3,9 @@ My own K and M
 ==============
 
 Stiffness and mass may come from any program that writes them: sparse or dense, symmetric, with the supports taken out.
-What the package then needs to know is where the body is touched. The files of Abaqus, Ansys, CalculiX and Nastran, and
+What the package then needs to know is where the body is touched.
+
+The files of Abaqus, Ansys, CalculiX and Nastran, and
 Matrix Market's and SciPy's, are read by :func:`aoimpact.read_matrices`, with the labels of the nodes
 (:doc:`/how-to/other_programs`).
 """

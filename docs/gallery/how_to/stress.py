@@ -3,7 +3,9 @@ Where is the stress largest?
 ============================
 
 The displacement, velocity and stress of every point of a body follow from the force, whatever model it was computed
-with. A reduced model has few shapes, which give the force but not yet the stress; what they leave out is corrected
+with.
+
+A reduced model has few shapes, which give the force but not yet the stress; what they leave out is corrected
 (:doc:`/theory/reduction`).
 """
 
@@ -64,7 +66,7 @@ print("at", np.round(1e3 * plate.nodes[where], 1), "mm; error of the field", fie
 
 # %%
 
-field.plot()
+ax = field.plot()
 
 # %%
 # ``stress("gauss")`` gives the stress at the Gauss points instead of averages at the nodes. The two differ most where
@@ -92,4 +94,5 @@ print(
 # For ParaView
 # ------------
 
-hit.target.to_vtu("plate", times=[20e-6, 40e-6, 60e-6])  # plate.pvd lists them
+file = hit.target.to_vtu("plate", times=[20e-6, 40e-6, 60e-6])
+print(file, "lists them")

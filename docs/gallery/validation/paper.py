@@ -122,10 +122,11 @@ ax.legend()
 # *centres of mass* is that modified law, which depends on the velocity (Figure 7).
 
 _, ax = plt.subplots(layout="constrained")
-for velocity, style in ((1.0, "-"), (5.0, "--"), (10.0, ":")):
+for velocity, style, marker in ((1.0, "-", "o"), (5.0, "--", "s"), (10.0, ":", "^")):
     hit = ao.simulate(projectile=sphere, target=sphere, law=law, velocity=velocity, duration=100e-6)
     hit = hit.at(np.linspace(0, hit.contact_duration, 400))
-    ax.plot(1e6 * hit.approach, hit.force / 1e3, style, label=f"{velocity:g} m/s")
+    peak = {"marker": marker, "markevery": [hit.force.argmax()], "label": f"{velocity:g} m/s"}
+    ax.plot(1e6 * hit.approach, hit.force / 1e3, style, **peak)
 depth = np.linspace(0, 180e-6, 100)
 ax.plot(1e6 * depth, law.force(depth) / 1e3, "-", color="0.5", lw=1, label="Hertz")
 ax.set(xlabel="approach of the centres of mass (µm)", ylabel="force (kN)")

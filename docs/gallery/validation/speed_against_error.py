@@ -36,7 +36,7 @@ print(spheres)
 
 # %%
 
-spheres.plot()
+ax = spheres.plot()
 
 # %%
 # Ten digits of force cost `Adaptive` little more than three. A rule of second order pays ten times more for every two
@@ -65,6 +65,10 @@ beam = ao.AOModel(
 case = {"projectile": ao.rigid(mass=mass), "target": beam, "law": ao.Hertz(k=1e10), "velocity": 1.0}
 study = ao.work_precision(duration=20e-3, newmark=[2e-6, 1e-6, 3e-7], repeats=3, **case)
 print(study)
+
+# %%
+
+ax = study.plot()
 
 # %%
 # Other programs

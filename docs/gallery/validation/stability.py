@@ -11,6 +11,7 @@ import math
 import warnings
 from itertools import pairwise
 
+import matplotlib.pyplot as plt
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -136,6 +137,9 @@ for left, right in pairwise(balls):
 run = row.simulate(duration=40e-3, solver=ao.Adaptive(rtol=1e-6))
 forces = np.array([contact.peak_force for contact in run.contacts])
 reached = np.flatnonzero(forces)[-1]
+_, ax = plt.subplots(layout="constrained")
+ax.plot(forces[: 3 * reached // 4])
+labels = ax.set(xlabel="number of the contact", ylabel="peak force (N)")
 middle = forces[reached // 4 : 3 * reached // 4]
 print(
     f"{reached + 1} contacts, peak force over the middle half equal to {np.ptp(middle) / middle.mean():.0e}"

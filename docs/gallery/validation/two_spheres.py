@@ -3,7 +3,7 @@ Two elastic spheres, contact resolved
 =====================================
 
 *Source*: axisymmetric finite elements with unilateral contact, without any contact law, written for this comparison
-(``tests/resolved.py``): linear triangles that are fine at the contact, a lumped mass, central differences in time. It
+in ``tests/resolved.py``: linear triangles that are fine at the contact, a lumped mass, central differences in time. It
 shares nothing with the package. *In*: two steel spheres of 10 mm radius, 1 m/s (E = 210 GPa, ν = 0.3, 7800 kg/m³): those
 of E. Jacquelin's paper, which gives 811.5 N and 72 µs for its full finite-element model.
 """
