@@ -93,7 +93,7 @@ class Audit:
         for name, value in zip(
             ("x", "y", "z", "rx", "ry", "rz"), self.rigid_residual, strict=False
         ):
-            moved = "free" if value < _FREE else "held"
+            moved = "free" if value < _FREE else "constrained"
             rows.append((f"rigid motion {name}", f"{value:.1e} ({moved})"))
         if len(self.frequencies):
             rows.append(("frequencies", ", ".join(f"{f:.4g}" for f in self.frequencies) + " Hz"))

@@ -275,7 +275,7 @@ class FEModel(Frozen):
         mesh: str | os.PathLike[str] | Mesh | Any,
         material: AnyMaterial | Mapping[str, OneMaterial],
     ) -> FEModel:
-        """Return this body, its K and M, with the mesh that its nodes are those of.
+        """Return this body, its K and M, with the mesh to which its nodes belong.
 
         What belongs to a surface is then known: patches, Hertz's law, stress. For matrices of
         another program.

@@ -78,8 +78,8 @@ hit.plot_force()
 # %%
 # With coordinates
 # ----------------
-# Where each node has three translations, ``nodes=`` gives their coordinates, and ``free=`` tells for each row of K its
-# number 3·node + component. Then a contact may be given by a ``point`` and a ``direction``, and the body has a mass and
+# Where each node has three translations, ``nodes=`` gives their coordinates, and ``free=`` gives, for each row of K, the
+# index 3·node + component. Then a contact may be given by a ``point`` and a ``direction``, and the body has a mass and
 # a centre. Without elements there is no surface to spread a patch on, so that the contact is the single node there. The
 # matrices of this example are taken from a mesh, as another program would have made them.
 
@@ -119,7 +119,7 @@ meshed = block.with_mesh(mesh, aluminium)
 print(meshed.contact(point=(0.4, 0.01, 0.02 / 2)))
 
 # %%
-# What is wrong with a matrix is told when the body is made, and ``body.audit()`` shows what wrong units look like:
+# A wrong matrix is refused when the body is made, and ``body.audit()`` shows what wrong units look like:
 
 print(meshed.audit(frequencies=2))
 

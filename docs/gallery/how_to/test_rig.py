@@ -51,7 +51,7 @@ ax = test.plot_energy(label="load cell")
 ax = same.plot_energy(ax, label="contact force")
 
 # %%
-# ``gravity=0`` since `simulate` has none; that of a rig is 9.80665 m/s² by itself. ``start`` is the first touch, of a rig
+# ``gravity=0`` since `simulate` has none; for a measured signal the default is 9.80665 m/s². ``start`` is the first touch, of a rig
 # its trigger; left out, it is where the force passes 1 % of its peak. Both tests in numbers, by ASTM D7136
 # and ISO 6603-2: the largest force with its deflection and energy, the largest deflection, the rebound, and what the
 # plate has kept when the contact ends. Here that is the energy of the permanent dent, and of the plate's
@@ -63,15 +63,15 @@ print(test)
 print(same)
 
 # %%
-# ``force`` is the reading over ``cell.share``. For the inertia of the nose lies before the cell, which of a slow force
-# reads the carriage's share of the mass only; near its frequency it reads more than there is. Whoever integrates the
-# reading as it is finds a slower rebound, and energy in the plate that is not there:
+# ``force`` is the reading over ``cell.share``. The nose's inertia acts ahead of the cell. For a slow force the cell reads
+# only m_c/(m_n + m_c) of it, with the masses of carriage and nose; near its natural frequency it reads too much. Integrating
+# the uncorrected reading gives a slower rebound, and absorbed energy that is not there:
 
 print(f"share {cell.share:.3f}, frequency {cell.frequency:.0f} Hz")
 print(f"gain at 1 kHz {cell.gain(1000.0):.3f}, at 8 kHz {cell.gain(8000.0):.3f}")
-as_it_is = ao.drop_weight(measured, mass=cell.mass, velocity=0.6, gravity=0)
+uncorrected = ao.drop_weight(measured, mass=cell.mass, velocity=0.6, gravity=0)
 print(
-    f"absorbed, as it is: {1e3 * as_it_is.absorbed_energy:.0f} mJ of {1e3 * test.impact_energy:.0f}"
+    f"absorbed, uncorrected: {1e3 * uncorrected.absorbed_energy:.0f} mJ of {1e3 * test.impact_energy:.0f}"
 )
 
 # %%
@@ -117,8 +117,8 @@ fig.legend(loc="outside upper center", ncols=2)
 # %%
 # Shock at a place of the body
 # ----------------------------
-# A device on the plate feels the shock response spectrum, ISO 18431-4, of its place. Give the probe of a point times
-# close enough for the highest frequency:
+# The shock that a device on the plate has to withstand is the shock response spectrum, ISO 18431-4, of the point where it
+# is mounted. Sample the probe finely enough for the highest frequency:
 
 times = np.linspace(0, hit.duration, 20001)
 probe = hit.target.probe((0.03, 0.05, 0.006), direction=(0, 0, -1), times=times)
