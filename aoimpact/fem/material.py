@@ -21,6 +21,7 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 # units in which a number below is likely to be: up to which number, its name, its size in SI.
 _SOLIDS = {
     "E": ("Pa", 1e6, 1.22e12, ((1.22e3, "GPa", 1e9), (1e6, "MPa", 1e6))),
+    "G": ("Pa", 3e5, 6e11, ((600.0, "GPa", 1e9), (3e5, "MPa", 1e6))),
     "rho": (
         "kg/m³",
         25.0,
