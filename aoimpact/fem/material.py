@@ -31,8 +31,6 @@ _SOLIDS = {
     "yield_strength": ("Pa", 1e4, 1e11, ((1e4, "MPa", 1e6),)),
 }
 
-_OPTIONAL = "yield_strength"
-
 
 @dataclass(frozen=True, repr=False)
 class Material:
@@ -72,7 +70,7 @@ class Material:
     yield_strength: float | None = None
 
     def __post_init__(self) -> None:
-        given = [name for name in _SOLIDS if getattr(self, name) is not None or name != _OPTIONAL]
+        given = ["E", "rho", *([] if self.yield_strength is None else ["yield_strength"])]
         for name in given:
             object.__setattr__(
                 self, name, positive(name, getattr(self, name), unit=_SOLIDS[name][0])
