@@ -67,6 +67,7 @@ sphinx_gallery_conf = {
     "reference_url": {"aoimpact": None},
     "inspect_global_variables": False,
     "remove_config_comments": True,
+    "image_scrapers": ("sitetools.figures",),
     "ignore_repr_types": "matplotlib|mpl_toolkits",
     "show_signature": False,
     "write_computation_times": False,

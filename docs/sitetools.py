@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import warnings
 from typing import Any
 
@@ -18,6 +19,21 @@ def settle(_conf: Any = None, _file: str = "") -> None:
     logging.getLogger("skfem").setLevel(logging.WARNING)
     # Not showwarning, which sphinx-gallery replaces around each block.
     warnings.formatwarning = lambda message, kind, *_, **__: f"{kind.__name__}: {message}\n"
+
+
+def figures(block: Any, variables: Any, conf: Any, **kwargs: Any) -> str:
+    """Save figures as sphinx-gallery does, with what is drawn as the text for who cannot see it."""
+    import matplotlib.pyplot as plt
+    from sphinx_gallery.scrapers import matplotlib_scraper
+
+    told = [_told(plt.figure(number)) for number in plt.get_fignums()]
+    saved = matplotlib_scraper(block, variables, conf, **kwargs)
+    return re.sub("(?<=:alt: ).*", lambda _: told.pop(0), saved)
+
+
+def _told(figure: Any) -> str:
+    drawn = [f"{ax.get_ylabel()} over {ax.get_xlabel()}" for ax in figure.axes if ax.get_xlabel()]
+    return " ".join("; ".join(dict.fromkeys(drawn)).split())
 
 
 def parameter(app: Any, env: Any, node: Any, text: Any) -> Any:

@@ -3,7 +3,7 @@ Damping and restitution
 =======================
 
 Energy is lost in two places: in the contact, by its law, and in the bodies, by their damping and by vibration that
-stays in them. So the restitution of an impact on a structure is not the restitution of its contact law.
+remains in them. So the restitution of an impact on a structure is not the restitution of its contact law.
 """
 
 import matplotlib.pyplot as plt
@@ -16,8 +16,8 @@ k, mass, velocity = 1e10, 0.016, 1.0  # N/m^1.5; reduced mass of the pair, kg; m
 # %%
 # Nominal against delivered
 # -------------------------
-# Most damped contact laws are given a *nominal* restitution e, which a published formula turns into a damping. What two
-# rigid bodies then really get back is another number. ``ao.restitution(law, mass, velocity)`` tells it for any law;
+# Most damped contact laws are given a *nominal* restitution e, which a published formula turns into a damping. The
+# restitution that two rigid bodies actually show differs. ``ao.restitution(law, mass, velocity)`` computes it for any law;
 # ``from_restitution`` goes the other way and finds the damping that delivers what was asked. For F = k δⁿ (1 + χ δ̇) a
 # rigid pair delivers, whatever k, n and the masses, the e with χV(1 + e) = log((1 + χV)/(1 - χVe)).
 
