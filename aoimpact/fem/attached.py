@@ -124,12 +124,12 @@ def added_mass(
             share[ids] = positive(f"{name}: the mass", mass, unit="kg") / len(ids)
             one = sp.diags_array(share.reshape(-1), format="csr")
             one.eliminate_zeros()
-        on = np.flatnonzero(one.diagonal())
-        held = len(on) - np.count_nonzero(np.isin(on, free))
+        on = np.unique(np.flatnonzero(one.diagonal()) // 3)
+        held = len(on) - np.count_nonzero(np.isin(on, free // 3))
         if held:
             warn(
-                f"{name}: {held} of the {len(on)} dofs that carry it are constrained by fixed, and "
-                "their shares do not move; take other nodes, or release these"
+                f"{name}: {held} of the {len(on)} nodes that carry it are constrained by fixed, "
+                "and their shares do not move; take other nodes, or release these"
             )
         added = one if added is None else added + one
     return added
@@ -149,7 +149,6 @@ def _rigid(
     centre = middle if mount.centre is None else np.asarray(mount.centre)
     inertia = np.zeros((3, 3)) if mount.inertia is None else np.asarray(mount.inertia)
     size = float(np.abs(nodes[ids] - middle).max()) or 1.0
-    _warn_of_millimetres(name, mount.mass, nodes, centre, inertia)
     motions = motions_at((nodes[ids] - middle) / size).reshape(-1, 6)
     values, vectors = np.linalg.eigh(motions.T @ motions)
     known = values > _UNKNOWN**2 * values[-1]
@@ -168,6 +167,7 @@ def _rigid(
             "it, which has inertia there; give nodes spread over the seat, or leave centre and "
             "inertia out"
         )
+    _warn_of_millimetres(name, mount.mass, nodes, centre, inertia)
     block = fit.T @ weights @ fit
     dofs = (3 * ids[:, None] + np.arange(3)).reshape(-1)
     row, column = np.repeat(dofs, len(dofs)), np.tile(dofs, len(dofs))
