@@ -392,7 +392,7 @@ def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
 def _shorter_than(raw: Signal, cfc: float) -> float | None:
     """How long the force acts, s, if that is less than half a period of the class's frequency."""
     acts = raw.t[raw.values > _BEGINS * float(raw.values.max())]
-    longest = float(acts[-1] - acts[0])
+    longest = float(np.ptp(acts)) if len(acts) else 0.0
     return longest if 0.0 < longest < 0.5 / cfc else None
 
 
