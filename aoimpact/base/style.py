@@ -47,7 +47,7 @@ _ONE_LINE = 56
 def styled() -> Iterator[None]:
     """In this context new figures and axes look as those of this package.
 
-    It gives back what it has set and no more, unlike ``rc_context``: the backend of a notebook turns
+    It gives back what it has set and no more, unlike ``rc_context``: a notebook's backend turns
     interactive with its first figure, and would show no other if that were undone.
     """
     import matplotlib.pyplot as plt
