@@ -426,6 +426,8 @@ def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, f
             f"the force is never positive (its least is {force.values.min():g} N): compression "
             "must count as positive; change the sign"
         )
+    if signal.values.max() <= 0.0:
+        raise InputError("cfc: this class leaves nothing of the force; take a higher one")
     first = int(np.argmax(force.values > _BEGINS * peak))
     last = int(np.flatnonzero(signal.values > _BEGINS * signal.values.max())[-1])
     if begin is None:
