@@ -129,7 +129,8 @@ def read_matrices(
     Warns
     -----
     AOImpactWarning
-        If density or speed of sound are not those of a body: wrong units.
+        If density or speed of sound are not those of a body: wrong units; if rows of K, M and
+        `nodes` are not in one order; if K has so few digits that a free body is not free.
 
     Examples
     --------
@@ -421,7 +422,7 @@ def _body(
     try:
         return FEModel(**given)
     except InputError as error:
-        cause = "is one of the files cut short, of another model, or in other units?"
+        cause = "is one of the files cut short, printed with few digits, or of another model?"
         raise type(error)(f"{pair.called}: {error}; {cause}") from error
 
 
