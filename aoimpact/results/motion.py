@@ -158,7 +158,7 @@ class BodyResult(Frozen):
 
     @cached_property
     def _doubted(self) -> None:
-        """Says once what is to be said of the motion."""
+        """Warns once of what is implausible in the motion."""
         if self._doubt is not None:
             self._doubt()
 
