@@ -123,7 +123,7 @@ def choose_models(
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
             flexible = all(
-                _order(model) or _order(body) == 0
+                _order(model) or _order(getattr(body, "given", body)) == 0
                 for model, body in zip(models, bodies, strict=True)
             )
             plan = plan_of(models, False)
@@ -136,6 +136,7 @@ def choose_models(
         rtol=_MARGIN * tolerance - in_time,
         solver=linear_solver,
         known=known,
+        anew=None if record.given else record.reopen,
     )
     numbers = number_errors(found.run, found.larger, found.safety) | (
         {quantity.name: found.error} if not quantity.is_history else {}

@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 import scipy
-import scipy.sparse.linalg
 
 from .. import _core
 from ..base import FloatArray, SingularError, require
