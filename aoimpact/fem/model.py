@@ -453,7 +453,12 @@ class FEModel(Frozen):
         solutions : int, optional
             How many it is to serve, roughly; see `linear_solver` for both.
 
-        :meta private:
+        Examples
+        --------
+        >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+        >>> chain = ao.FEModel(K=K, M=M)
+        >>> chain.inverse().solve(np.array([0.0, 1.0])).round(9)  # m, of 1 N at the end
+        array([1.e-06, 2.e-06])
         """
         shift = nonnegative("s2", s2, unit="(rad/s)²")
         served = integer("solutions", solutions, low=0)
