@@ -201,7 +201,10 @@ class ContactPoint(Frozen):
         return b
 
     def reversed(self) -> ContactPoint:
-        """The same place with the direction of travel the other way round."""
+        """The same place with the direction of travel the other way round.
+
+        :meta private:
+        """
         opposite = None if self.direction is None else -self.direction
         return replace(self, b=-self.b, direction=opposite)
 

@@ -119,6 +119,8 @@ class Material:
         ----------
         normal : array_like, shape (3,)
             Any length but zero.
+
+        :meta private:
         """
         unit_vector("normal", normal)
         return self

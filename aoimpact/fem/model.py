@@ -376,6 +376,8 @@ class FEModel(Frozen):
         ------
         InputError
             If the model has neither nodes nor labels.
+
+        :meta private:
         """
         along, axes = unit_vector("direction", direction), axes_of(self.free, self.labels)
         if axes is None:
@@ -396,6 +398,8 @@ class FEModel(Frozen):
         ------
         InputError
             If the model has neither nodes nor labels, or M was given without the constrained dofs.
+
+        :meta private:
         """
         along = unit_vector("direction", direction)
         if self._momentum is None or self.mass is None:
@@ -448,6 +452,13 @@ class FEModel(Frozen):
         solver : str or callable, optional
         solutions : int, optional
             How many it is to serve, roughly; see `linear_solver` for both.
+
+        Examples
+        --------
+        >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+        >>> chain = ao.FEModel(K=K, M=M)
+        >>> chain.inverse().solve(np.array([0.0, 1.0])).round(9)  # m, of 1 N at the end
+        array([1.e-06, 2.e-06])
         """
         shift = nonnegative("s2", s2, unit="(rad/s)²")
         served = integer("solutions", solutions, low=0)
@@ -464,6 +475,13 @@ class FEModel(Frozen):
         ----------
         n : int
             1 … n_dofs.
+
+        Examples
+        --------
+        >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+        >>> chain = ao.FEModel(K=K, M=M)
+        >>> chain.frequencies(2).round(1)
+        array([139.1, 364.2])
         """
         count = integer("n", n, low=1, high=self.n_dofs)
         omega2, _ = lowest(self.K, self.M, count, known=self.rigid_modes, invert=self.inverse)

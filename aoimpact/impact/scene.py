@@ -117,6 +117,11 @@ class Scene:
         ------
         InputError, InputTypeError
             If `body` is no model of a body, or a number is none or beyond the range of squares.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0, name="ball")
         """
         called = text("name", name)
         speed = checked_speed("velocity", velocity)
@@ -161,6 +166,13 @@ class Scene:
         InputError
             For a body with itself, two walls, an unknown handle, a direction that was given the
             wrong way round, or a law that is left out and not known.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball, floor = scene.add(ao.rigid(mass=0.1)), scene.add(ao.rigid(mass=float("inf")))
+        >>> scene.connect(ball, floor, ao.Hertz(k=1e9), gap=1e-3)
+        0
         """
         first, second = self._known("a", a), self._known("b", b)
         if first.body == second.body:
@@ -214,6 +226,12 @@ class Scene:
         ------
         InputError
             For a wall, an unknown handle, or times and forces that do not match.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1))
+        >>> scene.apply(ball, force=([0.0, 1e-3], [0.0, 20.0]))  # a ramp, then 20 N
         """
         end = self._known("body", body)
         if isinstance(force, tuple):
@@ -282,11 +300,12 @@ class Scene:
         quantity : str, Handle, ContactPoint or StressAt, optional
             The quantity of interest: "force" (of every contact over the record), "peak_force",
             "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
-            every contact), a handle, for the displacement of that contact coordinate over the
-            record, or a point of a body, for its displacement over the record. Contact points are
-            reduced as far as the tolerance allows, and AO models truncated if this or `rtol` is
-            given; `Run.models` are those taken. A body that was added twice is reduced
-            once.
+            every contact), "rebound_velocity" (after the last contact, of every body that nothing
+            holds: `Run.parting`), "restitution" (of a scene of one contact), a handle, for the
+            displacement of that contact coordinate over the record, or a point of a body, for its
+            displacement over the record. Contact points are reduced as far as the tolerance allows,
+            and AO models truncated if this or `rtol` is given; `Run.models` are those taken. A body
+            that was added twice is reduced once.
         rtol : float, optional
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
@@ -307,6 +326,16 @@ class Scene:
         AOImpactWarning
             If gravity has no effect on a constrained AO model given by numbers or without nodes, a
             body's centre of mass is not known, or its model was fitted to another contact time.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+        >>> wall = scene.add(ao.rigid(mass=float("inf")))
+        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+        >>> run = scene.simulate(duration=1e-3)
+        >>> round(run.contacts[number].peak_force)  # N
+        1143
         """
         began = perf_counter()
         length = None if duration is None else checked_duration(duration)
@@ -462,12 +491,25 @@ class Scene:
             moved = [i for i, body in enumerate(bodies) if isinstance(body, FullModel)]
             quantity = Handle(moved[0], scene=self._mark.name) if moved else None
         interest = scene_quantity(quantity, bodies)
+        if interest.name == "restitution":
+            self._refuse_restitution()
         if interest.of_contacts and not self._contacts:
             raise InputError(
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
                 "the handle of a body for its displacement"
             )
         return interest
+
+    def _refuse_restitution(self) -> None:
+        """A restitution is of two bodies that come towards each other."""
+        speeds = {self._velocities[body] for contact in self._contacts for body, _ in contact.ports}
+        if len(self._contacts) != 1 or len(speeds) != 2:
+            count = f"{len(self._contacts)} contacts"
+            raise InputError(
+                'quantity="restitution" is of one contact between two bodies that come with '
+                f"velocities, and the scene has {count if len(self._contacts) != 1 else 'none'}; "
+                'give "rebound_velocity", that of every body'
+            )
 
     def _refuse_overlap(self) -> None:
         for number, contact in enumerate(self._contacts):

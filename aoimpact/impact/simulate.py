@@ -120,7 +120,7 @@ def simulate(
     bodies = body_model("projectile", projectile), body_model("target", target)
     pair = _pair(*bodies, numbers.velocity)
     interest = partial(impact_quantity, quantity, *bodies)
-    if options.asked:  # bad input is said before any work is done
+    if options.asked:  # bad input is refused before any work is done
         checked_rtol(rtol)
         interest()
     impact = _complete(*bodies, law, numbers)
