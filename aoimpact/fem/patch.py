@@ -193,8 +193,9 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
         If the surface ends within the disc, or turns away by more than 45°.
     """
     offsets, share = _disc_rule(radius)
+    across = plane_of(normal)
     for _ in range(_TURNS):
-        under = surface.pierced(point + offsets @ plane_of(normal), normal, reach=radius)
+        under = surface.pierced(point + offsets @ across, normal, reach=radius)
         reach = _free(surface, under, normal, np.linalg.norm(offsets, axis=1))
         if reach < radius:
             reason = (
@@ -207,7 +208,8 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
         turned = float(np.linalg.norm(mean - normal))
         if turned < _SETTLED:
             break
-        normal = mean
+        # Turned no further about the normal than it must be, or the points would not settle.
+        normal, across = mean, plane_of(mean, across[0])
     weights = np.zeros(surface.mesh.n_nodes)
     cells = surface.mesh.cells[surface.cell[under.face]]
     np.add.at(weights, cells, share[:, None] * surface.shape(under.face, under.uv))
