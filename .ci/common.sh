@@ -27,6 +27,9 @@ debian() {
     DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $missing > /dev/null
 }
 
+# What gmsh's wheel is linked with.
+gmsh=(libglu1-mesa libgl1 libopengl0 libxrender1 libxcursor1 libxft2 libxinerama1)
+
 # section NAME COMMAND...: run a command with its output in a file, which a failure shows at once.
 # Its time on the clock and on the processors is shown either way.
 section() {

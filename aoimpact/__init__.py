@@ -41,16 +41,28 @@ On the command line: ``aoimpact run file.toml``, ``compare``, ``study``, ``paper
 more. The documentation is a site: ``sphinx-build docs site``.
 """
 
+import sys as _sys
+from importlib.machinery import PathFinder as _PathFinder
 from importlib.metadata import version as _version
 from importlib.util import find_spec as _find_spec
+from pathlib import Path as _Path
 
 import lazy_loader as _lazy_loader
 
-if _find_spec("aoimpact._core") is None:  # the source folder, seen before the installed package
-    raise ImportError(
-        f"the compiled core is missing in {__path__[0]}: this is the source folder of aoimpact; "
-        "install it (pip install .) and run from another folder, or use the command 'aoimpact'"
-    )
+if _find_spec("aoimpact._core") is None:
+    # A script in the source folder sees that folder before the installed package. The installed one
+    # is meant: it takes the place of this folder.
+    _source = _Path(__file__).resolve().parents[1]
+    _elsewhere = [entry for entry in _sys.path if _Path(entry).resolve() != _source]
+    _installed = _PathFinder.find_spec("aoimpact", _elsewhere)
+    if _installed and _installed.origin and _installed.submodule_search_locations:
+        __file__, __path__ = _installed.origin, list(_installed.submodule_search_locations)
+    if _find_spec("aoimpact._core") is None:
+        raise ImportError(
+            f"the compiled core is missing in {__path__[0]}: aoimpact is not installed for "
+            f"{_sys.executable}; install it (pip install . in the source folder), and run the "
+            "script by the Python of that environment (.venv/bin/python)"
+        )
 
 # The public names stand in __init__.pyi; each is imported when it is first asked for.
 __getattr__, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)

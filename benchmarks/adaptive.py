@@ -8,7 +8,8 @@ CVODE is driven by cvode_pair.c, built here where a C compiler and Debian's libs
 Exudyn by exudyn_pair.py where that package is installed. Takes two or three minutes.
 
 "call" is what a user waits for: ao.simulate with the curves of its result. "core" is the run in C
-alone, without the curves. CVODE and Exudyn are timed without Python and without curves.
+alone, without the curves. CVODE and Exudyn are timed without Python and without curves. A curve of
+400 even times of the beam, with its energies, takes .9 of the run at rtol 1e-6.
 """
 
 from __future__ import annotations

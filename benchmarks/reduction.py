@@ -3,13 +3,16 @@
     python benchmarks/reduction.py [--size 2.5]
     python benchmarks/reduction.py --constrained
     python benchmarks/reduction.py --arpack [--size 1.9] [--along 100]
+    python benchmarks/reduction.py --patch
 
 The first: against one factorisation of K + s²M by the same solver, and n + 2 solutions with it; a
 sphere with elements of `size` mm. The second: the same for bodies clamped at their ends, slender,
 thin and compact, which need their static mode besides; in processor time. The third: against the
 lowest constraint modes by ARPACK with factors by the same solver, for equal force error, in
 processor time; the sphere on its like, and a rigid ball on a slender bar clamped at both ends
-(4 x 4 elements across, `along` along). Machines differ and are shared: the ratios are what to read.
+(4 x 4 elements across, `along` along). The fourth: 28 constraint modes by mass for a patch against
+a node, on a beam of hex20 clamped at both ends, in processor time: as long. Machines differ and are
+shared: the ratios are what to read.
 """
 
 from __future__ import annotations
@@ -193,13 +196,34 @@ def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
     print(f"  (took {time.perf_counter() - start:.0f} s)")
 
 
+def patch_against_node() -> None:
+    """The heaviest constraint modes of a slender beam clamped at both ends, off its middle."""
+    mesh = ao.box_mesh((1.0, 0.05, 0.05), (40, 4, 4), kind="hexahedron20")
+    beam = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    node, patch = (beam.contact(point=(0.37, 0.02, 0.05), radius=r) for r in (0.0, 0.014))
+    with held_warnings():
+        one, many = best_times(
+            *(partial(ao.antioscillators, tip, 28) for tip in (node, patch)),
+            enough=0.0,
+            clock=time.process_time,
+        )
+    print_table(
+        f"Slender beam, {beam.n_dofs} dofs",
+        [Line("28 by mass, a node", one), Line("a patch", many, "a node", one)],
+    )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--arpack", action="store_true", help="against constraint modes by ARPACK")
     parser.add_argument("--constrained", action="store_true", help="bodies with supports")
+    parser.add_argument("--patch", action="store_true", help="a patch against a node")
     parser.add_argument("--size", type=float, help="of the sphere's elements, mm")
     parser.add_argument("--along", type=int, default=100, help="elements along the bar")
     options = parser.parse_args()
+    if options.patch:
+        patch_against_node()
+        return
     if options.constrained:
         constrained_against_solutions()
         return

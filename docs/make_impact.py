@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import aoimpact as ao
+from aoimpact.base import COLOURS, new_axes
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 RADIUS, VELOCITY, DURATION = 0.01, 1.0, 120e-6
@@ -39,19 +39,25 @@ def main() -> None:
             duration=DURATION,
         ),
     }
-    times = np.linspace(0.0, DURATION, 400)
+    times = np.linspace(0.0, 75e-6, 1500)
     force = hit.at(times).force
-    _, ax = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
     band = total * force.max()
-    ax.fill_between(1e6 * times, force - band, force + band, alpha=0.3, color="C0", lw=0)
-    ax.plot(1e6 * times, force, color="C0", label=f"aoimpact, default, ± {100 * total:.1f} %")
-    for (label, other), style in zip(others.items(), (("C1", "--"), ("C2", ":")), strict=True):
-        ax.plot(1e6 * times, other.at(times).force, color=style[0], ls=style[1], label=label)
-    ax.axhline(RESOLVED, color="0.4", lw=0.8)
-    ax.annotate("contact resolved by elements of 6 µm", (119, RESOLVED), ha="right", va="bottom")
-    ax.set(xlabel="time (µs)", ylabel="force (N)", xlim=(0, 120), ylim=(0, 1150))
-    ax.legend(frameon=False, loc="upper right", bbox_to_anchor=(1.0, 0.87))
-    plt.savefig(Path(__file__).with_name("impact.png"), dpi=150)
+    whole, peak = new_axes(1, 2, figsize=(7.2, 3.8), width_ratios=(2, 1))
+    for ax in (whole, peak):
+        shaded = {"alpha": 0.3, "color": COLOURS[0], "lw": 0}
+        ax.fill_between(1e6 * times, force - band, force + band, **shaded)
+        ax.plot(1e6 * times, force, label=f"aoimpact, default, ± {100 * total:.1f} %")
+        for label, other in others.items():
+            ax.plot(1e6 * times, other.at(times).force, label=label)
+        line = {"color": "black", "lw": 0.8, "ls": "-"}
+        ax.axhline(RESOLVED, label="peak, contact resolved to 6 µm", **line)
+        ax.set(xlabel="time (µs)")
+    whole.set(ylabel="force (N)", xlim=(0, 75), ylim=(0, 1100))
+    peak.set(xlim=(24, 36), ylim=(980, 1030), title="the peak")
+    whole.indicate_inset((24, 980, 12, 50), edgecolor="black")
+    names = whole.get_legend_handles_labels()
+    whole.figure.legend(*names, loc="outside upper left", ncols=2, frameon=False)
+    whole.figure.savefig(Path(__file__).with_name("impact.png"), dpi=150)
 
 
 if __name__ == "__main__":

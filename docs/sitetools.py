@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import warnings
 from typing import Any
 
@@ -11,12 +12,28 @@ from aoimpact.base import styled
 _kept: list[Any] = []  # a context that nobody holds ends
 
 
-def settle(_conf: Any, _file: str) -> None:
+def settle(_conf: Any = None, _file: str = "") -> None:
     """Let an example's warnings stand among what it prints, and figures look as the package's."""
     _kept.append(styled())  # Matplotlib's settings are reset before the next example
     _kept[-1].__enter__()
     logging.getLogger("skfem").setLevel(logging.WARNING)
-    warnings.showwarning = lambda message, kind, *_: print(f"{kind.__name__}: {message}")  # type: ignore[assignment]
+    # Not showwarning, which sphinx-gallery replaces around each block.
+    warnings.formatwarning = lambda message, kind, *_, **__: f"{kind.__name__}: {message}\n"
+
+
+def figures(block: Any, variables: Any, conf: Any, **kwargs: Any) -> str:
+    """Save figures as sphinx-gallery does, with what is drawn as the text for who cannot see it."""
+    import matplotlib.pyplot as plt
+    from sphinx_gallery.scrapers import matplotlib_scraper
+
+    told = [_told(plt.figure(number)) for number in plt.get_fignums()]
+    saved = matplotlib_scraper(block, variables, conf, **kwargs)
+    return re.sub("(?<=:alt: ).*", lambda _: told.pop(0), saved)
+
+
+def _told(figure: Any) -> str:
+    drawn = [f"{ax.get_ylabel()} over {ax.get_xlabel()}" for ax in figure.axes if ax.get_xlabel()]
+    return " ".join("; ".join(dict.fromkeys(drawn)).split())
 
 
 def parameter(app: Any, env: Any, node: Any, text: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Calibrate the errors that are said of default impacts against much finer quadratic meshes.
+"""Calibrate the estimated errors of default impacts against much finer quadratic meshes.
 
 Needs gmsh, which the package itself does not:
 
@@ -270,7 +270,7 @@ def setups() -> Iterator[Setup]:
     )
     cube = rectangle(50 * mm, 50 * mm, 50 * mm)
     yield Setup(
-        *("held cube of PMMA", cube, PMMA, [(near(2, 0.0), "xyz")], (0.025, 0.025, 0.05)),
+        *("clamped cube of PMMA", cube, PMMA, [(near(2, 0.0), "xyz")], (0.025, 0.025, 0.05)),
         *(8 * mm, 10 * mm, 1.0),
         compact=True,
     )
@@ -286,7 +286,7 @@ def setups() -> Iterator[Setup]:
     )
     angle = bracket(60 * mm, 40 * mm, 8 * mm, 30 * mm)
     yield Setup(
-        *("held bracket", angle, STEEL, [(near(0, 0.0), "xyz")], (0.05, 0.008, 0.015)),
+        *("clamped bracket", angle, STEEL, [(near(0, 0.0), "xyz")], (0.05, 0.008, 0.015)),
         *(5 * mm, 6 * mm, 1.0),
         compact=True,
     )
@@ -327,21 +327,21 @@ def truth(setup: Setup, store: Path) -> dict[str, Any]:
         hit = setup.strike(body, patch, rtol=RTOL_OF_TRUTH)
         times = np.linspace(0.0, hit.duration, TIMES)
         values = {"t": times, "force": hit.at(times).force, "peak": hit.peak_force}
-        said = {"total": hit.error.total, "dofs": body.n_dofs}
-        np.savez(path, **values, **said)
+        estimate = {"total": hit.error.total, "dofs": body.n_dofs}
+        np.savez(path, **values, **estimate)
     with np.load(path) as known:
         return dict(known)
 
 
 def compared(setup: Setup, kind: str, size: float, known: dict[str, Any]) -> dict[str, Any]:
-    """Return a row of the table: true errors and those that are said."""
+    """Return a row of the table: true errors and their estimates."""
     body = setup.body(kind, size * setup.size)
     start = time.perf_counter()
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
         hit = setup.strike(body)
         error = hit.error
-        said = error.parts("peak_force")
+        estimate = error.parts("peak_force")
     seconds = time.perf_counter() - start
     times = known["t"][known["t"] <= min(hit.duration, known["t"][-1])]
     differs = hit.at(times).force - known["force"][: len(times)]
@@ -359,9 +359,9 @@ def compared(setup: Setup, kind: str, size: float, known: dict[str, Any]) -> dic
         "contact": error.contact,
         "reduction": error.reduction,
         "true_peak": abs(hit.peak_force / peak - 1.0),
-        "peak_mesh": said["mesh"],
-        "peak_contact": said["contact"],
-        "peak_model": said["model"],
+        "peak_mesh": estimate["mesh"],
+        "peak_contact": estimate["contact"],
+        "peak_model": estimate["model"],
         "truth": peak,
         "truth_total": float(known["total"]),
         "warnings": len(heard),
@@ -409,34 +409,34 @@ def append(path: Path, row: dict[str, Any]) -> None:
 
 PAGE = """# How well errors are known
 
-The errors that are said with an impact against true ones: `hit.error.total`, of the force over the
-record, and the ± beside the peak force. There are {count} impacts by the default call,
+Estimated and true errors compared: `hit.error.total`, of the force over the record, and the ±
+beside the peak force. There are {count} impacts by the default call,
 `simulate(projectile=..., target=..., velocity=...)`, in {bodies} setups with up to ten meshes each.
 A setup is a body, a place, a ball of steel, rigid or elastic, and a speed of {slowest:g} to
 {fastest:g} m/s. The truth is the same call on ten-node tetrahedra graded towards the contact, of
 {least} to {most} degrees of freedom, with `rtol={rtol:g}`. On compact bodies its patch has a
-quarter of the ball's radius, since the least that suits a graded mesh is small. By what it says
-itself the truth is {own} off in the median; that is counted as the error of what is compared with
-it.
+quarter of the ball's radius, since the least that suits a graded mesh is small. By its
+own estimate the truth is {own} off in the median; that is counted as the error of what is compared
+with it.
 
-| | below what is said | said over true (median) | 10 to 90 % of them |
+| | true error within the estimate | estimate / true (median) | 10 to 90 % of them |
 |---|---|---|---|
 | force over the record, `.total` | {history} |
 | peak force, ± of the summary | {peak} |
 
 By kind of element, of the force over the record:
 
-| | impacts | true error (median) | below | said over true | 10 to 90 % |
+| | impacts | true error (median) | within | estimate / true | 10 to 90 % |
 |---|---|---|---|---|---|
 {kinds}
 
 By setup:
 
-| | impacts | true error (median) | below | said over true | 10 to 90 % |
+| | impacts | true error (median) | within | estimate / true | 10 to 90 % |
 |---|---|---|---|---|---|
 {setups}
 
-Not below:
+Not within the estimate:
 
 {beyond}
 
@@ -460,14 +460,14 @@ def table(store: Path, docs: Path) -> None:
         writer.writeheader()
         writer.writerows({name: _short(value) for name, value in row.items()} for row in rows)
     values = {name: _numbers(rows, name) for name in rows[0] if name not in ("body", "kind")}
-    said = sum(values[name] for name in ("peak_mesh", "peak_contact", "peak_model"))
+    estimate = sum(values[name] for name in ("peak_mesh", "peak_contact", "peak_model"))
     bodies, kinds = (np.array([row[name] for row in rows]) for name in ("body", "kind"))
     dofs = []
     for path in store.glob("*.npz"):
         with np.load(path) as known:
             dofs.append(int(known["dofs"]))
     beyond = [
-        f"- {body}, {kind} of {size:g} mm: {_percent(true)} where {_percent(total)} is said"
+        f"- {body}, {kind} of {size:g} mm: {_percent(true)}, estimate {_percent(total)}"
         for body, kind, size, true, total in zip(
             bodies, kinds, values["size_mm"], values["true"], values["total"], strict=True
         )
@@ -482,8 +482,8 @@ def table(store: Path, docs: Path) -> None:
         most=max(dofs),
         rtol=RTOL_OF_TRUTH,
         own=_percent(float(np.median(values["truth_total"]))),
-        history=_held(values["true"], values["total"]),
-        peak=_held(values["true_peak"], said),
+        history=_within(values["true"], values["total"]),
+        peak=_within(values["true_peak"], estimate),
         kinds=_groups(kinds, values),
         setups=_groups(bodies, values),
         beyond="\n".join(beyond) or "None.",
@@ -497,15 +497,15 @@ def _groups(names: Any, values: dict[str, Any]) -> str:
         of = names == name
         true, total = values["true"][of], values["total"][of]
         lines.append(
-            f"| {name} | {of.sum()} | {_percent(np.median(true))} | {_held(true, total)} |"
+            f"| {name} | {of.sum()} | {_percent(np.median(true))} | {_within(true, total)} |"
         )
     return "\n".join(lines)
 
 
-def _held(true: Any, said: Any) -> str:
-    ratio = said / true
+def _within(true: Any, estimate: Any) -> str:
+    ratio = estimate / true
     low, high = np.quantile(ratio, (0.1, 0.9))
-    share = f"{100.0 * np.mean(said > true):.3g} %"
+    share = f"{100.0 * np.mean(estimate > true):.3g} %"
     return f"{share} | {np.median(ratio):.2g} | {low:.2g} to {high:.2g}"
 
 

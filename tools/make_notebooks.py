@@ -81,6 +81,20 @@ def drawn(output: Any) -> bool:
     return bool(re.match(r"\[?<(matplotlib|Axes)", output.get("data", {}).get("text/plain", "")))
 
 
+def kept(outputs: list[Any]) -> list[Any]:
+    """Outputs without what a figure calls itself, and without bars of progress, which go again."""
+    for each in outputs:
+        if each.output_type == "stream":
+            each.text = re.sub(r"\r[^\r\n]*", "", each.text)
+    return [each for each in outputs if each.get("text", "-") and not drawn(each)]
+
+
+def look() -> list[str]:
+    """What makes figures and warnings of a kernel look as the site's, before its first cell."""
+    line = f"import sys; sys.path.append({str(ROOT / 'docs')!r}); from sitetools import settle"
+    return [f"--IPKernelApp.exec_lines=[{line!r}, 'settle(); del settle, sys']"]
+
+
 def main(names: list[str]) -> None:
     import nbclient
     import nbformat
@@ -94,12 +108,12 @@ def main(names: list[str]) -> None:
         with tempfile.TemporaryDirectory() as folder:
             nbclient.NotebookClient(
                 made, timeout=600, kernel_name="python3", resources={"metadata": {"path": folder}},
-                record_timing=False,
+                record_timing=False, extra_arguments=look(),
             ).execute()  # fmt: skip
         made.metadata.pop("language_info", None)
         for cell in made.cells:
-            if cell.cell_type == "code":  # without what a figure calls itself
-                cell.outputs = [each for each in cell.outputs if not drawn(each)]
+            if cell.cell_type == "code":
+                cell.outputs = kept(cell.outputs)
         nbformat.write(made, ROOT / f"notebooks/{name}.ipynb")
         print(f"notebooks/{name}.ipynb")
 

@@ -11,11 +11,11 @@ from typing import Any
 from ..base import ConvergenceError, InputError, held_warnings, positive
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..results import Chosen, Run
+from ..results import Chosen, Result, Run
 from ..scene import Plan
 from .hierarchy import Models
 from .leftout import LeftOutFinder
-from .order import least_orders
+from .order import Orders, least_orders
 from .quantities import Quantity, R, number_errors
 from .record import Record
 from .solve import solve
@@ -123,7 +123,7 @@ def choose_models(
     def trial(models: Models) -> R:
         with held_warnings():  # those of the models taken come with the last run
             flexible = all(
-                getattr(model, "n", 1) or getattr(body, "n", 1) == 0
+                _order(model) or _order(getattr(body, "given", body)) == 0
                 for model, body in zip(models, bodies, strict=True)
             )
             plan = plan_of(models, False)
@@ -136,6 +136,7 @@ def choose_models(
         rtol=_MARGIN * tolerance - in_time,
         solver=linear_solver,
         known=known,
+        anew=None if record.given else record.reopen,
     )
     numbers = number_errors(found.run, found.larger, found.safety) | (
         {quantity.name: found.error} if not quantity.is_history else {}
@@ -146,8 +147,23 @@ def choose_models(
     models = tuple(body.model for body in run.plan.bodies)
     chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
     meshed = any(getattr(body, "given", body).contact_points for body in bodies)
-    left_out = LeftOutFinder(interest, rule, view, law_errors, meshed)
+    left_out = LeftOutFinder(interest, rule, view, law_errors, meshed, _deforming(run, found))
     return view(replace(run, chosen=chosen, left_out=left_out))
+
+
+def _deforming(run: Run, found: Orders) -> Run | None:
+    """The run of the largest models, if one of them deforms where that of the run does not."""
+    for done in found.larger[-1:]:
+        larger = done.run if isinstance(done, Result) else done
+        pairs = zip(run.plan.bodies, larger.plan.bodies, strict=True)
+        if any(_order(one.model) == 0 < _order(other.model) for one, other in pairs):
+            return larger
+    return None
+
+
+def _order(model: Any) -> int:
+    """The number of a model's oscillators; of a full one, that leaves out nothing, 1."""
+    return getattr(model, "n", 1)
 
 
 def _rule(solver: Any, in_time: float, asked: bool) -> Any:

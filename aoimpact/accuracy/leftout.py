@@ -66,6 +66,9 @@ class LeftOutFinder:
     meshed : bool
         Whether any body was given with a mesh, though its model may be a wall; of what is given by
         numbers nothing is known.
+    larger : Run, optional
+        With larger models, where the run's own leave out all that a body deforms: a mesh that locks
+        makes its body look rigid, so that the errors are of the models that prove it to be so.
     """
 
     interest: Callable[[], Quantity]
@@ -73,9 +76,11 @@ class LeftOutFinder:
     view: Callable[[Run], Result | Run]
     law_errors: Sequence[float] = ()
     meshed: bool = True
+    larger: Run | None = None
 
     def __call__(self, run: Run) -> LeftOut:
         """Return the errors; None where a body's are not known."""
+        run = self.larger or run
         plan = run.plan
         if not self.meshed:
             return LeftOut()
@@ -83,7 +88,7 @@ class LeftOutFinder:
         if full:
             if any(body.mesh is None for body in full) or not any(of.contacts for of in run.events):
                 return LeftOut()
-            return replace(self, solver=None)(_with_models(run))
+            return replace(self, solver=None, larger=None)(_with_models(run))
         found = [_of_contact(run, i) for i in range(len(plan.contacts))]
         if None in found:
             return LeftOut()
@@ -170,7 +175,7 @@ class _Altered:
 
 
 def _of_contact(run: Run, number: int) -> list[_End] | None:
-    """What the compliances at a contact leave out; none of rigid models, and of given numbers."""
+    """What the compliances at a contact leave out; none of models given by numbers."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return []
@@ -185,7 +190,7 @@ def _of_contact(run: Run, number: int) -> list[_End] | None:
         model = plan.bodies[body].model
         assert not isinstance(model, FullModel)
         points = model.contact_points
-        if not points or model.n == 0:
+        if not points:
             continue
         if points[port].patch is None and not isinstance(law, HertzianLaw):
             continue  # such a law leaves the bodies' own indentation to them

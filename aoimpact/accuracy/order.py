@@ -107,6 +107,7 @@ def least_orders(
     rtol: float,
     solver: Solver = "auto",
     known: dict[Any, LinearSolver] | None = None,
+    anew: Callable[[], None] | None = None,
 ) -> Orders:
     """Return small orders of bodies that give a quantity to `rtol` of the whole bodies.
 
@@ -123,6 +124,9 @@ def least_orders(
         The linear solver of the bodies; see `FEModel.inverse`.
     known : dict of body to LinearSolver, optional
         Those that have been set up, and can be taken from here.
+    anew : callable, optional
+        Called before larger models are tried: what they find of the scene, such as when it is over,
+        holds for all that are compared with them.
 
     Raises
     ------
@@ -139,7 +143,7 @@ def least_orders(
             for body in dict.fromkeys(bodies)
         }
         places = tuple(list(made).index(body) for body in bodies)
-        search = _Search(tuple(made.values()), places, run, quantity, rtol)
+        search = _Search(tuple(made.values()), places, run, quantity, rtol, anew)
         seen = (_scales(quantity, larger, scales) for larger in search.grow())
         misfit = next((one for one in seen if fits < _MOST_FITS and not scales.suit(one)), None)
         if misfit is None:
@@ -182,7 +186,7 @@ class _Search(Generic[R]):
         All different; `orders` below are theirs.
     places : tuple of int
         For each body which of them is its own.
-    run, quantity, rtol
+    run, quantity, rtol, anew
         As of `least_orders`.
     """
 
@@ -193,8 +197,10 @@ class _Search(Generic[R]):
         run: Callable[[Models], R],
         quantity: Quantity,
         rtol: float,
+        anew: Callable[[], None] | None = None,
     ) -> None:
         self.hierarchies, self.places = hierarchies, places
+        self.anew = anew
         self.run: Callable[[Models], R] = run
         self.quantity, self.rtol = quantity, rtol
         self.results: dict[_Orders, R | None] = {}
@@ -208,6 +214,7 @@ class _Search(Generic[R]):
         too_wide = 0
         while True:
             *_, largest = self._larger()
+            self._begin()
             if (run := self._at(largest)) is not None:
                 yield run
             error = self._error(self.orders)
@@ -220,10 +227,18 @@ class _Search(Generic[R]):
                 raise self.failures.get(largest) or self._no_convergence(error)
             self.orders = self._enlarged(largest)
 
+    def _begin(self) -> None:
+        """Forget the runs that are not of the same scene as those of the largest models to come."""
+        if self.anew is not None:
+            self.results.clear()
+            self.differences.clear()
+            self.anew()
+
     def least(self) -> Orders:
         """Truncate the models that were made as far as the larger ones allow.
 
-        A body that can be rigid is. The others share the rest of the tolerance.
+        A body that can be rigid is. The others share the rest of the tolerance. Errors need not
+        fall with the order: where no body has fewer oscillators than were proven, it is those.
         """
         orders = self._at_most(_beyond(n, 1.0) for n in self.orders)
         for which in range(len(orders)):
@@ -232,7 +247,8 @@ class _Search(Generic[R]):
         bending = [which for which, order in enumerate(orders) if order > 0]
         for count, which in enumerate(bending, 1):
             orders = self._truncated(orders, which, count / len(bending) * self.rtol)
-        if self._error(orders) > self.rtol:
+        no_less = all(n >= proven for n, proven in zip(orders, self.orders, strict=True))
+        if no_less or self._error(orders) > self.rtol:
             orders = self.orders
         found = tuple(orders[place] for place in self.places)
         models = tuple(self.hierarchies[place].finished(orders[place]) for place in self.places)

@@ -35,9 +35,18 @@ class Record:
     given: bool
 
     def __post_init__(self) -> None:
+        self._first = self.length
         self._longest = self.length if self.given else _MOST * self.length
         self._settled = self.given
         self._cut = False
+
+    def reopen(self) -> None:
+        """Let the next run say anew when its impact is over, if the length was not given.
+
+        From the first guess on, so that no poorer model has a say in it.
+        """
+        if not self.given:
+            self.length, self._settled = self._first, False
 
     def run(self, plan: Plan, solve: Callable[[Plan], Run], *, last: bool = True) -> Run:
         """Run a plan for that long; for longer, from then on, until its impact is over.

@@ -177,7 +177,7 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     ),
     9: (
         LawLimitError,
-        "the indentation goes beyond what the contact law stands for; with a patch, take a larger "
+        "the indentation is beyond the range of the contact law; with a patch, take a larger "
         "radius, with a table, give deeper values",
     ),
     10: (ConvergenceError, "the contact law gave no finite number"),

@@ -196,8 +196,8 @@ def spring_stiffness(
             if on_support.any():
                 raise InputError(
                     f"{name}: {int(on_support.sum())} of its {len(ids)} nodes, the first is "
-                    f"{ids[on_support][0]}, are held in {'xyz'[component]} by fixed, so that the "
-                    "spring would not act there; release them, or take other nodes"
+                    f"{ids[on_support][0]}, are constrained in {'xyz'[component]} by fixed, so "
+                    "that the spring would not act there; release them, or take other nodes"
                 )
             total[ids, component] += share
     return total.reshape(-1) if total.any() else None

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import scipy
+import scipy.sparse as sp
 
 from ..base import FloatArray, aligned, quantity
 
@@ -18,18 +19,22 @@ __all__ = ["Audit", "audited"]
 # Mean densities of solids, kg/m³, over the box around them: from foam and rings to tungsten.
 _DENSITIES = 10.0, 25e3
 
-# Speeds that stiffness over mass of an element gives, m/s: from rubber to diamond, with what the
-# shape of an element makes of them.
-_SPEEDS = 5.0, 1e5
+# Speeds of longitudinal waves in solids, m/s: from cork (500) to diamond (18 000), "Speed of sound
+# in various media", CRC Handbook of Chemistry and Physics. N/mm beside kg make 32 times less.
+_SPEEDS = 500.0, 20e3
 
 # Of what a unit mistaken is likely to be: millimetres for metres, tonnes or grams for kilograms.
-_TYPICAL_SPEED = 4e3
+_TYPICAL_SPEED = 5e3
 
-# Elastic force of a rigid motion over that of its entries, that rounding and few digits leave.
-_FREE = 1e-6
+# Elastic force of a rigid motion over that of its entries, that rounding and few digits leave; and
+# what is no rounding.
+_FREE, _RESISTED = 1e-6, 1e-4
 
 # Nodes whose neighbours are looked for.
 _SAMPLE = 2000
+
+# Of the couplings looked at, what may be missing where rows and nodes are in one order.
+_MOST_MISSING = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +51,12 @@ class Audit:
     extent : ndarray, shape (3,), or None
         Of the coordinates, m.
     density : float or None
-        Mass over the volume of the box around the nodes, kg/m³.
+        Mass over the volume of the box around the nodes, kg/m³; of a body that is held, about, from
+        the nodes that are free.
     speed : float or None
-        Median of √(K_ii/M_ii) times the distance to the nearest node, m/s: some times the speed of
-        sound.
+        Of longitudinal waves, m/s: √(dᵀKd/tᵀMt) of the uniform strain d along an axis and the
+        translation t, the middle one of three axes. Exact for a uniform body that is free; supports
+        make it higher, added masses lower.
     rigid_residual : tuple of float
         ‖K r‖ relative to what its entries could make, for the translations x, y, z, and, with
         coordinates, the rotations about them: below 1e-6 the body is free to make the motion.
@@ -89,11 +96,11 @@ class Audit:
         if self.density is not None:
             rows.append(("mass over box", f"{self.density:.3g} kg/m³"))
         if self.speed is not None:
-            rows.append(("speed from K/M", f"{self.speed:.3g} m/s"))
+            rows.append(("waves at", f"{self.speed:.3g} m/s"))
         for name, value in zip(
             ("x", "y", "z", "rx", "ry", "rz"), self.rigid_residual, strict=False
         ):
-            moved = "free" if value < _FREE else "held"
+            moved = "free" if value < _FREE else "constrained"
             rows.append((f"rigid motion {name}", f"{value:.1e} ({moved})"))
         if len(self.frequencies):
             rows.append(("frequencies", ", ".join(f"{f:.4g}" for f in self.frequencies) + " Hz"))
@@ -104,18 +111,18 @@ class Audit:
 def audited(body: Any, *, frequencies: int = 8) -> Audit:
     """Return the audit of an `FEModel`; see `FEModel.audit`."""
     nodes, axes = body.nodes, _axes(body)
-    centre = extent = density = None
-    if nodes is not None:
+    centre = extent = density = speed = None
+    if nodes is not None and axes is not None:
         extent = np.ptp(nodes, axis=0)
-        if body.mass is not None and axes is not None:
-            momentum = body.M @ axes
-            at = nodes[body.free // 3]
-            centre = np.array([momentum[:, 0] @ (axes[:, 0] * at[:, c]) for c in range(3)])
+        at, inertia = nodes[body.free // 3], body.M @ axes
+        if body.mass is not None:
+            centre = np.array([inertia[:, 0] @ (axes[:, 0] * at[:, c]) for c in range(3)])
             centre = centre / body.mass
-            box = float(np.prod(np.maximum(extent, 1e-3 * extent.max())))
-            density = body.mass / box if box > 0.0 else None
-    speed = _speed(body)
+        moved = np.sum(inertia * axes, axis=0)
+        density = _density(body, extent, float(moved.mean()))
+        speed = _speed(body, axes, moved)
     count = min(frequencies, body.n_dofs)
+    residuals = _residuals(body, axes)
     return Audit(
         n_dofs=body.n_dofs,
         n_nodes=_n_nodes(body),
@@ -124,10 +131,29 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
         extent=extent,
         density=density,
         speed=speed,
-        rigid_residual=_residuals(body, axes),
+        rigid_residual=residuals,
         frequencies=body.frequencies(count) if count else np.zeros(0),
-        doubts=tuple(_doubts(density, speed)),
+        doubts=(*_doubts_of_order(body, residuals), *_doubts(density, speed)),
     )
+
+
+def _density(body: Any, extent: FloatArray, moved: float) -> float | None:
+    """Mass over the box around the nodes, that of nodes that are held as of the others."""
+    box = float(np.prod(np.maximum(extent, 1e-3 * extent.max())))
+    mass = moved * 3 * len(body.nodes) / len(body.free) if body.mass is None else body.mass
+    return mass / box if box > 0.0 else None
+
+
+def _speed(body: Any, axes: FloatArray, moved: FloatArray) -> float | None:
+    """√(dᵀKd/tᵀMt), d = x - x₀ along each axis, x₀ in the midst of what is held."""
+    held = np.bincount(body.free // 3, minlength=len(body.nodes)) < 3
+    origin = body.nodes[held if held.any() else slice(None)].mean(axis=0)
+    strain = (body.nodes[body.free // 3] - origin) * axes
+    energy = np.sum(strain * (body.K @ strain), axis=0)
+    known = moved > 0.0
+    if not known.any():
+        return None
+    return float(np.median(np.sqrt(np.maximum(energy[known], 0.0) / moved[known])))
 
 
 def _n_nodes(body: Any) -> int | None:
@@ -158,16 +184,53 @@ def _residuals(body: Any, axes: FloatArray | None) -> tuple[float, ...]:
     )
 
 
-def _speed(body: Any) -> float | None:
-    """Median of √(K_ii/M_ii) times the distance to the nearest other node."""
-    if body.nodes is None or len(body.nodes) < 2:
-        return None
-    step = max(1, len(body.free) // _SAMPLE)
-    rows = np.arange(0, len(body.free), step)
-    tree = scipy.spatial.cKDTree(body.nodes)
-    near = tree.query(body.nodes[body.free[rows] // 3], k=2)[0][:, 1]
-    omega2 = body.K.diagonal()[rows] / body.M.diagonal()[rows]
-    return float(np.median(np.sqrt(np.maximum(omega2, 0.0)) * near))
+def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
+    """What rows in another order than nodes, or than those of the other matrix, look like."""
+    if body.nodes is None:  # coordinates may be modal, which K does not couple and M does
+        return []
+    said = []
+    if _missing(body.M, body.K) > _MOST_MISSING:
+        said.append("M couples rows that K does not: are the rows of both in the same order?")
+    free = np.array(residuals) < _FREE
+    if _missing_neighbours(body) > _MOST_MISSING:
+        said.append("K does not couple nodes that lie side by side: are nodes in its rows' order?")
+    elif len(free) == 6 and free[:3].all() and max(residuals[3:]) > _RESISTED:
+        said.append(
+            "the body is free to move along all axes, and not to turn: are the coordinates those "
+            "of the rows, and all in one unit?"
+        )
+    elif not body._assembled and free.sum() > body.rigid_modes.shape[1]:
+        said.append(
+            f"{free.sum()} rigid motions meet next to no elastic force, and "
+            f"{body.rigid_modes.shape[1]} none at all: K has few digits, which hold the body as "
+            "soft springs would; write it in full"
+        )
+    return said
+
+
+def _missing(matrix: Any, other: Any) -> float:
+    """The share of the entries off the diagonal of one that the other has not."""
+    ones = [
+        sp.csr_array((np.ones(m.nnz), m.indices, m.indptr), shape=m.shape) for m in (matrix, other)
+    ]
+    off = matrix.nnz - np.count_nonzero(matrix.diagonal())
+    both = ones[0].multiply(ones[1])
+    return 1.0 - (both.nnz - np.count_nonzero(both.diagonal())) / off if off else 0.0
+
+
+def _missing_neighbours(body: Any) -> float:
+    """The share of nodes whose nearest other one K does not couple them with."""
+    node = body.free // 3
+    places = np.unique(node)
+    if len(places) < 2:
+        return 0.0
+    taken = places[:: max(1, len(places) // _SAMPLE)]
+    near = scipy.spatial.cKDTree(body.nodes[places]).query(body.nodes[taken], k=2)[1]
+    near = places[np.where(places[near[:, 0]] == taken, near[:, 1], near[:, 0])]
+    rows = np.arange(len(node))
+    of_node = sp.csr_array((np.ones(len(node)), (rows, node)), shape=(len(node), len(body.nodes)))
+    coupled = (of_node.T @ abs(body.K) @ of_node).tocsr()
+    return float(np.mean(np.asarray(coupled[taken, near]).ravel() == 0.0))
 
 
 def _doubts(density: float | None, speed: float | None) -> list[str]:
@@ -183,13 +246,15 @@ def _doubts(density: float | None, speed: float | None) -> list[str]:
 def _doubt_of_speed(speed: float) -> str:
     ratio = speed / _TYPICAL_SPEED
     cause = "are the units of length, K and M consistent?"
-    if 100.0 < ratio < 1e4:
+    if 200.0 < ratio < 1e4:
         cause = "coordinates in millimetres? Give length=1e-3 (with N and tonnes, mass=1e3)"
-    elif 1e-4 < ratio < 1e-2:
+    elif 1e-4 < ratio < 5e-3:
         cause = "coordinates in metres, and length=1e-3 given?"
-    elif 10.0 < ratio <= 100.0 or 1e-2 <= ratio < 0.1:
-        cause = "K and M in units that do not fit, as N/mm with kg, or N/m with tonnes?"
-    return f"stiffness over mass at the distance of nodes is a speed of {speed:.3g} m/s: {cause}"
+    elif ratio < 1.0:
+        cause = "that of foam or soft rubber; else, K in N/mm beside M in kg?"
+    elif ratio <= 200.0:
+        cause = "that of no solid; K in N/m beside M in tonnes, or not the files' unit of length?"
+    return f"K and M have waves at {speed:.3g} m/s: {cause}"
 
 
 def _doubt_of_density(density: float, speed: float | None) -> str:

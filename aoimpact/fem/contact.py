@@ -535,7 +535,7 @@ def _at_node(body: Body, node: int, along: FloatArray) -> ContactPoint:
     if np.linalg.norm(b) < 1e-12:
         raise InputError(
             f"point {plain(body.nodes[node])} m with direction {plain(along)}: node {node} is "
-            "held by the supports in that direction, so no impact there can move it; choose "
+            "constrained by the supports in that direction, so no impact there can move it; choose "
             "another node or direction, or release the node in fixed"
         )
     return ContactPoint(body, b, along, body.nodes[node], node)
@@ -553,8 +553,8 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
         assert body.nodes is not None
         away = np.linalg.norm(body.nodes[nodes] - touch.point, axis=1)
         reason = (
-            f"the contact rests on nodes held by the supports in that direction, the first is "
-            f"{nodes[0]}"
+            f"the contact rests on nodes constrained by the supports in that direction, the "
+            f"first is {nodes[0]}"
         )
         raise RoomError(
             f"point {plain(touch.point)} m with direction {plain(touch.direction)}: {reason}; "

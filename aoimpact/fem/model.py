@@ -80,7 +80,7 @@ class FEModel(Frozen):
     Parameters
     ----------
     K, M : matrix, shape (n_dofs, n_dofs)
-        Stiffness, N/m, and mass, kg: symmetric, K positive semidefinite, M positive definite.
+        Stiffness, N/m, and mass, kg: symmetric, positive semidefinite, and no motion without both.
         Sparse or dense, of any real type; supports taken out already.
     nodes : array_like, shape (n_nodes, 3), optional
         Coordinates, m. Without them contacts are given by `dof`.
@@ -147,7 +147,7 @@ class FEModel(Frozen):
         checked(self, name=text)
         K, M = symmetric_pair(self.K, self.M)
         factors = check_stiffness(K)
-        check_mass(M)
+        check_mass(M, K)
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
         labels = checked_labels(self.labels, K.shape[0])
         mass = momentum = None
@@ -275,7 +275,7 @@ class FEModel(Frozen):
         mesh: str | os.PathLike[str] | Mesh | Any,
         material: AnyMaterial | Mapping[str, OneMaterial],
     ) -> FEModel:
-        """Return this body, its K and M, with the mesh that its nodes are those of.
+        """Return this body, its K and M, with the mesh to which its nodes belong.
 
         What belongs to a surface is then known: patches, Hertz's law, stress. For matrices of
         another program.
@@ -467,6 +467,10 @@ class FEModel(Frozen):
         """
         count = integer("n", n, low=1, high=self.n_dofs)
         omega2, _ = lowest(self.K, self.M, count, known=self.rigid_modes, invert=self.inverse)
+        if len(omega2) < count:
+            raise InputError(
+                f"n must be at most {len(omega2)}, got {count}: the other motions have no mass"
+            )
         return np.sqrt(omega2) / (2.0 * np.pi)
 
     def contact(

@@ -66,10 +66,20 @@ def plot_deformed(
     drawn.set_array(pressure.factor * np.array([von_mises[face].mean() for face in faces]))
     ax.add_collection3d(drawn)
     _frame(ax, places, length.unit)
-    ax.set_title(f"t = {quantity(time, 's')}, displacement × {float(f'{factor:.3g}'):g}")
-    label = f"von Mises stress ({pressure.unit})"
-    ax.figure.colorbar(drawn, ax=ax, label=label, shrink=0.7, pad=0.15)
+    times = f"{float(f'{factor:.3g}'):g}"
+    ax.set_title(
+        f"t = {quantity(time, 's')}; axes: position + {times} × displacement", fontsize="medium"
+    )
+    label = f"von Mises stress ({pressure.unit}), {_largest(drawn.get_array(), faces, mesh)}"
+    ax.figure.colorbar(drawn, ax=ax, label=label, shrink=0.7, pad=0.12)
     return ax
+
+
+def _largest(values: FloatArray, faces: list[IntArray], mesh: Mesh) -> str:
+    """Where the largest of the faces' values is, as it may lie on a side that is not seen."""
+    unit = scale_for(mesh.size, "m")
+    place = unit.factor * mesh.nodes[faces[int(np.argmax(values))]].mean(axis=0) + 0.0
+    return f"largest near\n({', '.join(f'{x:.3g}' for x in place)}) {unit.unit}"
 
 
 def outlines(mesh: Mesh) -> list[IntArray]:
@@ -104,4 +114,6 @@ def _frame(ax: Axes3D, places: FloatArray, unit: str) -> None:
         axis.set_view_interval(middle[i] - 0.5 * span[i], middle[i] + 0.5 * span[i], ignore=True)
         axis.set_major_locator(MaxNLocator(max(1, round(_MOST_TICKS * span[i] / longest))))
         axis.set_label_text(f"{'xyz'[i]} ({unit})")
-    ax.set_box_aspect(span, zoom=0.88)  # labels of the axes have room
+        axis.labelpad = 10.0
+        axis.set_tick_params(pad=3.0 if i < 2 else 8.0)  # two axes end in the same corner
+    ax.set_box_aspect(span, zoom=0.92)  # labels of the axes have room

@@ -27,6 +27,9 @@ __all__ = ["Field", "Probe", "solid", "warn_if_wrong"]
 # Relative error of a field from which on it warns.
 _BADLY_WRONG = 0.3
 
+# Share of the largest displacement of all times below which a body is drawn at rest.
+_AT_REST = 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class Probe:
@@ -166,7 +169,8 @@ class Field:
         which : int, optional
             Which of the times.
         scale : float, optional
-            How many times the deformation is enlarged; by itself a tenth of the body's size.
+            How many times the deformation is enlarged; by itself a tenth of the body's size. What
+            is less than a millionth of the largest over all the times is drawn as rest.
         **kwargs
             For matplotlib's Poly3DCollection.
 
@@ -177,6 +181,9 @@ class Field:
         mesh, material = solid(self.body, "plot")
         number = integer("which", which, low=0, high=len(self.times) - 1)
         moved = self.displacement[number]
+        largest = np.abs(self.displacement).max()
+        if np.abs(moved).max() <= max(_AT_REST * largest, np.finfo(float).eps * mesh.size):
+            moved = np.zeros_like(moved)
         colour = nodal_stress(mesh, material, moved).von_mises
         if self.body.n_dofs == moved.size:
             moved = moved - moved.mean(axis=0)

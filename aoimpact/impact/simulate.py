@@ -50,7 +50,7 @@ def simulate(
     """Simulate the impact of a moving projectile on a target at rest.
 
     Both bodies are undeformed at t = 0, the projectile moving with `velocity` towards the target.
-    What is left out is found from the bodies, and said in the result.
+    Arguments left out are determined from the bodies and reported in the result.
 
     Parameters
     ----------

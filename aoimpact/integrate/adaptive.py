@@ -28,16 +28,18 @@ class Adaptive:
     Notes
     -----
     The peak force and the impulse are those of each contact over the record; of one that has less
-    than a hundredth of the largest contact's, the error is relative to that hundredth. Contacts
-    start and end at times that are right relative to the end's own time; velocities are those of
+    than a hundredth of the largest contact's, the error is relative to that hundredth. Contact
+    times, start and end, have the relative error `rtol` of the end; velocities are those of
     the centres of mass after contacts, relative to the largest initial one or, where gravity and
     loads make greater ones, to those. A velocity or displacement at a given time of a long record
     suffers from the error of that time as well: g rtol t for a ball that bounces under gravity g.
 
-    From the second touch of a contact on, errors grow with each. Then the scene is run again with a
-    smaller tolerance, in most cases once, until two runs agree to `rtol`; the last of them is the
-    answer. Where rounding, or bodies that make chaos of it, leave no tolerance small enough,
-    a warning says so, and `error.time` how far the answer may be off; 1.0 stands for no digit.
+    From the second contact of two bodies on, errors grow with each. Then the scene is run again
+    with a smaller tolerance, in most cases once, until two runs agree to `rtol`; the last of them
+    is the result. Where rounding or chaotic motion leaves no tolerance small enough, a warning
+    is given, and `error.time` is how far the result may be off; 1.0 means that no digit is
+    reliable.
+
     Touches that have together less than a hundredth of the impulse of a contact's largest one do
     not count. Bodies at rest side by side begin to press each other at no certain time when a wave
     reaches them: the start of such a touch is when its force is no longer rounding.

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..base import FloatArray
-from ..linalg import factorize
+from ..base import FloatArray, SingularError
+from ..linalg import Factorization, factorize
 from ..scene import Equations
 from .newmark import Newmark
 
@@ -154,7 +154,7 @@ class ForcedMotion:
         matrix = body.M + gamma * dt * body.C + beta * dt**2 * body.K
         inverse = factorize(matrix, what="M + γ dt C + β dt² K")
         u, v = body.u0, body.v0
-        a = _at_start(body, self.forces[:, 0])
+        a = _at_start(body, self.forces[:, 0], inverse)
         yield u, v
         for step in range(1, last + 1):
             u = u + dt * v + (0.5 - beta) * dt**2 * a
@@ -165,11 +165,17 @@ class ForcedMotion:
             yield u, v
 
 
-def _at_start(body: Equations, forces: FloatArray) -> FloatArray:
-    """The accelerations that the forces give at t = 0; without mass there are none."""
+def _at_start(body: Equations, forces: FloatArray, inverse: Factorization) -> FloatArray:
+    """The accelerations that the forces give at t = 0; without mass there are none.
+
+    Where a singular M does not determine them, those of the first step.
+    """
     left = body.B @ forces - body.K @ body.u0 - body.C @ body.v0
     heavy = np.flatnonzero(body.M.diagonal() > 0.0)
     a: FloatArray = np.zeros_like(left)
     if left.any():
-        a[heavy] = factorize(body.M[heavy][:, heavy], what="M").solve(left[heavy])
+        try:
+            a[heavy] = factorize(body.M[heavy][:, heavy], what="M").solve(left[heavy])
+        except SingularError:
+            a = inverse.solve(left)
     return a

@@ -92,7 +92,7 @@ def _confirmed(
             most = PATIENCE * (first.steps + first.rejected)
             other = adaptive_run(plan, rtol=wanted, most_steps=most)
         except ConvergenceError as failure:
-            _warn(rtol, touches, f"a run with rtol={wanted:g}, to see how far, fails: {failure}")
+            _warn(rtol, touches, f"a run at rtol={wanted:g}, for comparison, fails: {failure}")
             return best, error if math.isfinite(error) else None
         share, before = wanted / tolerance, error
         error = max(_estimate(difference(best, other, speed), share), rounding)
@@ -113,22 +113,23 @@ def _estimate(apart: float, share: float) -> float:
 def _warn_of_error(
     rtol: float, touches: int, tolerance: float, share: float, error: float, rounding: float
 ) -> None:
-    """Say how wrong the run of the smallest tolerance may be, and what shows it."""
-    shows = (
-        "by which rounding may add up over that many contacts"
+    """Warn of the error that the run of the smallest tolerance may have, and of its source."""
+    source = (
+        "by rounding, which adds up over that many contacts"
         if error == rounding
-        else f"as one with rtol={tolerance / share:.2g} shows"
+        else f"by comparison with a run at rtol={tolerance / share:.2g}"
     )
+    size = "be as large as the result" if error >= 1.0 else f"be {error:.2g} of the result"
     _warn(
         rtol,
         touches,
-        f"this run, with rtol={tolerance:.2g}, may be wrong by {error:.2g}, {shows}, and "
-        "no smaller rtol helps; trust the first contacts only",
+        f"the error of this run, at rtol={tolerance:.2g}, may {size}, {source}; no smaller rtol "
+        "helps, and only the first contacts are reliable",
     )
 
 
 def _warn(rtol: float, touches: int, text: str) -> None:
     warn(
-        f"rtol={rtol:g} is not kept over {touches} contacts, each of which enlarges the errors "
-        f"before: {text}"
+        f"rtol={rtol:g} cannot be met over {touches} contacts of the same two bodies, each of "
+        f"which amplifies the errors before it: {text}"
     )

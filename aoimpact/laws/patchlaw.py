@@ -23,7 +23,7 @@ __all__ = ["check_width", "effective_law", "own_law", "wide_enough"]
 
 
 # The share c dF/dδ to aim at where a patch was too small; for Hertz's contact of radius a within
-# patches of radius r it is 1.2 a/r, so the contact is then half as wide as the patch.
+# patches of radius r it is 1.2 a/r between two like bodies, so that a is then half of r.
 _COMFORTABLE = 0.6
 
 # And the share of the patch's radius for the contact's, where one body alone has a patch.
@@ -127,8 +127,8 @@ def wide_enough(
         )
     return LawLimitError(
         f"{error.args[0].partition(': ')[0]}: with patches of radius {_listed(radii)} the law"
-        f"{of_surface} stands up to an indentation of {law.limit:.3g} m, where the contact is as "
-        f"wide as they are, and less deep at the rate of a damped law; {cure}",
+        f"{of_surface} is valid up to an indentation of {law.limit:.3g} m beyond their own "
+        f"deflection, less for a damped law at this velocity; {cure}",
         error.contact,
     )
 

@@ -18,7 +18,7 @@ __all__ = ["Tabulated"]
 
 @dataclass(frozen=True, repr=False)
 class Tabulated(ContactLaw):
-    """A law through points: cubics between them that rise where they do, and nowhere overshoot.
+    """A law through points, by monotone cubic interpolation (PCHIP).
 
     F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246, with the slopes of
     F. N. Fritsch, J. Butland (SciPy's PCHIP). An impact that goes deeper than the last point is an

@@ -22,7 +22,7 @@ from .solvers import (
     stays_quickest,
 )
 from .spectra import DENSE_DOFS, EQUAL, lowest, lowest_sparse, null_space, shifted
-from .superlu import factorize
+from .superlu import Factorization, factorize
 
 __all__ = [
     "DENSE_DOFS",
@@ -31,6 +31,7 @@ __all__ = [
     "LARGEST",
     "LEAST",
     "SOLVERS",
+    "Factorization",
     "LinearSolver",
     "Pencil",
     "Solver",

@@ -19,23 +19,62 @@ __all__ = ["dense_modes"]
 # Up to so many dofs LAPACK takes some hundredths of a second.
 _SHORT = 150
 
+# A pivot of M over its diagonal, below which K beside M⁻¹ would lose the digits of low ω².
+_LIGHT = 1e-6
+
+# s² beside K, of the mean of K_ii over that of M_ii, where (K + s²M)⁻¹ stands for M⁻¹.
+_SHIFT = 1e-4
+
+# Of the largest 1/(ω² + s²): the rounding of one that is zero, a motion without mass.
+_NO_MASS = 1e-12
+
 
 def dense_modes(
     stiffness: FloatArray, mass: FloatArray, n: int | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """Return ω² and M-orthonormal φ of K φ = ω² M φ: the `n` lowest, or all.
 
+    Motions without mass are no modes, so that there may be fewer.
+
     Parameters
     ----------
     stiffness, mass : ndarrays, shape (dofs, dofs)
-        Symmetric, mass positive definite; both may be overwritten.
+        Symmetric, mass positive semidefinite and K + s²M definite; both may be overwritten.
     n : int, optional
 
     Raises
     ------
     LinAlgError
-        If mass is not positive definite, or LAPACK does not converge.
+        If mass is not positive semidefinite, or LAPACK does not converge.
     """
+    if _has_light_motions(mass):
+        return _of_light_motions(stiffness, mass, n)
+    return _solved(stiffness, mass, n)
+
+
+def _has_light_motions(mass: FloatArray) -> bool:
+    """Whether some motion has next to no mass, as where elements integrate it at few points."""
+    factor, failed = heard(lambda: scipy.linalg.lapack.dpotrf(mass, lower=1))
+    pivots = np.diagonal(factor) ** 2
+    return bool(failed or (pivots < _LIGHT * np.diagonal(mass)).any())
+
+
+def _of_light_motions(
+    stiffness: FloatArray, mass: FloatArray, n: int | None
+) -> tuple[FloatArray, FloatArray]:
+    """The modes by M φ = θ (K + s²M) φ, θ = 1/(ω² + s²): θ = 0 is a motion without mass."""
+    s2 = _SHIFT * float(np.trace(stiffness) / np.trace(mass))
+    inverse, modes = _solved(-mass, stiffness + s2 * mass, n)
+    theta = -inverse
+    if theta[-1] < -np.sqrt(_NO_MASS) * theta[0]:
+        raise scipy.linalg.LinAlgError("mass is not positive semidefinite")
+    heavy = theta > _NO_MASS * theta[0]
+    return 1.0 / theta[heavy] - s2, modes[:, heavy] / np.sqrt(theta[heavy])
+
+
+def _solved(
+    stiffness: FloatArray, mass: FloatArray, n: int | None
+) -> tuple[FloatArray, FloatArray]:
     if len(mass) <= _SHORT:
         some = None if n is None else [0, n - 1]
         found: tuple[FloatArray, FloatArray] = scipy.linalg.eigh(

@@ -34,8 +34,8 @@ _ASYMMETRY = 1e-9
 # Up to this many dofs definiteness is checked by LAPACK, up to CHECKED_DOFS by sparse factors.
 _SMALL = 500
 
-# A negative eigenvalue of K, relative to its diagonal, that passes for rounding: without supports
-# the lowest ones are zero, and what prints K with ten digits makes them slightly negative.
+# A negative eigenvalue, relative to the diagonal, that passes for rounding: K without supports, and
+# M of few points of integration, have zeros, which ten printed digits make slightly negative.
 _NEGATIVE = 1e-9
 
 # Stiffnesses, N/m, and masses, kg, whose products and ratios stay far from what doubles can hold.
@@ -44,7 +44,7 @@ LARGEST, LEAST = 1e60, 1e-60
 # Ratio of masses of which the smaller one is lost in the rounding of the other, with much to spare.
 _APART = 1e20
 
-# A pivot of M, relative to its diagonal, that is nothing but rounding.
+# A pivot, relative to the diagonal, that is nothing but rounding.
 _PIVOT = 1e-14
 
 # Each takes what has stiffness down to that share of it, over its own.
@@ -210,16 +210,42 @@ def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> Floa
     return motion if np.isfinite(motion).all() else None
 
 
-def check_mass(M: sp.csr_array) -> None:
-    """Refuse an M that is not positive definite, as far as a cheap check finds it.
+def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
+    """Refuse an M that is not positive semidefinite, or leaves motions to neither K nor M.
+
+    Elements that integrate their mass at few points (CalculiX' C3D10, C3D4, C3D8R) leave motions
+    without mass. These follow K at once: they are compliance, and no vibration.
 
     Raises
     ------
     InputError
         If a diagonal entry is not positive (a dof without mass), a principal minor of order 2 is
-        not, or (up to 10 000 dofs) an eigenvalue is not.
+        negative, or (up to 10 000 dofs) an eigenvalue is, or K + s²M is not positive definite.
     """
-    diagonal = M.diagonal()
+    _check_masses(M.diagonal())
+    _check_minors("M", M, 1.0 + _NEGATIVE)
+    n = M.shape[0]
+    if n > CHECKED_DOFS or _dominated(M, 1.0 - 1e-12) or _is_definite(M):
+        return
+    held = sp.diags_array(M.diagonal(), format="csr")
+    if not _is_definite(M + _NEGATIVE * held):
+        lowest = float(scipy.linalg.eigvalsh(M.toarray())[0]) if n <= _SMALL else None
+        which = "" if lowest is None else f": its lowest eigenvalue is {lowest:.4g} kg"
+        raise InputError(
+            f"M must be positive semidefinite, no motion may have negative kinetic energy{which}; "
+            "look for signs lost or entries missing where M was exported, and give it with all its "
+            "digits"
+        )
+    shift = float(K.diagonal().sum() / M.diagonal().sum())
+    if not _is_definite(K + shift * M):
+        raise InputError(
+            "M is positive semidefinite only, and some motion has neither mass nor stiffness; take "
+            "elements that integrate their mass in full, or condense this motion out"
+        )
+
+
+def _check_masses(diagonal: FloatArray) -> None:
+    """Refuse dofs without mass, or with masses that cannot be computed with."""
     bad = np.flatnonzero(diagonal <= 0.0)
     if len(bad):
         raise InputError(
@@ -240,25 +266,21 @@ def check_mass(M: sp.csr_array) -> None:
             f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
             "is too heavy to move, and condense out what has no mass"
         )
-    _check_minors("M", M, 1.0 - 1e-12)
-    if len(diagonal) <= _SMALL:
+
+
+def _is_definite(matrix: sp.csr_array) -> bool:
+    """Whether no eigenvalue is zero or negative, but for rounding."""
+    if matrix.shape[0] <= _SMALL:
         try:
-            pivots = np.diag(scipy.linalg.cholesky(M.toarray())) ** 2
-            if (pivots <= _PIVOT * diagonal).any():
-                raise np.linalg.LinAlgError
+            pivots = np.diag(scipy.linalg.cholesky(matrix.toarray())) ** 2
         except np.linalg.LinAlgError:
-            lowest = float(scipy.linalg.eigvalsh(M.toarray(), subset_by_index=[0, 0])[0])
-            raise InputError(
-                f"M must be positive definite: its lowest eigenvalue is {lowest:.4g} kg"
-            ) from None
-    elif len(diagonal) <= CHECKED_DOFS and not _dominated(M, 1.0 - 1e-12):
-        try:
-            factorize(M, what="M")
-        except SingularError as error:
-            raise InputError(
-                f"M must be positive definite, every motion must have kinetic energy: {error}; "
-                "look for signs lost or entries missing where M was exported, or lump it"
-            ) from None
+            return False
+        return bool((pivots > _PIVOT * matrix.diagonal()).all())
+    try:
+        factorize(matrix)
+    except SingularError:
+        return False
+    return True
 
 
 def _dominated(matrix: sp.csr_array, factor: float) -> bool:
@@ -277,10 +299,10 @@ def _check_minors(name: str, matrix: sp.csr_array, bound: float) -> None:
     if wrong.any():
         first = int(np.flatnonzero(wrong)[0])
         i, j = int(row[first]), int(matrix.indices[first])
-        needed = "positive definite" if bound < 1.0 else "positive semidefinite"
         raise InputError(
-            f"{name} must be {needed}: {name}[{i}, {j}] = {matrix.data[first]:g} is too large "
-            f"beside {name}[{i}, {i}] = {root[i] ** 2:g} and {name}[{j}, {j}] = {root[j] ** 2:g}"
+            f"{name} must be positive semidefinite: {name}[{i}, {j}] = {matrix.data[first]:g} is "
+            f"too large beside {name}[{i}, {i}] = {root[i] ** 2:g} and {name}[{j}, {j}] = "
+            f"{root[j] ** 2:g}"
         )
 
 

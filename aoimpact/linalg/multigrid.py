@@ -8,7 +8,6 @@ motions of no stiffness. The preconditioner works in single precision, the itera
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from .. import _core
 from ..base import ConvergenceError, FloatArray, SingularError, bar, heard
 from ..mesh import rigid_motions
 from .coarsening import aggregated, corner_interpolation
@@ -111,6 +111,8 @@ class Multigrid:
         self._levels: list[_Level] = []
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, candidates, self._place = heard(lambda: _finest(pencil))
+            # In blocks one matrix is read in a third of the time that K and M take.
+            self._blocks = (A.indptr, A.indices, A.data.reshape(-1))
             self._scale = float(A.diagonal().max())
             self._length = A.shape[0]
             self.sizes = [self._length]
@@ -168,10 +170,16 @@ class Multigrid:
         """Return (K + s²M)⁻¹ `rhs` for one right-hand side (n,) or several (n, m)."""
         if rhs.ndim == 2:
             return np.column_stack([self.solve(column) for column in rhs.T])
-        found, self.iterations = _conjugate_gradients(
-            self.pencil, self.precondition, rhs, self.tolerance
-        )
+        found, self.iterations = _conjugate_gradients(self, rhs)
         return found
+
+    def product(self, x: FloatArray) -> FloatArray:
+        """Return (K + s²M) x."""
+        padded = np.zeros(self._length)
+        padded[self._place] = x
+        product = np.empty_like(padded)
+        _core.blocks_multiply(self._blocks, padded, product)
+        return product[self._place]
 
     def precondition(self, r: FloatArray) -> FloatArray:
         """Return one V-cycle's answer to `r`."""
@@ -260,26 +268,22 @@ def _add_to_diagonal(A: Any, values: FloatArray) -> None:
     A.data[blocks[:, None], local, local] += values.reshape(-1, size)
 
 
-def _conjugate_gradients(
-    pencil: Pencil,
-    precondition: Callable[[FloatArray], FloatArray],
-    rhs: FloatArray,
-    tolerance: float,
-) -> tuple[FloatArray, int]:
-    """Return the solution to `tolerance`, and how many iterations it took.
+def _conjugate_gradients(multigrid: Multigrid, rhs: FloatArray) -> tuple[FloatArray, int]:
+    """Return the solution to the tolerance, and how many iterations it took.
 
     With β after Polak and Ribière, which forgives a preconditioner its rounding.
     """
+    pencil, tolerance = multigrid.pencil, multigrid.tolerance
     x, r = np.zeros_like(rhs), rhs.copy()
     load = float(np.linalg.norm(rhs))
     if load == 0.0:
         return x, 0
-    z = precondition(r)
+    z = multigrid.precondition(r)
     p, rz, reached = z, float(r @ z), 0.0
     with bar(f"multigrid, {pencil.n} dofs", -math.log10(tolerance), unit="digit") as progress:
         for iteration in range(1, _MOST_ITERATIONS + 1):
-            product = pencil.product(p)
-            curvature = float(p @ product)
+            along = multigrid.product(p)
+            curvature = float(p @ along)
             if not (curvature > 0.0 and rz > 0.0):
                 raise SingularError(
                     f"{pencil.what} is singular or not positive definite: a motion has a stiffness "
@@ -288,14 +292,14 @@ def _conjugate_gradients(
             step = rz / curvature
             x += step * p
             before = r
-            r = r - step * product
+            r = r - step * along
             size = float(np.linalg.norm(r)) / load
             if size <= tolerance:
                 return x, iteration
             digits = max(reached, -math.log10(size))
             progress.update(digits - reached)
             reached = digits
-            z = precondition(r)
+            z = multigrid.precondition(r)
             rz_next = float(r @ z)
             p = z + (rz_next - float(before @ z)) / rz * p
             rz = rz_next

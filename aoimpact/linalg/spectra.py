@@ -113,7 +113,7 @@ def null_space(K: Any, M: Any) -> FloatArray:
         forces = np.linalg.norm(K @ modes, axis=0)
         scale = np.linalg.norm(abs(K) @ np.abs(modes), axis=0)
         rigid = forces <= _RIGID * scale
-        if not rigid.all() or wanted == n:
+        if not rigid.all() or len(rigid) < wanted or wanted == n:
             return _without_strain(K, M, modes[:, rigid])
         wanted = min(n, 2 * wanted)
 
@@ -145,9 +145,9 @@ def lowest(
     Parameters
     ----------
     K, M : scipy.sparse matrices, shape (dofs, dofs)
-        Symmetric; M positive definite, K positive semidefinite.
+        Symmetric, positive semidefinite; K + s²M positive definite.
     n : int
-        How many, 1 … dofs.
+        How many, 1 … dofs; there are fewer where motions have no mass.
     known : ndarray, shape (dofs, r), optional
         M-orthonormal basis of the null space of K; its modes come first, with ω² exactly 0.
     invert : callable, optional
@@ -155,9 +155,9 @@ def lowest(
 
     Returns
     -------
-    omega2 : ndarray, shape (n,)
+    omega2 : ndarray, shape (n,), or fewer
         ω², (rad/s)², ascending, not below 0.
-    modes : ndarray, shape (dofs, n)
+    modes : ndarray, shape (dofs, n), or fewer
         M-orthonormal.
     """
     dofs = K.shape[0]

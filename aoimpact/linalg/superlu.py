@@ -147,7 +147,8 @@ def _owned(matrix: Any) -> Factorization:
         dropped.wait()
         held.clear()
 
-    threading.Thread(target=own, daemon=True).start()
+    owner = threading.Thread(target=own, daemon=True)
+    owner.start()
     try:
         while not made.wait(OFTEN):
             pass
@@ -157,8 +158,19 @@ def _owned(matrix: Any) -> Factorization:
         dropped.set()
         raise
     factors = Factorization(matrix, held)
-    weakref.finalize(factors, dropped.set).atexit = False
+    weakref.finalize(factors, _free, dropped, owner)
     return factors
+
+
+def _free(dropped: threading.Event, owner: threading.Thread) -> None:
+    """Let a thread free its factors, and wait until it has.
+
+    Python's end takes what is left of a thread that still waits. SciPy sets an error there and
+    leaves it, where factors are left (scipy/scipy#25404): "Exception ignored in: <stdout>".
+    """
+    dropped.set()
+    if owner is not threading.current_thread():  # where the garbage collector may run
+        owner.join()
 
 
 def _factors(matrix: Any) -> Any:

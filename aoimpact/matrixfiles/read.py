@@ -56,7 +56,7 @@ File = str | os.PathLike[str] | tuple[str | os.PathLike[str], str]
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
-    """Matrices of the same rows, what the rows are called, and which are held."""
+    """Matrices of the same rows, what the rows are called, and which are constrained."""
 
     K: Any
     M: Any
@@ -82,7 +82,7 @@ def read_matrices(
     The format is found from the content: Matrix Market (so Ansys' ``*EXPORT, , MMF``), Abaqus'
     ``*MATRIX GENERATE`` (MATRIX INPUT or COORDINATE), CalculiX' ``.sti`` and ``.mas`` with the
     ``.dof`` beside them, Nastran's OP4 (text and binary) and punched DMIG, SciPy's ``.npz``. One
-    triangle or both may be there. Dofs that are held (Abaqus' 1e36), and those with neither
+    triangle or both may be there. Dofs that are constrained (Abaqus' 1e36), and those with neither
     stiffness nor mass, are left out; internal dofs and rotations without mass are condensed.
 
     Parameters
@@ -92,12 +92,12 @@ def read_matrices(
         the file of K has both. Of several matrices without a name given, the one is taken that
         begins with K (or STIF), or with M.
     dofs : path or array_like of int, shape (rows of K, 2), optional
-        Node and component (1 … 6) of each row, where the matrices do not say it: CalculiX'
+        Node and component (1 … 6) of each row, where the matrices do not have it: CalculiX'
         ``.dof``, the mapping file of Ansys' ``HBMAT`` (equation, node, UX), or lines of node and
         component.
     nodes : path or array_like, optional
         Coordinates in the file's unit: a deck of the same model (``*NODE`` or GRID), a mesh file,
-        lines of label, x, y, z; or an array of these, (n, 4), or of coordinates only, (n, 3), in
+        lines of label, x, y, z; or an array: (n, 4) with labels, (n, 3) without, in
         ascending order of the labels. Used where every row is a displacement x, y or z.
     length, mass : float, optional
         The files' units, in m and kg: millimetres and tonnes (with N and s) are ``length=1e-3,
@@ -115,8 +115,8 @@ def read_matrices(
     -------
     FEModel
         With `labels`, so that ``body.contact(node=123, direction=(0, 0, -1))`` works, and, of
-        known coordinates, `nodes`. ``body.audit()`` tells mass, centre, what is held, and whether
-        the units are those of a body.
+        known coordinates, `nodes`. ``body.audit()`` shows mass, centre, what is constrained,
+        and whether the units are those of a body.
 
     Raises
     ------
@@ -129,7 +129,8 @@ def read_matrices(
     Warns
     -----
     AOImpactWarning
-        If density or speed of sound are not those of a body: wrong units.
+        If density or speed of sound are not those of a body: wrong units; if rows of K, M and
+        `nodes` are not in one order; if K has so few digits that a free body is not free.
 
     Examples
     --------
@@ -324,7 +325,7 @@ def _kept(pair: _Pair, rows: Any) -> _Pair:
 
 
 def _without_held(pair: _Pair) -> _Pair:
-    """The pair without dofs that are held, and those with neither stiffness nor mass."""
+    """The pair without dofs that are constrained, and those with neither stiffness nor mass."""
     diagonal = pair.K.diagonal()
     stiff = np.asarray(abs(pair.K).sum(axis=1)).ravel()
     heavy = np.asarray(abs(pair.M).sum(axis=1)).ravel()
@@ -421,7 +422,7 @@ def _body(
     try:
         return FEModel(**given)
     except InputError as error:
-        cause = "is one of the files cut short, of another model, or in other units?"
+        cause = "is one of the files cut short, printed with few digits, or of another model?"
         raise type(error)(f"{pair.called}: {error}; {cause}") from error
 
 
@@ -448,9 +449,16 @@ def _coordinates(pair: _Pair, places: Places, length: float) -> dict[str, Any]:
         numbers = used
     missing = np.setdiff1d(used, numbers)
     if len(missing):
+        cause = "is it another model's file?"
+        if missing[0] > numbers.max():
+            cause = (
+                f"are they inner ones of elements (as of CalculiX' C3D8I), numbered after the last "
+                f"node, {numbers.max()}? Take elements without, or leave nodes out and give each "
+                "contact its node and direction; else it is another model's file"
+            )
         raise InputError(
             f"nodes: {len(missing)} nodes of {pair.called} are not there, the first is "
-            f"{missing[0]}: is it another model's file?"
+            f"{missing[0]}: {cause}"
         )
     if len(numbers) > len(used) and _moves_without(pair):
         keep = np.isin(numbers, used)

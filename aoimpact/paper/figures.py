@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import COLOURS, legend, styled
+from ..base import COLOURS, legend, quantity, styled
 from .beam import BeamStudy
 from .sketch import draw_sketch
 from .sphere import (
@@ -175,34 +175,46 @@ def figure_8(study: BeamStudy) -> Figure:
 
 def figure_9(study: BeamStudy) -> Figure:
     """Impact force of the sphere on the beam."""
-    note = "Force on the beam's 28 AOs; its 1362 dofs give the grey line beneath."
+    note = (
+        f"Dots: Newmark's steps of {quantity(study.dt, 's')}. The beam by {study.count} AOs; "
+        f"grey: its {study.body.n_dofs} dofs."
+    )
     figure, (ax,) = new_figure("Figure 9. Sphere on the beam, 1 m/s: impact force", note)
     grey = {"color": "0.75", "linewidth": 4.0, "linestyle": "-"}
     study.full_short.plot_force(ax, during="record", label="one-AO sphere, full beam", **grey)
-    study.ao_short.plot_force(
-        ax, during="record", label="one-AO sphere", **(FULL | {"linewidth": 1.2})
-    )
-    study.rigid_short.plot_force(ax, during="record", label="rigid sphere", **RIGID)
-    ax.set(xlim=(0, 200), ylim=(0, None))
+    for hit, name, style in (
+        (study.ao_short, "one-AO sphere", FULL),
+        (study.rigid_short, "rigid sphere", RIGID),
+    ):
+        steps = style | {"linewidth": 1.0, "marker": ".", "markersize": 4}
+        hit.plot_force(ax, during="record", label=name, **steps)
+    ax.set(xlim=(0, 105), ylim=(0, None))
     legend(ax)
     return figure
 
 
 def figure_10(study: BeamStudy) -> Figure:
-    """Displacements of the centres of mass of sphere and beam."""
+    """Displacements of the centres of mass of sphere and beam, and of the beam's middle."""
     note = "The paper prints: the beam's maximum displacement is only 25 µm."
-    title = "Figure 10. Sphere and beam: displacement of the centres of mass"
+    title = "Figure 10. Displacements of sphere and beam"
     figure, (ax,) = new_figure(title, note)
     for hit, name, style in (
         (study.ao_short, "one-AO sphere", FULL),
         (study.rigid_short, "rigid sphere", RIGID),
     ):
         micro = 1e6 * hit.t
-        ax.plot(micro, 1e6 * hit.projectile.centre_displacement, **style, label=f"sphere, {name}")
+        ax.plot(
+            micro, 1e6 * hit.projectile.centre_displacement, **style, label=f"centre of the {name}"
+        )
         thin = style | {"linewidth": 0.8, "marker": ".", "markersize": 3, "markevery": 4}
-        ax.plot(micro, 1e6 * hit.target.centre_displacement, **thin, label=f"beam, {name}")
+        ax.plot(
+            micro,
+            1e6 * hit.target.centre_displacement,
+            **thin,
+            label=f"beam's centre of mass, {name}",
+        )
         middle = style | {"color": COLOURS[0], "linewidth": 1.0}
-        ax.plot(micro, 1e6 * hit.target.displacement, **middle, label=f"middle of beam, {name}")
+        ax.plot(micro, 1e6 * hit.target.displacement, **middle, label=f"beam's middle, {name}")
     printed_line(ax, 25.0, "paper, beam 25 µm")
     ax.set(xlabel="time (µs)", ylabel="displacement (µm)", xlim=(0, 200))
     ax.grid(True, alpha=0.3)

@@ -26,9 +26,9 @@ def draw_sketch(ax: Axes, model: AOModel, hertz: float) -> None:
     _box(ax, 5.4, _SMALL, "")
     stiffness = quantity(float(model.k[0]), "N/m", 3)
     for start, end, label in (
-        (1.0, 2.42, f"k1 = {stiffness}"),
-        (2.78, 5.22, f"F = k δ^1.5\nk = {hertz:.3e} N/m^1.5"),
-        (5.58, 7.0, f"k1 = {stiffness}"),
+        (1.0, 2.42, f"k1\n{stiffness}"),
+        (2.78, 5.22, f"F = k δ^1.5\nk = {quantity(hertz, 'N/m^1.5', 3)}"),
+        (5.58, 7.0, f"k1\n{stiffness}"),
     ):
         _spring(ax, start, end)
         ax.text(0.5 * (start + end), 0.32, label, ha="center", va="bottom", fontsize=8)
@@ -55,4 +55,4 @@ def _spring(ax: Axes, start: float, end: float) -> None:
     x = np.linspace(start, end, turns + 5)
     y = np.zeros_like(x)
     y[2:-2] = 0.16 * (-1.0) ** np.arange(turns + 1)
-    ax.plot(x, y, color="black", linewidth=1.0)
+    ax.plot(x, y, "-", color="black", linewidth=1.0)

@@ -18,6 +18,7 @@ from ..base import (
     checked,
     finite_array,
     integer,
+    warn,
 )
 from ..fem import ContactPoint, ContactSurface, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest
@@ -251,4 +252,6 @@ def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
     omega2, modes = lowest(
         tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes, invert=invert
     )
+    if len(omega2) < wanted:
+        warn(f"n={n}: only {len(omega2)} natural modes have mass")
     return ModalModel(tip, omega2, modes)

@@ -100,7 +100,7 @@ def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
         _core.constraint_congruence(h, dense, work)
         pencil.append(dense[1:, 1:])
     omega2, y = dense_modes(pencil[0], pencil[1])
-    phi = np.vstack([np.zeros(n - 1), y])
+    phi = np.vstack([np.zeros(y.shape[1]), y])
     phi -= np.outer(h, h @ phi)
     return omega2, phi
 

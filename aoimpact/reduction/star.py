@@ -147,7 +147,7 @@ class AOModel(Frozen):
 
     @property
     def constrained(self) -> bool:
-        """Whether the body is held in place: by its ground spring, or as a wall."""
+        """Whether the body is constrained: by its ground spring, or as a wall."""
         return self.k0 > 0.0 or math.isinf(self.m0)
 
     @property

@@ -7,7 +7,7 @@ time, each of which costs one solve; and, if the body is constrained, by its sta
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -58,7 +58,14 @@ _NOTHING_NEW = 1e-11
 # 2.1 times as fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
+# Iterations for a static mode after which a preconditioner of K itself is set up for it.
+_MOST_ITERATIONS = 60
+
 _BYTES_PER_NUMBER = 8.0
+
+# ω² of a vector, of the largest K_ii/M_ii, beyond which it is a motion without mass, whose rounding
+# spoils the others: up to 3 on bodies of full mass; from 2000 on modes are lost, M being singular.
+_WITHOUT_MASS = 300.0
 
 # What is left of b beside the rigid motions, over |b|, that is rounding.
 _RIGID_ONLY = 1e-13
@@ -128,6 +135,8 @@ class Subspace:
         self._statics, self._wanted = 0, 0
         self._K, self._M = core_rows(body.K), core_rows(body.M)
         self._load = np.empty(body.n_dofs)
+        self._fastest = _WITHOUT_MASS * float((body.K.diagonal() / body.M.diagonal()).max())
+        self._ended = False
 
     @property
     def _count(self) -> int:
@@ -251,6 +260,10 @@ class Subspace:
             within, left = self._galerkin(loads)
         if left <= _REACHED:
             return list(within)
+        if not direct and not self.rigid_count:
+            found = [self._iterated(load, dynamic) for load in loads]
+            if all(x is not None for x in found):
+                return [self._outside(place, x) for place, x in enumerate(found) if x is not None]
         invert = SolverBook(
             dynamic.at or partial(self.body.inverse, solver=self._solver, solutions=len(loads))
         )
@@ -259,23 +272,62 @@ class Subspace:
             for place, load in enumerate(loads)
         ]
 
-    def _galerkin(self, loads: FloatArray) -> tuple[FloatArray, float]:
-        """K⁻¹ of each load in the span of the vectors so far, and the largest |b - K x|/|b|."""
+    def _within(self) -> Callable[[FloatArray], FloatArray] | None:
+        """f, shape (m, n_dofs), ↦ K⁻¹ f in the span of the vectors so far, their coordinates."""
         new = slice(self._given, self._count)
-        vectors = self._basis[new]
-        stiffness = self._stiffness[new, new]
-        found = np.zeros((len(loads), self._count))
+        vectors, stiffness = self._basis[new], self._stiffness[new, new]
         if not (stiffness.diagonal() > 0.0).all():  # rounding of K, or a mechanism
-            return found, np.inf
+            return None
         scale = 1.0 / np.sqrt(stiffness.diagonal())
         try:
             factors = scipy.linalg.cho_factor(scale[:, None] * stiffness * scale)
         except np.linalg.LinAlgError:
+            return None
+
+        def solve(loads: FloatArray) -> FloatArray:
+            found: FloatArray = (
+                scale * scipy.linalg.cho_solve(factors, (loads @ vectors.T * scale).T).T
+            )
+            return found
+
+        return solve
+
+    def _galerkin(self, loads: FloatArray) -> tuple[FloatArray, float]:
+        """K⁻¹ of each load in the span of the vectors so far, and the largest |b - K x|/|b|."""
+        found, solve = np.zeros((len(loads), self._count)), self._within()
+        if solve is None:
             return found, np.inf
-        found[:, new] = scale * scipy.linalg.cho_solve(factors, (loads @ vectors.T * scale).T).T
-        rest = loads - (self.body.K @ (found[:, new] @ vectors).T).T
+        new = slice(self._given, self._count)
+        found[:, new] = solve(loads)
+        rest = loads - (self.body.K @ (found[:, new] @ self._basis[new]).T).T
         sizes = np.linalg.norm(loads, axis=1)
         return found, float((np.linalg.norm(rest, axis=1) / np.where(sizes > 0, sizes, 1.0)).max())
+
+    def _iterated(self, load: FloatArray, dynamic: LinearSolver) -> FloatArray | None:
+        """Return K⁻¹ `load` by conjugate gradients; None where they do not get there.
+
+        The preconditioner of K + s²M does for K once the slow motions are taken out of the
+        residual, and those that the load excites lie in the span of the vectors so far.
+        """
+        solve, precondition = self._within(), dynamic.precondition
+        if solve is None or precondition is None:
+            return None
+        vectors = self._basis[self._given : self._count]
+
+        def both(r: FloatArray) -> FloatArray:
+            coarse: FloatArray = solve(r[None])[0] @ vectors
+            return precondition(r) + coarse
+
+        x: FloatArray
+        x, failed = scipy.sparse.linalg.cg(
+            self.body.K,
+            load,
+            x0=solve(load[None])[0] @ vectors,
+            rtol=_REACHED,
+            maxiter=_MOST_ITERATIONS,
+            M=scipy.sparse.linalg.LinearOperator(self.body.K.shape, matvec=both, dtype=float),
+        )
+        return None if failed else x
 
     def _outside(self, place: int, x: FloatArray) -> FloatArray:
         """Put what is new of a static mode found by other means in its place in the basis."""
@@ -304,6 +356,8 @@ class Subspace:
 
     def _solve(self, most: int) -> bool:
         """Add some vectors, at most so many; whether there was one."""
+        if self._ended:
+            return False
         # All functionals have their turn with a shift before the next shift has its own.
         turn = self._solves // len(self._b)
         shifts, until = self._sharpened(turn)
@@ -313,6 +367,9 @@ class Subspace:
         most = 1 if len(shifts) > 1 else min(most, until * len(self._b) - self._solves)
         before = self._count
         self._extend(inverse, before + min(most, self._foreseen - self._solves))
+        light = np.flatnonzero(np.diagonal(self._stiffness)[before : self._count] > self._fastest)
+        if len(light):
+            self._progress[0], self._ended = before + light[0], True
         return self._count > before
 
     def _sharpened(self, turn: int) -> tuple[tuple[float, ...], int]:

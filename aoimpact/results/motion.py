@@ -332,11 +332,11 @@ class ErrorEstimate:
     quantity : str or None
         What was asked for.
     rtol : float or None
-        And how wrong it may be.
+        The tolerance that was requested for it.
     numbers : mapping of str to float
         Where models were chosen, the estimated error of each number that sums up the result, by its
         name ("restitution", of a scene "contacts.0.impulse"), from these models: only what was
-        asked for is controlled, another number is no better than it says here. Infinite of
+        asked for is controlled, the error of another number is what stands here. Infinite of
         "contacts" where it is not certain how many there are.
     left_out : LeftOut
         What meshes and contact laws leave out: of the quantity, and of each number.

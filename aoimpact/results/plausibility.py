@@ -298,8 +298,8 @@ def _said_of_deflection(run: Run, number: int) -> str:
         if most > _THICKNESS * tip.depth and _stretches(tip):
             return (
                 f"{run.names[body]} deflects by {quantity(most, 'm', 3)}, and is "
-                f"{quantity(tip.depth, 'm', 3)} thick: held on both sides it stretches, and is "
-                "stiffer than linear elasticity has it; take a lower velocity, or do not trust "
+                f"{quantity(tip.depth, 'm', 3)} thick: constrained on both sides it stretches, and "
+                "is stiffer than linear elasticity has it; take a lower velocity, or do not trust "
                 "deflection and stress to better than tens of percent"
             )
         if most > _SIZE * size:

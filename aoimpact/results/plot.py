@@ -203,10 +203,17 @@ def plot_forces(
     run, which = shown(run, during)
     several = len(run.contacts) > 1
     curves: list[Curve] = [
-        (contact.force[which], {"label": contact.name} if several else {})
-        for contact in run.contacts
+        (contact.force[which], {"label": _bodies_named(run, number)} if several else {})
+        for number, contact in enumerate(run.contacts)
     ]
     return draw_curves(ax, (run.t[which], "time", "s"), "contact force", "N", curves, kwargs)
+
+
+def _bodies_named(run: Run, number: int) -> str:
+    """What a contact is called, with its bodies where only these have names."""
+    contact, called = run.plan.contacts[number], run.contact_names[number]
+    first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
+    return called if contact.name or not (first and second) else f"{called}: {first} on {second}"
 
 
 def plot_places(

@@ -185,8 +185,9 @@ class Result(Eventful):
     def restitution(self) -> float:
         """Coefficient of restitution, by the centres of mass after the last contact.
 
-        (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is held or
-        of infinite mass. NaN without a rebound, and where a centre of mass is not known.
+        (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is
+        constrained or of infinite mass. NaN without a rebound, and where a centre of mass
+        is not known.
         """
         target = self.run.plan.bodies[1]
         known = target.fixed or target.centre_known
@@ -200,7 +201,7 @@ class Result(Eventful):
 
     @property
     def parting_speed(self) -> float:
-        """How fast the bodies part by `parting` [m/s]; a target that is held stays where it is."""
+        """How fast the bodies part by `parting` [m/s]; a constrained target stays where it is."""
         ours, theirs = self.parting
         return (0.0 if self.run.plan.bodies[1].fixed else theirs) - ours
 

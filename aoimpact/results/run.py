@@ -96,11 +96,11 @@ class Chosen:
         In the order of the bodies.
     quantity : str
     rtol : float
-        How wrong it may be, relative.
+        The tolerance that was requested for it, relative.
     error : float
-        How wrong it is from these models, estimated.
+        Its estimated error from these models.
     numbers : mapping of str to float
-        And each number that sums up the run.
+        The estimated error of each number that sums up the run.
     """
 
     models: tuple[Any, ...]
@@ -118,18 +118,10 @@ class Run:
 
     Attributes
     ----------
-    plan : Plan
-        What was run.
-    recorder : Recorder
-        The solver's own record, from which curves are read.
     time_error : float or None
         Of peak force and impulse, relative, from integrating in time.
     chosen : Chosen or None
         How the bodies' models were chosen, where `simulate` was left to do so.
-    asked : ndarray, shape (n,), or None
-        The times asked for, s; the solver's own if None.
-    left_out : LeftOut or callable
-        What meshes and contact laws leave out, or what finds that of the run when it is asked.
     modelled : float
         How long it took to choose and to make the models, s.
 
@@ -146,11 +138,13 @@ class Run:
     1.0
     """
 
-    plan: Plan
-    recorder: Recorder
+    plan: Plan  # bodies, contacts and loads that were integrated
+    recorder: Recorder  # the solver's own record, from which curves are read
     time_error: float | None
     chosen: Chosen | None = None
-    asked: FloatArray | None = None
+    asked: FloatArray | None = None  # the times of `at`, s; None for the solver's own
+    # The errors of meshes and contact laws, or the function that estimates them of the run. It is
+    # called when an error is first read.
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
     modelled: float = 0.0
 

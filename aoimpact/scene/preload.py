@@ -313,7 +313,7 @@ def equilibrium(
     statics.check_limits(at)
     worst = int(np.abs(at.balance).argmax()) if unconstrained is None else unconstrained
     raise ConvergenceError(
-        "preload: no static equilibrium found; a body that nothing holds against gravity or its "
+        "preload: no static equilibrium found; a body that nothing supports against gravity or its "
         f"load falls for ever (imbalance {abs(at.balance[worst]):.3g} N on body "
         f"{network.owner[worst]}); support it, or start without preload"
     )

@@ -108,7 +108,7 @@ def compare(
     if exact.result is None:
         raise InputError(f"{exact.label}: {exact.failure}")
     return Comparison(
-        f"{bodies[0]!r} on {bodies[1]!r}, {law}, {velocity:g} m/s",
+        f"{_called(bodies[0])} on {_called(bodies[1])}, {law}, {velocity:g} m/s",
         exact.label,
         exact.result.error.time,
         tuple(each.compared(exact.result) for each in tries),
@@ -138,6 +138,12 @@ def _body(name: str, body: Any) -> BodyModel:
     """The finite-element body that a model was made of; of an AO model by numbers itself."""
     model = body_model(name, body)
     return full(*model.contact_points) if model.contact_points else model
+
+
+def _called(body: BodyModel) -> str:
+    if isinstance(body, FullModel):
+        return body.name or f"a body of {body.body.n_dofs} dofs"
+    return body.name or body.label
 
 
 class _Try:

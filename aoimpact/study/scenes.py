@@ -89,8 +89,7 @@ def report(
     study = work_precision(**SCENES[scene](), newmark=_STEPS[scene], scipy=methods, repeats=3)
     files = folder / f"study_{scene}.csv", folder / f"study_{scene}.png"
     study.to_csv(files[0])
-    axes = plt.subplots(layout="constrained")[1]
-    study.plot(axes)
+    study.plot()
     plt.savefig(files[1])
     plt.close()
     return study, files

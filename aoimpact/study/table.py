@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import os
 from dataclasses import dataclass, fields
 from functools import partial
@@ -142,16 +143,20 @@ class WorkPrecision:
         The reference's own uncertainty is shaded. Returns the axes.
         """
         ax = given_axes(ax)
+        known = self.reference.uncertainty
+        least = math.inf if known is None else known
         for method in self.methods:
             rows = [row for row in self.rows if row.method == method and not row.failure]
             errors = [max(row.error, 1e-16) for row in rows]
+            least = min(least, *errors) if errors else least
             style = {"marker": "o", "label": method} | kwargs
             ax.plot([1e3 * row.seconds for row in rows], errors, **style)
         ax.set_title(self.scene, fontsize="medium", wrap=True)
-        error_axes(ax, "time of the call (ms)", "worst relative error")
-        if self.reference.uncertainty:
-            ax.axhspan(1e-16, self.reference.uncertainty, color="0.9", zorder=0)
-        return ax
+        if known:
+            told = f"reference known to {known:.0e}"
+            ax.axhspan(0.1 * least, known, color="0.9", zorder=0, label=told)
+        errors_of = "largest relative error of\npeak, duration and rebound"
+        return error_axes(ax, "time of the call (ms)", errors_of)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table: one row a run, times in s, errors relative."""

@@ -21,9 +21,10 @@ from ..base import (
     positive,
     quantity,
     real,
+    warn,
 )
 from ..results import Result
-from .signal import Signal
+from .signal import UNFILTERED, Signal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,6 +36,12 @@ _STANDARD_GRAVITY = 9.80665
 
 # A measured force begins and ends where it passes this share of its peak.
 _BEGINS = 0.01
+
+# Of its peak, a force with which no record of a contact should end.
+_STILL = 0.1
+
+# Of the impact energy: what a channel's errors come to, and less than a struck specimen takes.
+_TAKEN = 0.02
 
 # Room for the filter before and after a simulated force, in periods of its class.
 _SMEARED = 3.0
@@ -109,9 +116,11 @@ class DropWeight(Frozen):
         return self._point(int(np.argmax(self.force)))
 
     @property
-    def turn(self) -> Point:
-        """The largest deflection."""
-        return self._point(int(np.argmax(self.deflection)))
+    def turn(self) -> Point | None:
+        """The largest deflection, where the impactor turns back; None if it does not."""
+        last = min(int(np.searchsorted(self.t, self.end)), len(self.t) - 1)
+        at = int(np.argmax(self.deflection[: last + 1]))
+        return None if at == last and self.velocity[at] > 0.0 else self._point(at)
 
     @property
     def puncture(self) -> Point | None:
@@ -191,12 +200,15 @@ class DropWeight(Frozen):
         return draw_curves(ax, across, "energy", "J", curves, kwargs)
 
     def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
-        """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey."""
+        """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey.
+
+        Keywords go to ``Axes.plot``.
+        """
         shown = self._shown
         across = (self.t[shown] - self.start, "time", "s")
         before = self.signal.raw
         if raw and before is not None:
-            grey: list[Curve] = [(before.values[shown], {"color": "0.75", "lw": 0.8, "ls": "-"})]
+            grey: list[Curve] = [(before.values[shown], UNFILTERED)]
             ax = draw_curves(ax, across, "force", "N", grey)
         curves: list[Curve] = [(self.force[shown], {})]
         return draw_curves(ax, across, "force", "N", curves, kwargs)
@@ -232,7 +244,7 @@ class DropWeight(Frozen):
         rows = [
             ("impactor", f"{impactor}, {quantity(self.impact_energy, 'J')}"),
             ("peak", told(self.peak)),
-            ("turn", told(self.turn)),
+            ("turn", told(self.turn) if self.turn else "none"),
             ("puncture", told(self.puncture) if self.puncture else "none"),
             ("contact", quantity(self.end - self.start, "s")),
             ("rebound velocity", f"{self.rebound_velocity:.4g} m/s"),
@@ -284,6 +296,12 @@ def drop_weight(
         If mass or velocity of a measurement are missing, there is no contact, or the filter cannot
         be applied.
 
+    Warns
+    -----
+    AOImpactWarning
+        If more energy comes back than went in, the impactor is hardly slowed, the record ends
+        within the contact, or the class takes out the contact itself.
+
     Examples
     --------
     What a rig measured beside what was computed, both through the same filter:
@@ -320,7 +338,7 @@ def drop_weight(
             f"mass = {kilograms:g} kg, velocity = {speed:g} m/s and gravity = {pull:g} m/s² with "
             "this force lead to energies beyond all numbers; are they in these units?"
         )
-    return DropWeight(
+    test = DropWeight(
         t=signal.t,
         force=signal.values,
         velocity=v,
@@ -334,6 +352,48 @@ def drop_weight(
         end=end,
         simulated=simulated,
     )
+    for doubt in _doubts(test, cfc):
+        warn(doubt)
+    return test
+
+
+def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
+    """What no test can be, and the likely cause."""
+    said = []
+    raw = test.signal.raw or test.signal
+    if cfc is not None and (shorter := _shorter_than(raw, cfc)):
+        said.append(
+            f"the force lasts {quantity(shorter, 's')}, half a period of {0.5 / shorter:.3g} Hz, "
+            f"which class {cfc:g} takes out: its peak is {quantity(test.peak.force, 'N')} instead "
+            f"of {quantity(float(raw.values.max()), 'N')}; leave cfc out or take a higher class"
+        )
+    if test.simulated:
+        return said
+    taken, velocity = test.absorbed_energy, test.rebound_velocity
+    if raw.values[-1] > _STILL * float(raw.values.max()):
+        said.append(
+            f"the record ends at a force of {quantity(float(raw.values[-1]), 'N')}: the contact is "
+            "not over, and rebound and absorbed energy are those so far"
+        )
+    elif taken < -_TAKEN * test.impact_energy:
+        said.append(
+            f"the absorbed energy is {quantity(taken, 'J')}: no specimen gives back more than it "
+            "got; is the force too large (its unit, a zero that is off), or mass or velocity too "
+            "small?"
+        )
+    elif velocity > 0.0 and (test.puncture is None or taken < _TAKEN * test.impact_energy):
+        said.append(
+            f"the impactor still goes on at {velocity:.4g} of {test.impact_velocity:.4g} m/s when "
+            "the force ends: is the force in N (not kN), and the mass in kg?"
+        )
+    return said
+
+
+def _shorter_than(raw: Signal, cfc: float) -> float | None:
+    """How long the force acts, s, if that is less than half a period of the class's frequency."""
+    acts = raw.t[raw.values > _BEGINS * float(raw.values.max())]
+    longest = float(acts[-1] - acts[0])
+    return longest if 0.0 < longest < 0.5 / cfc else None
 
 
 def _force(source: Any, cfc: float | None) -> Signal:

@@ -55,6 +55,9 @@ _CORNER = 2.0775
 # 100 samples at least.
 _CONTINUED, _CONTINUED_SAMPLES = 0.01, 100
 
+# How a signal is drawn behind its filtered self.
+UNFILTERED = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Signal(Frozen):
@@ -282,7 +285,7 @@ class Signal(Frozen):
         Keywords go to ``Axes.plot``. Returns the axes.
         """
         if self.raw is not None:
-            grey: list[Curve] = [(self.raw.values, {"color": "0.7", "linestyle": "-", "lw": 0.8})]
+            grey: list[Curve] = [(self.raw.values, UNFILTERED)]
             ax = draw_curves(ax, (self.raw.t, "time", "s"), self.name, self.unit, grey)
         curves: list[Curve] = [(self.values, {})]
         return draw_curves(ax, (self.t, "time", "s"), self.name, self.unit, curves, kwargs)

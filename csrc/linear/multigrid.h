@@ -21,6 +21,10 @@ int aoi_blocks_check(const aoi_blocks *matrix, size_t stored_count);
 /* r -= A x; x and r of n size floats, not overlapping. */
 void aoi_blocks_subtract(const aoi_blocks *matrix, const float *x, float *r);
 
+/* y = A x in double precision, with A's entries by `values`, stored as the matrix's own; x and y of n
+ * size doubles, not overlapping. The matrix's values and inverse are not looked at. */
+void aoi_blocks_multiply(const aoi_blocks *matrix, const double *values, const double *x, double *y);
+
 /* Improves x, for which r = f - A x, by Chebyshev steps that damp the eigenvalues of D^-1 A from low
  * to high, 0 < low < high < inf, with D the diagonal blocks. With finish, r is f - A x again on return;
  * without, it is one product with A behind. work: 2 n size floats. */

@@ -123,6 +123,7 @@ PyObject *factors_find_panels(PyObject *self, PyObject *args);
 PyObject *factors_solve(PyObject *self, PyObject *args);
 
 /* multigrid.c */
+PyObject *blocks_multiply(PyObject *self, PyObject *args);
 PyObject *blocks_subtract(PyObject *self, PyObject *args);
 PyObject *blocks_smooth(PyObject *self, PyObject *args);
 PyObject *graph_aggregate(PyObject *self, PyObject *args);

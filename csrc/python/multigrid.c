@@ -3,30 +3,69 @@
 #include "linear/multigrid.h"
 #include "linear/sparse.h"
 
-/* (start, indices, values, inverse); the number of rows and the size of a block follow from the
- * lengths. */
-static int take_blocks(held *buffers, PyObject *tuple, size_t length, aoi_blocks *matrix)
+/* (start, indices, ...) of so many entries: their pattern; the number of rows and the size of a block
+ * follow from the lengths. */
+static int take_pattern(held *buffers, PyObject *tuple, size_t length, size_t entries,
+                        aoi_blocks *matrix)
 {
-    size_t rows = (size_t)-1, stored = (size_t)-1, entries = (size_t)-1, diagonal = (size_t)-1;
-    need_tuple(buffers, tuple, 4);
-    if (buffers->failed) {
-        return AOI_OK;
-    }
+    size_t rows = (size_t)-1, stored = (size_t)-1;
     matrix->start = integers(buffers, PyTuple_GetItem(tuple, 0), "row starts", &rows);
     matrix->indices = integers(buffers, PyTuple_GetItem(tuple, 1), "indices", &stored);
-    matrix->values = held_take(buffers, PyTuple_GetItem(tuple, 2), "values", 'f', 0, &entries);
-    matrix->inverse = held_take(buffers, PyTuple_GetItem(tuple, 3), "inverse", 'f', 0, &diagonal);
     if (buffers->failed) {
         return AOI_OK;
     }
     matrix->n = rows > 0 ? rows - 1 : 0;
     matrix->size = matrix->n > 0 ? length / matrix->n : 0;
-    const size_t area = matrix->size * matrix->size;
-    if (matrix->n * matrix->size != length || matrix->n * area != diagonal ||
-        stored * area != entries) {
+    if (matrix->n * matrix->size != length || stored * matrix->size * matrix->size != entries) {
         return AOI_ERROR_ARGUMENT;
     }
     return aoi_blocks_check(matrix, stored);
+}
+
+/* (start, indices, values, inverse). */
+static int take_blocks(held *buffers, PyObject *tuple, size_t length, aoi_blocks *matrix)
+{
+    size_t entries = (size_t)-1, diagonal = (size_t)-1;
+    need_tuple(buffers, tuple, 4);
+    if (buffers->failed) {
+        return AOI_OK;
+    }
+    matrix->values = held_take(buffers, PyTuple_GetItem(tuple, 2), "values", 'f', 0, &entries);
+    matrix->inverse = held_take(buffers, PyTuple_GetItem(tuple, 3), "inverse", 'f', 0, &diagonal);
+    if (buffers->failed) {
+        return AOI_OK;
+    }
+    const int status = take_pattern(buffers, tuple, length, entries, matrix);
+    return status == AOI_OK && diagonal != length * matrix->size ? AOI_ERROR_ARGUMENT : status;
+}
+
+PyObject *blocks_multiply(PyObject *self, PyObject *args)
+{
+    PyObject *matrix_in, *x_in, *y_out;
+    held buffers = {.failed = 0};
+    aoi_blocks matrix = {.n = 0};
+    size_t length = (size_t)-1, entries = (size_t)-1;
+    int status = AOI_OK;
+    const double *values = NULL;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "O!OO", &PyTuple_Type, &matrix_in, &x_in, &y_out)) {
+        return NULL;
+    }
+    const double *x = doubles(&buffers, x_in, "x", &length);
+    double *y = held_take(&buffers, y_out, "y", 'd', 1, &length);
+    need_tuple(&buffers, matrix_in, 3);
+    if (!buffers.failed) {
+        values = doubles(&buffers, PyTuple_GetItem(matrix_in, 2), "values", &entries);
+    }
+    if (!buffers.failed) {
+        status = take_pattern(&buffers, matrix_in, length, entries, &matrix);
+    }
+    if (!buffers.failed && status == AOI_OK) {
+        Py_BEGIN_ALLOW_THREADS
+        aoi_blocks_multiply(&matrix, values, x, y);
+        Py_END_ALLOW_THREADS
+    }
+    return finish(&buffers, status, "product of blocks");
 }
 
 PyObject *blocks_subtract(PyObject *self, PyObject *args)

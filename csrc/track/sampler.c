@@ -1,5 +1,6 @@
 /* Dense output: the record at any time of a track, from the rows that hold it. Between the start of a row
- * and the time asked for, the bodies are taken on exactly as the run itself took them. */
+ * and the time asked for, the bodies are taken on exactly as the run itself took them; in free motion at even
+ * times, from one of these to the next. */
 #include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
@@ -10,6 +11,7 @@
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/response.h"
+#include "motion/even.h"
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
 
@@ -32,6 +34,7 @@ struct aoi_sampler {
     double *ports; /* of all ports: forces, rates of these, displacements */
     double *settled; /* work on each contact up to the end of its last row; NaN: not yet asked for */
     double *flown, *booked; /* bodies in free motion as they were at the last bend of their loads */
+    aoi_even *even; /* body_count: bodies without loads in free motion, from one time to the next */
 };
 
 /* A body in free motion as it was when a load last bent: time, work and losses since its row; then x, v. */
@@ -60,6 +63,20 @@ static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *bloc
     sampler->settled = aoi_memory_doubles(&memory, contacts);
     sampler->flown = aoi_memory_doubles(&memory, bends_size(system));
     sampler->booked = aoi_memory_doubles(&memory, bends_size(system));
+    sampler->even = aoi_memory_take(&memory, bodies, sizeof *sampler->even);
+    for (size_t b = 0; b < bodies; b++) {
+        const aoi_modes *body = &system->body[b];
+        const size_t size = aoi_even_size(body);
+        aoi_even even = {.time = NAN};
+        even.lanes = aoi_memory_take(&memory, size, sizeof *even.lanes);
+        even.x = aoi_memory_take(&memory, size, sizeof *even.x);
+        even.v = aoi_memory_take(&memory, size, sizeof *even.v);
+        if (block) {
+            memset(even.x, 0, size * sizeof *even.x);
+            memset(even.v, 0, size * sizeof *even.v);
+            sampler->even[b] = even;
+        }
+    }
     return memory.used;
 }
 
@@ -331,6 +348,10 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
     const double start = row[AOI_TRACK_START], length = row[AOI_TRACK_LENGTH];
     const int pushed = sampler->body_row[b] == sampler->row && length > 0.0 && time > start;
     if (!pushed) {
+        if (body->load.count == 0) {
+            aoi_even_state(&sampler->even[b], body, start, held, time, state);
+            return 0;
+        }
         const double *bend = fly_to_bend(sampler, time, b, 0);
         memcpy(state, bend + BEND_STATE, 2 * body->n * sizeof(double));
         aoi_modes_advance(body, bend[BEND_TIME], time, state, state + body->n);
@@ -451,8 +472,10 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
     const double *held = sampler->track + sampler->body_at[b];
     const double *row = row_of(sampler, sampler->body_row[b]), start = row[AOI_TRACK_START];
     const double *x0 = held + AOI_TRACK_STATE, *v0 = x0 + body->n;
-    double *scratch = sampler->states + 4 * sampler->most_modes, more, lost;
-    if (pushed) {
+    double *scratch = sampler->states + 4 * sampler->most_modes, more = 0.0, lost = 0.0;
+    if (!body->decay && !body->gravity && body->load.count == 0) {
+        /* nothing but contacts does work on it */
+    } else if (pushed) {
         aoi_modes_step_work(body, start, sampler->part * row[AOI_TRACK_LENGTH],
                             place_of(sampler, time) / sampler->part,
                             sampler->port_force + sampler->system->first_port[b] * AOI_NODES, x0, v0,

@@ -202,3 +202,11 @@ def test_a_whole_star_is_the_truth_itself():
     found, _ = search(lambda n, m: 2.0**n, 1e-6, bodies=(many(8), ao.rigid(mass=1.0)))
     assert found.orders == (8, 0)
     assert found.error == 0.0
+
+
+def test_no_more_than_what_was_proven(endless):
+    """Every other order is far off, so that truncation from beyond ends above the proven one."""
+    (body,) = endless(1)
+    found, _ = search(lambda n: 1.0 + (0.5 if n == 0 or n % 2 else 0.0), 1e-2, (body,))
+    assert found.orders == (4,)
+    assert found.error == 0.0

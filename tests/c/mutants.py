@@ -578,6 +578,18 @@ MUTANTS = [
     ("adaptive/step_ring.c", "!(sum <= 0.5 * most)", "!(sum <= 50.0 * most)"),
     ("adaptive/closing.c", "now.acceleration -= sign * shape *", "now.acceleration -= 0.0 *"),
     ("adaptive/closing.c", "now.acceleration < 0.0 && slow.swing_rate > slow.rate", "0"),
+    ("motion/even.c", "even->left > 0 && ", ""),
+    ("motion/even.c", "even->time >= from && ", "even->time >= 0.0 && "),
+    ("motion/even.c", "even->fastest <= SMALL_ANGLE", "0.0 <= SMALL_ANGLE"),
+    ("motion/even.c", "spacing - even->spacing, even->x[i]", "0.0, even->x[i]"),
+    ("motion/even.c", "of->damping[i] * rate", "0.0"),
+    ("motion/even.c", "- of->spring[i] * to", "- of->spring[i] * x[i]"),
+    (
+        "track/sampler.c",
+        "!body->decay && !body->gravity && body->load.count == 0",
+        "!body->gravity && body->load.count == 0",
+    ),
+    ("motion/energy.c", "body->inertia ? AOI_LANES : 0", "0"),
 ]
 
 

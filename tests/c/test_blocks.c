@@ -72,6 +72,28 @@ static void products_have_the_eigenvectors(void)
     }
 }
 
+static void products_in_double_are_exact(void)
+{
+    chain c;
+    double values[STORED * WIDEST * WIDEST], x[NODES * WIDEST], y[NODES * WIDEST];
+    for (size_t size = 1; size <= WIDEST; size++) {
+        chain_make(&c, size);
+        for (size_t p = 0; p < STORED * size * size; p++) {
+            values[p] = c.values[p];
+        }
+        for (int k = 1; k <= NODES; k++) {
+            for (size_t i = 0; i < NODES * size; i++) {
+                x[i] = sin(k * PI * (double)(i / size + 1) / (NODES + 1));
+            }
+            aoi_blocks_multiply(&c.matrix, values, x, y);
+            const double value = (2.0 - 2.0 * cos(k * PI / (NODES + 1))) * (1.0 + (double)size);
+            for (size_t i = 0; i < NODES * size; i++) {
+                CHECK(fabs(y[i] - value * x[i]) < 1e-13, "blocks of %d, mode %d", (int)size, k);
+            }
+        }
+    }
+}
+
 static double chebyshev(size_t degree, double x)
 {
     double before = 1.0, now = x;
@@ -154,6 +176,7 @@ static void what_is_no_interval_is_refused(void)
 int main(void)
 {
     products_have_the_eigenvectors();
+    products_in_double_are_exact();
     steps_damp_as_chebyshev_polynomials();
     unfinished_smoothing_does_the_same_to_x();
     what_is_no_interval_is_refused();

@@ -131,6 +131,31 @@ static void energy_is_kinetic_elastic_and_residual(void)
     CHECK(near(elastic, 0.5 * (25.0 + 400.0) + 0.5 * (18.0 - 3.0 + 1.0), 1e-15), "f R f / 2");
 }
 
+/* More modes than are taken at once, with inertias of their own or without. */
+static void energies_are_sums_over_the_modes(void)
+{
+    enum { MANY = 7 };
+    double omega[MANY], inertia[MANY], x[MANY], v[MANY];
+    uint64_t seed = 9;
+    for (size_t j = 0; j < MANY; j++) {
+        omega[j] = decades(&seed, 0.0, 2.0);
+        inertia[j] = decades(&seed, -1.0, 1.0);
+        x[j] = uniform(&seed) - 0.5;
+        v[j] = 10.0 * (uniform(&seed) - 0.5);
+    }
+    for (int own = 0; own < 2; own++) {
+        const aoi_modes body = {.n = MANY, .omega = omega, .inertia = own ? inertia : NULL};
+        double kinetic, elastic, moving = 0.0, strained = 0.0;
+        aoi_modes_energy(&body, x, v, NULL, &kinetic, &elastic);
+        for (size_t j = 0; j < MANY; j++) {
+            moving += 0.5 * (own ? inertia[j] : 1.0) * v[j] * v[j];
+            strained += 0.5 * (own ? inertia[j] : 1.0) * pow(omega[j] * x[j], 2.0);
+        }
+        CHECK(near(kinetic, moving, 1e-14) && near(elastic, strained, 1e-14), "%g J and %g J, not %g J and %g J",
+              kinetic, elastic, moving, strained);
+    }
+}
+
 int main(void)
 {
     loads_run_straight_and_bend_where_they_say();
@@ -138,5 +163,6 @@ int main(void)
     flight_is_that_of_runge_and_kutta();
     a_load_bends_what_no_mode_has();
     energy_is_kinetic_elastic_and_residual();
+    energies_are_sums_over_the_modes();
     return check_report();
 }

@@ -195,6 +195,10 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     ),
     "star_from_modal": (lambda: [np.arange(4.0), np.ones(4), np.zeros(3), np.zeros(3)], {2, 3}),
     "factors_solve": (lambda: [tuple(factors()), np.zeros(6), np.ones(6)], {1, 2}),
+    "blocks_multiply": (
+        lambda: [(*blocks()[:2], blocks()[2].astype(float)), np.ones(12), np.zeros(12)],
+        {2},
+    ),
     "blocks_subtract": (lambda: [blocks(), np.ones(12, S), np.zeros(12, S)], {2}),
     "blocks_smooth": (
         lambda: [blocks(), 3, 0.2, 2.0, True, np.zeros(12, S), np.ones(12, S), np.zeros(24, S)],

@@ -187,7 +187,7 @@ def test_the_carriage_makes_the_impact_of_its_mass() -> None:
         ({"springs": [("xmax", "x", 0.0)]}, r"springs\[0\]: the stiffness must be positive"),
         (
             {"springs": [("zmin", "x", 1.0)], "fixed": [("xmin", "x")]},
-            r"springs\[0\]: 3 of its 12 nodes, the first is 0, are held in x",
+            r"springs\[0\]: 3 of its 12 nodes, the first is 0, are constrained in x",
         ),
         ({"masses": [ao.RigidMass([0], 1.0, inertia=(1, 1, 1))]}, r"masses\[0\]: its 1 nodes lie"),
         ({"masses": [ao.RigidMass([0, 1], 1.0, centre=(9, 0, 0))]}, "lie on one line"),

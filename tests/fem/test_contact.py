@@ -56,7 +56,9 @@ def test_of_a_body_without_a_mesh_a_point_off_the_nodes_is_refused() -> None:
 
 
 def test_a_node_that_is_held_is_refused_with_the_cure() -> None:
-    words = r"point \(0, 0, 0\.02\) m with direction \(0, 0, -1\): .* is held .*; choose another"
+    words = (
+        r"point \(0, 0, 0\.02\) m with direction \(0, 0, -1\): .* is constrained .*; choose another"
+    )
     with pytest.raises(InputError, match=words):
         HELD.contact(point=(0.0, 0.0, 0.02), direction=DOWN, radius=0)
     assert HELD.contact(point=(0.0, 0.0, 0.02), direction=(0.0, 1.0, 0.0), radius=0).b.sum() == 1.0
@@ -228,7 +230,9 @@ def test_a_node_inside_the_body_is_refused() -> None:
 
 def test_a_patch_on_a_support_is_refused() -> None:
     body = FEModel.from_mesh(PLATE.mesh, STEEL, fixed=[("xmin", "xyz")])
-    with pytest.raises(InputError, match=r"rests on nodes held by the supports.*a smaller radius"):
+    with pytest.raises(
+        InputError, match=r"rests on nodes constrained by the supports.*a smaller radius"
+    ):
         body.contact(point=(0.007, 0.02, 0.01), radius=0.006)
 
 

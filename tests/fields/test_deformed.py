@@ -12,6 +12,7 @@ from bodies import distorted_box
 
 import aoimpact as ao
 from aoimpact.fields.deformed import outlines, plot_deformed
+from aoimpact.fields.fields import Field
 from aoimpact.mesh.elements import KINDS
 
 mpl.use("Agg")
@@ -65,7 +66,8 @@ def test_units_time_and_colours_are_said() -> None:
     assert drawn.get_alpha() == 0.5
     colours = drawn.get_array()
     assert (colours.min(), colours.max()) == (0.0, 20.0)  # MPa, at the two ends
-    assert drawn.colorbar.ax.get_ylabel() == "von Mises stress (MPa)"
+    told = "von Mises stress (MPa), largest near\n(200, 10, 10) mm"  # the end x = 0.2 m
+    assert drawn.colorbar.ax.get_ylabel() == told
 
 
 def test_it_draws_on_the_axes_given() -> None:
@@ -74,3 +76,18 @@ def test_it_draws_on_the_axes_given() -> None:
     assert plot_deformed(mesh, np.zeros((8, 3)), np.zeros(8), 0.0, ax) is ax
     with pytest.raises(ao.InputTypeError, match=r"three-dimensional axes, .* got Axes"):
         plot_deformed(mesh, np.zeros((8, 3)), np.zeros(8), 0.0, plt.subplots()[1])
+
+
+def test_a_body_at_rest_is_drawn_at_rest() -> None:
+    """What rounding leaves before the contact was enlarged until it filled the picture."""
+    mesh = ao.box_mesh((2.0, 1.0, 1.0), (2, 1, 1))
+    body = ao.FEModel.from_mesh(mesh, ao.Material(E=1e9, nu=0.3, rho=1000.0))
+    moved = np.random.default_rng(0).standard_normal((2, *mesh.nodes.shape))
+    moved[0] *= 1e-31
+    moved[1] *= 1e-6
+    field = Field(body, np.array([0.0, 1e-3]), moved, np.zeros_like(moved))
+    ax = field.plot()
+    assert ax.get_xlim() == pytest.approx((0.0, 2.0))
+    assert "+ 1 × displacement" in ax.get_title()
+    assert ax.collections[0].get_array().max() == 0.0
+    assert field.plot(which=1).get_xlim()[1] > 2.01

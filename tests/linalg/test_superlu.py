@@ -1,6 +1,8 @@
 """Factorisations: exact on what is definite, honest about what is not."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +53,19 @@ def test_memory_of_factors_is_given_back():
     for _ in range(30):
         factors = factorize(matrix)
     assert resident() - first < 10 * size
+
+
+def test_a_program_that_ends_with_factors_ends_without_a_word():
+    """SciPy leaves an error where a thread ends with factors, and the flush of stdout meets it."""
+    program = """
+import scipy.sparse as sp
+from aoimpact.linalg.superlu import factorize
+line = sp.diags_array([-1.0, 2.1, -1.0], offsets=[-1, 0, 1], shape=(16, 16))
+factors = factorize(sp.kronsum(sp.kronsum(line, line), line))
+print(factors.matrix.nnz > 20_000)  # by a thread of its own
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.stdout, done.stderr, done.returncode) == ("True\n", "", 0)
 
 
 def test_singular_matrices_are_refused_not_solved():

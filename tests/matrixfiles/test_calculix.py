@@ -18,14 +18,15 @@ pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is
 
 MESH = ao.box_mesh((0.1, 0.02, 0.01), (6, 2, 1))
 TYPES = {"hexahedron": "C3D8", "hexahedron20": "C3D20"}
+STORED = "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n"
 
 
-def deck(mesh: ao.Mesh, fixed: Any) -> Iterator[str]:
+def deck(mesh: ao.Mesh, fixed: Any, element: str = "", step: str = STORED) -> Iterator[str]:
     """A deck of this project's own: nodes called 101, 103, …, and their matrices stored."""
     yield "*NODE, NSET=NALL"
     for i, (x, y, z) in enumerate(mesh.nodes):
         yield f"{101 + 2 * i}, {x:.12e}, {y:.12e}, {z:.12e}"
-    yield f"*ELEMENT, TYPE={TYPES[mesh.kind]}, ELSET=EALL"
+    yield f"*ELEMENT, TYPE={element or TYPES[mesh.kind]}, ELSET=EALL"
     for i, cell in enumerate(mesh.cells):
         words = list(map(str, [i + 1, *(101 + 2 * cell)]))
         yield ",\n".join(", ".join(words[start : start + 11]) for start in range(0, len(words), 11))
@@ -35,7 +36,7 @@ def deck(mesh: ao.Mesh, fixed: Any) -> Iterator[str]:
             yield f"{101 + 2 * node}, 1, 3"
     yield "*MATERIAL, NAME=ALU\n*ELASTIC\n70e9, 0.3\n*DENSITY\n2700."
     yield "*SOLID SECTION, ELSET=EALL, MATERIAL=ALU"
-    yield "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n"
+    yield step
 
 
 def run(folder: Path, lines: Iterator[str]) -> Path:
@@ -71,6 +72,44 @@ def test_calculix_s_matrices_are_ours(held: bool, tmp_path: Path) -> None:
         assert body.contact(node=101, direction=DOWN).node == 0
 
 
+@pytest.mark.parametrize("held", [True, False])
+@pytest.mark.parametrize(
+    ("element", "kind"),
+    [
+        ("C3D4", "tetra"),
+        ("C3D6", "wedge"),
+        ("C3D8R", "hexahedron"),
+        ("C3D10", "tetra10"),
+        ("C3D15", "wedge15"),
+        ("C3D20R", "hexahedron20"),
+    ],
+)
+def test_elements_that_integrate_their_mass_in_part_have_calculix_s_frequencies(
+    element: str, kind: str, held: bool, tmp_path: Path
+) -> None:
+    """Free, M of each is singular; CalculiX' own eigensolver is the second method."""
+    mesh = ao.box_mesh((0.1, 0.02, 0.01), (5, 2, 1), kind=kind)
+    fixed = np.flatnonzero(mesh.nodes[:, 0] == 0.0) if held else np.zeros(0, int)
+    file = run(tmp_path, deck(mesh, fixed, element))
+    body = ao.read_matrices(file.with_suffix(".sti"), file.with_suffix(".mas"), nodes=file)
+    run(tmp_path, deck(mesh, fixed, element, "*STEP\n*FREQUENCY\n9\n*END STEP\n"))
+    printed = [line.split() for line in file.with_suffix(".dat").read_text().splitlines()]
+    theirs = [float(words[3]) for words in printed if len(words) == 5 and words[0].isdigit()][:9]
+    rigid = 0 if held else 6
+    assert body.rigid_modes.shape[1] == rigid
+    assert body.frequencies(9)[rigid:] == pytest.approx(theirs[rigid:], rel=1e-5)
+
+
+def test_inner_nodes_of_incompatible_modes_are_called_so(tmp_path: Path) -> None:
+    file = run(tmp_path, deck(MESH, np.zeros(0, int), "C3D8I"))
+    files = file.with_suffix(".sti"), file.with_suffix(".mas")
+    with pytest.raises(ao.InputError, match=r"inner ones of elements \(as of CalculiX' C3D8I\)"):
+        ao.read_matrices(*files, nodes=file)
+    body = ao.read_matrices(*files)
+    assert (body.frequencies(7)[:6] < 1.0).all()
+    assert body.frequencies(7)[6] > 1000.0
+
+
 def test_a_deck_of_quadratic_elements_gives_patch_and_force_of_the_mesh(tmp_path: Path) -> None:
     mesh = ao.box_mesh((0.1, 0.04, 0.02), (5, 2, 1), kind="hexahedron20")
     fixed = np.flatnonzero(mesh.nodes[:, 0] == 0.0)
@@ -91,8 +130,7 @@ def test_a_star_is_a_deck_of_springs_and_masses(tmp_path: Path) -> None:
     """What CalculiX assembles of it are the star's own matrices and natural frequencies."""
     star = ao.AOModel(m0=0.1, k0=1e6, m=[0.5, 0.2, 0.05], k=[2e6, 3e6, 9e6])
     files = ao.write_matrices(star, tmp_path)
-    step = "*STEP\n*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n"
-    run(tmp_path, iter([files["deck"].read_text() + step]))
+    run(tmp_path, iter([files["deck"].read_text() + STORED]))
     body = ao.read_matrices(tmp_path / "bar.sti", tmp_path / "bar.mas")
     assert body.labels is not None
     rows = np.argsort(body.labels[:, 0])

@@ -224,10 +224,11 @@ def test_millimetres_and_tonnes_are_converted(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("stiffness", "inertia", "scale", "words"),
     [
-        (1.0, 1.0, 1e3, "is a speed of .* coordinates in millimetres"),
+        (1.0, 1.0, 1e3, r"waves at 5\.91e\+06 m/s: coordinates in millimetres"),
         (1e-3, 1e-3, 1e3, "coordinates in millimetres. Give length=1e-3 and mass=1e3"),
         (1e-3, 1e-3, 1.0, r"is 2\.7 kg/m³: M in tonnes and K in N/mm. Give mass=1e3"),
-        (1.0, 1e-3, 1.0, "K and M in units that do not fit, as N/mm with kg, or N/m with tonnes"),
+        (1.0, 1e-3, 1.0, "that of no solid; K in N/m beside M in tonnes"),
+        (1e-3, 1.0, 1.0, "else, K in N/mm beside M in kg"),
     ],
 )
 def test_wrong_units_are_said_with_what_they_look_like(
@@ -237,6 +238,71 @@ def test_wrong_units_are_said_with_what_they_look_like(
     with pytest.warns(AOImpactWarning) as caught:
         ao.read_matrices(*files, nodes=scale * FREE.nodes)
     assert re.search(words, "\n".join(str(one.message) for one in caught))
+
+
+def test_waves_are_those_of_the_material() -> None:
+    """√((λ + 2μ)/ρ), whatever the elements."""
+    exact = np.sqrt(70e9 * (1 - 0.3) / (1 + 0.3) / (1 - 2 * 0.3) / 2700.0)
+    for kind in ("tetra10", "wedge", "hexahedron20"):
+        mesh = ao.box_mesh((0.3, 0.02, 0.1), (5, 2, 1), kind=kind)
+        body = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700.0))
+        assert body.audit(frequencies=0).speed == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("length", "mass", "words"),
+    [
+        (1e-3, 1e3, ""),
+        (1e-3, 1.0, r"is \S+ kg/m³: M in tonnes and K in N/mm\? Give mass=1e3"),
+        (1e-3, 1e6, "M in grams"),
+        (1.0, 1.0, "coordinates in millimetres"),
+        (1e-6, 1e3, "coordinates in metres"),
+    ],
+)
+def test_units_of_a_body_that_is_held_are_looked_at_too(
+    length: float, mass: float, words: str, tmp_path: Path
+) -> None:
+    market(tmp_path / "K.mtx", 1e-3 * K, None)
+    market(tmp_path / "M.mtx", 1e-3 * M, None)
+    given = {"nodes": NODES * [1.0, 1e3, 1e3, 1e3], "dofs": LABELS}
+    files = tmp_path / "K.mtx", tmp_path / "M.mtx"
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ao.read_matrices(*files, **given, length=length, mass=mass)
+    said = "\n".join(str(one.message) for one in caught)
+    assert re.search(words, said) if words else not said
+
+
+# ----------------------------------------------------------------------- order and digits
+
+
+def test_nodes_in_another_order_are_said(tmp_path: Path) -> None:
+    files = free_files(tmp_path, 1.0, 1.0)
+    mixed = np.random.default_rng(0).permutation(FREE.nodes)
+    with pytest.warns(AOImpactWarning, match="K does not couple nodes that lie side by side"):
+        ao.read_matrices(*files, nodes=mixed)
+
+
+def test_coordinates_that_do_not_turn_are_said(tmp_path: Path) -> None:
+    files = free_files(tmp_path, 1.0, 1.0)
+    with pytest.warns(AOImpactWarning, match="free to move along all axes, and not to turn"):
+        ao.read_matrices(*files, nodes=FREE.nodes * [1.0, 1.3, 1.0])
+
+
+def test_rows_of_one_matrix_in_another_order_are_said(tmp_path: Path) -> None:
+    files = free_files(tmp_path, 1.0, 1.0)
+    by_component = np.arange(FREE.n_dofs).reshape(-1, 3).T.ravel()
+    market(files[0], sp.coo_array(FREE.K[by_component][:, by_component]), None)
+    with pytest.warns(AOImpactWarning, match="M couples rows that K does not"):
+        ao.read_matrices(*files, nodes=FREE.nodes)
+
+
+def test_a_free_body_that_few_digits_hold_is_said(tmp_path: Path) -> None:
+    stiffness = FREE.K.astype(np.float32).astype(float)
+    files = free_files(tmp_path, 1.0, 1.0)
+    market(files[0], sp.coo_array(0.5 * (stiffness + stiffness.T)), None)
+    with pytest.warns(AOImpactWarning, match=r"6 rigid motions .* K has few digits"):
+        ao.read_matrices(*files, nodes=FREE.nodes)
 
 
 # --------------------------------------------------------------- what is left out or put in

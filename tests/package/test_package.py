@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import os
 import re
 import subprocess
 import sys
@@ -204,3 +205,16 @@ def test_imports_wait_until_they_are_needed() -> None:
     assert {name for name in imported if name.startswith("aoimpact")} == {"aoimpact"}
     assert "aoimpact.impact" in called
     assert not called & WAITING
+
+
+def test_a_script_in_the_source_folder_runs_the_installed_package(tmp_path: Path) -> None:
+    source = tmp_path / "aoimpact"
+    source.mkdir()
+    for name in ("__init__.py", "__init__.pyi"):  # as in a clone, where no core was built
+        source.joinpath(name).write_bytes(PACKAGE.joinpath(name).read_bytes())
+    script = tmp_path / "first.py"
+    script.write_text("import aoimpact as ao\nprint(ao.__file__, ao.rigid(mass=2.0).m0)")
+    command = [sys.executable, str(script)]
+    installed = os.environ | {"PYTHONPATH": str(PACKAGE.parent), "PYTHONSAFEPATH": ""}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=installed)
+    assert done.stdout.split() == [str(PACKAGE / "__init__.py"), "2.0"]

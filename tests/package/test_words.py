@@ -31,7 +31,7 @@ ENDINGS = {path[at + 1 :] for path in KNOWN for at, sign in enumerate(path) if s
 
 # A file of the project: "csrc/law/law.c", "law.c", "tests/c/test_*.c"; "../" is left out.
 NAMED = re.compile(r"(?<![\w./<-])(?:\.\./)*((?:[\w.*-]+/)*[\w*]+\.(?:py|pyi|c|h|md))\b(?![/\w])")
-OTHERS = {"Python.h"}
+OTHERS = {"Python.h", "first.py"}  # the compiler's; a user's
 
 
 def said(file: Path) -> Iterator[str]:

@@ -494,7 +494,7 @@ CONSTRAINED = {
 
 @pytest.mark.parametrize("name", CONSTRAINED)
 @pytest.mark.parametrize(
-    "solver", ["auto", "superlu", pytest.param("pardiso", marks=needs_pardiso)]
+    "solver", ["auto", "superlu", "multigrid", pytest.param("pardiso", marks=needs_pardiso)]
 )
 def test_constrained_bodies_keep_their_static_stiffness(name, solver):
     """With any solver, compact or slender; larger models ask for factors of K + s²M again."""

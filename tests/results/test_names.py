@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 import pickle
 from pathlib import Path
 from typing import Any
@@ -111,6 +112,16 @@ def test_a_scene_shows_the_names(tmp_path: Path) -> None:
     legends = (run.plot_force(), run.plot_displacement())
     shown = [[text.get_text() for text in ax.get_legend().get_texts()] for ax in legends]
     assert shown == [["first hit", "contact 1"], ["striker", "ball", "body 2"]]
+
+
+def test_the_legend_names_the_bodies_of_a_contact_without_a_name() -> None:
+    scene = ao.Scene()
+    first, second = scene.add(BALL, velocity=1.0, name="striker"), scene.add(BALL, name="plate")
+    scene.connect(first, second, LAW)
+    scene.connect(second, scene.add(ao.rigid(mass=math.inf, name="floor")), LAW)
+    ax = scene.simulate(duration=1e-3).plot_force()
+    shown = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert shown == ["contact 0: striker on plate", "contact 1: plate on floor"]
 
 
 def test_warnings_call_bodies_and_contacts_by_name() -> None:

@@ -149,7 +149,7 @@ def test_a_thin_plate_held_on_both_sides_stretches_a_cantilever_does_not() -> No
     law = ao.Hertz.between(STEEL, R, ALU, math.inf)
     (text,) = said(held, 2.0, law=law)
     assert text.startswith("target deflects by ")
-    assert "is 1 mm thick: held on both sides it stretches" in text
+    assert "is 1 mm thick: constrained on both sides it stretches" in text
     deflection = np.abs(strike_quietly(held, 2.0, law).target.displacement).max()
     assert deflection > 0.5 * thin
     cantilever = star(plate(ALU, thin, BOTH_ENDS[:1]))
@@ -176,7 +176,7 @@ def test_a_full_model_says_the_same() -> None:
     tip = plate(ALU, 1e-3, BOTH_ENDS)
     steps = {"solver": ao.Newmark(dt=2e-6, estimate=False), "duration": 4e-4}
     (text,) = said(tip, 2.0, law=ao.Hertz.between(STEEL, R, ALU, math.inf), **steps)
-    assert "held on both sides it stretches" in text
+    assert "constrained on both sides it stretches" in text
 
 
 def strike_quietly(target: Any, velocity: float, law: Any) -> ao.Result:

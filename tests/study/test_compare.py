@@ -124,7 +124,7 @@ def test_the_heading_names_the_body_that_a_reduced_model_was_made_of():
         modes=(),
         full=False,
     )
-    assert " of a body of " in repr(table).splitlines()[0]
+    assert "rigid on a body of " in repr(table).splitlines()[0]
 
 
 def test_the_users_own_linear_solver_is_used_and_named(own_solver):

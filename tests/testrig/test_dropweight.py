@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact.base.errors import AOImpactWarning
 
 M, V, F0, T = 5.0, 2.0, 7000.0, 4e-3
 
@@ -48,6 +51,7 @@ def test_its_points() -> None:
     assert test.rebound_velocity == pytest.approx(V - 2.0 * F0 / (M * w), rel=1e-4)
     kept = 0.5 * M * (V**2 - (V - 2.0 * F0 / (M * w)) ** 2)
     assert test.absorbed_energy == pytest.approx(kept, rel=1e-3)
+    assert test.turn is not None
     assert test.turn.deflection == test.deflection.max()
     assert test.puncture is None
 
@@ -83,6 +87,45 @@ def test_puncture_is_where_the_force_has_halved_on_the_way_in() -> None:
     work = np.trapezoid(test.force[between], test.deflection[between])
     assert test.puncture.energy == pytest.approx(work, rel=1e-4)
     assert "puncture           1000 N" in repr(test)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda f: 1.0 * f, ""),
+        (lambda f: 1.2 * f, "the absorbed energy is -.* no specimen gives back more"),
+        (lambda f: f + 600.0, "no specimen gives back more"),
+        (lambda f: 1e-3 * f, "still goes on at 1.996 of 2 m/s .* in N .not kN"),
+        (lambda f: f[:2000], "the record ends at a force of 7.*N: the contact is not over"),
+    ],
+)
+def test_what_no_test_can_be_is_said(change: Any, words: str) -> None:
+    """The impulse of a half sine, 2 F T/π, turns 5 kg from 2 to -1.56 m/s, less gravity."""
+    t = np.arange(6000) * 1e-6
+    force = change(np.where(t < T, F0 * np.sin(np.pi * t / T), 0.0))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ao.drop_weight((t[: len(force)], force), mass=M, velocity=V, gravity=0.0, start=0.0)
+    said = "\n".join(str(one.message) for one in caught)
+    assert re.search(words, said) if words else not said
+
+
+def test_a_class_that_takes_out_the_contact_is_said() -> None:
+    t = np.arange(20_000) * 1e-6 - 5e-3
+    force = np.where((t > 0.0) & (t < 1e-4), 9e4 * np.sin(np.pi * t / 1e-4), 0.0)
+    with pytest.warns(AOImpactWarning, match="which class 1000 takes out: its peak is .* of 90 kN"):
+        ao.drop_weight((t, force), mass=M, velocity=V, gravity=0.0, cfc=1000)
+
+
+def test_an_impactor_that_goes_on_does_not_turn() -> None:
+    """A weight of 5 kg that drives 0.1 kg away goes on faster than half of its velocity."""
+    hit = ao.simulate(
+        projectile=ao.rigid(mass=M), target=ao.rigid(mass=0.1), law=LAW, velocity=V, duration=1e-3
+    )
+    test = ao.drop_weight(hit)
+    assert test.rebound_velocity > 0.9 * V
+    assert test.turn is None
+    assert "turn               none" in repr(test)
 
 
 # ------------------------------------------------------------------------- simulated
@@ -134,6 +177,7 @@ def test_measurement_and_simulation_are_treated_alike() -> None:
     np.testing.assert_allclose(same.energy, both, atol=1e-3 * same.impact_energy)
 
 
+@pytest.mark.filterwarnings("ignore:the record ends at a force")
 def test_a_drop_under_gravity_is_evaluated_from_its_scene() -> None:
     """Against the motion and the energies of the scene, which has the weight's work in it."""
     scene = ao.Scene(gravity=9.81)
@@ -203,6 +247,7 @@ def test_curves_and_files(tmp_path: Path) -> None:
     over = test.plot_energy(over="deflection")
     assert over.get_xlabel() == "deflection (mm)"
     x, y = (np.asarray(part, dtype=float) for part in over.get_lines()[0].get_data())
+    assert test.turn is not None
     assert y[x.argmax()] == pytest.approx(test.turn.energy, rel=1e-6)  # in J, at the turn
     with pytest.raises(ao.InputError, match="over must be one of"):
         test.plot_energy(over="force")  # type: ignore[arg-type]

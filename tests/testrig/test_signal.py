@@ -206,7 +206,7 @@ def test_the_raw_signal_is_drawn_behind_the_filtered_one() -> None:
     ax = raw.filtered(600).plot()
     behind, before = ax.get_lines()
     assert len(np.asarray(behind.get_ydata())) == len(raw.t)
-    assert behind.get_color() == "0.7"
+    assert (behind.get_color(), behind.get_label()) == ("0.7", "unfiltered")
     assert ax.get_xlabel() == "time (ms)"
     assert np.ptp(np.asarray(before.get_ydata())) < np.ptp(np.asarray(behind.get_ydata()))
     plt.close("all")

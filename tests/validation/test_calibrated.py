@@ -1,4 +1,4 @@
-"""Errors that are said of default impacts, against the truths of docs/calibration.csv.
+"""Estimated errors of default impacts, against the truths of docs/calibration.csv.
 
 The truths are of graded meshes of tetrahedra; tools/calibration.py made them. These are a few of
 the setups, with meshes that need no gmsh.
@@ -64,14 +64,14 @@ def strike(name: str, kind: str, along: int) -> ao.Result:
     )
 
 
-def test_peak_forces_are_within_what_is_said() -> None:
+def test_true_errors_of_peak_forces_are_within_their_estimates() -> None:
     ratios = []
     for name in SETUPS:
         right = truth(name)
         for kind, along in MESHES:
             hit = strike(name, kind, along)
-            said = sum(part or 0.0 for part in hit.error.parts("peak_force").values())
-            ratios.append(said / abs(hit.peak_force / right - 1.0))
+            estimate = sum(part or 0.0 for part in hit.error.parts("peak_force").values())
+            ratios.append(estimate / abs(hit.peak_force / right - 1.0))
     found = np.array(ratios)
     print(found.reshape(len(SETUPS), -1).round(2))
     assert (found > 1.0).mean() >= 0.95

@@ -3,8 +3,8 @@ Contact that does not depend on the mesh
 ========================================
 
 Under a point load an elastic solid deforms without bound, and a finer mesh shows more of it. Hertz's law contains that
-indentation already. So the common recipe, finite elements and Hertz's spring at one node, counts it twice, and its force
-is a property of the mesh. The cure is a *patch*, which the package takes unless ``radius=0`` is given.
+indentation already. So the common recipe, finite elements and Hertz's spring at one node, counts it twice, and the
+computed force depends on the mesh. The cure is a *patch*, which the package takes unless ``radius=0`` is given.
 """
 
 import warnings
@@ -96,7 +96,8 @@ ax.legend()
 # the radius will do, linear ones a third of it. If no radius is given, `simulate` takes the one for which the errors of
 # mesh and half-space together are least; ``hit.error.mesh`` and ``hit.error.contact`` are those errors.
 #
-# A contact that grows as wide as its patch is an error that says which radius will do:
+# A contact that grows too wide for its patch, between two patches beyond 0.79 of their radius, is an error that names the
+# radius to take. It takes a velocity far above those that this package is for:
 
 sphere = ao.antioscillators(balls[1].contact(point=(0.01, 0, 0), radius=0.003), n=1)
 try:
@@ -106,4 +107,4 @@ except ao.AOImpactError as error:
 
 # %%
 # Under strongly damped laws the force still depends a little on r, since the half-space's part is taken out of the
-# indentation but not out of its rate. Take r as large as there is room then.
+# indentation but not out of its rate. Then choose the largest patch that fits on the surface.

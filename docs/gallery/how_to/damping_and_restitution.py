@@ -3,7 +3,7 @@ Damping and restitution
 =======================
 
 Energy is lost in two places: in the contact, by its law, and in the bodies, by their damping and by vibration that
-stays in them. So the restitution of an impact on a structure is not the restitution of its contact law.
+remains in them. So the restitution of an impact on a structure is not the restitution of its contact law.
 """
 
 import matplotlib.pyplot as plt
@@ -16,8 +16,8 @@ k, mass, velocity = 1e10, 0.016, 1.0  # N/m^1.5; reduced mass of the pair, kg; m
 # %%
 # Nominal against delivered
 # -------------------------
-# Most damped contact laws are given a *nominal* restitution e, which a published formula turns into a damping. What two
-# rigid bodies then really get back is another number. ``ao.restitution(law, mass, velocity)`` tells it for any law;
+# Most damped contact laws are given a *nominal* restitution e, which a published formula turns into a damping. The
+# restitution that two rigid bodies actually show differs. ``ao.restitution(law, mass, velocity)`` computes it for any law;
 # ``from_restitution`` goes the other way and finds the damping that delivers what was asked. For F = k δⁿ (1 + χ δ̇) a
 # rigid pair delivers, whatever k, n and the masses, the e with χV(1 + e) = log((1 + χV)/(1 - χVe)).
 
@@ -50,8 +50,8 @@ for name, make in (published | exact).items():
 # The laws with a ``from_restitution`` lie on the diagonal.
 
 nominal = np.linspace(0.01, 1.0, 100)
-styles = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
-fig, ax = plt.subplots(figsize=(6.4, 5), layout="constrained")
+styles = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
+fig, ax = plt.subplots(figsize=(7, 4.5), layout="constrained")
 for style, (name, make) in zip(styles, published.items()):
     ax.plot(nominal, delivered(make, nominal), linestyle=style, label=name)
 few = np.linspace(0.05, 1.0, 8)
@@ -136,7 +136,12 @@ aluminium = ao.Material(E=70e9, nu=0.33, rho=2700)
 mesh = ao.box_mesh((0.3, 0.02, 0.01), (24, 2, 2), kind="hexahedron20")
 fixed = [("xmin", "xyz"), ("xmax", "xyz")]
 fig, ax = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
-for style, damping in zip(styles, (None, ao.ModalDamping(0.02), ao.Rayleigh(alpha=0.0, beta=2e-6))):
+dampings = {
+    "undamped": None,
+    "2 % in all modes": ao.ModalDamping(0.02),
+    "Rayleigh, β = 2 µs": ao.Rayleigh(alpha=0.0, beta=2e-6),
+}
+for style, (name, damping) in zip(styles, dampings.items()):
     beam = ao.FEModel.from_mesh(mesh, aluminium, fixed=fixed, damping=damping)
     hit = ao.simulate(
         projectile=ao.ball(0.005, steel),
@@ -148,9 +153,9 @@ for style, damping in zip(styles, (None, ao.ModalDamping(0.02), ao.Rayleigh(alph
     )
     hit = hit.at(np.linspace(0, 6e-3, 1500))
     print(
-        f"{damping}: restitution {hit.restitution:.3f} ± {hit.error.numbers['restitution']:.1%}, "
+        f"{name}: restitution {hit.restitution:.3f} ± {hit.error.numbers['restitution']:.1%}, "
         f"{1e6 * hit.energy.dissipated[-1]:.0f} µJ dissipated in the beam"
     )
-    ax.plot(1e3 * hit.t, 1e6 * hit.target.displacement, linestyle=style, label=str(damping))
+    ax.plot(1e3 * hit.t, 1e6 * hit.target.displacement, linestyle=style, label=name)
 ax.set(xlabel="time (ms)", ylabel="displacement of the contact point (µm)")
-fig.legend(loc="outside upper center", fontsize=8)
+fig.legend(loc="outside upper center", ncols=3, fontsize=8)

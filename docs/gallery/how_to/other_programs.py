@@ -1,10 +1,10 @@
 """
-To and from other programs
-==========================
+Matrices from Abaqus, Ansys, CalculiX and Nastran, and back
+===========================================================
 
 A company's model often exists as matrices of Abaqus, Ansys, CalculiX or Nastran. :func:`aoimpact.read_matrices` makes a
 body of them, whose nodes keep their numbers; :func:`aoimpact.write_matrices` takes a body, a contact point or an AO model
-back.
+back. Without files, K and M are given as in :doc:`/how-to/own_matrices`.
 """
 
 import tempfile
@@ -43,7 +43,11 @@ import aoimpact as ao
 #      - ``scipy.sparse.save_npz``, ``numpy.savez``, ``scipy.io.mmwrite``
 #      - ``dofs=``: an array of node and component
 #
-# Here CalculiX' files are imitated: a bar in millimetres, tonnes and newtons, held at one end, its nodes called 101,
+# CalculiX integrates the mass of all its solid elements but C3D8 and C3D20 at few points, which leaves some motions without
+# mass. Such a body is read and struck as any other; the elements C3D8I have inner nodes, which no coordinates belong to:
+# leave ``nodes`` out, or take another element.
+#
+# Here CalculiX' files are imitated: a bar in millimetres, tonnes and newtons, clamped at one end, its nodes called 101,
 # 102, ...
 
 folder = Path(tempfile.mkdtemp())
@@ -54,25 +58,25 @@ for suffix, matrix in ((".sti", made.K), (".mas", made.M)):
     upper = entries.row <= entries.col
     table = np.column_stack([entries.row + 1, entries.col + 1, 1e-3 * entries.data])[upper]
     np.savetxt(folder / f"bar{suffix}", table, fmt="%d %d %.13e")
-(folder / "bar.dof").write_text("".join(f"{101 + i // 3}.{i % 3 + 1}\n" for i in made.free))
+_ = (folder / "bar.dof").write_text("".join(f"{101 + i // 3}.{i % 3 + 1}\n" for i in made.free))
 deck = [f"{101 + i}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(1e3 * mesh.nodes)]
-(folder / "bar.inp").write_text("\n".join(["*NODE", *deck, ""]))
+_ = (folder / "bar.inp").write_text("\n".join(["*NODE", *deck, ""]))
 
 # %%
-# Units are your word
+# You state the units
 # -------------------
-# A file of numbers has no units: ``length`` and ``mass`` are the file's, in m and kg (time is in seconds). What is not
-# like a body is said, with the unit that it looks like:
+# A file of numbers has no units: ``length`` and ``mass`` are the file's, in m and kg (time is in seconds). Values that no
+# real body has cause a warning, which names the unit that was probably meant:
 
 
-with warnings.catch_warnings(record=True) as said:
+with warnings.catch_warnings(record=True) as warned:
     warnings.simplefilter("always")
     ao.read_matrices(folder / "bar.sti", folder / "bar.mas", nodes=folder / "bar.inp")
-print(said[0].message)
+print(warned[0].message)
 
 # %%
-# With the right ones, ``audit`` shows what there is: which rigid motions are free, and the lowest frequencies. Compare
-# them with those that the program itself prints.
+# With the right units, ``audit`` shows which rigid motions are free, and the lowest frequencies. Compare these with the
+# frequencies that the program itself prints.
 
 bar = ao.read_matrices(
     folder / "bar.sti", folder / "bar.mas", nodes=folder / "bar.inp", length=1e-3, mass=1e3
@@ -89,9 +93,9 @@ tip = bar.contact(node=corner, direction=(0, 0, -1))
 print(tip)
 
 # %%
-# A single node under a law like Hertz's is softer than the surface that it stands for, which ``simulate`` says. Without
-# a mesh, spread the contact by a functional ``b=`` over the nodes of the face. Here it is the mean of the nodes on the
-# last 30 mm of the upper side:
+# A single node under a law like Hertz's is softer than the surface that it stands for, and ``simulate`` warns of it.
+# Without a mesh, spread the contact by a functional ``b=`` over the nodes of the face. Here it is the mean of the nodes on
+# the last 30 mm of the upper side:
 
 upper = np.flatnonzero((mesh.nodes[:, 2] > 0.0199) & (mesh.nodes[:, 0] > 0.17))
 rows = np.isin(bar.labels[:, 0], 101 + upper) & (bar.labels[:, 1] == 3)
@@ -108,7 +112,7 @@ print(f"{hit.peak_force:.1f} N")
 # With the mesh of the same model
 # -------------------------------
 # With ``mesh=`` (a file in the same unit, or a mesh in metres) and the ``material`` of its surface, the matrices stay as
-# they are, and the surface is known: the contact is a patch, the law may be left out, and stresses can be had.
+# they are, and the surface is known: the contact is a patch, the law may be left out, and stresses are available.
 
 on_mesh = ao.read_matrices(
     folder / "bar.sti",
@@ -126,24 +130,26 @@ hit = ao.simulate(
     velocity=1.0,
 )
 print(hit)
+ax = hit.plot_force()
 
 # %%
-# A star in another program
-# -------------------------
-# The reduced body is four things: the contact mass m0 on a ground spring k0, and on it, each by a spring k_i, the
-# masses m_i. Any program with point masses and springs can take it in place of the body; its contact law then stands
-# between node 1 and the projectile.
+# An AO model in another program
+# ------------------------------
+# The AO model of a body consists of the contact mass m0 on a ground spring k0, and on it, each by a spring k_i, the masses
+# m_i. Any program with point masses and springs can take it in place of the body; its contact law then acts between
+# node 1 and the projectile.
 
-star = ao.antioscillators(tip, n=3)
-files = ao.write_matrices(star, folder / "star")
+model = ao.antioscillators(tip, n=3)
+files = ao.write_matrices(model, folder / "model")
 print(files["json"].read_text())
 
 # %%
-# The same as a deck of CalculiX or Abaqus; the project's tests run it through CalculiX and get the star's K and M back.
+# The same as a deck of CalculiX or Abaqus; the project's tests run it through CalculiX and get the model's K and M back.
 
 print(files["deck"].read_text())
 
 # %%
-# A body, or a contact point with its b, is written as Matrix Market, with what its rows are and where its nodes are:
+# A body, or a contact point with its b, is written as Matrix Market, with files that list the degree of freedom of each row
+# and the coordinates of the nodes:
 
 print(sorted(ao.write_matrices(bar, folder / "bar")))

@@ -3,7 +3,9 @@ My own K and M
 ==============
 
 Stiffness and mass may come from any program that writes them: sparse or dense, symmetric, with the supports taken out.
-What the package then needs to know is where the body is touched. The files of Abaqus, Ansys, CalculiX and Nastran, and
+What the package then needs to know is where the body is touched.
+
+The files of Abaqus, Ansys, CalculiX and Nastran, and
 Matrix Market's and SciPy's, are read by :func:`aoimpact.read_matrices`, with the labels of the nodes
 (:doc:`/how-to/other_programs`).
 """
@@ -76,8 +78,8 @@ hit.plot_force()
 # %%
 # With coordinates
 # ----------------
-# Where each node has three translations, ``nodes=`` gives their coordinates, and ``free=`` tells for each row of K its
-# number 3·node + component. Then a contact may be given by a ``point`` and a ``direction``, and the body has a mass and
+# Where each node has three translations, ``nodes=`` gives their coordinates, and ``free=`` gives, for each row of K, the
+# index 3·node + component. Then a contact may be given by a ``point`` and a ``direction``, and the body has a mass and
 # a centre. Without elements there is no surface to spread a patch on, so that the contact is the single node there. The
 # matrices of this example are taken from a mesh, as another program would have made them.
 
@@ -117,7 +119,7 @@ meshed = block.with_mesh(mesh, aluminium)
 print(meshed.contact(point=(0.4, 0.01, 0.02 / 2)))
 
 # %%
-# What is wrong with a matrix is told when the body is made, and ``body.audit()`` shows what wrong units look like:
+# A wrong matrix is refused when the body is made, and ``body.audit()`` shows what wrong units look like:
 
 print(meshed.audit(frequencies=2))
 

@@ -2,8 +2,8 @@
 Preload: a start from rest under load
 =====================================
 
-A structure that carries a load, or its own weight, is pressed before the impact. ``preload=True`` starts a scene from
-the rest that gravity and the loads at t = 0 press it to, and the impact comes on top.
+A structure that carries a load, or its own weight, is pressed before the impact. ``preload=True`` starts the scene in
+static equilibrium under gravity and the loads at t = 0; the impact is superposed.
 """
 
 import matplotlib.pyplot as plt
@@ -33,7 +33,7 @@ for number, contact in enumerate(run.contacts, start=1):
     print(f"{contact.name:8s} {contact.force[0]:.6f} N, weight above {number * 0.1 * 9.81:.6f} N")
 
 # %%
-# The displacement of a body is measured from its unloaded place, so that it starts with the static one.
+# The displacement of a body is measured from its unloaded position, so that it starts with the static displacement.
 
 run.plot_force()
 
@@ -72,22 +72,37 @@ for load, style in ((0.0, "-"), (20.0, "--")):
     run, stress = struck(load)
     ax.plot(1e6 * run.t, stress, style, label=f"load {load:g} N")
     print(
-        f"load {load:4g} N: peak {run.contacts[0].peak_force:.2f} N, stress at t = 0 {stress[0]:.3f} MPa"
+        f"load {load:4g} N: peak {run.contacts[0].peak_force:.2f} N, stress at t = 0 {abs(stress[0]):.3f} MPa"
     )
 ax.set(xlabel="time (µs)", ylabel="σ_xx opposite to the contact (MPa)")
 ax.legend()
 
 # %%
-# The ball starts where the unloaded beam would touch it, so that it comes later to a beam that is bent away. The force is
+# The ball starts where the unloaded beam would touch it, so that it reaches a beam that is bent away later. The force is
 # the same, since everything is linear but the contact; the stress is that of the load and of the impact together. By
 # beam theory the clamped beam under F at midspan has the moment F L/8 there:
 
-print(f"{20 * 0.5 / 8 / (0.02 * 0.01**2 / 6) / 1e6:.3f} MPa")
+theory = 20 * 0.5 / 8 / (0.02 * 0.01**2 / 6) / 1e6
+print(f"static stress under 20 N: computed {stress[0]:.3f} MPa, by beam theory {theory:.3f} MPa")
 
 # %%
-# Where there is no rest
-# ----------------------
-# What nothing supports is named:
+# Can I preload a bolt?
+# ---------------------
+# In part. The bodies are linear, so that a clamping force changes neither their stiffness nor their frequencies: stress
+# stiffening, a joint that opens or slips, and a clamping that is lost are not in the package. What can be done:
+#
+# - *The joint stays closed.* Mesh the bolted parts as one body (:doc:`/how-to/materials_masses_springs`) and simulate the
+#   impact without the clamping force. The stress of the preload, from a static analysis, adds to that of the impact. Where
+#   the sum at the joint would be tension, the joint opens, and this model no longer holds.
+# - *Two bodies pressed together.* A contact between them, with an external force that presses them and ``preload=True``,
+#   as above: the contact may open during the impact, in the normal direction. The force acts at a contact point along the
+#   direction of travel and keeps its value; the bolt's own stiffness beside the contact is not modelled.
+# - *A stiffness under preload.* Another program's K of the preloaded state, with its geometric stiffness, can be read and
+#   used like any other: :doc:`/how-to/other_programs`.
+#
+# Where there is no equilibrium
+# -----------------------------
+# A body that nothing supports is named:
 
 scene = ao.Scene(gravity=9.81)
 a = scene.add(ao.rigid(mass=1.0, name="lid"))

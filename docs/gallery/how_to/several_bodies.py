@@ -40,7 +40,7 @@ print("energy lost or gained by the solver, relative:", run.error.energy)
 # %%
 # ``run.plot_force()`` draws all contacts; ``run[ball]`` is one body.
 
-run.plot_force()
+ax = run.plot_force()
 
 # %%
 # A wave through a row of balls
@@ -57,11 +57,11 @@ for left, right in pairwise(balls):
     row.connect(left, right)
 run = row.simulate(duration=1.2e-3)
 
-_, ax = plt.subplots(layout="constrained")
+fig, ax = plt.subplots(layout="constrained")
 for i in (5, 15, 25, 35):
     ax.plot(1e6 * run.t, run.contacts[i].force)
     ax.annotate(f"{i} on {i + 1}", (1e6 * run.contacts[i].peak_time, 870), ha="center")
-ax.set(
+labels = ax.set(
     xlabel="time (µs)",
     ylabel="force (N)",
     ylim=(0, 950),

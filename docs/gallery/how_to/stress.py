@@ -3,7 +3,9 @@ Where is the stress largest?
 ============================
 
 The displacement, velocity and stress of every point of a body follow from the force, whatever model it was computed
-with. A reduced model has few shapes, which give the force but not yet the stress; what they leave out is corrected
+with.
+
+A reduced model has few shapes, which give the force but not yet the stress; what they leave out is corrected
 (:doc:`/theory/reduction`).
 """
 
@@ -57,14 +59,16 @@ ax.legend()
 
 field = hit.target.field()
 stress = field.stress()
-away = np.linalg.norm(plate.nodes - (0.05, 0.04, 0.006), axis=1) > 0.006  # not the dent itself
+away = (
+    np.linalg.norm(plate.nodes - (0.05, 0.04, 0.006), axis=1) > 0.006
+)  # not the indentation itself
 where = np.flatnonzero(away)[np.argmax(stress.von_mises[0, away])]
 print(f"largest, 6 mm and more from the contact: {stress.von_mises[0, where] / 1e6:.1f} MPa")
 print("at", np.round(1e3 * plate.nodes[where], 1), "mm; error of the field", field.error)
 
 # %%
 
-field.plot()
+ax = field.plot()
 
 # %%
 # ``stress("gauss")`` gives the stress at the Gauss points instead of averages at the nodes. The two differ most where
@@ -84,12 +88,13 @@ print(
 )
 
 # %%
-# A model that is right for the force need not be right for what comes afterwards; ``field.error`` says so, and what may
-# be wrong by 30 % warns. Then give ``quantity=ao.StressAt(plate, point, "xx")``: models are chosen for the stress itself.
+# A model that is right for the force need not be right for what comes afterwards; ``field.error`` estimates how far it
+# is off, and above 30 % a warning is given. Then give ``quantity=ao.StressAt(plate, point, "xx")``: models are chosen for the stress itself.
 # That takes many more oscillators than the force does.
 
 # %%
 # For ParaView
 # ------------
 
-hit.target.to_vtu("plate", times=[20e-6, 40e-6, 60e-6])  # plate.pvd lists them
+file = hit.target.to_vtu("plate", times=[20e-6, 40e-6, 60e-6])
+print(file, "lists them")

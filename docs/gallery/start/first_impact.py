@@ -10,15 +10,16 @@ Install the package from the folder of its source, and gmsh to make the mesh of 
     python3 -m venv .venv
     .venv/bin/pip install . gmsh
 
-All units are SI.
+Write what follows into a file, ``first.py``, in any folder, and run it by the Python of that environment,
+``.venv/bin/python first.py``. (If ``import gmsh`` misses ``libGLU.so.1``: :doc:`/install`.) All units are SI.
 """
 
 # %%
 # 1. A mesh
 # ---------
 # Any mesh of volume elements will do that meshio reads: gmsh, Abaqus, Nastran, VTK and others. Quadratic elements
-# (``tetra10``, ``hexahedron20``, ``hexahedron27``) are worth their price, since linear ones are far too stiff in
-# bending. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a *physical group*,
+# (``tetra10``, ``hexahedron20``, ``hexahedron27``, ``wedge15``, ``pyramid13``) are worth their price, since linear ones
+# are far too stiff in bending. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a *physical group*,
 # to be found again. Around the point that will be struck the elements are small.
 
 import gmsh
@@ -86,8 +87,8 @@ print(hit)
 # - *model*: the plate was reduced to few oscillators, as few as the force to 1 % allows;
 # - *time*: integration in time.
 #
-# The row *error* is that of the force at every moment of the record, at its worst. The models are chosen so that their part
-# of it is below 1 %.
+# The row *error* is the largest error of the force at any time in the record. The models are chosen so that their part of
+# it is below 1 %.
 #
 # The contact lasts some 0.1 ms and the ball loses most of its energy to the vibration of the plate: it comes back with
 # a fraction of its velocity, the *restitution*. Every number has its own error.
@@ -118,5 +119,7 @@ for velocity in (0.2, 0.5, 1.0):
 # ---------------------
 # - Where is the stress largest? :doc:`/how-to/stress`
 # - Is a rigid ball good enough? :doc:`/how-to/choosing_a_model`
-# - The matrices come from Abaqus, Ansys, Nastran or a script of mine: :doc:`/how-to/own_matrices`
+# - The matrices come from Abaqus, Ansys or Nastran: :doc:`/how-to/other_programs`; from a script of mine:
+#   :doc:`/how-to/own_matrices`
+# - Several materials, plies, added masses, springs: :doc:`/how-to/materials_masses_springs`
 # - The same from a file and the command line, without Python: :doc:`/scene-files`

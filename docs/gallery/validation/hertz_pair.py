@@ -10,6 +10,7 @@ m at the velocity V is δ = (5mV²/4k)^(2/5), their largest force k δ^(3/2), an
 formulas; the paper prints 999.9 N, for the slightly smaller mass of a faceted mesh.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 from scipy.special import beta
 
@@ -39,9 +40,19 @@ for velocity in (1e-4, 1e-2, 1.0, 5.0):
     assert abs(hit.peak_force / force - 1) < 1e-7
 
 # %%
+# The force at 1 m/s, between the lines of the closed form:
+
+ball = ao.ball(0.01, steel)
+hit = ao.simulate(projectile=ball, target=ball, law=law, velocity=1.0)
+force, duration = closed_form(1.0)
+_, ax = plt.subplots(layout="constrained")
+ax.plot([0, 1e6 * duration], [force, force], "--", color="0.4", label="largest force, closed form")
+ax.plot([1e6 * duration] * 2, [0, force], ":", color="0.4", label="duration, closed form")
+ax = hit.plot_force(ax, label="here")
+
+# %%
 # The tolerance is kept down to rounding:
 
-force, duration = closed_form(1.0)
 for rtol in (1e-3, 1e-6, 1e-9, 1e-12):
     hit = ao.simulate(
         projectile=ball, target=ball, law=law, velocity=1.0, solver=ao.Adaptive(rtol=rtol)

@@ -162,7 +162,7 @@ assert np.abs(show(membrane(4 * edge))).max() < 0.13
 
 # %%
 # Without the reflected wave the light ball's rebound is the same, and the heavy ball's comes to within 4 to 13 % of the
-# measured one. So the most of the difference is what the model lacks: losses in membrane and frame, and the air that
+# measured one. So most of the difference is what the model lacks: losses in membrane and frame, and the air that
 # moves with the membrane. They could be given as damping, but nothing is known of them here, and a value that is fitted
 # to the rebound would prove nothing. What remains cannot be told from these numbers. One candidate is the geometry: at
 # 1.2 mm deflection the membrane's slope at the edge of the contact is a third, where a linear membrane is no longer

@@ -2,7 +2,7 @@
 Speed against error
 ===================
 
-How long does a result take, and how wrong is it? The two belong together: a time without its error says nothing.
+How long does a result take, and how wrong is it? The two belong together: a time without its error means nothing.
 ``ao.work_precision`` measures both for any impact of two AO models, against a reference whose own uncertainty it states;
 ``aoimpact study`` does the same from the command line. The times are those of the machine that built this site.
 """
@@ -36,11 +36,11 @@ print(spheres)
 
 # %%
 
-spheres.plot()
+ax = spheres.plot()
 
 # %%
-# Ten digits of force cost `Adaptive` little more than three. A rule of second order pays ten times more for every two
-# digits.
+# Ten digits of force cost `Adaptive` about twice as much as three. A rule of second order costs ten times more for every
+# two digits.
 
 for error in (1e-4, 1e-6):
     ours, theirs = (spheres.fastest(name, error) for name in ("Adaptive", "SciPy DOP853"))
@@ -67,15 +67,19 @@ study = ao.work_precision(duration=20e-3, newmark=[2e-6, 1e-6, 3e-7], repeats=3,
 print(study)
 
 # %%
+
+ax = study.plot()
+
+# %%
 # Other programs
 # --------------
-# Measured by ``benchmarks/peers.py`` on the same beam, whole call, on two shared cores: SciPy's best (DOP853) 880 ms for an
-# error of 4e-7, CVODE from C (Adams) 240 ms for 1e-7, Exudyn (velocity Verlet) 200 ms for 7e-7; `Adaptive` with
-# ``rtol=1e-6`` 0.12 ms for 3e-9.
+# Measured before by ``benchmarks/adaptive.py --scene beam`` on the same beam, whole call, on two shared cores: SciPy's best
+# (DOP853) 1 s for an error of 4e-7, CVODE from C (Adams) 240 ms for 1e-7, Exudyn (velocity Verlet) 200 ms for 7e-7;
+# `Adaptive` with ``rtol=1e-6`` 0.12 ms for 3e-10 in peak force and rebound.
 #
 # Is the tolerance kept?
 # ----------------------
-# A hard case: a heavy ball that bounces on the ringing beam, several contacts, each of many turns of the force. The errors
+# A hard case: a heavy ball that bounces on the ringing beam, several contacts, each with many oscillations of the force. The errors
 # are those against its own tightest run.
 
 chatter = ao.work_precision(

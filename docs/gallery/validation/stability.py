@@ -11,6 +11,7 @@ import math
 import warnings
 from itertools import pairwise
 
+import matplotlib.pyplot as plt
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -136,16 +137,20 @@ for left, right in pairwise(balls):
 run = row.simulate(duration=40e-3, solver=ao.Adaptive(rtol=1e-6))
 forces = np.array([contact.peak_force for contact in run.contacts])
 reached = np.flatnonzero(forces)[-1]
+_, ax = plt.subplots(layout="constrained")
+ax.plot(forces[: 3 * reached // 4])
+labels = ax.set(xlabel="number of the contact", ylabel="peak force (N)")
 middle = forces[reached // 4 : 3 * reached // 4]
 print(
     f"{reached + 1} contacts, peak force over the middle half equal to {np.ptp(middle) / middle.mean():.0e}"
 )
-print(f"energy {run.error.energy:.0e}, error that is said {run.error.time:.0e}")
+print(f"energy {run.error.energy:.0e}, estimated error {run.error.time:.0e}")
 
 # %%
-# What cannot be done is said
-# ---------------------------
-# Chaos leaves no tolerance small enough: a ball between two that ring, touched again and again.
+# When the tolerance cannot be met
+# --------------------------------
+# Chaos leaves no tolerance small enough: a ball between two that ring, touched again and again. A warning says so, and
+# after how many contacts:
 
 scene = ao.Scene(gravity=9.81)
 low = scene.add(ao.AOModel(m0=0.01, k0=1e5, m=[0.05, 0.03], k=[3e5, 9e5]))
@@ -155,9 +160,9 @@ one, two = (
 )
 scene.connect(one, low, ao.Hertz(k=1e8), gap=1e-3)
 scene.connect(two, one, ao.Hertz(k=1e8), gap=1e-3)
-with warnings.catch_warnings(record=True) as said:
+with warnings.catch_warnings(record=True) as warned:
     warnings.simplefilter("always")
     run = scene.simulate(duration=1.0, solver=ao.Adaptive(rtol=1e-9))
-print(next(str(each.message) for each in said if "rtol" in str(each.message)))
+print(next(str(each.message) for each in warned if "rtol" in str(each.message)))
 touches = sum(len(contact.intervals) for contact in run.contacts)
-print(f"{touches} touches; error of the time integration: {run.error.time}")
+print(f"{touches} contacts of both pairs together; error of the time integration: {run.error.time}")

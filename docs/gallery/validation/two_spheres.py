@@ -3,7 +3,7 @@ Two elastic spheres, contact resolved
 =====================================
 
 *Source*: axisymmetric finite elements with unilateral contact, without any contact law, written for this comparison
-(``tests/resolved.py``): linear triangles that are fine at the contact, a lumped mass, central differences in time. It
+in ``tests/resolved.py``: linear triangles that are fine at the contact, a lumped mass, central differences in time. It
 shares nothing with the package. *In*: two steel spheres of 10 mm radius, 1 m/s (E = 210 GPa, ν = 0.3, 7800 kg/m³): those
 of E. Jacquelin's paper, which gives 811.5 N and 72 µs for its full finite-element model.
 """
@@ -32,23 +32,22 @@ force, duration = 1014.7, 59.41e-6
 # %%
 # Ours
 # ----
-# The call that leaves everything out, on three meshes: law, patch and models are chosen. The error that is said is the
-# sum of its parts.
+# The default call on three meshes: law, patch and models are chosen. The estimated error is the sum of its parts.
 
 steel = ao.Material(E=210e9, nu=0.3, rho=7800)
 hits = []
-print("nodes   peak (N)  error     said     duration (µs)  error")
+print("nodes   peak (N)  error     estimate duration (µs)  error")
 for size in (0.008, 0.005, 0.003):
     ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=0.01, size=size), steel)
     tip = ball.contact(point=(0.01, 0, 0))
     hit = ao.simulate(projectile=tip, target=tip, velocity=1.0)
-    said = sum(hit.error.parts("peak_force").values())
+    estimate = sum(hit.error.parts("peak_force").values())
     error = hit.peak_force / force - 1
     print(
-        f"{len(ball.nodes):5d}   {hit.peak_force:7.1f}  {100 * error:+5.2f} %   {100 * said:4.2f} %"
+        f"{len(ball.nodes):5d}   {hit.peak_force:7.1f}  {100 * error:+5.2f} %   {100 * estimate:4.2f} %"
         f"  {1e6 * hit.contact_duration:7.2f}        {100 * (hit.contact_duration / duration - 1):+5.2f} %"
     )
-    assert abs(error) < said + 5e-4
+    assert abs(error) < estimate + 5e-4
     hits.append(hit)
 
 # %%

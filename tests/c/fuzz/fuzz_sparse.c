@@ -118,11 +118,14 @@ static void of_blocks(input *in)
     matrix.indices = take_indices(in, stored, n);
     matrix.values = take_floats(in, size * size * stored);
     matrix.inverse = take_floats(in, size * size * n);
+    double *values = take_room_of(in, size * size * stored), *exact = take_doubles(in, n * size);
+    double *product = take_room_of(in, n * size);
     float *x = take_floats(in, n * size), *r = take_floats(in, n * size), *work = take_floats(in, 2 * n * size);
     if (aoi_blocks_check(&matrix, stored) != AOI_OK) {
         return;
     }
     const double low = take_byte(in) % 8 ? 0.1 : take_any(in), high = take_byte(in) % 8 ? 2.0 : take_any(in);
+    aoi_blocks_multiply(&matrix, values, exact, product);
     aoi_blocks_subtract(&matrix, x, r);
     (void)aoi_blocks_smooth(&matrix, take_below(in, 5), low, high, take_byte(in) & 1, x, r, work);
 }
