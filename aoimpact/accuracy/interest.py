@@ -9,7 +9,14 @@ from ..base import FloatArray, InputError, choice, warn
 from ..fem import ContactPoint
 from ..reduction import BodyModel, FullModel
 from ..results import Handle, Run
-from .quantities import IMPACT_CHOICES, QUANTITIES, SCENE_CHOICES, Quantity, recorded
+from .quantities import (
+    IMPACT_CHOICES,
+    QUANTITIES,
+    SCENE_CHOICES,
+    SCENE_QUANTITIES,
+    Quantity,
+    recorded,
+)
 from .stressat import StressAt, stress_quantity
 
 __all__ = ["impact_quantity", "scene_quantity"]
@@ -68,7 +75,8 @@ def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
             several="several of the scene's bodies",
             contact="for a contact's own displacement give its handle",
         )
-    return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, SCENE_CHOICES)]
+    name = _SHORT.get(quantity, quantity) if isinstance(quantity, str) else quantity
+    return SCENE_QUANTITIES[choice("quantity", _DEFAULT if name is None else name, SCENE_CHOICES)]
 
 
 def _of_point(

@@ -114,16 +114,18 @@ class LeftOutFinder:
     ) -> tuple[float, Mapping[str, float]]:
         """By how much the quantity and each number change."""
         exact = self.view(run)
+        names = [*number_errors(exact, [exact]), *(() if quantity.is_history else (quantity.name,))]
         if altered.plan is None:
-            return 0.0, dict.fromkeys(number_errors(exact, [exact]), 0.0)
+            return 0.0, dict.fromkeys(names, 0.0)
         try:
             with held_warnings():
                 other = self.view(solve(altered.plan, self.solver))
         except AOImpactError:  # a contact that grows beyond what its law stands for
-            return math.inf, dict.fromkeys(number_errors(exact, [exact]), math.inf)
+            return math.inf, dict.fromkeys(names, math.inf)
         change = altered.scale * quantity.difference(exact, other)  # type: ignore[type-var]
         numbers = number_errors(exact, [other])
-        return change, {name: altered.scale * error for name, error in numbers.items()}
+        errors = {name: altered.scale * error for name, error in numbers.items()}
+        return change, {name: errors.get(name, change) for name in names}
 
 
 def _with_models(run: Run) -> Run:

@@ -22,6 +22,7 @@ __all__ = [
     "IMPACT_CHOICES",
     "QUANTITIES",
     "SCENE_CHOICES",
+    "SCENE_QUANTITIES",
     "Quantity",
     "R",
     "number_errors",
@@ -70,7 +71,7 @@ class Quantity:
     compared : callable, optional
         Stands for `number` where two runs are compared, if that may be NaN.
     least : callable, optional
-        Of the more exact `Result`: errors are relative to no less than this.
+        Of the more exact `Result` (with `of_scene` `Run`): errors are relative to no less.
     of_contacts : bool
         Whether each contact of a scene has it, or only an impact of two bodies.
     selectable : bool
@@ -79,6 +80,8 @@ class Quantity:
         Whether a sweep keeps it if it is not told what to keep.
     lasting : bool
         Whether the motion after the last contact is part of it.
+    of_scene : callable, optional
+        Of a `Run`: numbers of all of it, shape (any,), in place of those of its contacts.
     local : callable, optional
         Of a `Run`: what the elements leave out of it where it is taken, relative, though the force
         be right.
@@ -94,6 +97,7 @@ class Quantity:
     selectable: bool = True
     column: bool = False
     lasting: bool = False
+    of_scene: Callable[[Run], FloatArray] | None = None
     local: Callable[[Run], float] | None = None
 
     @property
@@ -116,9 +120,7 @@ class Quantity:
             ours, theirs = (self.history(_run_of(one), exact.t) for one in (run, exact))
             size = np.abs(theirs).max(axis=1)
         else:
-            ours, theirs = (
-                np.array([self._compared(part) for part in _parts(one)]) for one in (run, exact)
-            )
+            ours, theirs = self._values(run), self._values(exact)
             size = np.abs(theirs)
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
         if self.least is not None:
@@ -158,6 +160,11 @@ class Quantity:
             if of.contacts and of.peak_force >= _LEAST_CONTACT * hardest
         ]
         return min((time for time in lasting if time > 0.0), default=None)
+
+    def _values(self, run: Result | Run) -> FloatArray:
+        if self.of_scene is not None:
+            return self.of_scene(_run_of(run))
+        return np.array([self._compared(part) for part in _parts(run)])
 
     def _compared(self, of: Any) -> float:
         read = self.compared or self.number
@@ -276,11 +283,50 @@ _ALL = (
     ),
 )
 
+
+def _rebounds(run: Run) -> FloatArray:
+    """Of all bodies that nothing holds, or of all, m/s."""
+    free = [i for i, body in enumerate(run.plan.bodies) if not body.fixed]
+    return run.parting[free] if free else run.parting
+
+
+def _restitution(run: Run) -> FloatArray:
+    """Of the only contact: how fast its bodies part over how fast they came."""
+    ends = run.plan.contacts[0].ports
+    came, part = (
+        sum(sign * speeds[body] for sign, (body, _) in zip((1.0, -1.0), ends, strict=True))
+        for speeds in (
+            run.plan.velocities,
+            [
+                0.0 if body.fixed else v
+                for body, v in zip(run.plan.bodies, run.parting, strict=True)
+            ],
+        )
+    )
+    return np.array([-part / came])
+
+
+# What an impact has as well, but not each contact of a scene.
+_OF_SCENES = (
+    Quantity(
+        "rebound_velocity",
+        "m/s",
+        of_scene=_rebounds,
+        least=lambda run: _LEAST_REBOUND * max(map(abs, run.plan.velocities)),
+    ),
+    Quantity("restitution", "", of_scene=_restitution, least=lambda _: _LEAST_REBOUND),
+)
+
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
 
 # What ``quantity=`` may be in an impact and in a scene, and what a sweep keeps by default.
 IMPACT_CHOICES = tuple(one.name for one in _ALL if one.selectable)
-SCENE_CHOICES = tuple(one.name for one in _ALL if one.selectable and one.of_contacts)
+SCENE_QUANTITIES = {
+    one.name: one
+    for one in (*_ALL, *_OF_SCENES)
+    if one.selectable and (one.of_contacts or one.of_scene)
+}
+SCENE_CHOICES = tuple(SCENE_QUANTITIES)
 COLUMNS = tuple(one.name for one in _ALL if one.column)
 
 

@@ -282,11 +282,12 @@ class Scene:
         quantity : str, Handle, ContactPoint or StressAt, optional
             The quantity of interest: "force" (of every contact over the record), "peak_force",
             "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
-            every contact), a handle, for the displacement of that contact coordinate over the
-            record, or a point of a body, for its displacement over the record. Contact points are
-            reduced as far as the tolerance allows, and AO models truncated if this or `rtol` is
-            given; `Run.models` are those taken. A body that was added twice is reduced
-            once.
+            every contact), "rebound_velocity" (after the last contact, of every body that nothing
+            holds: `Run.parting`), "restitution" (of a scene of one contact), a handle, for the
+            displacement of that contact coordinate over the record, or a point of a body, for its
+            displacement over the record. Contact points are reduced as far as the tolerance allows,
+            and AO models truncated if this or `rtol` is given; `Run.models` are those taken. A body
+            that was added twice is reduced once.
         rtol : float, optional
             Its relative error, 1e-2 if left out; that of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
@@ -462,12 +463,25 @@ class Scene:
             moved = [i for i, body in enumerate(bodies) if isinstance(body, FullModel)]
             quantity = Handle(moved[0], scene=self._mark.name) if moved else None
         interest = scene_quantity(quantity, bodies)
+        if interest.name == "restitution":
+            self._refuse_restitution()
         if interest.of_contacts and not self._contacts:
             raise InputError(
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
                 "the handle of a body for its displacement"
             )
         return interest
+
+    def _refuse_restitution(self) -> None:
+        """A restitution is of two bodies that come towards each other."""
+        speeds = {self._velocities[body] for contact in self._contacts for body, _ in contact.ports}
+        if len(self._contacts) != 1 or len(speeds) != 2:
+            count = f"{len(self._contacts)} contacts"
+            raise InputError(
+                'quantity="restitution" is of one contact between two bodies that come with '
+                f"velocities, and the scene has {count if len(self._contacts) != 1 else 'none'}; "
+                'give "rebound_velocity", that of every body'
+            )
 
     def _refuse_overlap(self) -> None:
         for number, contact in enumerate(self._contacts):

@@ -13,7 +13,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray
@@ -209,14 +208,9 @@ class Result(Eventful):
     def parting(self) -> tuple[float, float]:
         """Mean velocities of projectile and target, to compare runs by [m/s].
 
-        Those of `Run.mean_velocities` at the end of the last contact, or of the record.
+        Those of `Run.parting`.
         """
-        end = self.events.contacts[-1][1] if self.events.contacts else self.run.duration
-        if self.run.recorder.dense:
-            run, at = self.run.at([min(end, self.run.duration)]), 0
-        else:
-            run, at = self.run, min(int(np.searchsorted(self.t, end)), len(self.t) - 1)
-        ours, theirs = run.mean_velocities[:, at]
+        ours, theirs = self.run.parting
         return float(ours), float(theirs)
 
     # ---------------------------------------------------------------------- output

@@ -290,6 +290,15 @@ class Run:
         """
         return self._layout.centre_velocities(self._rows)
 
+    @property
+    def parting(self) -> FloatArray:
+        """`mean_velocities` at the end of the last contact, or of the record, shape (bodies,)."""
+        ends = [events.contacts[-1][1] for events in self.events if events.contacts]
+        end = max(ends, default=self.duration)
+        if self.recorder.dense:
+            return self.at([min(end, self.duration)]).mean_velocities[:, 0]
+        return self.mean_velocities[:, min(int(np.searchsorted(self.t, end)), len(self.t) - 1)]
+
     @cached_property
     def contacts(self) -> tuple[ContactResult, ...]:
         """The contacts, in the order of `connect`."""

@@ -1,5 +1,6 @@
 """Scenes whose models are chosen for a quantity of interest: the true error is within rtol."""
 
+import itertools
 import math
 from functools import cache
 
@@ -178,7 +179,7 @@ def test_what_is_there_twice_is_reduced_alike():
     ("options", "message"),
     [
         ({"quantity": "forse"}, "did you mean 'force'"),
-        ({"quantity": "rebound"}, "quantity must be one of 'force'"),
+        ({"quantity": "target_displacement"}, "quantity must be one of 'force'"),
         ({"quantity": 3.0}, "quantity"),
         ({"rtol": 2.0}, "rtol must be from 1e-08 to below 1"),
         ({"rtol": 1e-2, "solver": "fast"}, "solver must be Adaptive"),
@@ -218,3 +219,44 @@ def test_several_places_are_on_one_body():
             velocity=1.0,
             duration=1e-3,
         )
+
+
+def free_plate():
+    mesh = box_mesh((0.1, 0.1, 0.004), (8, 8, 1), kind="hexahedron20")
+    plate = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.33, rho=2700))
+    return plate.contact(point=(0.05, 0.05, 0.004))
+
+
+@pytest.mark.parametrize("name", ["rebound_velocity", "restitution"])
+def test_a_scene_of_two_has_what_an_impact_has(name):
+    """The same models and errors; seen from a train, the same restitution (Galilei)."""
+    tip, ball = free_plate(), ao.ball(0.01, STEEL)
+    hit = ao.simulate(projectile=ball, target=tip, velocity=1.0, quantity=name)
+    for train in (0.0, 0.5) if name == "restitution" else (0.0,):
+        scene = ao.Scene()
+        moving, struck = scene.add(ball, velocity=1.0 + train), scene.add(tip, velocity=train)
+        scene.connect(moving, struck)
+        run = scene.simulate(quantity=name)
+        assert run.models[1].n == hit.models[1].n
+        ours, theirs = run.parting - train
+        assert theirs - ours == pytest.approx(hit.restitution, rel=1e-3)
+        assert run.error.reduction <= 1e-2
+        assert run.error.of(name) == pytest.approx(run.error.total)
+        assert run.error.total == pytest.approx(hit.error.total, rel=0.5)
+
+
+def test_restitution_is_of_one_contact_and_rebounds_are_of_every_body():
+    """Newton's cradle of equal balls under a linear law in turn: the last takes all the speed."""
+    scene = ao.Scene()
+    balls = [scene.add(ao.rigid(mass=1.0), velocity=v) for v in (1.0, 0.0, 0.0)]
+    for one, other in itertools.pairwise(balls):
+        scene.connect(one, other, ao.Linear(k=1e8), gap=1e-3)
+    run = scene.simulate(quantity="rebound_velocity")
+    np.testing.assert_allclose(run.parting, [0.0, 0.0, 1.0], atol=1e-4)
+    with pytest.raises(ao.InputError, match=r'has 2 contacts; give "rebound_velocity"'):
+        scene.simulate(quantity="restitution")
+    still = ao.Scene(gravity=9.81)
+    floor = still.add(ao.rigid(mass=math.inf))
+    still.connect(still.add(ao.rigid(mass=1.0)), floor, ao.Linear(k=1e8), gap=1e-3)
+    with pytest.raises(ao.InputError, match="come with velocities"):
+        still.simulate(quantity="restitution")
