@@ -97,7 +97,7 @@ def test_on_a_ball_the_centre_lies_on_the_normal_by_the_mean_sagitta(size: float
 
 
 def test_at_a_pole_the_disc_settles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the normal's smallest component is rounding, and another at each turn of the disc."""
+    """Where the normal's smallest component is rounding, and points of the disc lie on edges."""
     discs, pierced = [], Surface.pierced
 
     def counted(self: Surface, *args: Any, **options: Any) -> Any:
@@ -107,8 +107,11 @@ def test_at_a_pole_the_disc_settles(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Surface, "pierced", counted)
     surface = boundary(sphere_mesh(0.01, 0.008))
     here = surface.nearest(np.array([0.0, 0.0, -0.01]))[0]
-    spread(surface, here.x[0], surface.normal(here.face, here.uv)[0], 0.0045)
-    assert len(discs) < 6
+    for first in (surface.normal(here.face, here.uv)[0], -UP):
+        found = spread(surface, here.x[0], first, 0.0045)
+        assert -UP @ found.normal == pytest.approx(1.0, abs=1e-10)
+        assert len(discs) < 6
+        discs.clear()
 
 
 def test_half_space_s_part_is_the_mean_of_the_surface_under_the_pressure() -> None:
