@@ -12,6 +12,7 @@ import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import pytest
 
 import aoimpact as ao
@@ -80,5 +81,6 @@ def test_examples_say_what_comes_out(name: str) -> None:
     module = importlib.import_module(name)
     public = {each: getattr(ao, each) for each in dir(ao) if not each.startswith("__")} | {"ao": ao}
     done = doctest.testmod(module, extraglobs=public | vars(module))
+    plt.close("all")
     assert done.attempted > 0
     assert done.failed == 0
