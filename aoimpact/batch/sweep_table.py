@@ -189,6 +189,7 @@ class SweepTable(Frozen):
         ax.set_xlabel(label(along.replace("_", " "), _PARAMETERS.get(along, "")))
         ax.set_ylabel(label(name.replace("_", " "), scale.unit))
         ax.grid(True, alpha=0.3)
+        ax.margins(x=0.02)  # markers at both ends
         if 1 < len(lines) <= _MOST_LINES:
             legend(ax)
         return ax

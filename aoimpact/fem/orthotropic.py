@@ -101,8 +101,9 @@ class Orthotropic:
                 f"below {math.sqrt(e2 / e3):.3g}, and all three smaller together (νij belongs to a "
                 "stress along i; was νji meant?)"
             )
-        for i, value in enumerate(self.E):
-            warn_of_units("E", value, f"E[{i}]")
+        for name in ("E", "G"):
+            for i, value in enumerate(getattr(self, name)):
+                warn_of_units(name, value, f"{name}[{i}]")
         warn_of_units("rho", self.rho)
 
     @property

@@ -423,7 +423,7 @@ def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
 def _shorter_than(raw: Signal, cfc: float) -> float | None:
     """How long the force acts, s, if that is less than half a period of the class's frequency."""
     acts = raw.t[raw.values > _BEGINS * float(raw.values.max())]
-    longest = float(acts[-1] - acts[0])
+    longest = float(np.ptp(acts)) if len(acts) else 0.0
     return longest if 0.0 < longest < 0.5 / cfc else None
 
 
@@ -457,6 +457,8 @@ def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, f
             f"the force is never positive (its least is {force.values.min():g} N): compression "
             "must count as positive; change the sign"
         )
+    if signal.values.max() <= 0.0:
+        raise InputError("cfc: this class leaves nothing of the force; take a higher one")
     first = int(np.argmax(force.values > _BEGINS * peak))
     last = int(np.flatnonzero(signal.values > _BEGINS * signal.values.max())[-1])
     if begin is None:

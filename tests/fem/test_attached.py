@@ -14,7 +14,7 @@ from bodies import rigid_motions
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 import aoimpact as ao
-from aoimpact.base.errors import InputError, InputTypeError
+from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError
 from aoimpact.fem import static_mode
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -218,3 +218,20 @@ def test_an_inertia_is_that_of_a_body(inertia: Any, said: str) -> None:
     with pytest.raises(InputError, match=said):
         ao.RigidMass("a", 1.0, inertia=inertia)
     assert ao.RigidMass("a", 1.0, inertia=np.zeros(3)).mass == 1.0
+
+
+@pytest.mark.parametrize(
+    ("mount", "words"),
+    [
+        (ao.RigidMass("xmax", 5.0, centre=(100.0, 0.0, 0.0)), "its centre is 100 m from a body of"),
+        (ao.RigidMass("xmax", 5.0, inertia=(1e4, 1e4, 1e4)), "its inertia reaches 77.5 m beyond"),
+    ],
+)
+def test_a_rigid_mass_in_millimetres_is_said(mount: ao.RigidMass, words: str) -> None:
+    with pytest.warns(AOImpactWarning, match=words):
+        ao.FEModel.from_mesh(BLOCK, STEEL, masses=[mount])
+
+
+def test_a_mass_on_constrained_nodes_is_said() -> None:
+    with pytest.warns(AOImpactWarning, match=r"masses\[0\]: 6 of the 6 nodes .* do not move"):
+        ao.FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")], masses=[("xmin", 5.0)])

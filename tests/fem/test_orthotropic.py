@@ -231,3 +231,5 @@ def test_constants_of_no_solid_are_refused(wrong: Any, said: str) -> None:
 def test_values_in_other_units_are_said() -> None:
     with pytest.warns(AOImpactWarning, match=r"E\[0\]=135 Pa is that of no solid.*give 1.35e\+11"):
         ao.Orthotropic((135.0, 9e9, 9e9), PLY.G, (0.0, 0.0, 0.0), PLY.rho)
+    with pytest.warns(AOImpactWarning, match=r"G\[1\]=5000 Pa is that of no solid.*give 5e\+09"):
+        ao.Orthotropic(PLY.E, (5e9, 5e3, 3.2e9), PLY.nu, PLY.rho)
