@@ -423,9 +423,9 @@ class AOModel(Frozen):
         """Return the model as JSON, and write it where a path is given.
 
         The model is four things: the contact mass m0 (kg) on a ground spring k0 (N/m), and on it,
-        each by a spring k_i, the masses m_i. That is all that another program needs: n + 1 point masses
-        that move along one line, n + 1 springs, and the contact's law at the first. Numbers have
-        all their digits.
+        each by a spring k_i, the masses m_i. That is all that another program needs: n + 1 point
+        masses that move along one line, n + 1 springs, and the contact's law at the first. Numbers
+        have all their digits.
 
         Parameters
         ----------
