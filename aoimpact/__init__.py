@@ -34,8 +34,9 @@ What a test rig measures
 Which model, which solver
     compare, Comparison, work_precision, WorkPrecision
 Errors
-    AOImpactError and InputError, InputTypeError, MeshError, SceneFileError, SingularError,
-    ConvergenceError, MemoryLimitError, MissingPackageError, WorkerError; AOImpactWarning
+    AOImpactError and InputError, InputTypeError, MeshError, MissingFileError, SceneFileError,
+    SingularError, ConvergenceError, MemoryLimitError, MissingPackageError, WorkerError;
+    AOImpactWarning
 
 On the command line: ``aoimpact run file.toml``, ``compare``, ``study``, ``paper``; ``--help`` has
 more. The documentation is a site: ``sphinx-build docs site``.

@@ -6,6 +6,7 @@ from .base import InputError as InputError
 from .base import InputTypeError as InputTypeError
 from .base import MemoryLimitError as MemoryLimitError
 from .base import MeshError as MeshError
+from .base import MissingFileError as MissingFileError
 from .base import MissingPackageError as MissingPackageError
 from .base import SceneFileError as SceneFileError
 from .base import SingularError as SingularError

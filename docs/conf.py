@@ -24,9 +24,9 @@ extensions = [
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.mathjax",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "mathml",
 ]
 exclude_patterns = ["_build", "gallery", "README.md"]
 templates_path = ["_templates"]
@@ -38,6 +38,7 @@ html_title = f"aoimpact {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
+html_math_renderer = "mathml"
 html_theme_options = {"navigation_with_keys": True}
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]

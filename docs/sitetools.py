@@ -32,8 +32,12 @@ def figures(block: Any, variables: Any, conf: Any, **kwargs: Any) -> str:
 
 
 def _told(figure: Any) -> str:
-    drawn = [f"{ax.get_ylabel()} over {ax.get_xlabel()}" for ax in figure.axes if ax.get_xlabel()]
-    return " ".join("; ".join(dict.fromkeys(drawn)).split())
+    drawn = []
+    for ax in figure.axes:
+        across = "" if hasattr(ax, "get_zlabel") else ax.get_xlabel()
+        up = ax.get_title() if hasattr(ax, "get_zlabel") else ax.get_ylabel()
+        drawn.append(f"{up} over {across}" if up and across else up)
+    return " ".join("; ".join(dict.fromkeys(filter(None, drawn))).split())
 
 
 def parameter(app: Any, env: Any, node: Any, text: Any) -> Any:

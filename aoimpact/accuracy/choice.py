@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from ..base import ConvergenceError, InputError, held_warnings, positive
+from ..base import ConvergenceError, InputError, held_warnings, positive, warn
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
 from ..results import Chosen, Result, Run
@@ -137,7 +137,10 @@ def choose_models(
         solver=linear_solver,
         known=known,
         anew=None if record.given else record.reopen,
+        best=not asked,
     )
+    if found.error > tolerance:
+        _warn_of_the_best(found, quantity, tolerance)
     numbers = number_errors(found.run, found.larger, found.safety) | (
         {quantity.name: found.error} if not quantity.is_history else {}
     )
@@ -149,6 +152,23 @@ def choose_models(
     meshed = any(getattr(body, "given", body).contact_points for body in bodies)
     left_out = LeftOutFinder(interest, rule, view, law_errors, meshed, _deforming(run, found))
     return view(replace(run, chosen=chosen, left_out=left_out))
+
+
+def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:
+    """Say what the largest models leave open, and why."""
+    run = found.run.run if isinstance(found.run, Result) else found.run
+    count = max(len(events.contacts) for events in run.events)
+    why = (
+        f"of its {count} contacts each begins from the motion that those before have left, so that "
+        "errors grow from one to the next; give the duration= of the first ones"
+        if count > 1
+        else "the waves of a short contact take more of them; choose a shorter duration="
+    )
+    warn(
+        f"{quantity.name}: its error from the models is {found.error:.2g}, and not the "
+        f"{tolerance:.2g} that is aimed at, with {max(found.orders)} anti-oscillators: {why}, "
+        "a quantity= that sums up (peak_force, impulse), or rtol= as large as you allow"
+    )
 
 
 def _deforming(run: Run, found: Orders) -> Run | None:

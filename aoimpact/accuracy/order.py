@@ -108,6 +108,7 @@ def least_orders(
     solver: Solver = "auto",
     known: dict[Any, LinearSolver] | None = None,
     anew: Callable[[], None] | None = None,
+    best: bool = False,
 ) -> Orders:
     """Return small orders of bodies that give a quantity to `rtol` of the whole bodies.
 
@@ -127,6 +128,9 @@ def least_orders(
     anew : callable, optional
         Called before larger models are tried: what they find of the scene, such as when it is over,
         holds for all that are compared with them.
+    best : bool, optional
+        Whether, where no models tried meet the tolerance, those of the least error are returned,
+        if it is below 1.
 
     Raises
     ------
@@ -143,7 +147,7 @@ def least_orders(
             for body in dict.fromkeys(bodies)
         }
         places = tuple(list(made).index(body) for body in bodies)
-        search = _Search(tuple(made.values()), places, run, quantity, rtol, anew)
+        search = _Search(tuple(made.values()), places, run, quantity, rtol, anew, best=best)
         seen = (_scales(quantity, larger, scales) for larger in search.grow())
         misfit = next((one for one in seen if fits < _MOST_FITS and not scales.suit(one)), None)
         if misfit is None:
@@ -186,7 +190,7 @@ class _Search(Generic[R]):
         All different; `orders` below are theirs.
     places : tuple of int
         For each body which of them is its own.
-    run, quantity, rtol, anew
+    run, quantity, rtol, anew, best
         As of `least_orders`.
     """
 
@@ -198,8 +202,10 @@ class _Search(Generic[R]):
         quantity: Quantity,
         rtol: float,
         anew: Callable[[], None] | None = None,
+        *,
+        best: bool = False,
     ) -> None:
-        self.hierarchies, self.places = hierarchies, places
+        self.hierarchies, self.places, self.best = hierarchies, places, best
         self.anew = anew
         self.run: Callable[[Models], R] = run
         self.quantity, self.rtol = quantity, rtol
@@ -224,6 +230,12 @@ class _Search(Generic[R]):
             if too_wide >= _TOO_WIDE:
                 raise self.failures[largest]
             if max(self.orders) > _MOST_ORDER or self._at_most(self.orders) == largest:
+                error = max(
+                    self._safety() * self._difference(self.orders, o) for o in self._larger()
+                )
+                if self.best and error < 1.0:
+                    self.rtol = error
+                    return
                 raise self.failures.get(largest) or self._no_convergence(error)
             self.orders = self._enlarged(largest)
 

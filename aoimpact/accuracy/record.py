@@ -79,7 +79,7 @@ class Record:
         if self._cut:
             warn(
                 f"duration: it was left out, and after {quantity(self.length, 's')} the impact is "
-                "not over: what is said of it is until then; give duration="
+                "not over: its numbers are those until then; give duration="
             )
 
 

@@ -1,7 +1,7 @@
 """The fast path for plain impacts: one call of the core makes many and returns only their numbers.
 
 An impact is plain if both bodies are AO models, it is integrated to a tolerance, and the bodies
-touch once and have parted before the record ends, with nothing to be said of it. All others go to
+touch once and have parted before the record ends, without a warning. All others go to
 `simulate`, which gives plain ones the same numbers, bit for bit. Measured per impact, against
 `simulate`: 16 against 128 µs for two rigid bodies, 91 against 229 µs for two of one oscillator
 each.
@@ -76,7 +76,7 @@ class _Pair:
         Durations of the contact, s, between which the models are valid without a further check.
     models : tuple
     least_said : tuple of float
-        Force, N, and velocity, m/s, up to which nothing has to be said.
+        Force, N, and velocity, m/s, up to which no warning is due.
     """
 
     places: tuple[int, int, int]
@@ -223,7 +223,7 @@ def _once_and_parted(given: FloatArray, returned: FloatArray) -> Any:
 
 
 def _plausible(given: FloatArray, returned: FloatArray, pairs: Sequence[_Pair]) -> Any:
-    """Whether nothing has to be said of force and speed, shape (cases,)."""
+    """Whether force and speed need no warning, shape (cases,)."""
     force, speed = np.array([pair.least_said for pair in pairs]).T
     return (returned[:, _PEAK_FORCE] <= force) & (given[:, 0] <= speed)
 

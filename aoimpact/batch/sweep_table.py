@@ -117,6 +117,13 @@ class SweepTable(Frozen):
         ------
         MissingPackageError
             If pandas is not installed.
+
+        Examples
+        --------
+        >>> case = {"projectile": ao.rigid(mass=0.1), "target": ao.rigid(mass=0.1)}
+        >>> case |= {"law": ao.Hertz(k=1e9), "duration": 1e-3}
+        >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
+        >>> frame = table.to_dataframe()  # with pandas
         """
         otherwise = "take .data, a structured array, or .to_csv(path)"
         pandas = optional_package("pandas", "to_dataframe", otherwise)
@@ -126,7 +133,17 @@ class SweepTable(Frozen):
         return pandas.DataFrame(columns)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write all columns, numbers so that they read back bit for bit, and "error" at the end."""
+        """Write all columns, numbers so that they read back bit for bit, and "error" at the end.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> case = {"projectile": ao.rigid(mass=0.1), "target": ao.rigid(mass=0.1)}
+        >>> case |= {"law": ao.Hertz(k=1e9), "duration": 1e-3}
+        >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
+        >>> table.to_csv(folder / "sweep.csv")
+        """
         with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow([*map(_heading, self.columns), *(["error"] if self.errors else [])])
@@ -152,6 +169,13 @@ class SweepTable(Frozen):
         Returns
         -------
         Axes
+
+        Examples
+        --------
+        >>> case = {"projectile": ao.rigid(mass=0.1), "target": ao.rigid(mass=0.1)}
+        >>> case |= {"law": ao.Hertz(k=1e9), "duration": 1e-3}
+        >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
+        >>> ax = table.plot()
         """
         along = self._along(x)
         name = self.quantities[0] if y is None else choice("y", y, self.quantities)
@@ -165,6 +189,7 @@ class SweepTable(Frozen):
         ax.set_xlabel(label(along.replace("_", " "), _PARAMETERS.get(along, "")))
         ax.set_ylabel(label(name.replace("_", " "), scale.unit))
         ax.grid(True, alpha=0.3)
+        ax.margins(x=0.02)  # markers at both ends
         if 1 < len(lines) <= _MOST_LINES:
             legend(ax)
         return ax

@@ -164,7 +164,7 @@ def _next_size(size: int, seconds: float, target: float) -> int:
 
 
 def _width(executor: Any) -> int:
-    """How many workers an executor has; the number of cores where it does not say."""
+    """How many workers an executor has; the number of cores where it is not known."""
     for name in ("num_workers", "_max_workers"):
         if isinstance(number := getattr(executor, name, None), int) and number > 0:
             return number

@@ -40,7 +40,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="aoimpact",
         description="Low-velocity impact on structures by anti-oscillator models.",
-        epilog="aoimpact <command> --help says more about each command.",
+        epilog="aoimpact <command> --help describes each command.",
     )
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="<command>", required=True)
@@ -143,7 +143,7 @@ def _add_run(commands: Commands) -> None:
     )
     command.add_argument("--json", action="store_true", help="print JSON, for machines")
     command.add_argument(
-        "--workers", type=int, metavar="N", help="threads of a sweep (default: what the file says)"
+        "--workers", type=int, metavar="N", help="threads of a sweep (default: as in the file)"
     )
     command.add_argument(
         "--checkpoint",

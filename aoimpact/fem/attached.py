@@ -19,6 +19,7 @@ from ..base import (
     finite_array,
     place,
     positive,
+    warn,
 )
 from ..mesh import motions_at
 from .supports import Selector, components, selected_nodes
@@ -30,6 +31,9 @@ _UNKNOWN = 1e-5
 
 # The mass of a rigid attachment couples all of its nodes: a matrix of (3 · nodes)².
 _MOST_NODES = 500
+
+# Sizes of the body beyond which a rigid mass is told in millimetres.
+_FAR = 50.0
 
 # Entries of an inertia that are rounding, relative.
 _ROUNDING = 1e-9
@@ -85,7 +89,10 @@ SpringSupport = tuple[Selector, str, float]
 
 
 def added_mass(
-    nodes: FloatArray, masses: Sequence[Mounted] | None, node_sets: Mapping[str, IntArray]
+    nodes: FloatArray,
+    masses: Sequence[Mounted] | None,
+    node_sets: Mapping[str, IntArray],
+    free: IntArray,
 ) -> sp.csr_array | None:
     """Return what is added to M over all dofs, shape (3 n_nodes, 3 n_nodes); None for nothing.
 
@@ -96,6 +103,8 @@ def added_mass(
     masses : sequence of (nodes, kg) or RigidMass
         A mass is shared equally by its nodes, in all three directions.
     node_sets : mapping of str to array of int
+    free : ndarray of int
+        The dofs that no support holds.
 
     Raises
     ------
@@ -115,6 +124,13 @@ def added_mass(
             share[ids] = positive(f"{name}: the mass", mass, unit="kg") / len(ids)
             one = sp.diags_array(share.reshape(-1), format="csr")
             one.eliminate_zeros()
+        on = np.unique(np.flatnonzero(one.diagonal()) // 3)
+        held = len(on) - np.count_nonzero(np.isin(on, free // 3))
+        if held:
+            warn(
+                f"{name}: {held} of the {len(on)} nodes that carry it are constrained by fixed, "
+                "and their shares do not move; take other nodes, or release these"
+            )
         added = one if added is None else added + one
     return added
 
@@ -151,11 +167,29 @@ def _rigid(
             "it, which has inertia there; give nodes spread over the seat, or leave centre and "
             "inertia out"
         )
+    _warn_of_millimetres(name, mount.mass, nodes, centre, inertia)
     block = fit.T @ weights @ fit
     dofs = (3 * ids[:, None] + np.arange(3)).reshape(-1)
     row, column = np.repeat(dofs, len(dofs)), np.tile(dofs, len(dofs))
     entries = (0.5 * (block + block.T)).reshape(-1)
     return sp.csr_array((entries, (row, column)), shape=(nodes.size, nodes.size))
+
+
+def _warn_of_millimetres(
+    name: str, mass: float, nodes: FloatArray, centre: FloatArray, inertia: FloatArray
+) -> None:
+    """Warn of a rigid mass that is as far off, or as large, as only other units make it."""
+    middle, size = nodes.mean(axis=0), float(np.ptp(nodes, axis=0).max())
+    off, radius = float(np.linalg.norm(centre - middle)), float(np.sqrt(np.trace(inertia) / mass))
+    for what, value in (
+        (f"centre is {off:.3g} m from", off),
+        (f"inertia reaches {radius:.3g} m beyond", radius),
+    ):
+        if value > _FAR * size > 0.0:
+            warn(
+                f"{name}: its {what} a body of {size:.3g} m: centre is in m, inertia in kg m² "
+                "(1 kg mm² is 1e-6)"
+            )
 
 
 def spring_stiffness(

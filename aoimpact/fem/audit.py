@@ -51,7 +51,7 @@ class Audit:
     extent : ndarray, shape (3,), or None
         Of the coordinates, m.
     density : float or None
-        Mass over the volume of the box around the nodes, kg/m³; of a body that is held, about, from
+        Mass over the volume of the box around the nodes, kg/m³; of a constrained body, about, from
         the nodes that are free.
     speed : float or None
         Of longitudinal waves, m/s: √(dᵀKd/tᵀMt) of the uniform strain d along an axis and the
@@ -138,7 +138,7 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
 
 
 def _density(body: Any, extent: FloatArray, moved: float) -> float | None:
-    """Mass over the box around the nodes, that of nodes that are held as of the others."""
+    """Mass over the box around the nodes, that of constrained nodes as of the others."""
     box = float(np.prod(np.maximum(extent, 1e-3 * extent.max())))
     mass = moved * 3 * len(body.nodes) / len(body.free) if body.mass is None else body.mass
     return mass / box if box > 0.0 else None

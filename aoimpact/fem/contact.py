@@ -74,6 +74,9 @@ _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 # How far the length of a functional's resultant may be from 1 for it to be a mean displacement.
 _MEAN = 1e-9
 
+# How far the resultant may be from 1, and the couple over the body's size from 0, unsaid.
+_NEARLY = 1e-3
+
 # Entries of a functional whose squares, times masses and stiffnesses, are numbers.
 _SMALLEST, _LARGEST = 1e-50, 1e50
 
@@ -201,7 +204,10 @@ class ContactPoint(Frozen):
         return b
 
     def reversed(self) -> ContactPoint:
-        """The same place with the direction of travel the other way round."""
+        """The same place with the direction of travel the other way round.
+
+        :meta private:
+        """
         opposite = None if self.direction is None else -self.direction
         return replace(self, b=-self.b, direction=opposite)
 
@@ -332,6 +338,12 @@ def contact_point(
             )
         except InputError as error:
             raise InputError(f"node {node}: {error}") from error
+    return _at_point(body, point, direction, radius, expected)
+
+
+def _at_point(
+    body: Body, point: Any, direction: Any, radius: float | str, expected: float | None
+) -> ContactPoint:
     if body.nodes is None or body.free is None:
         raise InputError(
             "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"
@@ -455,9 +467,31 @@ def _of_functional(body: Body, b: Any, radius: float | str) -> ContactPoint:
         length = float(np.linalg.norm(tip.resultant))
         if abs(length - 1.0) <= _MEAN:
             tip = replace(tip, direction=tip.resultant / length)
+        _warn_of_no_mean(tip, length)
     if radius in ("auto", 0.0):
         return tip
     return _with_patch(tip, float(radius))
+
+
+def _warn_of_no_mean(tip: ContactPoint, length: float) -> None:
+    """Say where a functional is no mean displacement: it does not move, or turns, as the body."""
+    if abs(length - 1.0) > _NEARLY:
+        warn(
+            f"b is no mean displacement: its entries sum up to {plain(tip.resultant)}, of length "
+            f"{length:.4g}, so that where the body translates by 1 m, u = bᵀX is {length:.4g} m at "
+            "most, and a contact force loads the body with that multiple; scale b so that it is 1"
+        )
+        return
+    assert tip.body.nodes is not None
+    forces, along = tip._nodal_forces, tip.resultant / length
+    arms = tip.body.nodes - (forces @ along / length) @ tip.body.nodes
+    couple = float(np.linalg.norm(np.cross(arms, forces).sum(axis=0)))
+    if couple > _NEARLY * float(np.ptp(tip.body.nodes, axis=0).max()):
+        warn(
+            f"b is no mean displacement along its direction {plain(along)}: its entries across "
+            f"that are a couple of {couple:.3g} N m for each newton; leave them out, if u is not "
+            "to tell rotation"
+        )
 
 
 def _with_patch(tip: ContactPoint, radius: float) -> ContactPoint:

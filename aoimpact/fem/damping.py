@@ -63,6 +63,8 @@ class Rayleigh:
         ----------
         omega : array_like
             Angular frequencies, rad/s, any shape.
+
+        :meta private:
         """
         frequency = finite_array("omega", omega, unit="rad/s", most=FASTEST)
         decay = 0.5 * (self.alpha + self.beta * frequency**2)
@@ -90,7 +92,10 @@ class ModalDamping:
         object.__setattr__(self, "ratio", _coefficient("ratio", self.ratio))
 
     def decay(self, omega: npt.ArrayLike) -> Any:
-        """Return σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f; takes ω as `Rayleigh.decay` does."""
+        """Return σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f; takes ω as `Rayleigh.decay` does.
+
+        :meta private:
+        """
         frequency = finite_array("omega", omega, unit="rad/s")
         decay = self.ratio * np.abs(frequency)
         return decay if decay.ndim else float(decay)

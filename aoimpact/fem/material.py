@@ -21,6 +21,7 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 # units in which a number below is likely to be: up to which number, its name, its size in SI.
 _SOLIDS = {
     "E": ("Pa", 1e6, 1.22e12, ((1.22e3, "GPa", 1e9), (1e6, "MPa", 1e6))),
+    "G": ("Pa", 3e5, 6e11, ((600.0, "GPa", 1e9), (3e5, "MPa", 1e6))),
     "rho": (
         "kg/m³",
         25.0,
@@ -29,8 +30,6 @@ _SOLIDS = {
     ),
     "yield_strength": ("Pa", 1e4, 1e11, ((1e4, "MPa", 1e6),)),
 }
-
-_OPTIONAL = "yield_strength"
 
 
 @dataclass(frozen=True, repr=False)
@@ -71,7 +70,7 @@ class Material:
     yield_strength: float | None = None
 
     def __post_init__(self) -> None:
-        given = [name for name in _SOLIDS if getattr(self, name) is not None or name != _OPTIONAL]
+        given = ["E", "rho", *([] if self.yield_strength is None else ["yield_strength"])]
         for name in given:
             object.__setattr__(
                 self, name, positive(name, getattr(self, name), unit=_SOLIDS[name][0])
@@ -119,6 +118,8 @@ class Material:
         ----------
         normal : array_like, shape (3,)
             Any length but zero.
+
+        :meta private:
         """
         unit_vector("normal", normal)
         return self

@@ -101,8 +101,9 @@ class Orthotropic:
                 f"below {math.sqrt(e2 / e3):.3g}, and all three smaller together (νij belongs to a "
                 "stress along i; was νji meant?)"
             )
-        for i, value in enumerate(self.E):
-            warn_of_units("E", value, f"E[{i}]")
+        for name in ("E", "G"):
+            for i, value in enumerate(getattr(self, name)):
+                warn_of_units(name, value, f"{name}[{i}]")
         warn_of_units("rho", self.rho)
 
     @property
@@ -141,6 +142,12 @@ class Orthotropic:
             rad.
         about : array_like, shape (3,), optional
             In the body's coordinates, any length but zero; z if left out.
+
+        Examples
+        --------
+        >>> ply = Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+        >>> np.round(ply.turned(math.pi / 2).axes[0], 6)
+        array([0., 1., 0.])
         """
         turn, axis = real("angle", angle, unit="rad"), unit_vector("about", about)
         old, along = np.array(self.axes), np.array(self.axes) @ axis
@@ -168,6 +175,12 @@ class Orthotropic:
         1223 (1994); S. R. Swanson, Int. J. Solids Struct. 42, 1945 (2005), who finds the modulus
         E3 through the thickness in its place, as T. M. Tan and C. T. Sun take it, to be a fair
         estimate.
+
+        Examples
+        --------
+        >>> ply = Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
+        >>> round(ply.half_space((0, 0, 1)).plane_strain_modulus / 1e9, 1)  # E*, GPa
+        10.8
         """
         x, y, z = unit_vector("normal", normal).round(12).tolist()
         return _half_space(self, (x, y, z))

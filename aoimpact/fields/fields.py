@@ -120,6 +120,23 @@ class Field:
         -----
         AOImpactWarning
             If a reduced model may give it badly wrong; see `error`.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> stress = hit.target.field([1e-4]).stress()
+        >>> stress.von_mises.shape == (1, len(bar.nodes))
+        True
         """
         warn_if_wrong(self.times, self.error)
         place = choice("at", at, ("nodes", "gauss"))
@@ -143,6 +160,24 @@ class Field:
         -------
         Path
             Of the .pvd file.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> hit.target.field([1e-4]).to_vtu(folder / "bar").name
+        'bar.pvd'
         """
         mesh, _ = solid(self.body, "to_vtu")
         stress = self.stress()
@@ -177,6 +212,21 @@ class Field:
         Returns
         -------
         Axes3D
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> ax = hit.target.field([1e-4]).plot()
         """
         mesh, material = solid(self.body, "plot")
         number = integer("which", which, low=0, high=len(self.times) - 1)
@@ -217,6 +267,22 @@ class Field:
             If PyVista or, for .mp4, imageio and imageio-ffmpeg are not installed.
         InputError
             If the body has no elements, or the path is no place for a movie.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> field = hit.target.field([1e-4, 2e-4])
+        >>> path = field.movie("bar.gif")  # doctest: +SKIP
         """
         mesh, _ = solid(self.body, "movie")
         moved = self.displacement

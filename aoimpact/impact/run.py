@@ -35,7 +35,7 @@ PlanOf = Callable[[Sequence[Any], bool], Plan]
 
 
 class RunOptions(NamedTuple):
-    """How to run, as a caller says it; see `simulate`."""
+    """How to run, as the caller asks; see `simulate`."""
 
     quantity: str | Handle | ContactPoint | StressAt | None
     rtol: float | None

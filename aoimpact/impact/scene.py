@@ -117,6 +117,11 @@ class Scene:
         ------
         InputError, InputTypeError
             If `body` is no model of a body, or a number is none or beyond the range of squares.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0, name="ball")
         """
         called = text("name", name)
         speed = checked_speed("velocity", velocity)
@@ -161,6 +166,13 @@ class Scene:
         InputError
             For a body with itself, two walls, an unknown handle, a direction that was given the
             wrong way round, or a law that is left out and not known.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball, floor = scene.add(ao.rigid(mass=0.1)), scene.add(ao.rigid(mass=float("inf")))
+        >>> scene.connect(ball, floor, ao.Hertz(k=1e9), gap=1e-3)
+        0
         """
         first, second = self._known("a", a), self._known("b", b)
         if first.body == second.body:
@@ -214,6 +226,12 @@ class Scene:
         ------
         InputError
             For a wall, an unknown handle, or times and forces that do not match.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1))
+        >>> scene.apply(ball, force=([0.0, 1e-3], [0.0, 20.0]))  # a ramp, then 20 N
         """
         end = self._known("body", body)
         if isinstance(force, tuple):
@@ -308,6 +326,16 @@ class Scene:
         AOImpactWarning
             If gravity has no effect on a constrained AO model given by numbers or without nodes, a
             body's centre of mass is not known, or its model was fitted to another contact time.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+        >>> wall = scene.add(ao.rigid(mass=float("inf")))
+        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+        >>> run = scene.simulate(duration=1e-3)
+        >>> round(run.contacts[number].peak_force)  # N
+        1143
         """
         began = perf_counter()
         length = None if duration is None else checked_duration(duration)

@@ -86,7 +86,9 @@ def simulate(
     rtol : float, optional
         Its relative error by reduction and time integration, 1e-2 if left out; that of a history is
         its largest over the record, relative to the largest value. A solver that does not keep it
-        is refused. `Result.error` has the errors of mesh and contact as well.
+        is refused; where no models tried meet it, so is the tolerance if it was given, and else
+        the best of them are taken, with a warning. `Result.error` has the errors of mesh and
+        contact as well.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
 
@@ -104,8 +106,9 @@ def simulate(
     Warns
     -----
     AOImpactWarning
-        If the record ends in contact, the step is too large for any digit to be right, a body's
-        centre of mass is not known, or its model was fitted to another contact time.
+        If no models tried meet the tolerance that was left out, the record ends in contact, the
+        step is too large for any digit to be right, a body's centre of mass is not known, or its
+        model was fitted to another contact time.
 
     Examples
     --------
@@ -120,7 +123,7 @@ def simulate(
     bodies = body_model("projectile", projectile), body_model("target", target)
     pair = _pair(*bodies, numbers.velocity)
     interest = partial(impact_quantity, quantity, *bodies)
-    if options.asked:  # bad input is said before any work is done
+    if options.asked:  # bad input is refused before any work is done
         checked_rtol(rtol)
         interest()
     impact = _complete(*bodies, law, numbers)

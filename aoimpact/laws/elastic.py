@@ -31,7 +31,7 @@ def exponent(value: Any) -> float:
 
 @dataclass(frozen=True, repr=False)
 class Hertz(HertzianLaw):
-    """Hertz's law F = k δ^(3/2), eqs. (13)-(15) of the paper.
+    """Hertz's law F = k δ^(3/2): equations (13) to (15) of the paper.
 
     Parameters
     ----------
@@ -91,6 +91,13 @@ class Hertz(HertzianLaw):
         ------
         InputError
             If a radius is 0, or the surfaces do not touch in a point.
+
+        Examples
+        --------
+        >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+        >>> law = ao.Hertz.between(steel, 0.01, steel, math.inf)  # a ball on a flat
+        >>> round(law.k / 1e9, 2)  # GN/m^1.5
+        15.38
         """
         modulus = contact_modulus(material_1, material_2)
         if not is_pair(radius_1) and not is_pair(radius_2):

@@ -109,7 +109,10 @@ class ContactLaw:
 
     @property
     def by_caller(self) -> bool:
-        """Whether functions of the caller's give the force: slow, rough or wrong as they may be."""
+        """Whether functions of the caller's give the force: slow, rough or wrong as they may be.
+
+        :meta private:
+        """
         return self._by_caller
 
     def _parameters(self) -> tuple[float, ...]:
@@ -130,7 +133,10 @@ class ContactLaw:
         return math.inf
 
     def for_core(self) -> CoreLaw:
-        """Return the law as the core's ``take_law`` reads it; new for every call of the core."""
+        """Return the law as the core's ``take_law`` reads it; new for every call of the core.
+
+        :meta private:
+        """
         # A note is the core's word on where and why a law gave no force.
         return self._kind(), self._parameters(), 0.0, self.limit, _NO_NOTE.copy(), self._data()
 
@@ -148,6 +154,12 @@ class ContactLaw:
         -------
         float or ndarray
             Force, N, in the broadcast shape.
+
+        Examples
+        --------
+        >>> law = ao.Hertz(k=1e9)
+        >>> round(float(law.force(1e-4)), 6)  # N
+        1000.0
         """
         delta, delta_rate = np.broadcast_arrays(
             finite_array("indentation", indentation, unit="m"),
@@ -172,7 +184,14 @@ class ContactLaw:
         return force, stiffness, damping
 
     def potential(self, indentation: npt.ArrayLike) -> Any:
-        """Return the elastic energy that unloading from an indentation gives back, J."""
+        """Return the elastic energy that unloading from an indentation gives back, J.
+
+        Examples
+        --------
+        >>> law = ao.Linear(k=1e7)
+        >>> round(float(law.potential(1e-4)), 9)  # J, k δ²/2
+        0.05
+        """
         delta = finite_array("indentation", indentation, unit="m")
         energy = np.empty(delta.shape)
         _core.law_potential(self.for_core(), delta, energy)
@@ -198,6 +217,12 @@ class ContactLaw:
         ------
         InputError
             If nothing is left of the law: c dF/dδ is near 1 at every indentation.
+
+        Examples
+        --------
+        >>> law = ao.Linear(k=1e7)
+        >>> round(float(law.within_patch(1e-8).force(1e-4)), 6)  # 1/(1/k - c) is the stiffness left
+        1111.111111
         """
         c = positive("compliance", compliance, unit="m/N")
         wide = positive("radius", radius, unit="m", infinite=True)
@@ -257,6 +282,12 @@ class ContactLaw:
         ------
         InputError
             If it lies beyond the range of numbers.
+
+        Examples
+        --------
+        >>> law = ao.Linear(k=1e7)
+        >>> round(law.stroke(0.05), 9)  # m, √(2E/k)
+        0.0001
         """
         wanted = positive("energy", energy, unit="J")
         end = min(math.log(self.limit * (1.0 - 1e-12)), _LONGEST)
@@ -280,7 +311,14 @@ class ContactLaw:
         return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))
 
     def rigid_restitution(self, mass: float, velocity: float) -> float:
-        """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s."""
+        """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s.
+
+        Examples
+        --------
+        >>> law = ao.Tsuji.from_restitution(1e9, 0.5, mass=0.1)
+        >>> round(law.rigid_restitution(0.1, 1.0), 6)
+        0.5
+        """
         if not self.depends_on_rate and not self.has_memory:
             return 1.0
         mass, velocity = positive("mass", mass), positive("velocity", velocity)

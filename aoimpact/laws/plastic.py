@@ -27,7 +27,9 @@ def yield_force(modulus: float, radius: float, pressure: float) -> float:
 
 @dataclass(frozen=True, repr=False)
 class Thornton(HertzianLaw):
-    """An elastic-plastic contact: C. Thornton, J. Appl. Mech. 64 (1997) 383-386.
+    """An elastic-plastic contact by Thornton's law.
+
+    C. Thornton, J. Appl. Mech. 64 (1997) 383-386.
 
     F = k δ^(3/2) up to the yield force F_y at δ_y; then F = F_y + 3/2 k √δ_y (δ - δ_y); unloading
     and reloading from the deepest point δ*, F* as Hertz on the flattened radius,
@@ -89,6 +91,13 @@ class Thornton(HertzianLaw):
         yield_pressure : float
             p_y, Pa: 1.6 times the yield stress of the softer body where it begins to yield
             (Johnson, *Contact Mechanics*, section 6.1), more for the mean of a plastic contact.
+
+        Examples
+        --------
+        >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+        >>> law = ao.Thornton.between(steel, 0.01, steel, 0.01, yield_pressure=800e6)
+        >>> round(law.yield_force, 2)  # N
+        4.97
         """
         modulus = contact_modulus(material_1, material_2)
         radius = relative_radius(radius_1, radius_2)
@@ -106,6 +115,12 @@ class Thornton(HertzianLaw):
         """Return the velocity, m/s, up to which a rigid pair of that reduced mass, kg, is elastic.
 
         m V_y²/2 = 2/5 k δ_y^(5/2).
+
+        Examples
+        --------
+        >>> law = ao.Thornton(k=1e9, yield_force=100.0)
+        >>> round(law.yield_velocity(0.1), 4)  # m/s
+        0.1313
         """
         m = positive("mass", mass, unit="kg")
         return math.sqrt(0.8 * self.yield_force) * math.sqrt(self.yield_indentation / m)

@@ -133,6 +133,12 @@ class HuntCrossley(_Hysteretic):
         velocity : float
             Of approach, V, m/s.
         n, relative_radius : float, optional
+
+        Examples
+        --------
+        >>> law = ao.HuntCrossley.from_restitution(1e9, 0.5, velocity=1.0)
+        >>> round(ao.restitution(law, mass=0.1, velocity=1.0), 6)
+        0.5
         """
         damping = hunt_crossley_damping(_restitution_of(restitution))
         chi = damping / positive("velocity", velocity, unit="m/s")
@@ -342,6 +348,12 @@ class Tsuji(HertzianLaw):
         mass : float
             Reduced mass, kg.
         relative_radius : float, optional
+
+        Examples
+        --------
+        >>> law = ao.Tsuji.from_restitution(1e9, 0.5, mass=0.1)
+        >>> round(ao.restitution(law, mass=0.1, velocity=2.0), 6)  # at any velocity
+        0.5
         """
         alpha = math.sqrt(5.0) * oscillator_damping(_restitution_of(restitution))
         return cls(k, alpha, mass, relative_radius=relative_radius)
@@ -410,6 +422,12 @@ class KuwabaraKono(HertzianLaw):
         mass : float
             Reduced mass, kg.
         relative_radius : float, optional
+
+        Examples
+        --------
+        >>> law = ao.KuwabaraKono.from_restitution(1e9, 0.8, velocity=1.0, mass=0.1)
+        >>> round(ao.restitution(law, mass=0.1, velocity=1.0), 6)
+        0.8
         """
         e, stiffness = _restitution_of(restitution), positive("k", k, unit="N/m^1.5")
         unit = _kuwabara_kono_time(stiffness, mass, velocity)
@@ -479,6 +497,12 @@ class KelvinVoigt(ContactLaw):
         mass : float
             Reduced mass, kg.
         end : {"force", "indentation"}, optional
+
+        Examples
+        --------
+        >>> law = ao.KelvinVoigt.from_restitution(1e7, 0.5, mass=0.1)
+        >>> round(ao.restitution(law, mass=0.1, velocity=1.0), 6)
+        0.5
         """
         e = _restitution_of(restitution)
         pulls = choice("end", end, ("force", "indentation")) == "indentation"

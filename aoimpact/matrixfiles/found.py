@@ -1,4 +1,4 @@
-"""What a matrix file holds, as its reader leaves it, and what every reader needs to say."""
+"""What a matrix file holds, as its reader leaves it, and what every reader needs for errors."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Found:
     name : str
         Of the matrix, in capitals; empty where the file has one without a name.
     size : int or None
-        Number of rows; None where the file does not say.
+        Number of rows; None where the file does not state it.
     rows, cols : ndarray of int
         From 0.
     values : ndarray

@@ -230,7 +230,7 @@ def _file(role: str, given: File) -> tuple[Path, str]:
 
 
 def _named(role: str, file: Path, matrices: list[Found], wanted: str) -> Found:
-    """The matrix of a file that is asked for, or the only one whose name says it."""
+    """The matrix of a file that is asked for, or the only one with a fitting name."""
     if wanted:
         chosen = [one for one in matrices if one.name == wanted]
     elif len(matrices) == 1:
@@ -269,7 +269,7 @@ def _labels(dofs: Any, stiffness: Found, inertia: Found) -> IntArray | None:
         dofs = beside
     if stiffness.labels is not None or inertia.labels is not None:
         raise InputError(
-            f"dofs: {stiffness.called} says itself which dofs its rows are; leave it out"
+            f"dofs: {stiffness.called} itself lists which dofs its rows are; leave it out"
         )
     found = read_dofs(dofs)
     if len(found) != stiffness.size:
@@ -288,7 +288,7 @@ def _joined(stiffness: Found, inertia: Found, given: IntArray | None) -> _Pair:
     """Both matrices in the same rows."""
     called = f"{stiffness.called}, {inertia.called}"
     if (stiffness.labels is None) != (inertia.labels is None):
-        raise InputError(f"{called}: only one of them says which dofs its rows are")
+        raise InputError(f"{called}: only one of them lists which dofs its rows are")
     if stiffness.labels is None or inertia.labels is None:
         size = stiffness.size
         if size != inertia.size or size is None:

@@ -102,6 +102,7 @@ def figure_4(study: SphereStudy) -> Figure:
     right.plot([1000, 1000], [7, -5], "x", color="black", markersize=8, label="the paper")
     right.axhline(0.0, color="black", linewidth=0.8)
     right.set(xlabel="number of modes", ylabel="difference from the full model (%)")
+    right.margins(x=0.05)
     right.grid(True, alpha=0.3)
     legend(right)
     return figure
@@ -150,6 +151,7 @@ def figure_7(study: SphereStudy) -> Figure:
     right.loglog(speeds, ratios, "o-", color=COLOURS[0], label="at the peak")
     right.plot([1e-4], [200], "x", color="black", markersize=8, label="the paper")
     right.set(xlabel="velocity (m/s)", ylabel="local / nonlocal deformation energy")
+    right.margins(x=0.05)
     right.grid(True, which="both", alpha=0.3)
     legend(right)
     return figure
@@ -265,6 +267,7 @@ def figure_mesh(study: SphereStudy, cases: dict[float, MeshCase]) -> Figure:
     for ax in (left, right):
         ax.set_xticks([300, 1000, 3000, 10000], ["300", "1000", "3000", "10 000"])
         ax.minorticks_off()
+        ax.set_xlim(200, 10_000)
         ax.grid(True, alpha=0.3)
     return figure
 

@@ -191,6 +191,18 @@ class InterfaceModel(Frozen):
         -------
         ndarray, shape (..., p, p)
             `[..., p, q]`: of port p for a force at port q; infinite at a resonance.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.05, 0.09)]
+        >>> G = ao.interface(places, n=4).receptance(0.0)
+        >>> bool(np.allclose(G, G.T))  # Maxwell and Betti
+        True
         """
         frequency = finite_array("omega", omega, unit="rad/s", most=FASTEST)
         stiffness: Any = self.omega**2 - frequency[..., None] ** 2
@@ -219,6 +231,18 @@ class InterfaceModel(Frozen):
         ------
         InputError
             If the shape is wrong.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.05, 0.09)]
+        >>> model = ao.interface(places, n=4)
+        >>> model.expand(np.zeros(model.n)).shape == (bar.n_dofs,)
+        True
         """
         values = finite_array("coordinates", coordinates)
         if values.ndim not in (1, 2) or values.shape[0] != self.n:

@@ -133,6 +133,17 @@ class KrylovSpace:
         ----------
         n : int
             0 … n_dofs - 1.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> space = ao.KrylovSpace(bar.contact(point=(0.09, 0.005, 0.01)), contact_time=1e-4)
+        >>> [space.antioscillators(n).n for n in (2, 3)]
+        [2, 3]
         """
         wanted = integer("n", n, low=0, high=self.tip.body.n_dofs - 1)
         vectors = wanted
@@ -146,13 +157,18 @@ class KrylovSpace:
         return star if star.n <= wanted else _of_largest_mass(star, wanted)
 
     def of_vectors(self, n: int) -> AOModel:
-        """Return the model of `n` vectors beside the static one: of `n` oscillators, or fewer."""
+        """Return the model of `n` vectors beside the static one: of `n` oscillators, or fewer.
+
+        :meta private:
+        """
         return self.factored(n).multiplied_out()
 
     def factored(self, n: int) -> AOModel:
         """Return the model of `of_vectors` with shapes that are multiplied out when needed.
 
         It is made for much less, and holds the whole space as long as it lives.
+
+        :meta private:
         """
         vectors = integer("n", n, low=0)
         with bar(f"model of {self.tip.body.n_dofs} dofs", unit="solution"):
@@ -169,7 +185,10 @@ class KrylovSpace:
         )
 
     def seen(self, n: int) -> AOModel:
-        """Return what `factored` does, by its former name."""
+        """Return what `factored` does, by its former name.
+
+        :meta private:
+        """
         warnings.warn("seen is now called factored", DeprecationWarning, stacklevel=2)
         return self.factored(n)
 
@@ -179,7 +198,10 @@ class KrylovSpace:
         return self._space.exhausted
 
     def include(self, duration: float) -> None:
-        """Fit every other vector from here on to motion of that duration, s, as well."""
+        """Fit every other vector from here on to motion of that duration, s, as well.
+
+        :meta private:
+        """
         slow = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s")
         if slow < self.shift:
             self._space.shifts = (self.shift, slow)

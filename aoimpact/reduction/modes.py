@@ -122,11 +122,22 @@ class ModalModel(Frozen):
         return (self.tip,)
 
     def reversed(self) -> ModalModel:
-        """Return the same model with the direction of travel the other way round."""
+        """Return the same model with the direction of travel the other way round.
+
+        :meta private:
+        """
         return replace(self, tip=self.tip.reversed())
 
     def truncated(self, n: int) -> ModalModel:
-        """Return the model of the first `n` modes."""
+        """Return the model of the first `n` modes.
+
+        Examples
+        --------
+        >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+        >>> chain = ao.FEModel(K=K, M=M)
+        >>> ao.modal(chain.contact(dof=1), n=2).truncated(1).n
+        1
+        """
         kept = integer("n", n, low=1, high=self.n)
         return ModalModel(self.tip, self.omega2[:kept], self.modes[:, :kept])
 

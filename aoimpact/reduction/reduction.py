@@ -198,7 +198,7 @@ def antioscillators(
     duration: float | None = None,
     solver: Solver = "auto",
 ) -> AOModel:
-    """Return the anti-oscillator model of a body at its contact, eqs. (1)-(12).
+    """Return the anti-oscillator model of a body at its contact: equations (1) to (12).
 
     Parameters
     ----------

@@ -152,7 +152,10 @@ class AOModel(Frozen):
 
     @property
     def held(self) -> bool:
-        """The former name of `constrained`."""
+        """The former name of `constrained`.
+
+        :meta private:
+        """
         warnings.warn("held is now called constrained", DeprecationWarning, stacklevel=2)
         return self.constrained
 
@@ -268,6 +271,8 @@ class AOModel(Frozen):
         ------
         InputError
             If the model was given by numbers.
+
+        :meta private:
         """
         if self.origin is None:
             raise InputError("weights: this model was given by numbers and has no body")
@@ -316,6 +321,12 @@ class AOModel(Frozen):
         -------
         float or ndarray
             m/N, of the shape of `omega`; complex where there is damping, real without.
+
+        Examples
+        --------
+        >>> model = ao.AOModel(m0=0.1, k0=1e5)
+        >>> round(float(model.receptance(0.0)), 9)  # m/N
+        1e-05
         """
         frequency = finite_array("omega", omega, unit="rad/s")
         if self.damping is not None and not math.isinf(self.m0):
@@ -340,17 +351,30 @@ class AOModel(Frozen):
         return self if origin is None else replace(self, origin=origin.reversed())
 
     def reversed(self) -> AOModel:
-        """Return the same model with its body's direction of travel the other way round."""
+        """Return the same model with its body's direction of travel the other way round.
+
+        :meta private:
+        """
         return self._reversed
 
     def multiplied_out(self) -> AOModel:
-        """The same model, with shapes of its own: see `Origin.vectors`."""
+        """The same model, with shapes of its own: see `Origin.vectors`.
+
+        :meta private:
+        """
         if self.origin is None or self.origin.vectors is None:
             return self
         return replace(self, origin=self.origin.multiplied_out())
 
     def truncated(self, n: int) -> AOModel:
-        """Return the model of the first `n` oscillators; the others' mass joins m0, eq. (10)."""
+        """Return the model of the first `n` oscillators; the others' mass joins m0, eq. (10).
+
+        Examples
+        --------
+        >>> model = ao.AOModel(m0=0.1, k0=0.0, m=[0.2, 0.1], k=[1e6, 5e6])
+        >>> model.truncated(1).m0
+        0.2
+        """
         kept = integer("n", n, low=0, high=self.n)
         origin = self.origin
         if origin is not None:
@@ -453,6 +477,14 @@ class AOModel(Frozen):
         ------
         InputError
             If the model was given by numbers, or the shape is wrong.
+
+        Examples
+        --------
+        >>> K, M = np.array([[2e6, -1e6], [-1e6, 1e6]]), np.diag([0.5, 0.5])
+        >>> chain = ao.FEModel(K=K, M=M)
+        >>> model = ao.antioscillators(chain.contact(dof=1), n=1)
+        >>> model.expand([1e-3, 1e-3]).round(6)  # the static mode: only the ground spring deforms
+        array([0.0005, 0.001 ])
         """
         if self.origin is None:
             raise InputError("expand: this model was given by numbers and has no body to expand to")
@@ -481,6 +513,13 @@ class AOModel(Frozen):
         ------
         InputError
             For a wall, which has no modes.
+
+        Examples
+        --------
+        >>> model = ao.AOModel(m0=0.1, k0=1e5)
+        >>> omega2, participation = model.to_modal()
+        >>> round(float(omega2[0]), 6), round(float(participation[0] ** 2), 6)  # k0/m0, 1/m0
+        (1000000.0, 10.0)
         """
         if math.isinf(self.m0):
             raise InputError("a wall of infinite mass has no natural modes")

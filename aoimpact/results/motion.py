@@ -132,7 +132,10 @@ class BodyResult(Frozen):
 
     @property
     def held(self) -> bool:
-        """The former name of `constrained`."""
+        """The former name of `constrained`.
+
+        :meta private:
+        """
         warnings.warn("held is now called constrained", DeprecationWarning, stacklevel=2)
         return self.constrained
 
@@ -155,7 +158,7 @@ class BodyResult(Frozen):
 
     @cached_property
     def _doubted(self) -> None:
-        """Says once what is to be said of the motion."""
+        """Warns once of what is implausible in the motion."""
         if self._doubt is not None:
             self._doubt()
 
@@ -186,6 +189,23 @@ class BodyResult(Frozen):
         InputError
             If the point is off the body, no node is selected, a time is outside the record, or the
             model was given by numbers.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> probe = hit.target.probe((0.05, 0.005, 0.0))
+        >>> probe.stress["xx"].shape == probe.t.shape
+        True
         """
         return self._responding.probe(
             point, direction, nodes, self._times if times is None else times
@@ -203,17 +223,54 @@ class BodyResult(Frozen):
         ------
         InputError
             If a time is outside the record, or the model was given by numbers.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> hit.target.field([1e-4]).displacement.shape == (1, len(bar.nodes), 3)
+        True
         """
         return self._responding.field(times)
 
     def to_vtu(self, path: str | os.PathLike[str], times: npt.ArrayLike | None = None) -> Path:
-        """Write the body at some times for ParaView; see `field` and `Field.to_vtu`."""
+        """Write the body at some times for ParaView; see `field` and `Field.to_vtu`.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> hit.target.to_vtu(folder / "bar", times=[1e-4]).name
+        'bar.pvd'
+        """
         return self.field(times).to_vtu(path)
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
         """Return functionalᵀX at `times`, s, by the model's own shapes; of a wall, its place.
 
         `probe` gives places better, at the price of a factorisation.
+
+        :meta private:
         """
         response = None if self._respond is None else self._respond()
         if response is None:
@@ -368,7 +425,24 @@ class ErrorEstimate:
         return sum(known) if len(known) == len(parts) else None
 
     def parts(self, name: str) -> dict[str, float | None]:
-        """Return what is known of a number's error, by where it comes from."""
+        """Return what is known of a number's error, by where it comes from.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> sorted(hit.error.parts("peak_force"))
+        ['contact', 'mesh', 'model', 'time']
+        """
         return {
             "mesh": self.left_out.mesh_numbers.get(name),
             "contact": self.left_out.contact_numbers.get(name),
@@ -401,13 +475,32 @@ class ErrorEstimate:
         return math.fsum(part for part in parts.values() if part is not None)
 
     def controls(self, name: str) -> bool:
-        """Whether a number's error by the models is known to be within the tolerance."""
+        """Whether a number's error by the models is known to be within the tolerance.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> hit = ao.simulate(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=0.1,
+        ... )
+        >>> hit.error.controls("restitution")  # models were chosen for the force
+        True
+        """
         return self.rtol is not None and self.numbers.get(name, math.nan) <= self.rtol
 
     def told(self, name: str, *, listed: bool = False) -> str:
         """Return a number's error in words, for summaries; empty where it is not known.
 
         listed: with what it comes from, known as soon as that of the mesh is.
+
+        :meta private:
         """
         parts = self.parts(name)
         if listed and self.mesh is not None:

@@ -1,8 +1,8 @@
 """Whether a run is what was meant: no impact at all, and what linear elasticity is not for.
 
 Bodies that yield, contacts as wide as the bodies are curved, plates that stretch, and speeds that
-are not small beside that of waves have no small error: each is said once a run, with its cure. What
-is not known of a body is not checked, so that stars given by numbers cost nothing.
+are not small beside that of waves have no small error: each has one warning a run, with its cure.
+What is not known of a body is not checked, so that models given by numbers cost nothing.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ _POWER = 1.5
 
 
 class Limits(NamedTuple):
-    """Up to where nothing has to be said of a contact.
+    """Up to where a contact needs no warning.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ def _limits_of_numbers(law: ContactLaw) -> Limits:
 
 
 def least_said(plan: Plan) -> tuple[float, float]:
-    """Return up to which force, N, and velocity, m/s, nothing has to be said of an impact."""
+    """Return up to which force, N, and velocity, m/s, an impact needs no warning."""
     most, mass = limits(plan, plan.contacts[0]), plan.bodies[0].mass
     speed = most.speed
     if most.deflection < math.inf:
@@ -247,7 +247,7 @@ def _stretches(tip: ContactPoint) -> bool:
     return False
 
 
-# ------------------------------------------------------------------- what is said
+# ------------------------------------------------------------------- warnings
 
 
 def _said_of_pressure(run: Run, number: int) -> str:
@@ -286,7 +286,7 @@ def _said_of_width(run: Run, number: int) -> str:
 
 
 def _said_of_deflection(run: Run, number: int) -> str:
-    """What to say, if the motion itself bears it out."""
+    """The warning, if the motion itself confirms it."""
     contact = run.plan.contacts[number]
     for (body, port), end in zip(contact.ports, _ends(run.plan, contact), strict=True):
         tip = _contact_point(end)

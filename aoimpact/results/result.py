@@ -140,6 +140,14 @@ class Result(Eventful):
         """Return the same impact at other times: dense output, as exact as the run itself.
 
         `times` [s], shape (m,), ascend within the record; see `Run.at` for what is refused.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> hit.at(np.linspace(0.0, hit.contact_duration, 5)).force.shape
+        (5,)
         """
         return replace(self, run=self.run.at(times))
 
@@ -216,7 +224,16 @@ class Result(Eventful):
     # ---------------------------------------------------------------------- output
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write all histories, one row a time, under a header line with names and units."""
+        """Write all histories, one row a time, under a header line with names and units.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> hit.to_csv(folder / "impact.csv")
+        """
         write_csv(columns(self), path)
 
     def to_dataframe(self) -> Any:
@@ -292,13 +309,26 @@ class Result(Eventful):
         """Draw the force over time; keywords go to ``Axes.plot``. Returns the axes.
 
         `during` is as for `plot`.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> ax = hit.plot_force(linestyle="--")
         """
         return plot.plot_forces(self.run, ax, during=during, **kwargs)
 
     def plot_indentation(
         self, ax: Axes | None = None, *, during: During = "contact", **kwargs: Any
     ) -> Axes:
-        """Draw the indentation over time; `during` is as for `plot`. Returns the axes."""
+        """Draw the indentation over time; `during` is as for `plot`. Returns the axes.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> ax = hit.plot_indentation()
+        """
         return plot.plot_indentation(self, ax, during=during, **kwargs)
 
     def plot_energy(
@@ -309,13 +339,27 @@ class Result(Eventful):
         during: During = "record",
         **kwargs: Any,
     ) -> Axes:
-        """Draw the energies over time, of all or of one body (paper, Fig. 5). Returns the axes."""
+        """Draw the energies over time, of all or of one body (paper, Fig. 5). Returns the axes.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> ax = hit.plot_energy(body="target")
+        """
         return plot.plot_energy(self.run, ax, body=body, during=during, **kwargs)
 
     def plot_displacement(
         self, ax: Axes | None = None, *, during: During = "record", **kwargs: Any
     ) -> Axes:
-        """Draw contact points and centres of mass over time (paper, Fig. 10)."""
+        """Draw contact points and centres of mass over time (paper, Fig. 10).
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> ax = hit.plot_displacement()
+        """
         return plot.plot_displacement(self, ax, during=during, **kwargs)
 
     def movie(
@@ -367,7 +411,14 @@ class Result(Eventful):
         return write_impact_movie(self, path, times=times, frames=frames, scale=scale, fps=fps)
 
     def plot_interaction(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the force over the approach of the centres of mass (paper, Fig. 7)."""
+        """Draw the force over the approach of the centres of mass (paper, Fig. 7).
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> ax = hit.plot_interaction()
+        """
         return plot.plot_interaction(self, ax, **kwargs)
 
     def __repr__(self) -> str:

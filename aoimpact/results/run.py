@@ -82,7 +82,20 @@ class Handle:
         checked(self, name=text, scene=text)
 
     def port(self, at: int) -> Handle:
-        """Return the handle of another of its places of contact: `at` in the order of the tips."""
+        """Return the handle of another of its places of contact: `at` in the order of the tips.
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> scene = ao.Scene()
+        >>> struck = scene.add([bar.contact(point=(x, 0.005, 0.01)) for x in (0.05, 0.09)])
+        >>> struck.port(1) != struck.port(0)
+        True
+        """
         return replace(self, at=at)
 
 
@@ -339,6 +352,16 @@ class Run:
         InputError
             If the run was made with fixed steps, between which nothing is known, or the times do
             not ascend within the record.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+        >>> wall = scene.add(ao.rigid(mass=float("inf")))
+        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+        >>> run = scene.simulate(duration=1e-3)
+        >>> run.at([0.0, 1e-4])[ball].displacement.shape
+        (2,)
         """
         if not self.recorder.dense:
             raise InputError(
@@ -421,6 +444,17 @@ class Run:
         path : path
         names : sequence of str, optional
             Of the bodies, in the order of `add`; their own, or "body 0", "body 1" …, if left out.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+        >>> wall = scene.add(ao.rigid(mass=float("inf")))
+        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+        >>> run = scene.simulate(duration=1e-3)
+        >>> run.to_csv(folder / "scene.csv")
         """
         write_csv(run_columns(self, names), path)
 
@@ -483,6 +517,15 @@ class Run:
 
         `during` is "contact", from the first touch to the last with a little before and after,
         "record", or (start, end), s.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+        >>> wall = scene.add(ao.rigid(mass=float("inf")))
+        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+        >>> run = scene.simulate(duration=1e-3)
+        >>> ax = run.plot_force()
         """
         return plot.plot_forces(self, ax, during=during, **kwargs)
 
@@ -494,13 +537,33 @@ class Run:
         during: During = "record",
         **kwargs: Any,
     ) -> Axes:
-        """Draw how far each body's contact coordinate has moved over time."""
+        """Draw how far each body's contact coordinate has moved over time.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+        >>> wall = scene.add(ao.rigid(mass=float("inf")))
+        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+        >>> run = scene.simulate(duration=1e-3)
+        >>> ax = run.plot_displacement()
+        """
         return plot.plot_places(self, ax, names=names, during=during, **kwargs)
 
     def plot_energy(
         self, ax: Axes | None = None, *, during: During = "record", **kwargs: Any
     ) -> Axes:
-        """Draw the energies over time."""
+        """Draw the energies over time.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+        >>> wall = scene.add(ao.rigid(mass=float("inf")))
+        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+        >>> run = scene.simulate(duration=1e-3)
+        >>> ax = run.plot_energy()
+        """
         return plot.plot_energy(self, ax, during=during, **kwargs)
 
     def _lines(self) -> list[tuple[str, str]]:

@@ -61,7 +61,7 @@ def _of_bodies(run: Run, names: Sequence[str]) -> dict[str, FloatArray]:
 
 
 def body_names(run: Run, names: Sequence[str] | None) -> Sequence[str]:
-    """Return what the bodies of a scene are called: by their own names if nothing else is said.
+    """Return what the bodies of a scene are called: by their own names if no others are given.
 
     Raises
     ------

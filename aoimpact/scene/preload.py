@@ -30,7 +30,7 @@ _EPSILON = float(np.finfo(np.float64).eps)
 _MOST_STEPS = 2000
 
 # Steps after which the imbalance must be half of what it was, or the energy lower. With 10 a stiff
-# loop is given up too early; without it scenes that have no rest take twice as long to say so.
+# loop is given up too early; without it scenes that have no rest take twice as long to be refused.
 _PATIENCE = 40
 
 # The damping of the next step after one that comes nearer to balance, and after one that does not:

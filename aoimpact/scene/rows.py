@@ -33,7 +33,7 @@ class ContactRows(NamedTuple):
 
 
 class BodyRows(NamedTuple):
-    """What is recorded of a body over time, of shape (times,) where not said otherwise.
+    """What is recorded of a body over time, of shape (times,) unless stated otherwise.
 
     Attributes
     ----------

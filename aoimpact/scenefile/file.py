@@ -190,7 +190,10 @@ class SceneFile:
         return tuple((member_name(member), member["body"]) for member in table["bodies"])
 
     def has_mesh(self, body: str) -> bool:
-        """Whether a body of [bodies] is made of finite elements."""
+        """Whether a body of [bodies] is made of finite elements.
+
+        :meta private:
+        """
         return "mesh" in self.data["bodies"][choice("body", body, tuple(self.data["bodies"]))]
 
     def check(self) -> None:
@@ -200,6 +203,8 @@ class SceneFile:
         ------
         SceneFileError
             With the line and column of each.
+
+        :meta private:
         """
         found = list(SCENE_FILE.problems(self.data, (), self.data))
         if not found and "sweep" in self.data:
@@ -226,6 +231,23 @@ class SceneFile:
         ------
         SceneFileError
             If there is no such place, or the value is of the wrong type.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> text = '''
+        ... [bodies.ball]
+        ... mass = 0.03
+        ... [impact]
+        ... projectile = "ball"
+        ... target = "ball"
+        ... velocity = 1.0
+        ... law = { type = "Hertz", k = 1e9 }
+        ... '''
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "two.toml")
+        >>> _ = path.write_text(text)
+        >>> file = ao.read_scene(path)
+        >>> heavier = file.replaced({"bodies.ball.mass": 0.2})
         """
         if not isinstance(values, Mapping):
             raise InputTypeError(f"values must be a dict of places and values, got {values!r}")
@@ -248,12 +270,48 @@ class SceneFile:
         ------
         SceneFileError
             If a value makes no sense, with its line.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> text = '''
+        ... [bodies.ball]
+        ... mass = 0.03
+        ... [impact]
+        ... projectile = "ball"
+        ... target = "ball"
+        ... velocity = 1.0
+        ... law = { type = "Hertz", k = 1e9 }
+        ... '''
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "two.toml")
+        >>> _ = path.write_text(text)
+        >>> file = ao.read_scene(path)
+        >>> results = ao.simulate_many([file.case()])
         """
         builder = Builder(self.data, self.path.parent, self._kept, self._located)
         return builder.impact() if self.kind == "impact" else builder.scene()
 
     def simulate(self) -> Result | Run:
-        """Build the scene and run it; a Result of an impact, a Run of a scene."""
+        """Build the scene and run it; a Result of an impact, a Run of a scene.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> text = '''
+        ... [bodies.ball]
+        ... mass = 0.03
+        ... [impact]
+        ... projectile = "ball"
+        ... target = "ball"
+        ... velocity = 1.0
+        ... law = { type = "Hertz", k = 1e9 }
+        ... '''
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "two.toml")
+        >>> _ = path.write_text(text)
+        >>> file = ao.read_scene(path)
+        >>> round(file.simulate().restitution, 6)
+        1.0
+        """
         case = self.case()
         with self._located(self.kind):
             if self.kind == "impact":

@@ -118,6 +118,25 @@ class Comparison:
         Returns
         -------
         Axes
+
+        Examples
+        --------
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> table = ao.compare(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=1.0,
+        ...     duration=1e-3,
+        ...     oscillators=(0, 1, 2),
+        ...     modes=(),
+        ...     full=False,
+        ... )
+        >>> ax = table.plot()
         """
         ax = given_axes(ax)
         for kind, name in _KINDS.items():
@@ -134,7 +153,29 @@ class Comparison:
         )
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table: one row a model, times in s, errors relative."""
+        """Write the table: one row a model, times in s, errors relative.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> bar = ao.FEModel.from_mesh(
+        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
+        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
+        ...     fixed=[("xmin", "xyz")],
+        ... )
+        >>> table = ao.compare(
+        ...     projectile=ao.rigid(mass=0.01),
+        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
+        ...     law=ao.Linear(k=1e5),
+        ...     velocity=1.0,
+        ...     duration=1e-3,
+        ...     oscillators=(0, 1, 2),
+        ...     modes=(),
+        ...     full=False,
+        ... )
+        >>> table.to_csv(folder / "models.csv")
+        """
         with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow([field.name for field in fields(Compared)])

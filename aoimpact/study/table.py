@@ -131,7 +131,23 @@ class WorkPrecision:
         return tuple(dict.fromkeys(row.method for row in self.rows))
 
     def fastest(self, method: str, error: float) -> Measurement | None:
-        """Return the fastest run of a method with none of its errors above `error`, or None."""
+        """Return the fastest run of a method with none of its errors above `error`, or None.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> study = ao.work_precision(
+        ...     projectile=ball,
+        ...     target=ball,
+        ...     law=ao.Hertz(k=1e9),
+        ...     velocity=1.0,
+        ...     duration=1e-3,
+        ...     newmark=[1e-6],
+        ...     repeats=1,
+        ... )
+        >>> study.fastest("Adaptive", 1e-6).method
+        'Adaptive'
+        """
         choice("method", method, self.methods)
         limit = positive("error", error)
         good = [row for row in self.rows if row.method == method and row.error <= limit]
@@ -141,6 +157,20 @@ class WorkPrecision:
         """Draw the worst error over time, both logarithmic; keywords go to ``Axes.plot``.
 
         The reference's own uncertainty is shaded. Returns the axes.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> study = ao.work_precision(
+        ...     projectile=ball,
+        ...     target=ball,
+        ...     law=ao.Hertz(k=1e9),
+        ...     velocity=1.0,
+        ...     duration=1e-3,
+        ...     newmark=[1e-6],
+        ...     repeats=1,
+        ... )
+        >>> ax = study.plot()
         """
         ax = given_axes(ax)
         known = self.reference.uncertainty
@@ -159,7 +189,24 @@ class WorkPrecision:
         return error_axes(ax, "time of the call (ms)", errors_of)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table: one row a run, times in s, errors relative."""
+        """Write the table: one row a run, times in s, errors relative.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> ball = ao.rigid(mass=0.1)
+        >>> study = ao.work_precision(
+        ...     projectile=ball,
+        ...     target=ball,
+        ...     law=ao.Hertz(k=1e9),
+        ...     velocity=1.0,
+        ...     duration=1e-3,
+        ...     newmark=[1e-6],
+        ...     repeats=1,
+        ... )
+        >>> study.to_csv(folder / "study.csv")
+        """
         names = [field.name for field in fields(Measurement)]
         with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)

@@ -166,6 +166,13 @@ class DropWeight(Frozen):
         """Draw the force over the deflection while they touch; returns the axes.
 
         Keywords go to ``Axes.plot``.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> test = ao.drop_weight(hit)
+        >>> ax = test.plot_deflection()
         """
         shown = self._touching
         across = (self.deflection[shown], "deflection", "m")
@@ -190,6 +197,13 @@ class DropWeight(Frozen):
         Returns
         -------
         Axes
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> test = ao.drop_weight(hit)
+        >>> ax = test.plot_energy(over="deflection")
         """
         if choice("over", over, ("time", "deflection")) == "time":
             shown, across = self._shown, (self.t[self._shown] - self.start, "time", "s")
@@ -203,6 +217,13 @@ class DropWeight(Frozen):
         """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey.
 
         Keywords go to ``Axes.plot``.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> test = ao.drop_weight(hit)
+        >>> ax = test.plot_force()
         """
         shown = self._shown
         across = (self.t[shown] - self.start, "time", "s")
@@ -224,7 +245,17 @@ class DropWeight(Frozen):
         return slice(max(int(first) - 1, 0), int(last) + 1)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write t, force, velocity, deflection and energy, one row a time, under a header line."""
+        """Write t, force, velocity, deflection and energy, one row a time, under a header line.
+
+        Examples
+        --------
+        >>> import tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> test = ao.drop_weight(hit)
+        >>> test.to_csv(folder / "drop.csv")
+        """
         rows = np.column_stack([self.t, self.force, self.velocity, self.deflection, self.energy])
         with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
@@ -392,7 +423,7 @@ def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
 def _shorter_than(raw: Signal, cfc: float) -> float | None:
     """How long the force acts, s, if that is less than half a period of the class's frequency."""
     acts = raw.t[raw.values > _BEGINS * float(raw.values.max())]
-    longest = float(acts[-1] - acts[0])
+    longest = float(np.ptp(acts)) if len(acts) else 0.0
     return longest if 0.0 < longest < 0.5 / cfc else None
 
 
@@ -426,6 +457,8 @@ def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, f
             f"the force is never positive (its least is {force.values.min():g} N): compression "
             "must count as positive; change the sign"
         )
+    if signal.values.max() <= 0.0:
+        raise InputError("cfc: this class leaves nothing of the force; take a higher one")
     first = int(np.argmax(force.values > _BEGINS * peak))
     last = int(np.flatnonzero(signal.values > _BEGINS * signal.values.max())[-1])
     if begin is None:

@@ -102,6 +102,12 @@ class LoadCell:
         ----------
         frequency : array_like
             Of the force, Hz, any shape.
+
+        Examples
+        --------
+        >>> cell = ao.LoadCell(nose=0.2, carriage=2.2, stiffness=6e8)
+        >>> round(float(cell.gain(0.0)), 4) == round(cell.share, 4)
+        True
         """
         f = finite_array("frequency", frequency, unit="Hz", most=1e100)
         s = 2j * math.pi * f

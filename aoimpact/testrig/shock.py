@@ -97,6 +97,12 @@ class ShockSpectrum(Frozen):
         Returns
         -------
         Axes
+
+        Examples
+        --------
+        >>> time = np.linspace(0.0, 1e-3, 101)
+        >>> signal = ao.Signal(time, np.sin(2e3 * np.pi * time))
+        >>> ax = ao.shock_spectrum(signal, np.geomspace(100, 5e3, 9)).plot(parts=True)
         """
         named = f"{100.0 * self.damping_ratio:.3g} % damping"
         ax = given_axes(ax)

@@ -220,6 +220,13 @@ class Signal(Frozen):
         ------
         InputError
             If the rate is lower: what is faster than half of it would appear as something slow.
+
+        Examples
+        --------
+        >>> time = np.linspace(0.0, 1e-3, 101)
+        >>> signal = ao.Signal(time, np.sin(2e3 * np.pi * time))
+        >>> len(signal.resampled(200e3).t)
+        201
         """
         wanted = positive("rate", rate, unit="Hz")
         if wanted < self.mean_rate * (1.0 - 1e-9):
@@ -283,6 +290,12 @@ class Signal(Frozen):
         """Draw the signal over time, what it was before it was filtered in grey behind it.
 
         Keywords go to ``Axes.plot``. Returns the axes.
+
+        Examples
+        --------
+        >>> time = np.linspace(0.0, 1e-3, 101)
+        >>> signal = ao.Signal(time, np.sin(2e3 * np.pi * time))
+        >>> ax = signal.plot()
         """
         if self.raw is not None:
             grey: list[Curve] = [(self.raw.values, UNFILTERED)]

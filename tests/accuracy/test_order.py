@@ -48,7 +48,7 @@ def endless(monkeypatch):
     return lambda count: tuple(Vectors() for _ in range(count))
 
 
-def search(answer, rtol, bodies=None, contact_time=1e-4):
+def search(answer, rtol, bodies=None, contact_time=1e-4, **given_more):
     """Search with runs whose answer is that function of the orders; and how many runs."""
     runs = []
 
@@ -63,7 +63,7 @@ def search(answer, rtol, bodies=None, contact_time=1e-4):
         contact_time=lambda _: contact_time,
     )
     given = (many(), many()) if bodies is None else bodies
-    found = least_orders(given, run=run, quantity=quantity, rtol=rtol)
+    found = least_orders(given, run=run, quantity=quantity, rtol=rtol, **given_more)
     return found, len(runs)
 
 
@@ -195,6 +195,15 @@ def test_a_refusal_names_the_tolerance_that_can_be_had(endless):
     assert enough < 0.03
     found, _ = search(lambda n: 1.0 + 0.99**n, enough, endless(1))
     assert 0.99 ** found.orders[0] <= enough
+
+
+def test_the_best_that_there_is_comes_with_its_error(endless):
+    """Errors 1/(n + 1): 1e-4 would take 10 000."""
+    found, _ = search(lambda n: 1.0 + 1.0 / (n + 1), 1e-4, endless(1), best=True)
+    assert found.orders[0] > 300
+    assert 0.99 / (found.orders[0] + 1) <= found.error < 5e-3
+    with pytest.raises(ao.ConvergenceError):  # of what does not settle at all there is no answer
+        search(lambda n: 1.0 + 2.0 * np.sin(n), 1e-2, endless(1), best=True)
 
 
 def test_a_whole_star_is_the_truth_itself():

@@ -14,7 +14,7 @@ from bodies import rigid_motions
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 import aoimpact as ao
-from aoimpact.base.errors import InputError, InputTypeError
+from aoimpact.base.errors import AOImpactWarning, InputError, InputTypeError
 from aoimpact.fem import static_mode
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -75,7 +75,8 @@ def test_a_rigid_mass_at_the_end_of_a_cantilever() -> None:
     assert body.frequencies(2) == pytest.approx(exact, rel=2e-3)  # the beam weighs 0.02 % of it
 
 
-@pytest.mark.parametrize("stiffness", [1.0, 1e4, 1e8])
+# K's entries are 1e10 N/m: of springs softer than 10 N/m, its rounding is more than 1e-5.
+@pytest.mark.parametrize("stiffness", [10.0, 1e4, 1e8])
 def test_springs_however_soft_hold_the_body(stiffness: float) -> None:
     """On springs far softer than itself a body swings as a rigid one: √(k/m)."""
     body = ao.FEModel.from_mesh(
@@ -218,3 +219,20 @@ def test_an_inertia_is_that_of_a_body(inertia: Any, said: str) -> None:
     with pytest.raises(InputError, match=said):
         ao.RigidMass("a", 1.0, inertia=inertia)
     assert ao.RigidMass("a", 1.0, inertia=np.zeros(3)).mass == 1.0
+
+
+@pytest.mark.parametrize(
+    ("mount", "words"),
+    [
+        (ao.RigidMass("xmax", 5.0, centre=(100.0, 0.0, 0.0)), "its centre is 100 m from a body of"),
+        (ao.RigidMass("xmax", 5.0, inertia=(1e4, 1e4, 1e4)), "its inertia reaches 77.5 m beyond"),
+    ],
+)
+def test_a_rigid_mass_in_millimetres_is_said(mount: ao.RigidMass, words: str) -> None:
+    with pytest.warns(AOImpactWarning, match=words):
+        ao.FEModel.from_mesh(BLOCK, STEEL, masses=[mount])
+
+
+def test_a_mass_on_constrained_nodes_is_said() -> None:
+    with pytest.warns(AOImpactWarning, match=r"masses\[0\]: 6 of the 6 nodes .* do not move"):
+        ao.FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")], masses=[("xmin", 5.0)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from functools import cache
 from typing import Any
@@ -297,6 +298,27 @@ def test_the_mean_of_two_nodes_deflects_by_the_mean_of_their_compliances() -> No
     np.testing.assert_allclose(tip.direction, (0, 0, 1))
 
 
+@pytest.mark.parametrize(
+    ("scale", "words"), [(1.0, ""), (2.0, r"of length 2, .* scale b so that it is 1")]
+)
+def test_a_functional_whose_resultant_is_not_1_is_said(scale: float, words: str) -> None:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        FREE.contact(b=shares(FREE, {0: scale * 0.5, 5: scale * 0.5}))
+    said = "\n".join(str(one.message) for one in caught)
+    assert re.search(words, said) if words else not said
+
+
+def test_a_functional_with_a_couple_is_said() -> None:
+    """A force on one node along z, and two across it that turn the body about z."""
+    other = int(np.argmin(np.linalg.norm(BLOCK.nodes - BLOCK.nodes[0] - [0.04, 0.0, 0.0], axis=1)))
+    b = shares(FREE, {0: 1.0})
+    b[1], b[3 * other + 1] = 0.5, -0.5
+    with pytest.warns(AOImpactWarning, match=r"a couple of 0\.02 N m"):
+        FREE.contact(b=b)
+
+
+@pytest.mark.filterwarnings("ignore:b is no mean displacement")
 def test_a_functional_that_is_no_mean_has_no_direction() -> None:
     tip = FREE.contact(b=shares(FREE, {0: 1.0, 5: -1.0}))
     assert tip.direction is None

@@ -196,6 +196,7 @@ def _laws() -> Iterator[tuple[str, tuple[Callable[..., Any], dict[str, Any]]]]:
 
 # What is called, with what, and which of its arguments are made odd.
 SIGNAL = ao.Signal(np.arange(500) / 1e5, np.sin(np.arange(500) / 50.0))
+DROP = ao.Signal(np.arange(500) / 1e5, 500.0 * np.sin(np.pi * np.arange(500) / 500.0))
 CHANNEL = Path(tempfile.mkdtemp()) / "drop.csv"
 CHANNEL.write_text("t,F\n0,0\n1,1\n2,0\n")
 CELL = ao.LoadCell(nose=0.1, carriage=1.0, stiffness=1e8)
@@ -511,12 +512,12 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "drop_weight": (
         ao.drop_weight,
         {
-            **{"source": SIGNAL, "mass": 1.0, "velocity": 1.0, "gravity": 0.0, "cfc": 600},
+            **{"source": DROP, "mass": 1.0, "velocity": 1.0, "gravity": 0.0, "cfc": 600},
             "start": 0.0,
         },
     ),
     "DropWeight.to_csv": (
-        ao.drop_weight(SIGNAL, mass=1.0, velocity=1.0).to_csv,
+        ao.drop_weight(DROP, mass=1.0, velocity=1.0).to_csv,
         {"path": "test.csv"},
     ),
     "LoadCell": (

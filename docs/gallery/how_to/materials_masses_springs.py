@@ -72,6 +72,7 @@ hit = ao.simulate(
     velocity=1.0,
 )
 print(hit)
+ax = hit.target.field().plot()
 
 # %%
 # Hertz's law takes for E* what the deflection of an orthotropic half-space gives under a round contact. There is no

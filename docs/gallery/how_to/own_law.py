@@ -2,7 +2,7 @@
 A contact law of my own
 =======================
 
-The package has the laws of elastic, damped and yielding contacts (:doc:`/api/laws`). A law that is not among them is given
+The package has :doc:`the laws </api/laws>` of elastic, damped and yielding contacts. A law that is not among them is given
 as points of a measured curve, as a Python function, or as a C function.
 """
 
@@ -80,7 +80,7 @@ for velocity in (0.2, 0.5, 1.0):
 depth = np.linspace(0, 1.2e-3, 200)
 _, ax = plt.subplots(layout="constrained")
 ax.plot(1e3 * indentation, force, "o", mfc="none", label="measured")
-ax.plot(1e3 * depth, measured.force(depth), label="Tabulated")
+ax.plot(1e3 * depth, measured.force(depth), "-", label="Tabulated")
 ax.plot(1e3 * depth, [damped.force(d, 0.5) for d in depth], "--", label="damped, at 0.5 m/s")
 ax.set(xlabel="indentation (mm)", ylabel="force (N)", xlim=(0, None), ylim=(0, None))
 ax.legend()
