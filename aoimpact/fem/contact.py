@@ -338,6 +338,12 @@ def contact_point(
             )
         except InputError as error:
             raise InputError(f"node {node}: {error}") from error
+    return _at_point(body, point, direction, radius, expected)
+
+
+def _at_point(
+    body: Body, point: Any, direction: Any, radius: float | str, expected: float | None
+) -> ContactPoint:
     if body.nodes is None or body.free is None:
         raise InputError(
             "point: this body has no nodes; give dof, or build it with FEModel(K=, M=, nodes=)"

@@ -43,8 +43,9 @@ _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 # Steeper than this against the patch's middle, a surface is no disc of a half-space: cos 45°.
 _STEEPEST = math.sqrt(0.5)
 
-# The mean normal over the patch is found when it turns by less than this, rad.
-_SETTLED, _TURNS = 1e-6, 12
+# The mean normal over the patch is found when it turns by less than this, rad; or by less than the
+# second where turns no longer shrink: a point of the disc may lie on an edge between two faces.
+_SETTLED, _ON_AN_EDGE, _TURNS = 1e-6, 1e-4, 12
 
 
 @dataclass(frozen=True)
@@ -193,8 +194,9 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
         If the surface ends within the disc, or turns away by more than 45°.
     """
     offsets, share = _disc_rule(radius)
+    across, before = plane_of(normal), math.inf
     for _ in range(_TURNS):
-        under = surface.pierced(point + offsets @ plane_of(normal), normal, reach=radius)
+        under = surface.pierced(point + offsets @ across, normal, reach=radius)
         reach = _free(surface, under, normal, np.linalg.norm(offsets, axis=1))
         if reach < radius:
             reason = (
@@ -205,9 +207,10 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
         mean = share @ surface.normal(under.face, under.uv)
         mean /= np.linalg.norm(mean)
         turned = float(np.linalg.norm(mean - normal))
-        if turned < _SETTLED:
+        if turned < _SETTLED or 0.5 * before < turned < _ON_AN_EDGE:
             break
-        normal = mean
+        # Turned no further about the normal than it must be, or the points would not settle.
+        normal, across, before = mean, plane_of(mean, across[0]), turned
     weights = np.zeros(surface.mesh.n_nodes)
     cells = surface.mesh.cells[surface.cell[under.face]]
     np.add.at(weights, cells, share[:, None] * surface.shape(under.face, under.uv))

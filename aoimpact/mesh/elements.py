@@ -1,9 +1,7 @@
 """The solid elements: shape functions and quadrature of each kind, nodes in meshio's order.
 
-Shape functions are scikit-fem's, where it has the element. Its nodes come in another order than
-meshio's (VTK's); the two are matched by the nodes' places in the reference element, so there is no
-table of permutations that could be wrong. Of the others it is enough to say which functions they
-are combinations of: each is one at its own node and zero at the others.
+It is enough to say which functions the shape functions are combinations of: each is one at its own
+node and zero at the others.
 """
 
 from __future__ import annotations
@@ -11,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
-from itertools import permutations
+from itertools import permutations, product
 from typing import Any
 
 import numpy as np
@@ -130,58 +128,75 @@ class ReferenceElement:
         return _match(reflected, self.nodes)
 
 
-# φ_a, shape (n, n_nodes), and ∂φ_a/∂ξ_α, shape (n, n_nodes, 3), at n points.
-_Basis = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+# The exponents (i, j, k, l) of xⁱ yʲ zᵏ (1 - z)⁻ˡ, each of 0, 1 or 2.
+_Powers = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
-class _FromScikitFem:
-    """The shape functions of one of scikit-fem's elements, nodes in another order."""
+class _Basis:
+    """Shape functions and their derivatives as combinations of xⁱ yʲ zᵏ (1 - z)⁻ˡ.
 
-    element: Any
-    order: IntArray
+    Attributes
+    ----------
+    middle : float
+        x, y and z are counted from here: in bricks from their middle, so that rounding stays small.
+    powers : ndarray of int, shape (m, 4)
+    shape : ndarray, shape (m, n_nodes)
+    gradient : ndarray, shape (m, 3 n_nodes)
+    """
 
-    def __call__(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        shape = np.empty((len(points), len(self.order)))
-        gradient = np.empty((*shape.shape, 3))
-        for a, i in enumerate(self.order):
-            shape[:, a], derivatives = self.element.lbasis(points.T, int(i))
-            for alpha, derivative in enumerate(derivatives):
-                gradient[:, a, alpha] = derivative
-        return shape, gradient
-
-
-@dataclass(frozen=True, eq=False)
-class _Nodal:
-    """Shape functions of a space of functions xⁱ yʲ zᵏ (1 - z)⁻ˡ, rows (i, j, k, l) of `powers`."""
-
+    middle: float
     powers: IntArray
-    combination: FloatArray
+    shape: FloatArray
+    gradient: FloatArray
 
     @classmethod
-    def at(cls, powers: Any, nodes: FloatArray) -> _Nodal:
-        found = np.array(powers)
-        combination: FloatArray = np.linalg.inv(_monomials(nodes, found)[0]).astype(np.float64)
-        return cls(found, combination)
+    def of(cls, space: tuple[_Powers, ...], nodes: FloatArray, middle: float) -> _Basis:
+        """Return the functions of a space that are one at one of the nodes each."""
+        slopes = [_derivatives(powers) for powers in space]
+        every = dict.fromkeys(space)
+        every.update(dict.fromkeys(p for row in slopes for terms in row for p in terms))
+        place = {powers: i for i, powers in enumerate(every)}
+        derivatives = np.zeros((len(every), 3, len(space)))
+        for column, row in enumerate(slopes):
+            for axis, terms in enumerate(row):
+                for powers, factor in terms.items():
+                    derivatives[place[powers], axis, column] += factor
+        found = np.array(list(every))
+        at_nodes = _monomials(nodes - middle, found)[: len(space)]
+        nodal = np.linalg.inv(at_nodes.T)
+        shape = np.zeros((len(every), len(nodes)))
+        shape[: len(space)] = nodal
+        gradient = (derivatives @ nodal).swapaxes(1, 2).reshape(len(every), -1)
+        return cls(middle, found, shape, gradient)
 
     def __call__(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        values, slopes = _monomials(points, self.powers)
-        gradient = np.einsum("nmx,ma->nax", slopes, self.combination)
-        return values @ self.combination, np.ascontiguousarray(gradient)
+        values = _monomials(points - self.middle, self.powers).T
+        shape = values @ self.shape
+        return shape, (values @ self.gradient).reshape(*shape.shape, 3)
 
 
-def _monomials(points: FloatArray, powers: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Values, shape (n, m), and derivatives, (n, m, 3); at an apex z = 1 those where x, y = 0."""
-    under = 1.0 / np.maximum(1.0 - points[:, 2:], _APEX)
-    base = np.hstack([points, under])
-    values = np.prod(base[:, None] ** powers, axis=2)
-    slopes = np.zeros((*values.shape, 3))
-    for axis in range(3):
-        lower = powers.copy()
-        lower[:, axis] = np.maximum(lower[:, axis] - 1, 0)
-        slopes[:, :, axis] = powers[:, axis] * np.prod(base[:, None] ** lower, axis=2)
-    slopes[:, :, 2] += powers[:, 3] * values * under
-    return values, slopes
+def _derivatives(powers: _Powers) -> tuple[dict[_Powers, int], ...]:
+    """The derivatives of xⁱ yʲ zᵏ (1 - z)⁻ˡ along x, y and z, as factors of such functions."""
+    i, j, k, m = powers
+    along_z = {(i, j, k - 1, m): k, (i, j, k, m + 1): m}
+    terms = ({(i - 1, j, k, m): i}, {(i, j - 1, k, m): j}, along_z)
+    return tuple({p: factor for p, factor in part.items() if factor} for part in terms)
+
+
+def _monomials(points: FloatArray, powers: IntArray) -> FloatArray:
+    """Return xⁱ yʲ zᵏ (1 - z)⁻ˡ, shape (m, n); at an apex z = 1 those where x, y = 0."""
+    x, y, z = points.T
+    found: FloatArray = _powers(x)[powers[:, 0]] * _powers(y)[powers[:, 1]]
+    found *= _powers(z)[powers[:, 2]]
+    if powers[:, 3].any():
+        found *= _powers(1.0 / np.maximum(1.0 - z, _APEX))[powers[:, 3]]
+    return found
+
+
+def _powers(x: FloatArray) -> FloatArray:
+    """Return 1, x and x², shape (3, n)."""
+    return np.stack([np.ones_like(x), x, x * x])
 
 
 def _match(wanted: FloatArray, among: FloatArray) -> IntArray:
@@ -309,28 +324,36 @@ _WEDGE_EDGES = (
 )
 _PYRAMID_EDGES = (*((0, 1), (1, 2), (2, 3), (0, 3)), *((0, 4), (1, 4), (2, 4), (3, 4)))
 
-# Quadratic in x, y, and in z with what is linear in x, y: 8 functions on each square side. And
-# x²y/(1-z), xy²/(1-z), xy/(1-z) beside all quadratic ones (G. Bedrosian, Int. J. Num. Meth. Eng.
-# 35, 95, 1992), the first of which are the linear pyramid's.
-_IN_PLANE = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-_WEDGE_15 = (
-    *((i, j, k, 0) for i, j in _IN_PLANE for k in range(2)),
-    *((i, j, 2, 0) for i, j in _IN_PLANE[:3]),
-)
-_PYRAMID_5 = ((0, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (1, 1, 0, 1))
-_PYRAMID_13 = (
-    *((i, j, k, 0) for i in range(3) for j in range(3 - i) for k in range(3 - i - j)),
-    *((1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1)),
-)
+
+def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, ...]:
+    """The functions xⁱ yʲ zᵏ of at most this degree in each coordinate that the space has."""
+    each = range(degree + 1)
+    return tuple((i, j, k, 0) for i, j, k in product(each, each, each) if has(i, j, k))
+
+
+# With 20 nodes, a function is quadratic in one coordinate at most, as on each side: the serendipity
+# space (D. Arnold & G. Awanou, Found. Comput. Math. 11, 337, 2011). A wedge of 15 nodes is
+# quadratic in x, y, and in z with what is linear in x, y. A pyramid has x²y/(1-z), xy²/(1-z),
+# xy/(1-z) beside all quadratic functions (G. Bedrosian, Int. J. Num. Meth. Eng. 35, 95, 1992), the
+# first of which are the linear pyramid's.
+_TETRAHEDRON_4 = _space(1, lambda i, j, k: i + j + k <= 1)
+_TETRAHEDRON_10 = _space(2, lambda i, j, k: i + j + k <= 2)
+_HEXAHEDRON_8 = _space(1, lambda i, j, k: True)
+_HEXAHEDRON_20 = _space(2, lambda i, j, k: (i, j, k).count(2) <= 1)
+_HEXAHEDRON_27 = _space(2, lambda i, j, k: True)
+_WEDGE_6 = _space(1, lambda i, j, k: i + j <= 1)
+_WEDGE_15 = _space(2, lambda i, j, k: i + j <= (2 if k < 2 else 1))
+_PYRAMID_5: tuple[_Powers, ...] = (*_TETRAHEDRON_4, (1, 1, 0, 1))
+_PYRAMID_13: tuple[_Powers, ...] = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1))
 
 
 @dataclass(frozen=True)
 class _Kind:
-    """What `ReferenceElement` is made from: scikit-fem's name of it or its space, and rules."""
+    """What `ReferenceElement` is made from."""
 
     cell: Cell
     middles: tuple[tuple[int, ...], ...]
-    basis: str | tuple[tuple[int, ...], ...]
+    space: tuple[_Powers, ...]
     stiffness_rule: Callable[[], Rule]
     mass_rule: Callable[[], Rule]
 
@@ -343,28 +366,26 @@ class _Kind:
 # From "degree" 5 on, scikit-fem's positive rules for tetrahedra are exact to one degree less.
 _ALL = {
     "tetra": _Kind(
-        *(_TETRAHEDRON, (), "ElementTetP1"),
+        *(_TETRAHEDRON, (), _TETRAHEDRON_4),
         *(partial(_rule, "RefTet", 1), partial(_rule, "RefTet", 2)),
     ),
     "tetra10": _Kind(
-        *(_TETRAHEDRON, _TETRAHEDRON_EDGES, "ElementTetP2"),
+        *(_TETRAHEDRON, _TETRAHEDRON_EDGES, _TETRAHEDRON_10),
         *(partial(_rule, "RefTet", 5), partial(_conical_rule, 4)),
     ),
     "hexahedron": _Kind(
-        *(_HEXAHEDRON, (), "ElementHex1"),
+        *(_HEXAHEDRON, (), _HEXAHEDRON_8),
         *(partial(_rule, "RefHex", 3), partial(_rule, "RefHex", 5)),
     ),
     "hexahedron20": _Kind(
-        *(_HEXAHEDRON, _HEXAHEDRON_EDGES, "ElementHexS2"),
+        *(_HEXAHEDRON, _HEXAHEDRON_EDGES, _HEXAHEDRON_20),
         *(partial(_rule, "RefHex", 5), partial(_rule, "RefHex", 9)),
     ),
     "hexahedron27": _Kind(
-        *(_HEXAHEDRON, _HEXAHEDRON_MIDDLES, "ElementHex2"),
+        *(_HEXAHEDRON, _HEXAHEDRON_MIDDLES, _HEXAHEDRON_27),
         *(partial(_rule, "RefHex", 5), partial(_rule, "RefHex", 9)),
     ),
-    "wedge": _Kind(
-        *(_WEDGE, (), "ElementWedge1"), *(partial(_wedge_rule, 2), partial(_wedge_rule, 4))
-    ),
+    "wedge": _Kind(*(_WEDGE, (), _WEDGE_6), *(partial(_wedge_rule, 2), partial(_wedge_rule, 4))),
     "wedge15": _Kind(
         *(_WEDGE, _WEDGE_EDGES, _WEDGE_15), *(partial(_wedge_rule, 5), partial(_wedge_rule, 9))
     ),
@@ -386,17 +407,8 @@ def reference_element(kind: str) -> ReferenceElement:
     of = _ALL[kind]
     corners = of.cell.corners
     nodes = np.vstack([corners, *(corners[list(c)].mean(axis=0) for c in of.middles)])
-    basis = _basis(of.basis, nodes)
+    basis = _Basis.of(of.space, nodes, 0.5 if of.cell is _HEXAHEDRON else 0.0)
     return ReferenceElement(kind, of.cell, nodes, of.stiffness_rule(), of.mass_rule(), basis)
-
-
-def _basis(of: str | tuple[tuple[int, ...], ...], nodes: FloatArray) -> _Basis:
-    if isinstance(of, tuple):
-        return _Nodal.at(of, nodes)
-    import skfem.element  # slow to import
-
-    element = getattr(skfem.element, of)()
-    return _FromScikitFem(element, _match(nodes, np.asarray(element.doflocs, dtype=np.float64)))
 
 
 def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:

@@ -52,19 +52,9 @@ def load(path: str | os.PathLike[str]) -> Any:
             f"mesh file {str(file)!r}: files {file.suffix} hold surfaces, without volume cells; "
             "mesh the inside, and write .msh, .vtu or .inp"
         )
-    meshio = meshio_of_all_kinds()  # before `bounded`, which puts bounds into its modules
     said = io.StringIO()
     try:
-        # meshio tries one reader after the other, prints why each failed, and then exits.
-        with (
-            contextlib.redirect_stdout(said),
-            contextlib.redirect_stderr(said),
-            bounded(size),
-            warnings.catch_warnings(),
-        ):
-            warnings.simplefilter("ignore")  # of deprecations, and of arithmetic on rubbish
-            warnings.filterwarnings("error", message="string or file could not be read")
-            return _read(file, meshio.read)
+        return _silently_read(file, size, said)
     except SystemExit:
         reason = " ".join(said.getvalue().split())
     except MemoryError:
@@ -91,6 +81,23 @@ def load(path: str | os.PathLike[str]) -> Any:
         f"mesh file {str(file)!r} cannot be read: {reason or 'meshio gives no reason'}; "
         "see the formats of meshio, and convert it to one of them (.msh, .vtu, .inp, …)"
     )
+
+
+def _silently_read(file: Path, size: int, said: io.StringIO) -> Any:
+    """What meshio reads, with bounds on what it takes, and what it prints in `said`.
+
+    It tries one reader after the other, prints why each failed, and then exits.
+    """
+    meshio = meshio_of_all_kinds()  # before `bounded`, which puts bounds into its modules
+    with (
+        contextlib.redirect_stdout(said),
+        contextlib.redirect_stderr(said),
+        bounded(size),
+        warnings.catch_warnings(),
+    ):
+        warnings.simplefilter("ignore")  # of deprecations, and of arithmetic on rubbish
+        warnings.filterwarnings("error", message="string or file could not be read")
+        return _read(file, meshio.read)
 
 
 def meshio_of_all_kinds() -> Any:

@@ -411,9 +411,12 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
         )
 
 
-def plane_of(axis: FloatArray) -> FloatArray:
-    """Two unit vectors across `axis`, shape (2, 3)."""
-    first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+def plane_of(axis: FloatArray, near: FloatArray | None = None) -> FloatArray:
+    """Two unit vectors across `axis`, shape (2, 3); the first as close to a given one as can be."""
+    if near is None:
+        first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    else:
+        first = near - (near @ axis) * axis
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(axis, first)])
 

@@ -11,7 +11,7 @@ from .origin import Origin
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid
 from .starmodes import StarModes, star_modes
-from .validity import dynamic_compliance, fitted_time, fitted_times, knows, unbalanced
+from .validity import fitted_time, fitted_times, knows, unbalanced
 
 __all__ = [
     "SHIFT_TIMES_DURATION",
@@ -28,7 +28,6 @@ __all__ = [
     "antioscillators",
     "ball",
     "body_model",
-    "dynamic_compliance",
     "fitted_time",
     "fitted_times",
     "full",

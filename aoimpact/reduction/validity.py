@@ -10,7 +10,7 @@ from .contacttime import SHIFT_TIMES_DURATION
 from .interface import InterfaceModel
 from .star import AOModel
 
-__all__ = ["dynamic_compliance", "fitted_time", "fitted_times", "knows", "unbalanced"]
+__all__ = ["fitted_time", "fitted_times", "knows", "unbalanced"]
 
 
 # Factor by which a contact may be shorter than what was fitted before it is checked: measured on
@@ -55,11 +55,6 @@ def knows(model: Any, lasted: float, port: int = 0, most: float = _BALANCED) -> 
 
 # Models do not change: where they keep for how long forces may act.
 _KEPT = "_known_times"
-
-
-def dynamic_compliance(model: AOModel | InterfaceModel, s: float, port: int = 0) -> float:
-    """Return bᵀ(K + s²M)⁻¹b of a model's body as the model has it, m/N; s in rad/s."""
-    return float(model.contact_points[port].b @ model._deflection(s, port))
 
 
 def unbalanced(model: AOModel | InterfaceModel, s: float, port: int = 0) -> float:

@@ -143,6 +143,7 @@ class Result(Eventful):
 
         Examples
         --------
+        >>> import numpy as np
         >>> ball = ao.rigid(mass=0.1)
         >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
         >>> hit.at([0.0, 1e-4, 2e-4]).force.shape

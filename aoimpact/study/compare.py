@@ -81,10 +81,8 @@ def compare(
     velocity, duration = plan.velocities[0], plan.duration
     run = partial(simulate, law=law, velocity=velocity, duration=duration, gap=gap)
     boolean("full", full)
-    orders = sorted(
-        {integer("oscillators", n, low=0) for n in sequence("oscillators", oscillators)}
-    )
-    truncations = sorted({integer("modes", n, low=1) for n in sequence("modes", modes)})
+    orders = _ascending("oscillators", oscillators, low=0)
+    truncations = _ascending("modes", modes, low=1)
     if not orders and not full:
         raise InputError("full=False without oscillators leaves no model to compare with")
     bodies = _body("projectile", projectile), _body("target", target)
@@ -100,13 +98,7 @@ def compare(
     hierarchies = tuple(
         model_hierarchy(body, contact_time, max(span, duration), linear) for body in bodies
     )
-    tries = [_try("rigid", lambda: tuple(each.model(0) for each in hierarchies), quick)]
-    spent = 0.0
-    for n in orders:
-        tries.append(_try(f"AO({n})", partial(_with_oscillators, hierarchies, n), quick))
-        if not tries[-1].failure:
-            spent += tries[-1].build  # the bases are nested: each model adds to the one before
-            tries[-1].build = spent
+    tries = _of_oscillators(hierarchies, orders, quick)
     for n in truncations:
         tries.append(_try(f"modal({n})", partial(_with_modes, bodies, n, linear), quick))
     exact = tries[len(orders)]
@@ -122,6 +114,24 @@ def compare(
         tuple(each.compared(exact.result) for each in tries),
         ", ".join(dict.fromkeys(name for each in tries for name in each.solvers)),
     )
+
+
+def _ascending(name: str, values: Iterable[int], *, low: int) -> list[int]:
+    return sorted({integer(name, n, low=low) for n in sequence(name, values)})
+
+
+def _of_oscillators(
+    hierarchies: tuple[Hierarchy, ...], orders: list[int], run: Callable[[Models], Result]
+) -> list[_Try]:
+    """Rigid bodies, and models of so many oscillators, each with the time of those before it."""
+    tries = [_try("rigid", lambda: tuple(each.model(0) for each in hierarchies), run)]
+    spent = 0.0
+    for n in orders:
+        tries.append(_try(f"AO({n})", partial(_with_oscillators, hierarchies, n), run))
+        if not tries[-1].failure:
+            spent += tries[-1].build  # the bases are nested: each model adds to the one before
+            tries[-1].build = spent
+    return tries
 
 
 def _body(name: str, body: Any) -> BodyModel:

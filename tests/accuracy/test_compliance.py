@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -24,6 +26,7 @@ FINE = FEModel.from_mesh(sphere_mesh(0.01, 0.0030), STEEL)
 POLE, TIME, SHIFT2 = (0.01, 0.0, 0.0), 60e-6, (10.0 / 60e-6) ** 2
 
 
+@cache
 def estimated(body: FEModel, radius: float) -> ComplianceError:
     found = compliance_error(body.contact(point=POLE, radius=radius), contact_time=TIME)
     assert found is not None

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ def strike(name, **options):
     return ao.simulate(**(case | {"duration": duration} | options))
 
 
+@cache
 def whole(name):
     """With all oscillators of both bodies."""
     projectile, target, *_ = IMPACTS[name]()

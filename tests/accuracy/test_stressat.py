@@ -130,7 +130,9 @@ def test_the_error_of_the_mesh_is_said_of_the_stress() -> None:
         assert hit.error.total < 5.0 * true, mesh
 
 
-def test_a_result_keeps_nothing_of_the_search_for_its_model(plate: Any) -> None:
+def test_a_result_keeps_nothing_of_the_search_for_its_model() -> None:
+    plate = box(ALUMINIUM, (0.1, 0.1, 0.005), (3, 3, 1), (0.4, 0.5, 1), ALL_EDGES)
+
     def solvers() -> int:
         gc.collect()
         return sum(type(each) is SolverBook for each in gc.get_objects())

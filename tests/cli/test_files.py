@@ -14,6 +14,8 @@ from aoimpact.cli.main import main
 
 from scenes import BAR, ROW
 
+Alone = dict[Any, tuple[Path, list[Path]]]
+
 
 @pytest.fixture(scope="module", params=[BAR, ROW], ids=["impact", "scene"])
 def done(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
@@ -24,20 +26,30 @@ def done(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return scene, scene.simulate()
 
 
+@pytest.fixture(scope="module")
+def alone(done: Any, tmp_path_factory: pytest.TempPathFactory) -> Alone:
+    """Of each format, a folder of its own and the files that it says it wrote there."""
+    folders = {write: tmp_path_factory.mktemp("alone") for write in FORMATS}
+    return {write: (folder, list(write(*done, folder))) for write, folder in folders.items()}
+
+
 @pytest.mark.parametrize("write", FORMATS)
-def test_every_format_says_what_it_wrote(write: Any, done: Any, tmp_path: Path) -> None:
-    files = write(*done, tmp_path)
+def test_every_format_says_what_it_wrote(write: Any, alone: Alone) -> None:
+    folder, files = alone[write]
     assert len(set(files)) == len(files)
-    assert all(file.parent == tmp_path and file.stat().st_size > 0 for file in files)
+    assert all(file.parent == folder and file.stat().st_size > 0 for file in files)
     beside = {file.stem for file in files}  # a .pvd names its .vtu files
-    assert all(any(file.stem.startswith(stem) for stem in beside) for file in tmp_path.iterdir())
+    assert all(any(file.stem.startswith(stem) for stem in beside) for file in folder.iterdir())
 
 
-def test_all_formats_are_written_and_none_over_another(done: Any, tmp_path: Path) -> None:
+def test_all_formats_are_written_and_none_over_another(
+    done: Any, alone: Alone, tmp_path: Path
+) -> None:
     files = write_files(*done, tmp_path / "new")
     assert len(set(files)) == len(files)
-    alone = [file.name for write in FORMATS for file in write(*done, tmp_path)]
-    assert [file.name for file in files] == alone
+    assert [file.name for file in files] == [
+        file.name for _, each in alone.values() for file in each
+    ]
 
 
 def test_the_help_and_the_page_name_every_format(capsys: pytest.CaptureFixture[str]) -> None:

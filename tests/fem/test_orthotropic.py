@@ -194,7 +194,7 @@ def test_the_bending_of_an_angle_ply_plate() -> None:
 def test_an_impact_on_a_laminate() -> None:
     """The law is that of the half-space; momentum and energy balance."""
     angles = tuple(math.radians(angle) for angle in (0.0, 90.0, 90.0, 0.0))
-    plate = laminate(angles, (12, 9), fixed=SUPPORTED)
+    plate = laminate(angles, (8, 6), fixed=SUPPORTED)
     tip = plate.contact(point=(0.1, 0.075, 1e-3), radius=0.0, direction=(0, 0, -1))
     assert tip.material is not None
     ball = ao.ball(0.00635, STEEL)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +19,7 @@ from aoimpact.fem.patch import half_space_compliance, spread
 from aoimpact.linalg.solvers import LinearSolver
 from aoimpact.mesh.elements import KINDS
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
-from aoimpact.mesh.surface import boundary
+from aoimpact.mesh.surface import Surface, boundary
 
 FloatArray = npt.NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
@@ -93,6 +94,24 @@ def test_on_a_ball_the_centre_lies_on_the_normal_by_the_mean_sagitta(size: float
         np.testing.assert_allclose(np.cross(centre, found.normal), 0.0, atol=1e-14)
         assert -centre @ found.normal == pytest.approx(sunk, rel=0.02)
         assert found.normal @ toward > 1.0 - 1e-5
+
+
+def test_at_a_pole_the_disc_settles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the normal's smallest component is rounding, and points of the disc lie on edges."""
+    discs, pierced = [], Surface.pierced
+
+    def counted(self: Surface, *args: Any, **options: Any) -> Any:
+        discs.append(args)
+        return pierced(self, *args, **options)
+
+    monkeypatch.setattr(Surface, "pierced", counted)
+    surface = boundary(sphere_mesh(0.01, 0.008))
+    here = surface.nearest(np.array([0.0, 0.0, -0.01]))[0]
+    for first in (surface.normal(here.face, here.uv)[0], -UP):
+        found = spread(surface, here.x[0], first, 0.0045)
+        assert -UP @ found.normal == pytest.approx(1.0, abs=1e-10)
+        assert len(discs) < 6
+        discs.clear()
 
 
 def test_half_space_s_part_is_the_mean_of_the_surface_under_the_pressure() -> None:

@@ -82,7 +82,7 @@ def test_a_right_force_and_a_wrong_stress_afterwards_is_said(n: int) -> None:
 
 
 def test_models_of_what_comes_afterwards_are_told_from_others() -> None:
-    short, long = (wrong(struck(model)) for model in (fitted(20), fitted(20, duration=2e-3)))
+    short, long = (wrong(struck(model)) for model in (fitted(22), fitted(22, duration=2e-3)))
     assert long[0].max() < 0.1 < 0.4 < short[0].max()
     assert long[1].max() < 0.2 < 0.4 < short[1].max()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import shutil
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ BLOCK = ao.FEModel.from_mesh(
     ao.box_mesh((0.1, 0.08, 0.02), (5, 4, 1), kind="hexahedron20"), STEEL, fixed=[("zmin", "xyz")]
 )
 TOP = BLOCK.contact(point=(0.05, 0.04, 0.02), radius=0)
-BALL = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.006), STEEL)
+BALL = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), STEEL)
 LAW = ao.Hertz(k=1e10)
 
 
@@ -34,6 +35,7 @@ def strike(projectile: Any, target: Any = None, **given: Any) -> ao.Result:
     )
 
 
+@cache
 def turned_ball() -> Any:
     """Struck along x: it has to be turned into the block's -z."""
     return ao.antioscillators(BALL.contact(point=(0.01, 0, 0), radius=0), 1)

@@ -47,7 +47,7 @@ def test_what_a_law_says_of_its_rate_is_what_its_formula_does(name):
 
 @over_laws
 @given(parameters=parameters, rate=rates)
-@settings(max_examples=25)
+@settings(max_examples=10)
 def test_no_force_without_contact(name, parameters, rate):
     law = law_of(name, *parameters)
     apart = np.array([-1e300, -1e-3, -5e-324, -0.0, 0.0])
@@ -57,7 +57,7 @@ def test_no_force_without_contact(name, parameters, rate):
 
 @over_laws
 @given(parameters=parameters, depth=depths, rate=rates)
-@settings(max_examples=25)
+@settings(max_examples=10)
 def test_only_the_law_that_means_to_pulls(name, parameters, depth, rate):
     force = law_of(name, *parameters).force(depth, rate)
     assert math.isfinite(force)
@@ -70,7 +70,7 @@ def test_the_pulling_law_pulls():
 
 @over_laws
 @given(parameters=parameters, depth=depths, rate=rates)
-@settings(max_examples=25)
+@settings(max_examples=10)
 def test_derivatives_are_those_of_the_force(name, parameters, depth, rate):
     law = law_of(name, *parameters)
     _, stiffness, damping = law._evaluate(np.array(depth), np.array(rate))
@@ -90,7 +90,7 @@ def test_derivatives_are_those_of_the_force(name, parameters, depth, rate):
 
 @over_laws
 @given(parameters=parameters)
-@settings(max_examples=20)
+@settings(max_examples=10)
 def test_loading_is_monotone(name, parameters):
     law = law_of(name, *parameters)
     depth = np.geomspace(1e-12, min(1e-3, law.limit) * (1 - 1e-9), 300)
@@ -99,7 +99,7 @@ def test_loading_is_monotone(name, parameters):
 
 @over_laws
 @given(parameters=parameters, depth=depths, rate=st.floats(0.0, 3.0))
-@settings(max_examples=25)
+@settings(max_examples=10)
 def test_the_way_in_resists_more_than_the_way_out(name, parameters, depth, rate):
     """So that no cycle of loading and unloading gives energy away."""
     law = law_of(name, *parameters)

@@ -187,7 +187,7 @@ def test_surfaces_are_checked() -> None:
 
 
 def test_models_of_a_contact_point_know_its_surface() -> None:
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.005), STEEL)
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), STEEL)
     tip = ball.contact(point=(0.0, 0.0, -0.01), direction=(0, 0, -1))
     star = ao.antioscillators(tip, n=2, method="krylov")
     surface = tip.contact_surface

@@ -36,8 +36,10 @@ OTHERS = {"Python.h", "first.py"}  # the compiler's; a user's
 
 
 def said(file: Path) -> Iterator[str]:
-    """The comments and docstrings of a file; all of a page."""
+    """The comments and docstrings of a file that names files; all of a page."""
     text = file.read_text(encoding="utf-8")
+    if not NAMED.search(text):
+        return
     if file.suffix in (".py", ".pyi"):
         for token in tokenize.generate_tokens(io.StringIO(text).readline):
             if token.type == tokenize.COMMENT:

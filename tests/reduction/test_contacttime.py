@@ -15,7 +15,7 @@ STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
 
 def struck(nu: float, kind: str = "hexahedron20", *, fixed: Any = None) -> ao.ContactPoint:
-    mesh = box_mesh((0.03, 0.02, 0.02), (4, 3, 3), kind=kind)
+    mesh = box_mesh((0.03, 0.02, 0.02), (3, 2, 2), kind=kind)
     rubber = ao.Material(E=5e6, nu=nu, rho=1000)
     return ao.FEModel.from_mesh(mesh, rubber, fixed=fixed).contact(
         point=(0.03, 0.02 / 3, 0.02 / 3), direction=(-1, 0, 0), radius=0

@@ -138,11 +138,11 @@ def test_receptance_is_right_over_the_band(block):
     """Real frequencies up to 1/s T = 1, and the imaginary ones of a blow, from 1/T to 30/T."""
     T = 20e-6
     star = ao.antioscillators(block, 12, method="krylov", contact_time=T)
-    s = np.geomspace(1.0, 30.0, 25) / T
+    s = np.geomspace(1.0, 30.0, 9) / T
     np.testing.assert_allclose(
         star_at(star, s), laplace_receptance(block.body, block.b, s), rtol=1e-6
     )
-    omega = np.linspace(0.05, 2 * np.pi, 40) / T
+    omega = np.linspace(0.05, 2 * np.pi, 15) / T
     K, M = block.body.K.toarray(), block.body.M.toarray()
     full = [block.b @ la.solve(K - w**2 * M, block.b, assume_a="sym") for w in omega]
     np.testing.assert_allclose(star.receptance(omega), full, rtol=1e-6)
@@ -485,10 +485,10 @@ ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
 
 CONSTRAINED = {
     "block": ((0.02, 0.02, 0.02), (4, 4, 4), "hexahedron20", 1e-5),
-    "bar": ((0.5, 0.02, 0.02), (40, 2, 2), "hexahedron20", 9e-5),
-    "bar of hexahedra": ((0.5, 0.02, 0.02), (40, 2, 2), "hexahedron", 9e-5),
-    "bar of tetrahedra": ((0.3, 0.02, 0.02), (30, 2, 2), "tetra10", 9e-5),
-    "plate": ((0.2, 0.2, 0.01), (12, 12, 2), "hexahedron20", 9e-5),
+    "bar": ((0.5, 0.02, 0.02), (40, 1, 1), "hexahedron20", 9e-5),
+    "bar of hexahedra": ((0.5, 0.02, 0.02), (40, 1, 1), "hexahedron", 9e-5),
+    "bar of tetrahedra": ((0.3, 0.02, 0.02), (30, 1, 1), "tetra10", 9e-5),
+    "plate": ((0.2, 0.2, 0.01), (8, 8, 1), "hexahedron20", 9e-5),
 }
 
 

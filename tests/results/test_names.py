@@ -197,7 +197,7 @@ def test_laws_have_titles_with_units(law: ao.ContactLaw, title: str) -> None:
 def test_a_body_that_may_be_rigid_keeps_its_name() -> None:
     """A soft ball on a held steel block, which is a wall beside it."""
     steel, soft = ao.Material(E=210e9, nu=0.3, rho=7800), ao.Material(E=5e6, nu=0.3, rho=1100)
-    block = ao.box_mesh((0.04, 0.04, 0.04), (4, 4, 4), kind="hexahedron20")
+    block = ao.box_mesh((0.04, 0.04, 0.04), (3, 3, 3), kind="hexahedron20")
     target = ao.FEModel.from_mesh(block, steel, fixed=[("zmin", "xyz")], name="anvil")
     ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.01), soft, name="puck")
     hit = ao.simulate(

@@ -765,14 +765,14 @@ steel = { E = 210e9, nu = 0.3, rho = 7800 }
 [bodies]
 ball = { ball = 0.01, material = "steel" }
 [bodies.block]
-mesh = { box = [0.03, 0.03, 0.03], divisions = [4, 4, 4], kind = "hexahedron20" }
+mesh = { box = [0.03, 0.03, 0.03], divisions = [3, 3, 3], kind = "hexahedron20" }
 material = "steel"
 contact = { point = [0.015, 0.015, 0.03] }
 """
     impact = '[impact]\nprojectile = "ball"\ntarget = "block"\nvelocity = 0.5\nrtol = 0.05\n'
     hit = ao.read_scene(written(tmp_path, text + impact)).simulate()
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)
-    mesh = ao.box_mesh((0.03,) * 3, (4,) * 3, kind="hexahedron20")
+    mesh = ao.box_mesh((0.03,) * 3, (3,) * 3, kind="hexahedron20")
     block = ao.FEModel.from_mesh(mesh, steel)
     same = ao.simulate(
         projectile=ao.ball(0.01, steel),

@@ -86,8 +86,8 @@ def test_two_methods_of_nothing_in_common_agree(m0):
 @pytest.fixture(scope="module")
 def patched():
     """A ball of one oscillator, touched over a patch."""
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.0035), STEEL)
-    return ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.004), 1)
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), STEEL)
+    return ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.0045), 1)
 
 
 @pytest.mark.parametrize(

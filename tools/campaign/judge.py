@@ -163,6 +163,22 @@ def _by_newmark(case: Case, outcome: Outcome, why: str) -> Verdict:
     return Verdict("undecided", why)
 
 
+def _newmark_is_elsewhere(
+    case: Case, outcome: Outcome, true: Outcome, settled: float, details: dict[str, str]
+) -> bool:
+    """Whether the second method contradicts the oracle; what it finds goes into the details."""
+    second = newmark(case, settled)
+    if second is None:
+        details["newmark"] = "none"
+        return False
+    ours, its = from_newmark(case, outcome, second), from_newmark(case, true, second)
+    details["newmark"] = (
+        f"{ours:.2g} from the answer, {its:.2g} from the oracle, settled to {second.error:.2g}"
+    )
+    between = from_newmark(case, outcome, true)
+    return between > TIMES * case.rtol and its > 0.5 * between and its > 3.0 * second.error
+
+
 def _suspected(case: Case, outcome: Outcome, true: Outcome, longest: float, way: str) -> Verdict:
     """Whether a difference is the package's fault."""
     found = _worst(case, outcome, true, way)
@@ -189,19 +205,10 @@ def _suspected(case: Case, outcome: Outcome, true: Outcome, longest: float, way:
         )
     if own > _SHARE * found.off:
         return Verdict("undecided", f"{found}; oracle tighter: {own:.2g}", found.off, 0, details)
-    second = newmark(case, 0.1 * found.off)
-    if second is None:
-        details["newmark"] = "none"
-    else:
-        ours, its = from_newmark(case, outcome, second), from_newmark(case, tight, second)
-        details["newmark"] = (
-            f"{ours:.2g} from the answer, {its:.2g} from the oracle, settled to {second.error:.2g}"
+    if _newmark_is_elsewhere(case, outcome, tight, 0.1 * found.off, details):
+        return Verdict(
+            "undecided", f"{found}; Newmark is not with the oracle", found.off, 0, details
         )
-        between = from_newmark(case, outcome, tight)
-        if between > TIMES * case.rtol and its > 0.5 * between and its > 3.0 * second.error:
-            return Verdict(
-                "undecided", f"{found}; Newmark is not with the oracle", found.off, 0, details
-            )
     tighter = run(case.with_tolerance(max(1e-12, 1e-3 * case.rtol)))
     if way == "adaptive" and tighter.outcome is not None:
         off = _worst(case, tighter.outcome, tight, way).off
