@@ -135,10 +135,10 @@ def read_matrices(
     Examples
     --------
     >>> import tempfile
-    >>> from aoimpact import FEModel, Material, box_mesh, write_matrices
-    >>> body = FEModel.from_mesh(box_mesh((1, 0.1, 0.1), (8, 1, 1)), Material(70e9, 0.3, 2700))
+    >>> mesh = ao.box_mesh((1, 0.1, 0.1), (8, 1, 1))
+    >>> body = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700))
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     files = write_matrices(body, folder)
+    ...     files = ao.write_matrices(body, folder)
     ...     read_matrices(files["K"], files["M"], nodes=body.nodes)
     FEModel(108 dofs, 36 nodes, 27 kg, free)
     """
