@@ -28,7 +28,7 @@ from ..linalg import factorize
 from ..mesh import read_mesh
 from .dofs import read_dofs
 from .formats import read_file
-from .found import Found, spoilt, symmetric
+from .found import Found, entry_line, spoilt, symmetric
 from .places import Places, read_places
 
 __all__ = ["read_matrices"]
@@ -274,9 +274,15 @@ def _labels(dofs: Any, stiffness: Found, inertia: Found) -> IntArray | None:
     found = read_dofs(dofs)
     if len(found) != stiffness.size:
         source = f"{str(dofs)!r}" if isinstance(dofs, (str, os.PathLike)) else "the array"
+        short = source
+        if stiffness.size is not None and stiffness.size < len(found):
+            short = f"{str(stiffness.file)!r}"
+            if stiffness.before is not None:
+                end = entry_line(stiffness.file, stiffness.before, len(stiffness.values))
+                short += f", which ends with line {end},"
         raise InputError(
             f"dofs: {source} has {len(found)} dofs, but {stiffness.called} {stiffness.size} rows: "
-            "is one of them cut short, or of another model?"
+            f"is {short} cut short, or is one of them of another model?"
         )
     return checked_labels(found, len(found))
 
