@@ -20,8 +20,8 @@ __all__ = [
     "checked_duration",
     "checked_speed",
     "warn_of_centres",
+    "warn_of_exchange",
     "warn_of_places",
-    "warn_of_supports",
 ]
 
 # m/s; squares and energies of speeds beyond these overflow, or vanish.
