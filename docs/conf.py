@@ -78,6 +78,7 @@ sphinx_gallery_conf = {
 
 
 def setup(app: Any) -> None:
-    from sitetools import parameter
+    from sitetools import parameter, returned
 
     app.connect("missing-reference", parameter)
+    app.connect("autodoc-process-signature", returned)

@@ -43,3 +43,9 @@ def _told(figure: Any) -> str:
 def parameter(app: Any, env: Any, node: Any, text: Any) -> Any:
     """Leave a parameter's name in single backticks as it is; a name with a dot must be there."""
     return text if node["reftype"] == "obj" and "." not in node["reftarget"] else None
+
+
+def returned(app: Any, what: str, name: str, *_: Any) -> tuple[str, None] | None:
+    """Leave out how a class is constructed of which users only meet what calls return."""
+    own = name in ("aoimpact.Run", "aoimpact.Result", "aoimpact.Handle")
+    return ("", None) if what == "class" and (own or name.count(".") > 1) else None

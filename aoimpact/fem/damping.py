@@ -32,9 +32,9 @@ def _coefficient(name: str, value: Any, unit: str = "") -> float:
 class Rayleigh:
     """Damping in proportion to mass and stiffness, C = αM + βK.
 
-    On a star: dashpots α m_i from each mass to the ground and β k_i beside each spring, exactly. A
-    massless contact (m0 = 0) follows its springs at once: the compliance it leaves is undamped. A
-    run in which that counts warns.
+    On an AO model: dashpots α m_i from each mass to the ground and β k_i beside each spring,
+    exactly. A massless contact (m0 = 0) follows its springs at once: the compliance it leaves is
+    undamped. A run in which that counts warns.
 
     Parameters
     ----------

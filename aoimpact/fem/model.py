@@ -230,17 +230,15 @@ class FEModel(Frozen):
 
         Examples
         --------
-        >>> from aoimpact.fem import Material
-        >>> from aoimpact.mesh import box_mesh
-        >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
-        >>> FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
+        >>> bar = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
+        >>> FEModel.from_mesh(bar, ao.Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
         FEModel(120 dofs, 44 nodes, 10 hexahedron, 0.027 kg, 12 dofs constrained)
 
         On springs, with a weight of 2 kg at its end:
 
         >>> FEModel.from_mesh(
         ...     bar,
-        ...     Material(E=70e9, nu=0.3, rho=2700),
+        ...     ao.Material(E=70e9, nu=0.3, rho=2700),
         ...     masses=[("xmax", 2.0)],
         ...     springs=[("zmin", "xyz", 1e6)],
         ... )
@@ -301,9 +299,7 @@ class FEModel(Frozen):
 
         Examples
         --------
-        >>> from aoimpact.fem import Material
-        >>> from aoimpact.mesh import box_mesh
-        >>> bar, steel = box_mesh((0.1, 0.01, 0.01), (10, 1, 1)), Material(210e9, 0.3, 7800)
+        >>> bar, steel = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1)), ao.Material(210e9, 0.3, 7800)
         >>> made = FEModel.from_mesh(bar, steel)
         >>> FEModel(K=made.K, M=made.M, nodes=bar.nodes).with_mesh(bar, steel)
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 0.078 kg, free)
@@ -557,9 +553,8 @@ class FEModel(Frozen):
         The mean of two nodes' displacements along z:
 
         >>> import numpy as np
-        >>> from aoimpact.mesh import box_mesh
-        >>> bar = box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
-        >>> body = FEModel.from_mesh(bar, Material(E=70e9, nu=0.3, rho=2700))
+        >>> bar = ao.box_mesh((0.1, 0.01, 0.01), (10, 1, 1))
+        >>> body = FEModel.from_mesh(bar, ao.Material(E=70e9, nu=0.3, rho=2700))
         >>> b = np.zeros(body.n_dofs)
         >>> b[[3 * 20 + 2, 3 * 21 + 2]] = 0.5
         >>> body.contact(b=b)
@@ -593,8 +588,8 @@ class FEModel(Frozen):
 
         Examples
         --------
-        >>> from aoimpact.mesh import box_mesh
-        >>> bar = FEModel.from_mesh(box_mesh((1, 0.1, 0.1), (8, 1, 1)), Material(70e9, 0.3, 2700))
+        >>> mesh = ao.box_mesh((1, 0.1, 0.1), (8, 1, 1))
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700))
         >>> audit = bar.audit(frequencies=0)
         >>> round(audit.mass, 6), audit.doubts
         (27.0, ())

@@ -9,7 +9,7 @@ from typing import BinaryIO
 import numpy as np
 
 from ..base import FloatArray, IntArray
-from .found import Found, spoilt
+from .found import Found, entry_line, spoilt
 from .table import NUMBER, blocks, shown
 
 __all__ = ["is_market", "is_triples", "read_market", "read_triples"]
@@ -38,7 +38,7 @@ def read_triples(file: Path, size: int) -> list[Found]:
     with file.open("rb") as stream:
         rows, cols, values = _entries(file, stream, 0)
     largest = int(max(rows.max(), cols.max())) + 1
-    return [Found(file, "", largest, rows, cols, values)]
+    return [Found(file, "", largest, rows, cols, values, before=0)]
 
 
 def read_market(file: Path, size: int) -> list[Found]:
@@ -79,8 +79,11 @@ def read_market(file: Path, size: int) -> list[Found]:
             file,
             f"it announces {entries} entries, but has {len(values)}: it is cut short, or a count "
             "is wrong",
+            entry_line(file, number, max(1, len(values))),
         )
-    keep = slice(None) if kind == "coordinate" else values != 0.0
+    if kind == "coordinate":
+        return [Found(file, "", n, rows, cols, values, triangle=triangle, before=number)]
+    keep = values != 0.0
     return [Found(file, "", n, rows[keep], cols[keep], values[keep], triangle=triangle)]
 
 
@@ -109,9 +112,10 @@ def _entries(
             first = int(np.flatnonzero(wrong)[0])
             raise spoilt(
                 file,
-                f"entry {read + first + 1} is of row {row[first]}, column {col[first]}, which "
-                f"should be from 1 to {most or 'the number of dofs'}"
+                f"row {row[first]}, column {col[first]} should be from 1 to "
+                f"{most or 'the number of dofs'}"
                 + ("; internal dofs of Abaqus need FORMAT=MATRIX INPUT" if most is None else ""),
+                entry_line(file, before, read + first + 1),
             )
         parts.append((row - 1, col - 1, value))
         read += len(row)

@@ -21,6 +21,9 @@ __all__ = ["is_dmig", "read_dmig"]
 
 _ENTRY = re.compile(rb"^DMIG", re.MULTILINE)
 
+# A number whose exponent has no letter.
+_NO_E = re.compile(rb"^([-+]?\d*\.?\d*)([-+]\d+)$")
+
 # The form of a symmetric matrix, of which one triangle is punched, and of a square one.
 _SYMMETRIC, _SQUARE = 6, 1
 
@@ -66,6 +69,13 @@ def read_dmig(file: Path, size: int) -> list[Found]:
 def _form(file: Path, line: bytes, i: int) -> int:
     if b"," in line:
         raise spoilt(file, "DMIG in free fields; punch it (EXTSEOUT(DMIGPCH) or MATPCH)", i + 1)
+    if line[16:24].strip() not in (b"0", b""):  # a node, where a header has 0
+        raise spoilt(
+            file,
+            "DMIG in small fields, whose numbers have few digits; punch it (EXTSEOUT(DMIGPCH) or "
+            "MATPCH), or write columns as DMIG* in fields of 16",
+            i + 1,
+        )
     form, kind = (_integer(file, line[a : a + 8], i) for a in (24, 32))
     return _COMPLEX if kind > 2 else form
 
@@ -79,7 +89,7 @@ def _matrix(
     table = np.frombuffer(padded.replace(b"D", b"E"), dtype=_ROW)
     try:
         node, component = (table[key].astype(np.int64) for key in ("node", "component"))
-        values: FloatArray = table["value"].astype(float)
+        values = _values(table["value"])
     except ValueError:
         raise _first_wrong(file, lines, which) from None
     lengths = [stop - first for first, stop, _, _ in columns]
@@ -91,11 +101,19 @@ def _matrix(
     return Found(file, name, len(codes), rows, cols, values, labels, triangle=form == _SYMMETRIC)
 
 
+def _values(texts: Any) -> FloatArray:
+    """Numbers as Nastran writes them, also 2.0+6 without the E."""
+    try:
+        return np.asarray(texts.astype(float))
+    except ValueError:
+        return np.array([float(_NO_E.sub(rb"\1E\2", text.strip())) for text in texts])
+
+
 def _first_wrong(file: Path, lines: list[bytes], which: list[int]) -> Exception:
     for i in which:
         try:
             int(lines[i][8:24]), int(lines[i][24:40])
-            float(lines[i][40:56].replace(b"D", b"E"))
+            float(_NO_E.sub(rb"\1E\2", lines[i][40:56].replace(b"D", b"E").strip()))
         except ValueError:
             shown = lines[i].decode("latin-1")[:60]
             return spoilt(

@@ -84,7 +84,11 @@ def _pairs(file: Path, text: str) -> IntArray:
         if pair is not None:
             labels.append((int(pair[1]), int(pair[2])))
         elif line.strip() and labels:
-            raise spoilt(file, f"a dof such as 123.1 should stand here, got {line[:60]!r}", number)
+            raise spoilt(
+                file,
+                f"a dof such as 123.1 should stand here, got {line[:60]!r}: is the file cut short?",
+                number,
+            )
     if not labels:
         raise spoilt(file, "it has no lines such as 123.1, nor such as 1 123 UX")
     return np.array(labels, dtype=np.int64)

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 
 from ..base import FloatArray, InputError, IntArray, MissingFileError, require
 
-__all__ = ["Found", "existing", "spoilt", "symmetric", "unfit"]
+__all__ = ["Found", "entry_line", "existing", "spoilt", "symmetric", "unfit"]
 
 # Bytes of memory that a byte of a file becomes at most: of text, entries of three numbers each, of
 # which both triangles and their sum are held at once.
@@ -44,6 +44,8 @@ class Found:
         Whether the file says that it holds one triangle only.
     unfit : str
         Why it is neither stiffness nor mass: complex, not square, empty.
+    before : int or None
+        Lines before the entries, of a file of one entry a line.
     """
 
     file: Path
@@ -56,6 +58,7 @@ class Found:
     unique: bool = True
     triangle: bool = False
     unfit: str = ""
+    before: int | None = None
 
     @property
     def called(self) -> str:
@@ -67,6 +70,16 @@ def unfit(file: Path, name: str, why: str) -> Found:
     """A matrix that is passed over: its file may have others."""
     none = np.zeros(0, dtype=np.int64)
     return Found(file, name, None, none, none, np.zeros(0), unfit=why)
+
+
+def entry_line(file: Path, before: int, entry: int) -> int:
+    """The line of an entry, counted from 1, of a file of one a line after some lines."""
+    with file.open("rb") as stream:
+        for number, line in enumerate(stream, 1):
+            entry -= number > before and bool(line.strip())
+            if not entry:
+                return number
+    return number
 
 
 def spoilt(file: Path, why: str, line: int | None = None) -> InputError:
@@ -148,11 +161,16 @@ def _there_twice(found: Found) -> InputError:
     order = np.lexsort((found.cols, found.rows))
     rows, cols = found.rows[order], found.cols[order]
     first = int(np.flatnonzero((np.diff(rows) == 0) & (np.diff(cols) == 0))[0])
+    again = None
+    if found.before is not None:
+        again = entry_line(found.file, found.before, int(order[first + 1]) + 1)
     row, col = int(rows[first]), int(cols[first])
     where = f"row {row + 1}, column {col + 1}"
     if found.labels is not None:
         (a, i), (b, j) = found.labels[row].tolist(), found.labels[col].tolist()
         where = f"dofs {a}.{i} and {b}.{j}"
     return spoilt(
-        found.file, f"the entry of {where} is there twice: are two files or two steps joined in it?"
+        found.file,
+        f"the entry of {where} is there twice: are two files or two steps joined in it?",
+        again,
     )

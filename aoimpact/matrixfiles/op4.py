@@ -14,6 +14,7 @@ from array import array
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -70,11 +71,10 @@ class _Strings:
         return Found(file, name, shape[0], rows[keep], cols[keep], values[keep])
 
 
-class _Numbers:
+class _Numbers(Protocol):
     """The numbers of a file, by the place where a string begins and their place in it."""
 
-    def at(self, starts: np.ndarray, within: np.ndarray) -> FloatArray:
-        raise NotImplementedError
+    def at(self, starts: np.ndarray, within: np.ndarray) -> FloatArray: ...
 
 
 def is_op4(head: bytes) -> bool:
@@ -107,7 +107,7 @@ def _binary(head: bytes) -> tuple[str, int] | None:
     return None
 
 
-class _Words(_Numbers):
+class _Words:
     """Numbers of a binary file, at offsets of bytes that are multiples of 4."""
 
     def __init__(self, content: bytes, order: str, width: int) -> None:
@@ -218,7 +218,7 @@ def _check(
 # --------------------------------------------------------------------------------- text
 
 
-class _Printed(_Numbers):
+class _Printed:
     """Numbers of fixed width, as they were found one after the other."""
 
     def __init__(self, parts: list[bytes], width: int) -> None:

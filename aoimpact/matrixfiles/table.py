@@ -19,6 +19,8 @@ __all__ = ["NUMBER", "blocks", "shown"]
 
 NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
+_FORTRAN = re.compile(rb"(\d\.?)[dD](?=[-+]?\d)")
+
 # Lines parsed at a time.
 _LINES = 2_000_000
 
@@ -105,12 +107,10 @@ def _located(
             if comments and line.lstrip().startswith(comments.encode()):
                 continue
             if not entry.match(line) or not np.isfinite(_value(line)):
-                return spoilt(
-                    file,
-                    f"{what} should stand here, got {shown(line)}: is the file cut short, or of "
-                    "another format?",
-                    number,
-                )
+                cause = "is the file cut short, or of another format?"
+                if entry.match(_FORTRAN.sub(rb"\1E", line)):
+                    cause = "write exponents with E, not Fortran's D"
+                return spoilt(file, f"{what} should stand here, got {shown(line)}: {cause}", number)
     return spoilt(file, f"{what} should stand on each line: {why}")
 
 

@@ -29,7 +29,7 @@ def write_matrices(
     ----------
     what : FEModel, ContactPoint or AOModel
         A body has K and M; a contact point b as well, the contact's displacement being u = bᵀX. Of
-        an AO model they are those of its star: contact mass first, then the oscillators.
+        an AO model they are those of λ: contact mass first, then the oscillators.
     folder : path
         Made if it is not there; files of these names in it are replaced.
 
@@ -53,10 +53,9 @@ def write_matrices(
     Examples
     --------
     >>> import tempfile
-    >>> from aoimpact import AOModel
-    >>> star = AOModel(m0=0.1, k0=1e6, m=[0.5], k=[2e6])
+    >>> model = ao.AOModel(m0=0.1, k0=1e6, m=[0.5], k=[2e6])
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     print(sorted(write_matrices(star, folder)))
+    ...     print(sorted(write_matrices(model, folder)))
     ['K', 'M', 'b', 'deck', 'json']
     """
     if isinstance(what, AOModel):

@@ -201,8 +201,7 @@ class Mesh(Frozen):
 
         Examples
         --------
-        >>> from aoimpact.mesh import box_mesh
-        >>> box = box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
+        >>> box = ao.box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
         >>> two = Mesh(box.nodes, box.cells, box.kind, box.node_sets, {"tup": [0], "plate": [1]})
         >>> two.part("tup")
         Mesh(8 nodes, 1 hexahedron, sets: xmin, ymin, ymax, zmin, zmax, groups: tup)

@@ -143,7 +143,7 @@ class ModalModel(Frozen):
 
     @cached_property
     def star(self) -> AOModel:
-        """The same model as a star: its antiresonances by the secular equation.
+        """The same model as anti-oscillators, by the secular equation.
 
         Modes of one frequency act as one; those that b does not excite are left out. It is
         exact: both have the same receptance Σ r_j²/(ω_j² - ω²).

@@ -60,7 +60,7 @@ class AOModel(Frozen):
     origin : Origin, optional
         The body that the numbers came from; set by `antioscillators` and `modal`.
     damping : Rayleigh or ModalDamping, optional
-        Of the star's natural modes.
+        Of the model's natural modes.
     surface : ContactSurface, optional
         Material and curvatures at the contact; by default those of `origin`.
     name : str, optional
@@ -197,13 +197,13 @@ class AOModel(Frozen):
     def centre_known(self) -> bool:
         """Whether mass and centre of mass are known: not of a body of K and M hit off its centre.
 
-        A star given by numbers is its own body.
+        A model given by numbers is its own body.
         """
         return self.origin is None or self.origin.centre_known
 
     @property
     def patch(self) -> Patch | None:
-        """The patch over which the body is touched; None for a node, or a star given by numbers."""
+        """The patch over which the body is touched; None for a node, or without a body."""
         found: Patch | None = None if self.origin is None else self.origin.tip.patch
         return found
 
@@ -230,9 +230,9 @@ class AOModel(Frozen):
 
     @property
     def natural_frequencies(self) -> FloatArray:
-        """Frequencies of the star's own natural modes, Hz, ascending, shape (n+1,) or less.
+        """Frequencies of the model's own natural modes, Hz, ascending, shape (n+1,) or less.
 
-        From the secular equation; zero for the rigid motion of a free star. A massless contact
+        From the secular equation; zero for the rigid motion of a free model. A massless contact
         coordinate (m0 = 0) has no mode of its own, and oscillators of equal frequency share one.
         """
         return np.sqrt(self.to_modal()[0]) / (2.0 * np.pi)
@@ -250,9 +250,9 @@ class AOModel(Frozen):
 
     @property
     def centre_weights(self) -> FloatArray:
-        """Weights w of the star's coordinates in the centre of mass's displacement, shape (n+1,).
+        """Weights w of the coordinates λ in the centre of mass's displacement, shape (n+1,).
 
-        The contact coordinate first. Of a star given by numbers they are the masses over their sum.
+        The contact coordinate first. Of a model given by numbers: the masses over their sum.
         """
         if math.isinf(self.m0):
             return np.ones(1)
@@ -391,7 +391,7 @@ class AOModel(Frozen):
         )
 
     def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return K, M and b of the star's n + 1 coordinates, the contact first.
+        """Return K, M and b of the n + 1 coordinates λ, the contact first.
 
         K has k0 + Σ k_i at the contact, k_i on the diagonal and -k_i between them (Fig. 2); M is
         diagonal; b = (1, 0, …, 0).
@@ -422,10 +422,10 @@ class AOModel(Frozen):
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return the model as JSON, and write it where a path is given.
 
-        A star is four things: the contact mass m0 (kg) on a ground spring k0 (N/m), and on it, each
-        by a spring k_i, the masses m_i. That is all that another program needs: n + 1 point masses
-        that move along one line, n + 1 springs, and the contact's law at the first. Numbers have
-        all their digits.
+        The model is four things: the contact mass m0 (kg) on a ground spring k0 (N/m), and on it,
+        each by a spring k_i, the masses m_i. That is all that another program needs: n + 1 point
+        masses that move along one line, n + 1 springs, and the contact's law at the first. Numbers
+        have all their digits.
 
         Parameters
         ----------
@@ -459,7 +459,7 @@ class AOModel(Frozen):
         return written
 
     def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
-        """Return the full displacement of given star coordinates, eq. (8).
+        """Return the full displacement of given coordinates λ, eq. (8).
 
         X = λ₀ φ_st + Σ (λ_i - λ₀) Ψ_i.
 
@@ -499,7 +499,7 @@ class AOModel(Frozen):
         return full
 
     def to_modal(self) -> tuple[FloatArray, FloatArray]:
-        """Return the star's natural modes by the secular equation.
+        """Return the model's natural modes by the secular equation.
 
         Returns
         -------

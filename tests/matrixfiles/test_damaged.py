@@ -33,14 +33,15 @@ def edited(file: Path, line: int, text: str | None) -> Path:
     ("kind", "line", "text", "words"),
     [
         ("market", 50, None, "line 3: it announces 72 rows and .* entries, .* cut short"),
-        ("market", 1000, None, r"it announces \d+ entries, but has \d+: it is cut short"),
+        ("market", 1000, None, r"line 999: it announces \d+ entries, but has 996: it is cut short"),
+        ("market", 50, "5 7 2d6", r"line 50: .* got '5 7 2d6': write exponents with E, not Fort"),
         ("market", 50, "1 2 x", r"line 50: row, column and value should stand here, got '1 2 x'"),
         ("market", 50, "1 1 1.0-103", r"line 50: row, column and value .* got '1 1 1\.0-103'"),
         (
             "market",
             50,
             "1 999 1.0",
-            r"entry 47 is of row 1, column 999, which should be from 1 to 72",
+            r"line 50: row 1, column 999 should be from 1 to 72",
         ),
         ("market", 50, "9 1 1.0 5", r"line 50: .* got '9 1 1\.0 5'"),
         ("market", 1, "%%MatrixMarket matrix coordinate complex symmetric", "line 1: .*'complex'"),
@@ -48,8 +49,9 @@ def edited(file: Path, line: int, text: str | None) -> Path:
         ("market", 3, "72 71 100", "line 3: the matrix is 72 by 71, not square"),
         ("market-array", 3, "900000000 900000000", "line 3: it announces 900000000 rows and"),
         ("calculix", 300, "5 7", r"stiffness\.sti', line 300: row, column and value .* got '5 7'"),
-        ("calculix", 300, "5 0 1.0", r"entry 300 is of row 5, column 0"),
-        ("calculix", 2, "1 1 5.0", "the entry of row 1, column 1 is there twice"),
+        ("calculix", 300, "5 0 1.0", r"line 300: row 5, column 0 should be from 1"),
+        ("calculix", 2, "1 1 5.0", "line 2: the entry of row 1, column 1 is there twice"),
+        ("dmig", 2, "DMIG    KAAX         101       1             103       2 1.0", "small fields"),
         ("abaqus", 300, "101,1, 103,", r"line 300: node, component, .* got '101,1, 103,'"),
         ("abaqus", 300, "101 1 103 2 1.0", r"line 300: node, component, .* got '101 1 103 2"),
         ("dmig", 30, "*   113    2 1.0E+", r"line 30: \*, node, component and value in fields"),
@@ -94,6 +96,34 @@ def test_a_file_without_its_last_lines_is_refused(
     files[which].write_text("".join(content[:-lines]))
     with pytest.raises(ao.InputError, match="cut short"):
         ao.read_matrices(*files)
+
+
+def test_of_calculix_s_files_the_one_that_is_short_is_named(tmp_path: Path) -> None:
+    stiffness, _ = files = written("calculix", tmp_path, K, M, LABELS)
+    dofs = stiffness.with_suffix(".dof")
+    whole = dofs.read_text()
+    lines = whole.splitlines()
+    dofs.write_text("\n".join([*lines[:5], "171", ""]))
+    with pytest.raises(ao.InputError, match=r"line 6: .* got '171': is the file cut short"):
+        ao.read_matrices(*files)
+    dofs.write_text("\n".join([*lines[:5], ""]))
+    with pytest.raises(ao.InputError, match=r"is '.*stiffness\.dof' cut short"):
+        ao.read_matrices(*files)
+    dofs.write_text(whole)
+    edited(stiffness, 200, None)
+    with pytest.raises(
+        ao.InputError, match=r"stiffness\.sti', which ends with line 199, cut short"
+    ):
+        ao.read_matrices(*files)
+
+
+def test_nastran_s_numbers_without_an_e_are_read(tmp_path: Path) -> None:
+    files = written("dmig", tmp_path, K, M, LABELS)
+    exact = ao.read_matrices(*files)
+    text = files[0].read_text()
+    files[0].write_text(re.sub(r"(\d)[DE]([-+]\d+)$", r"\1\2", text, flags=re.MULTILINE))
+    assert files[0].read_text() != text
+    assert abs(ao.read_matrices(*files).K - exact.K).max() == 0.0
 
 
 def test_a_last_line_without_an_end_is_said(tmp_path: Path) -> None:
@@ -303,6 +333,19 @@ def test_a_free_body_that_few_digits_hold_is_said(tmp_path: Path) -> None:
     market(files[0], sp.coo_array(0.5 * (stiffness + stiffness.T)), None)
     with pytest.warns(AOImpactWarning, match=r"6 rigid motions .* K has few digits"):
         ao.read_matrices(*files, nodes=FREE.nodes)
+
+
+@pytest.mark.parametrize(("nu", "digits"), [(0.33, 9), (0.25, 10)])
+def test_few_digits_are_enough_for_the_elastic_frequencies(nu: float, digits: int) -> None:
+    """Rounding leaves rigid motions a stiffness below zero; the elastic ones do not feel it."""
+    mesh = ao.box_mesh((0.1, 0.03, 0.01), (10, 3, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=nu, rho=2700.0))
+    stiffness = body.K.copy()
+    stiffness.data = np.array([float(f"{value:.{digits - 1}e}") for value in stiffness.data])
+    rounded = ao.FEModel(K=stiffness, M=body.M, nodes=body.nodes)
+    found = rounded.frequencies(8)
+    assert found[:6].max() < 20.0
+    assert found[6:] == pytest.approx(body.frequencies(8)[6:], rel=1e-5)
 
 
 # --------------------------------------------------------------- what is left out or put in

@@ -127,6 +127,23 @@ def test_the_error_is_honest_on_coarse_meshes(kind: str) -> None:
     assert max(ratio) < 2.0
 
 
+@pytest.mark.parametrize("kind", ["tetra", "tetra10"])
+def test_the_error_is_honest_on_cylinders_of_nodes_in_rows(kind: str) -> None:
+    """As mesh generators put them, on facets of straight edges anywhere between these nodes."""
+    ratio = []
+    rng = np.random.default_rng(5)
+    for across in (2.0, 2.5, 3.0, 3.5, 4.0) if kind == "tetra" else (1.5, 2.0, 2.5):
+        box = box_mesh((1.0, 1.0, 0.3), (round(2 * across), round(2 * across), 1), kind=kind)
+        u, v, depth = (box.nodes - [0.5, 0.5, 0.3]).T * np.array([[2.0], [2.0], [1.0]])
+        nodes = cylinder(u, v) * np.stack([1.0 + depth, np.ones_like(u), 1.0 + depth], axis=1)
+        surface = boundary(Mesh(nodes, box.cells, kind))
+        for place in rng.uniform(-0.4, 0.4, (20, 2)):
+            at = surface_shape(surface, cylinder(*place))
+            ratio.append(np.abs(at.curvatures - [1.0, 0.0]).max() / at.error)
+    assert np.mean(np.array(ratio) < 1.0) >= 0.95
+    assert max(ratio) < 2.0
+
+
 @pytest.mark.parametrize("noise", [1e-4, 1e-3, 1e-2])
 @pytest.mark.parametrize("kind", ["tetra", "hexahedron20"])
 def test_noise_in_the_nodes_is_seen(kind: str, noise: float) -> None:

@@ -115,4 +115,4 @@ for law in (damped, compiled):
 # ``radius=0`` to leave the law as it is.
 #
 # A law that remembers, such as one with plastic indentation, cannot be a ``UserLaw``; ``ao.Thornton`` is one. To add a law
-# to the package itself, with its formulas in C, see the table *To add something* in ``CONTRIBUTING.md`` of the source.
+# to the package itself, with its formulas in C: :doc:`/contributing`.
