@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ConvergenceError, FloatArray, heard
+from ..base import ConvergenceError, FloatArray, SingularError, heard
 from .davidson import davidson
 from .dense import dense_modes
 from .pencil import Pencil
@@ -82,7 +82,10 @@ def shifted(
         elastic = max(_first_elastic(K, M, current, rigid), _LEAST_SHIFT * _first_shift(K, M))
         if _SHIFT_BELOW * current.s2 <= elastic <= _SHIFT_ABOVE * current.s2:
             break
-        current = solver_at(elastic)
+        try:
+            current = solver_at(elastic)
+        except SingularError:  # what K's digits leave of a rigid motion may be below zero
+            break
     return current
 
 

@@ -335,6 +335,19 @@ def test_a_free_body_that_few_digits_hold_is_said(tmp_path: Path) -> None:
         ao.read_matrices(*files, nodes=FREE.nodes)
 
 
+@pytest.mark.parametrize(("nu", "digits"), [(0.33, 9), (0.25, 10)])
+def test_few_digits_are_enough_for_the_elastic_frequencies(nu: float, digits: int) -> None:
+    """Rounding leaves rigid motions a stiffness below zero; the elastic ones do not feel it."""
+    mesh = ao.box_mesh((0.1, 0.03, 0.01), (10, 3, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=nu, rho=2700.0))
+    stiffness = body.K.copy()
+    stiffness.data = np.array([float(f"{value:.{digits - 1}e}") for value in stiffness.data])
+    rounded = ao.FEModel(K=stiffness, M=body.M, nodes=body.nodes)
+    found = rounded.frequencies(8)
+    assert found[:6].max() < 20.0
+    assert found[6:] == pytest.approx(body.frequencies(8)[6:], rel=1e-5)
+
+
 # --------------------------------------------------------------- what is left out or put in
 
 

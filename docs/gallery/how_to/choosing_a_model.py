@@ -62,7 +62,7 @@ table = ao.compare(
     velocity=1.0,
     duration=hit.duration,
     oscillators=(0, 1, 2, 4, 8, 16),
-    modes=(5, 10, 20),
+    modes=(6, 11, 19),
     full=False,
 )
 print(table)
