@@ -7,6 +7,8 @@ trap 'rm -rf "$work"' EXIT
 
 # The solvers use small matrices, on which threads of BLAS only wait for each other.
 export OPENBLAS_NUM_THREADS=1 MPLBACKEND=Agg PIP_DISABLE_PIP_VERSION_CHECK=1
+# Workers of pytest share the modules that one of them has compiled.
+unset PYTHONDONTWRITEBYTECODE
 
 # The n-th block of shell commands in the README.
 readme_block() {
