@@ -63,7 +63,7 @@ class Audit:
     frequencies : ndarray
         The lowest natural ones, Hz.
     doubts : tuple of str
-        What is not like a body, and the likely cause.
+        Values that no real body has, each with its likely cause.
 
     Examples
     --------
