@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..base import FloatArray, InputError
-from ..results import Result, Run
+from ..results import LEAST_REBOUND, Result, Run
 
 __all__ = [
     "COLUMNS",
@@ -36,10 +36,9 @@ R = TypeVar("R", Result, Run)
 # Times, s, to values of shape (rows, times).
 History = Callable[[Run, FloatArray], FloatArray]
 
-# The least scale of a relative error, as a share: of the largest contact of a scene, since one
-# that only grazes has no digits of its own; of the initial velocity, or of a restitution of 1,
-# since neither has a body that is all but stopped.
-_LEAST_CONTACT, _LEAST_REBOUND = 0.1, 0.1
+# The least scale of a relative error, as a share of the largest contact of a scene: one that only
+# grazes has no digits of its own.
+_LEAST_CONTACT = 0.1
 
 
 def recorded(rows: Callable[[Run], FloatArray]) -> History:
@@ -258,7 +257,7 @@ _ALL = (
         "m/s",
         lambda hit: hit.rebound_velocity,
         compared=lambda hit: hit.parting[0],
-        least=lambda hit: _LEAST_REBOUND * abs(hit.velocity),
+        least=lambda hit: LEAST_REBOUND * abs(hit.velocity),
         column=True,
     ),
     Quantity(
@@ -266,7 +265,7 @@ _ALL = (
         "",
         lambda hit: hit.restitution,
         compared=lambda hit: hit.parting_speed / hit.velocity,
-        least=lambda hit: _LEAST_REBOUND,
+        least=lambda hit: LEAST_REBOUND,
         column=True,
     ),
     Quantity(
@@ -312,9 +311,9 @@ _OF_SCENES = (
         "rebound_velocity",
         "m/s",
         of_scene=_rebounds,
-        least=lambda run: _LEAST_REBOUND * max(map(abs, run.plan.velocities)),
+        least=lambda run: LEAST_REBOUND * max(map(abs, run.plan.velocities)),
     ),
-    Quantity("restitution", "", of_scene=_restitution, least=lambda _: _LEAST_REBOUND),
+    Quantity("restitution", "", of_scene=_restitution, least=lambda _: LEAST_REBOUND),
 )
 
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}

@@ -83,11 +83,20 @@ class RoomError(InputError):
         How large it may be at most, about, m.
     reason : str
         What is in its way, and where.
+    cure : str
+        What to do where no patch has room.
     """
 
-    def __init__(self, message: str, room: float, reason: str) -> None:
+    def __init__(
+        self,
+        message: str,
+        room: float,
+        reason: str,
+        cure: str = "choose a point farther from there, refine the mesh about it, or take "
+        "radius=0, a single node",
+    ) -> None:
         super().__init__(message)
-        self.room, self.reason = room, reason
+        self.room, self.reason, self.cure = room, reason, cure
 
 
 class MissingFileError(MeshError, FileNotFoundError):

@@ -413,7 +413,7 @@ def _with_room(
     """The contact with a patch of that radius, or of one that has room."""
     assert body.surface is not None
     assert body.material is not None
-    with held_warnings():  # what is to be said of the point has been said
+    with held_warnings():  # the point has had its warnings
         least = min(radius, _LEAST_PATCH * edge_length(body.surface, point))
         while True:
             try:
@@ -424,8 +424,7 @@ def _with_room(
                 if radius < least:
                     raise InputError(
                         f"point {plain(point)} m has no room for a contact over a patch: "
-                        f"{error.reason}; choose a point farther from there, refine the mesh about "
-                        "it, or take radius=0, a single node"
+                        f"{error.reason}; {error.cure}"
                     ) from None
 
 
@@ -589,6 +588,7 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
             "choose another point or direction, a smaller radius, or release the nodes in fixed",
             float(away.min()),
             reason,
+            "choose a point farther from the supports, or release the nodes in fixed",
         )
     node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - _AT_NODE else None
     return ContactPoint(

@@ -14,9 +14,15 @@ from ..fem import ContactPoint
 from ..laws import HertzianLaw, own_law
 from ..reduction import AOModel, touched
 from ..results import Run
-from ..scene import Plan
+from ..scene import Plan, SceneBody
 
-__all__ = ["checked_duration", "checked_speed", "warn_of_centres", "warn_of_places"]
+__all__ = [
+    "checked_duration",
+    "checked_speed",
+    "warn_of_centres",
+    "warn_of_exchange",
+    "warn_of_places",
+]
 
 # m/s; squares and energies of speeds beyond these overflow, or vanish.
 _SLOWEST, _FASTEST = 1e-60, 1e60
@@ -82,6 +88,22 @@ def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
             )
 
 
+def warn_of_exchange(projectile: SceneBody, target: SceneBody) -> None:
+    """Warn of a finite-element projectile that supports hold, where nothing holds the target.
+
+    What springs alone hold may well fly, as a tup on its guide does.
+    """
+    tip = touched(projectile.model)
+    if tip is None or not projectile.constrained or target.fixed or tip.body.nodes is None:
+        return
+    if tip.body.free is not None and len(tip.body.free) < tip.body.nodes.size:
+        warn(
+            "projectile moves though supports hold it, and nothing holds the target: it moves as "
+            "it would deflect under a force at the contact, and swings back. If it is what is "
+            "struck, exchange projectile and target; if it flies, leave its supports (fixed=) out"
+        )
+
+
 def warn_of_places(run: Run, names: Sequence[str]) -> None:
     """Warn of places of contact for which the law or the method is not.
 
@@ -115,8 +137,9 @@ def warn_of_places(run: Run, names: Sequence[str]) -> None:
                     f"{names[body]}: the patch has a radius of "
                     f"{quantity(tip.patch.radius, 'm', 3)} where the body is "
                     f"{quantity(tip.depth, 'm', 3)} thick, and the law contains the indentation of "
-                    "a half-space: the force is too large, by some 2 % where both are alike and 15 "
-                    f"to 30 % at three times that; {_narrower(tip)}"
+                    "a half-space: by that alone the force is too large, by some 2 % where both "
+                    "are alike and 15 to 30 % at three times that, and what the mesh adds is in "
+                    f"the error; {_narrower(tip)}"
                 )
         first, second = tips
         if first is not None and second is not None:

@@ -16,7 +16,7 @@ from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
 from ..results import Result, Run
 from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
-from .checks import checked_duration, checked_speed
+from .checks import checked_duration, checked_speed, warn_of_exchange
 from .defaults import chosen_law, fitted_pair, meeting, turned, turns
 from .run import RunOptions, run_models
 
@@ -122,6 +122,7 @@ def simulate(
     options = RunOptions(quantity, rtol, solver, energies, linear_solver)
     bodies = body_model("projectile", projectile), body_model("target", target)
     pair = _pair(*bodies, numbers.velocity)
+    warn_of_exchange(*pair)
     interest = partial(impact_quantity, quantity, *bodies)
     if options.asked:  # bad input is refused before any work is done
         checked_rtol(rtol)

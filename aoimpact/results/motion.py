@@ -19,6 +19,7 @@ from ..fields import Field, Probe, Response
 from ..integrate import Eventful, Events
 
 __all__ = [
+    "LEAST_REBOUND",
     "BodyEnergy",
     "BodyResult",
     "ContactResult",
@@ -28,6 +29,10 @@ __all__ = [
     "LeftOut",
 ]
 
+
+# The least scale of a relative error, as a share of the initial velocity, or of a restitution of 1:
+# a body that is all but stopped has neither.
+LEAST_REBOUND = 0.1
 
 # Errors below this share are rounding.
 _ROUNDING = 1e-9
@@ -374,6 +379,9 @@ class Cost:
 @dataclass(frozen=True, repr=False)
 class ErrorEstimate:
     """What is known of the error, relative; None where nothing is.
+
+    Of a rebound velocity below a tenth of the initial one, and of a restitution below 0.1, relative
+    to that tenth.
 
     Attributes
     ----------

@@ -11,7 +11,7 @@ import numpy as np
 from ..base import quantity
 from ..fem import ContactPoint
 from ..reduction import touched
-from .motion import in_words, percent
+from .motion import LEAST_REBOUND, in_words, percent
 
 if TYPE_CHECKING:
     from ..scene import SceneBody
@@ -107,6 +107,10 @@ def place_words(tip: ContactPoint | None, *, rigid: bool = False) -> str:
 def _rebound(result: Result, name: str, unit: str = "") -> str:
     value = getattr(result, name)
     if not math.isnan(value):
+        least = LEAST_REBOUND * (abs(result.velocity) if unit else 1.0)
+        error = result.error.of(name)
+        if abs(value) < least and error is not None and math.isfinite(error):
+            return f"{value:.5g}{unit} ± {error * least:.2g}{unit}"  # what `error` is relative to
         return f"{value:.5g}{unit}{result.error.told(name)}"
     return "none" if result.in_contact_at_end or not result.contacts else "not known"
 
@@ -158,6 +162,9 @@ def _error(result: Result) -> str:
     total = math.fsum(known)
     within = f"± {percent(total)} %" if math.isfinite(total) else "not bounded"
     interest = error.quantity or "force"
+    if interest == "contact_count":  # a share of a number of contacts is none
+        sure = not any(part for cause, part in parts.items() if cause != "time")
+        return f"contact count {'certain' if sure else 'more or less'} ({listed})"
     name = interest.replace("_", " ")
     if interest not in {*error.numbers, *error.left_out.mesh_numbers}:  # a history
         name += ", at its worst over the record,"

@@ -253,3 +253,34 @@ def test_the_summary_tells_where_and_over_what_a_body_is_touched() -> None:
         warnings.simplefilter("ignore", ao.AOImpactWarning)
         tip = fine.contact(point=MIDDLE, radius=0.004)
     assert ", patch of 4 mm at (0.05, 0.04, 0.006) m along" in repr(strike(tip))
+
+
+def test_a_held_body_that_flies_is_asked_about() -> None:
+    """The likeliest cause is that the two bodies were exchanged."""
+    tip = plate().contact(point=MIDDLE)
+    ball = ao.ball(0.01, STEEL)
+    with pytest.warns(ao.AOImpactWarning, match="exchange projectile and target"):
+        ao.simulate(projectile=tip, target=ball, velocity=1.0)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        ao.simulate(projectile=ball, target=tip, velocity=1.0)
+    assert not any("exchange projectile" in str(one.message) for one in said)
+
+
+def test_a_single_node_is_no_cure_on_supports() -> None:
+    """It would be refused as well."""
+    glued = plate(fixed=[("zmax", "xyz")])
+    with pytest.raises(ao.InputError, match="farther from the supports, or release") as refused:
+        glued.contact(point=MIDDLE)
+    assert "radius=0" not in str(refused.value)
+    with pytest.raises(ao.InputError, match="constrained by the supports"):
+        glued.contact(point=MIDDLE, radius=0)
+    glued.contact(point=(0.05, 0.04, 0.0))
+
+
+def test_a_number_of_contacts_is_certain_or_not() -> None:
+    """It has no percent: a heavy ball touches a plate once, by all that is known."""
+    block = ao.FEModel.from_mesh(ao.box_mesh((0.05, 0.05, 0.05), (4, 4, 4)), STEEL)
+    tip = block.contact(point=(0.025, 0.025, 0.05))
+    hit = ao.simulate(ao.ball(0.01, STEEL), tip, 1.0, quantity="contact_count")
+    assert "contact count certain (mesh 0, contact 0, model 0" in repr(hit)

@@ -189,6 +189,23 @@ class Marked(ao.Hertz):
         return "<script>"
 
 
+def test_a_rebound_that_is_all_but_none_has_its_error_in_its_own_unit() -> None:
+    """Percent of a tenth of the velocity would read as percent of the number beside it.
+
+    A ball of two thirds of a block's mass, linear law: e = 1, v = (m1 - m2)/(m1 + m2) V.
+    """
+    heavy = ao.AOModel(m0=0.999, k0=0.0, m=[0.005], k=[1e9])
+    light = ao.AOModel(m0=0.99, k0=0.0, m=[0.01], k=[1e9])
+    hit = ao.simulate(
+        heavy, light, 1.0, law=ao.Linear(k=1e6), duration=0.01, quantity="peak_force", rtol=1e-2
+    )
+    assert abs(hit.rebound_velocity) < 0.1
+    absolute = 0.1 * hit.error.of("rebound_velocity")
+    assert f"{hit.rebound_velocity:.5g} m/s ± {absolute:.2g} m/s" in repr(hit)
+    share = 100.0 * hit.error.of("restitution")
+    assert f"{hit.restitution:.5g} ± {share:.2g} %" in repr(hit)
+
+
 def test_notebook_shows_a_table_with_everything_escaped() -> None:
     whole = HalfSine().result()
     result = dataclasses.replace(whole, law=Marked(1e9))
