@@ -48,8 +48,6 @@ from importlib.metadata import version as _version
 from importlib.util import find_spec as _find_spec
 from pathlib import Path as _Path
 
-import lazy_loader as _lazy_loader
-
 if _find_spec("aoimpact._core") is None:
     # A script in the source folder sees that folder before the installed package. The installed one
     # is meant: it takes the place of this folder.
@@ -64,6 +62,8 @@ if _find_spec("aoimpact._core") is None:
             f"{_sys.executable}; install it (pip install . in the source folder), and run the "
             "script by the Python of that environment (.venv/bin/python)"
         )
+
+import lazy_loader as _lazy_loader  # after the message: without an environment it is missing, too
 
 # The public names stand in __init__.pyi; each is imported when it is first asked for.
 __getattr__, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)

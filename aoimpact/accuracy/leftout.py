@@ -1,10 +1,10 @@
-"""How wrong a run is by its meshes and its contact laws: from compliance to force by the star.
+"""How wrong a run is by its meshes and its contact laws: from compliance to force by the model.
 
 What a contact point's compliance leaves out (`compliance_error`) is given back to the reduced
 models, and one more run tells what it does to any quantity. Elements that are too stiff make the
-whole body so: all of its springs are taken as much softer as makes up for the compliance that is
-missing at a frequency of the contact. In a plate this is bending: a spring in series at the contact
-would say a twentieth of it. What the half-space leaves out is near the contact, and acts as such a
+whole body so: all its springs are softened until they add the compliance that is missing at a
+frequency of the contact. In a plate this is bending: a spring in series at the contact would show a
+twentieth of it. What the half-space leaves out is near the contact, and acts as such a
 spring. The errors of two bodies, and of several contacts, are taken to act together. The altered
 run stands for the truth.
 """

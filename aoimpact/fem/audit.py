@@ -63,7 +63,7 @@ class Audit:
     frequencies : ndarray
         The lowest natural ones, Hz.
     doubts : tuple of str
-        What is not like a body, and the likely cause.
+        Values that no real body has, each with its likely cause.
 
     Examples
     --------
@@ -133,7 +133,10 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
         speed=speed,
         rigid_residual=residuals,
         frequencies=body.frequencies(count) if count else np.zeros(0),
-        doubts=(*_doubts_of_order(body, residuals), *_doubts(density, speed)),
+        # K and M of a mesh follow from its material, which is checked by itself.
+        doubts=()
+        if body._assembled
+        else (*_doubts_of_order(body, residuals), *_doubts(density, speed)),
     )
 
 
@@ -199,7 +202,7 @@ def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
             "the body is free to move along all axes, and not to turn: are the coordinates those "
             "of the rows, and all in one unit?"
         )
-    elif not body._assembled and free.sum() > body.rigid_modes.shape[1]:
+    elif free.sum() > body.rigid_modes.shape[1]:
         said.append(
             f"{free.sum()} rigid motions meet next to no elastic force, and "
             f"{body.rigid_modes.shape[1]} none at all: K has few digits, which hold the body as "
@@ -251,9 +254,9 @@ def _doubt_of_speed(speed: float) -> str:
     elif 1e-4 < ratio < 5e-3:
         cause = "coordinates in metres, and length=1e-3 given?"
     elif ratio < 1.0:
-        cause = "that of foam or soft rubber; else, K in N/mm beside M in kg?"
+        cause = "of foam, soft rubber or much added mass; else, K in N/mm beside M in kg?"
     elif ratio <= 200.0:
-        cause = "that of no solid; K in N/m beside M in tonnes, or not the files' unit of length?"
+        cause = "of no solid; K in N/m beside M in tonnes, or not the files' unit of length?"
     return f"K and M have waves at {speed:.3g} m/s: {cause}"
 
 

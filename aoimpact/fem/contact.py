@@ -413,7 +413,7 @@ def _with_room(
     """The contact with a patch of that radius, or of one that has room."""
     assert body.surface is not None
     assert body.material is not None
-    with held_warnings():  # what is to be said of the point has been said
+    with held_warnings():  # the point has had its warnings
         least = min(radius, _LEAST_PATCH * edge_length(body.surface, point))
         while True:
             try:

@@ -156,7 +156,7 @@ class Orthotropic:
         return replace(self, axes=_axes("axes", new))
 
     def half_space(self, normal: npt.ArrayLike) -> Material:
-        """Return the isotropic material whose half-space gives way as this one's, on average.
+        """Return the isotropic material whose half-space deflects as this one's, on average.
 
         A point force on the surface moves it by u(r, θ) = L⁻¹(θ)/(2πr) with L Barnett and Lothe's
         tensor. Under a pressure that is the same all around, the force-weighted mean deflection

@@ -5,10 +5,10 @@ elements; the energy of their difference estimates that of the field's error (O.
 J. Z. Zhu, Int. J. Num. Meth. Eng. 24, 337, 1987). By Galerkin's orthogonality the energy of the
 error of x = (K + s²M)⁻¹ b is what the compliance bᵀx lacks.
 
-Elements that lock hold mostly false strain, and lack more energy than they have, which that
-difference cannot show. But the average keeps the true part, a share ϑ of their energy. Elements L
-times too stiff move 1/L as far under a given load, so that ϑ = 1/L, and the compliance lacks L - 1
-times their energy: (1 - ϑ)/ϑ of it, in place of 1 - ϑ (`missing_energy`).
+In elements that lock most of the strain is spurious. The missing energy then exceeds the energy
+present, which that difference cannot show. But the average keeps the true part, a share ϑ of their
+energy. Elements L times too stiff move 1/L as far under a given load, so that ϑ = 1/L, and the
+compliance lacks L - 1 times their energy: (1 - ϑ)/ϑ of it, in place of 1 - ϑ (`missing_energy`).
 
 On free surfaces the average is worst, and one thing is known: there is no traction. What there is
 of it is taken out, P σ P with P = I - n nᵀ. So the estimate sees, too, the false stress across a

@@ -349,16 +349,7 @@ def drop_weight(
     >>> f"{test.peak.force:.0f} N, {same.peak.force:.0f} N"
     '11869 N, 11870 N'
     """
-    simulated = isinstance(source, Result)
-    if simulated:
-        mass = source.projectile.mass if mass is None else mass
-        velocity = source.velocity if velocity is None else velocity
-        gravity = source.run.plan.gravity if gravity is None else gravity
-    for name, given in (("mass", mass), ("velocity", velocity)):
-        if given is None:
-            raise InputError(f"{name} of the impactor is not known: give {name}=")
-    kilograms, speed = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
-    pull = nonnegative("gravity", _STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²")
+    kilograms, speed, pull = _impactor(source, mass, velocity, gravity)
     signal = _force(source, cfc)
     begin, end = _touches(source, signal, start)
     with np.errstate(all="ignore"):
@@ -381,11 +372,29 @@ def drop_weight(
         gravity=pull,
         start=begin,
         end=end,
-        simulated=simulated,
+        simulated=isinstance(source, Result),
     )
     for doubt in _doubts(test, cfc):
         warn(doubt)
     return test
+
+
+def _impactor(
+    source: Any, mass: float | None, velocity: float | None, gravity: float | None
+) -> tuple[float, float, float]:
+    """Mass, velocity and gravity, as given or as the simulation has them."""
+    if isinstance(source, Result):
+        mass = source.projectile.mass if mass is None else mass
+        velocity = source.velocity if velocity is None else velocity
+        gravity = source.run.plan.gravity if gravity is None else gravity
+    for name, given in (("mass", mass), ("velocity", velocity)):
+        if given is None:
+            raise InputError(f"{name} of the impactor is not known: give {name}=")
+    return (
+        positive("mass", mass, unit="kg"),
+        positive("velocity", velocity, unit="m/s"),
+        nonnegative("gravity", _STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²"),
+    )
 
 
 def _doubts(test: DropWeight, cfc: float | None) -> list[str]:

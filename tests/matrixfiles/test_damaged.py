@@ -257,7 +257,7 @@ def test_millimetres_and_tonnes_are_converted(tmp_path: Path) -> None:
         (1.0, 1.0, 1e3, r"waves at 5\.91e\+06 m/s: coordinates in millimetres"),
         (1e-3, 1e-3, 1e3, "coordinates in millimetres. Give length=1e-3 and mass=1e3"),
         (1e-3, 1e-3, 1.0, r"is 2\.7 kg/m³: M in tonnes and K in N/mm. Give mass=1e3"),
-        (1.0, 1e-3, 1.0, "that of no solid; K in N/m beside M in tonnes"),
+        (1.0, 1e-3, 1.0, "of no solid; K in N/m beside M in tonnes"),
         (1e-3, 1.0, 1.0, "else, K in N/mm beside M in kg"),
     ],
 )
@@ -301,6 +301,14 @@ def test_units_of_a_body_that_is_held_are_looked_at_too(
         ao.read_matrices(*files, **given, length=length, mass=mass)
     said = "\n".join(str(one.message) for one in caught)
     assert re.search(words, said) if words else not said
+
+
+def test_a_body_of_soft_rubber_is_taken_at_its_word() -> None:
+    """Its material says what it is; waves at 200 m/s are those of no metal in other units."""
+    rubber = ao.FEModel.from_mesh(BAR.mesh, ao.Material(5e6, 0.48, 1100.0))
+    audit = rubber.audit(frequencies=0)
+    assert audit.speed == pytest.approx(200.0, rel=0.01)
+    assert not audit.doubts
 
 
 # ----------------------------------------------------------------------- order and digits

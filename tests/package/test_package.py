@@ -218,3 +218,9 @@ def test_a_script_in_the_source_folder_runs_the_installed_package(tmp_path: Path
     installed = os.environ | {"PYTHONPATH": str(PACKAGE.parent), "PYTHONSAFEPATH": ""}
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=installed)
     assert done.stdout.split() == [str(PACKAGE / "__init__.py"), "2.0"]
+    nothing = [sys.executable, "-S", str(script)]  # a Python without any package
+    done = subprocess.run(
+        nothing, capture_output=True, text=True, env=installed | {"PYTHONPATH": ""}
+    )
+    assert "aoimpact is not installed for" in done.stderr
+    assert ".venv/bin/python" in done.stderr

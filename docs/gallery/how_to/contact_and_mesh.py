@@ -85,8 +85,8 @@ for hit, label, style in (
     ax.plot(1e6 * times, hit.at(times).force, style, label=label)
     print(f"{label:13s} {hit.peak_force:7.1f} N  {100 * (hit.peak_force / 1014.7 - 1):+6.1f} %")
 ax.axhline(1014.7, color="0.4", lw=0.8)
-ax.annotate("resolved", (99, 1014.7), ha="right", va="bottom")
-ax.set(xlabel="time (µs)", ylabel="force (N)", ylim=(0, 1150))
+ax.annotate("resolved", (79, 1014.7), ha="right", va="bottom")
+ax.set(xlabel="time (µs)", ylabel="force (N)", xlim=(0, 80), ylim=(0, 1150))
 ax.legend()
 
 # %%

@@ -19,8 +19,8 @@ Write what follows into a file, ``first.py``, in any folder, and run it by the P
 # ---------
 # Any mesh of volume elements will do that meshio reads: gmsh, Abaqus, Nastran, VTK and others. Quadratic elements
 # (``tetra10``, ``hexahedron20``, ``hexahedron27``, ``wedge15``, ``pyramid13``) are worth their price, since linear ones
-# are far too stiff in bending. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a *physical group*,
-# to be found again. Around the point that will be struck the elements are small.
+# are far too stiff in bending. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a
+# *physical group*, to be found again. Around the point that will be struck the elements are small.
 
 import gmsh
 
@@ -107,7 +107,7 @@ print(f"largest deflection in this record {1e6 * abs(hit.target.displacement).ma
 # 4. A better answer
 # ------------------
 # The largest part of the error is the mesh. Where it matters, make the elements around the contact half as large
-# (``VIn``) and run again; the error that is printed tells whether that was enough. To have the force for another
+# (``VIn``) and run again; the error that is printed shows whether that was enough. To have the force for another
 # velocity no new mesh and no new model is needed:
 
 for velocity in (0.2, 0.5, 1.0):
