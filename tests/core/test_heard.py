@@ -105,9 +105,10 @@ def track(count: int) -> tuple[tuple[object, ...], Array]:
 
 
 def sample() -> Call:
-    arguments, times = track(2000)
-    uneven, record = times**1.5, np.zeros((20, len(times)))
-    return lambda: _core.track_sample(*arguments, uneven, record, True)
+    arguments, _ = track(2000)
+    times = np.linspace(0.0, 1.0, 20_000) ** 1.5
+    record = np.zeros((20, len(times)))
+    return lambda: _core.track_sample(*arguments, times, record, True)
 
 
 def sample_evenly() -> Call:
