@@ -165,9 +165,9 @@ def warn_if_coarse(surface: Surface, patch: Patch) -> None:
     if patch.radius < least:
         warn(
             f"radius={patch.radius:.3g} m: the mesh is too coarse for this patch, on "
-            f"{patch.faces} faces with edges of {patch.edges:.3g} m; take a radius of "
-            f"{least:.2g} m at least, or {kinds} elements of "
-            f"{patch.radius / least:.2g} of their size"
+            f"{patch.faces} faces with edges of {patch.edges:.3g} m; take {kinds} elements of "
+            f"{patch.radius / least:.2g} of their size, leave radius out (an impact takes that of "
+            f"least error), or, where the body is much thicker, a radius of {least:.2g} m at least"
         )
 
 

@@ -23,6 +23,9 @@ _NO_MATTER = 0.01
 
 _CURE = "give law="
 
+# Share of the largest curvature from which on its error is what keeps bodies from a law.
+_DOUBT = 0.3
+
 
 @dataclass(frozen=True)
 class LawFromSurfaces:
@@ -113,10 +116,13 @@ def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFrom
     try:
         law, *others = (_hertz(one, two, angle, shift) for shift in (0.0, -slack, slack))
     except InputError as error:
+        if slack > _DOUBT * max(map(abs, (*one.curvatures, *two.curvatures))):
+            why = "a curvature below its error counts as flat: refine the mesh about it, or "
+        else:
+            why = "they do not touch in a point: "
         raise InputError(
-            f"{_said(one, two)} do not touch in a point: {_CURE}, such as Linear(k=) where they "
-            "touch along a line or over a face, turn one of the bodies, or refine a mesh whose "
-            "curvature is uncertain"
+            f"{_said(one, two)}: {why}{_CURE}, such as Linear(k=) where they touch along a line or "
+            "over a face, or turn one of the bodies"
         ) from error
     return LawFromSurfaces(law, max(abs(other.k / law.k - 1.0) for other in others))
 

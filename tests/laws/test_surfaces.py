@@ -195,3 +195,14 @@ def test_models_of_a_contact_point_know_its_surface() -> None:
     assert star.contact_surface is surface
     assert star.truncated(1).contact_surface is surface
     assert ao.modal(tip, n=8).contact_surface is surface
+
+
+def test_curvatures_that_a_mesh_does_not_show_are_the_first_to_mend() -> None:
+    """A ball on a torus of few elements: each touches the other in a point, if it is round."""
+    ball = ContactSurface(STEEL, (125.0, 125.0))
+    with pytest.raises(ao.InputError, match=r"flat.* refine the mesh about it, or give law=") as no:
+        law_between(ball, ContactSurface(STEEL, (165.0, 23.0), error=190.0))
+    assert "do not touch" not in str(no.value)
+    with pytest.raises(ao.InputError, match="do not touch in a point") as no:
+        law_between(ball, ContactSurface(STEEL, (-150.0, -150.0)))
+    assert "refine" not in str(no.value)
