@@ -105,7 +105,16 @@ def track(count: int) -> tuple[tuple[object, ...], Array]:
 
 
 def sample() -> Call:
-    arguments, times = track(2000)
+    arguments, _ = track(2000)
+    times = np.linspace(0.0, 1.0, 20_000) ** 1.5
+    record = np.zeros((20, len(times)))
+    return lambda: _core.track_sample(*arguments, times, record, True)
+
+
+def sample_evenly() -> Call:
+    """Even times take a fraction of the work."""
+    arguments, _ = track(2000)
+    times = np.linspace(0.0, 1.0, 150_000)
     record = np.zeros((20, len(times)))
     return lambda: _core.track_sample(*arguments, times, record, True)
 
@@ -185,7 +194,7 @@ def masses() -> Call:
 
 
 LONG = [law, receptance, modal_receptance, to_modal, from_modal, krylov]
-LONG += [sample, states, forces, touch, briefs, factors, masses]
+LONG += [sample, sample_evenly, states, forces, touch, briefs, factors, masses]
 
 
 def seconds_deaf(call: Call, after: float) -> float:

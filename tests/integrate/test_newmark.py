@@ -503,7 +503,8 @@ def test_dampers_in_touch_with_a_massless_point_begin_as_its_springs_allow(count
     """Masses of 1, 2 … kg under laws as strong move as one; and so heavy a body stands still."""
     k, c, spring, still = 1e6, 3000.0, 1e4, 1e9
     shares = np.arange(1.0, count + 1.0)
-    total, times = shares.sum(), dt * np.arange(round(0.01 / dt) + 1)
+    duration = min(0.01, 2e4 * dt)
+    total, times = shares.sum(), dt * np.arange(round(duration / dt) + 1)
     right = dampers_in_series(total * k, total * c, total, spring, times)
     for damping in (None, ao.ModalDamping(0.0)):
         scene = ao.Scene()
@@ -511,7 +512,7 @@ def test_dampers_in_touch_with_a_massless_point_begin_as_its_springs_allow(count
         for share in shares:
             ball = scene.add(ao.rigid(mass=share), velocity=1.0)
             scene.connect(ball, point, ao.KelvinVoigt(share * k, share * c))
-        run = scene.simulate(duration=0.01, solver=ao.Newmark(dt=dt))
+        run = scene.simulate(duration=duration, solver=ao.Newmark(dt=dt))
         np.testing.assert_allclose(run.t, times, rtol=1e-12)
         for contact, share in zip(run.contacts, shares, strict=True):
             force = contact.force * total / share
