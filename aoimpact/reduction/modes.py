@@ -260,6 +260,12 @@ def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
         raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
     wanted = integer("n", n, low=1, high=tip.body.n_dofs)
     invert = partial(tip.body.inverse, solver=checked_solver(solver))
+    rigid = tip.body.rigid_modes.shape[1]
+    if wanted < rigid:
+        warn(
+            f"n={n} takes in some of {rigid} rigid motions, and the force depends on which; take "
+            f"n={rigid} or more"
+        )
     omega2, modes = lowest(
         tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes, invert=invert
     )

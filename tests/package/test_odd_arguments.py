@@ -120,7 +120,7 @@ def _run(**given: Any) -> Any:
     return _scene()[0].simulate(**{"duration": 1e-3} | given)
 
 
-MODAL = ao.modal(TIP, 3)
+MODAL = ao.modal(TIP, 7)
 PORTS = ao.interface([TIP], 8)
 SWEEP = ao.sweep(STRIKE, {"velocity": [1.0]}, keep=["peak_force"], progress=False)
 COMPARED = ao.compare(**STRIKE, oscillators=(0,), modes=(), full=False)
@@ -644,7 +644,7 @@ def used(made: Any) -> None:
     if isinstance(made, ao.ContactPoint):
         with contextlib.suppress(ao.AOImpactError):
             ao.antioscillators(made, 2)
-        ao.modal(made, 2)
+        ao.modal(made, 7)
     if isinstance(made, ao.ModalModel | ao.InterfaceModel | ao.FullModel):
         with contextlib.suppress(ao.AOImpactError):
             ao.simulate(**STRIKE | {"target": made})
