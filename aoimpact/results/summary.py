@@ -170,7 +170,9 @@ def _error(result: Result) -> str:
         name += f", at its worst over the record{_when(result)},"
     if error.quantity is None:
         return f"{name} {within} ({listed})"
-    chosen = f"models and steps chosen for {100.0 * (error.rtol or 0.0):.2g} %"
+    aim = f"{100.0 * (error.rtol or 0.0):.2g} %"
+    missed = (error.reduction or 0.0) > (error.rtol or 0.0)
+    chosen = f"no models tried meet {aim}" if missed else f"models and steps chosen for {aim}"
     return f"{name} {within} ({listed}); {chosen}"
 
 
