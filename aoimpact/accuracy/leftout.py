@@ -97,35 +97,42 @@ class LeftOutFinder:
             softening[end.body] = max(end.softening, softening.get(end.body, 0.0))
         contact = [math.fsum(end.contact for end in ends or ()) for ends in found]
         quantity = self.interest()
-        in_mesh, mesh_numbers = self._changes(quantity, run, _softer(run, softening))
+        in_mesh, mesh_numbers, when = self._changes(quantity, run, _softer(run, softening))
+        by_mesh = in_mesh
         if quantity.local is not None:
             in_mesh += quantity.local(run)
-        in_contact, contact_numbers = self._changes(quantity, run, _in_series(run, contact))
+        changes = self._changes(quantity, run, _in_series(run, contact))
+        in_contact, contact_numbers, then = changes
         if any(self.law_errors):
-            in_law, law_numbers = self._changes(quantity, run, _stiffer(run, self.law_errors))
+            in_law, law_numbers, _ = self._changes(quantity, run, _stiffer(run, self.law_errors))
             in_contact += in_law
             contact_numbers = {
                 name: error + law_numbers[name] for name, error in contact_numbers.items()
             }
-        return LeftOut(in_mesh, in_contact, mesh_numbers, contact_numbers)
+        worst = when if by_mesh >= in_contact else then
+        return LeftOut(in_mesh, in_contact, mesh_numbers, contact_numbers, worst)
 
     def _changes(
         self, quantity: Quantity, run: Run, altered: _Altered
-    ) -> tuple[float, Mapping[str, float]]:
-        """By how much the quantity and each number change."""
+    ) -> tuple[float, Mapping[str, float], float | None]:
+        """By how much the quantity and each number change, and when a history does most."""
         exact = self.view(run)
         names = [*number_errors(exact, [exact]), *(() if quantity.is_history else (quantity.name,))]
         if altered.plan is None:
-            return 0.0, dict.fromkeys(names, 0.0)
+            return 0.0, dict.fromkeys(names, 0.0), None
         try:
             with held_warnings():
                 other = self.view(solve(altered.plan, self.solver))
         except AOImpactError:  # a contact that grows beyond what its law stands for
-            return math.inf, dict.fromkeys(names, math.inf)
-        change = altered.scale * quantity.difference(exact, other)  # type: ignore[type-var]
+            return math.inf, dict.fromkeys(names, math.inf), None
+        changes = np.abs(quantity.deviation(exact, other))  # type: ignore[type-var]
+        change = altered.scale * float(changes.max(initial=0.0))
+        when = None
+        if quantity.is_history and change:
+            when = float(other.t[changes.argmax() % len(other.t)])
         numbers = number_errors(exact, [other])
         errors = {name: altered.scale * error for name, error in numbers.items()}
-        return change, {name: errors.get(name, change) for name in names}
+        return change, {name: errors.get(name, change) for name in names}, when
 
 
 def _with_models(run: Run) -> Run:

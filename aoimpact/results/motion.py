@@ -339,12 +339,15 @@ class LeftOut:
         curvatures where a law was found from them, and from a single node in place of a patch.
     mesh_numbers, contact_numbers : mapping of str to float
         Of each number that sums up the run.
+    worst_time : float or None
+        When a history is off by the larger of both, s.
     """
 
     mesh: float | None = None
     contact: float | None = None
     mesh_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
     contact_numbers: Mapping[str, float] = field(default_factory=dict, hash=False)
+    worst_time: float | None = None
 
 
 @dataclass(frozen=True)

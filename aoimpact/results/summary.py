@@ -167,8 +167,19 @@ def _error(result: Result) -> str:
         return f"contact count {'certain' if sure else 'more or less'} ({listed})"
     name = interest.replace("_", " ")
     if interest not in {*error.numbers, *error.left_out.mesh_numbers}:  # a history
-        name += ", at its worst over the record,"
+        name += f", at its worst over the record{_when(result)},"
     if error.quantity is None:
         return f"{name} {within} ({listed})"
-    chosen = f"models and steps chosen for {100.0 * (error.rtol or 0.0):.2g} %"
+    aim = f"{100.0 * (error.rtol or 0.0):.2g} %"
+    missed = (error.reduction or 0.0) > (error.rtol or 0.0)
+    chosen = f"no models tried meet {aim}" if missed else f"models and steps chosen for {aim}"
     return f"{name} {within} ({listed}); {chosen}"
+
+
+def _when(result: Result) -> str:
+    """In which contact the force is off most, where there are several: mostly by when it begins."""
+    when = result.error.left_out.worst_time
+    if when is None or len(result.contacts) < 2 or (result.error.quantity or "force") != "force":
+        return ""
+    away = [max(start - when, when - end) for start, end in result.contacts]
+    return f" (in contact {away.index(min(away)) + 1} of {len(away)})"

@@ -379,3 +379,32 @@ def test_a_contact_without_stiffness_has_no_time_of_its_own():
     )
     peak = 1e4 * (1.25 * 0.5 / 1e4) ** 0.6
     assert hit.peak_force == pytest.approx(peak, rel=1e-4)
+
+
+def test_the_best_models_come_with_a_warning_where_the_default_tolerance_is_not_met(monkeypatch):
+    """A bar whose end is struck by a stiff mass needs 5 oscillators; the search ends before."""
+    mesh = ao.box_mesh((1.0, 0.02, 0.02), (100, 1, 1))
+    bar = ao.FEModel.from_mesh(mesh, ao.Material(E=210e9, nu=0.0, rho=7800.0))
+    end = bar.contact(
+        b=np.where(np.arange(bar.n_dofs) % 3 == 0, np.repeat(mesh.nodes[:, 0] == 0.0, 3), 0) / 4.0
+    )
+    strike = functools.partial(
+        ao.simulate,
+        projectile=ao.rigid(mass=0.01),
+        target=end,
+        law=ao.Linear(2e8),
+        velocity=1.0,
+        duration=4e-4,
+    )
+    monkeypatch.setattr("aoimpact.accuracy.order._MOST_ORDER", 2)
+    with pytest.raises(ao.ConvergenceError, match="take rtol="):
+        strike(rtol=1e-2)
+    with pytest.warns(
+        ao.AOImpactWarning, match="force: its error from the models is .* not the 0.01"
+    ):
+        hit = strike()
+    assert 1e-2 < hit.error.reduction < 1.0
+    assert "no models tried meet 1 %" in str(hit)
+    exact = strike(target=ao.antioscillators(end))
+    off = np.abs(hit.at(exact.t).force - exact.force).max() / exact.peak_force
+    assert off < hit.error.reduction

@@ -152,5 +152,18 @@ def test_a_full_model_leaves_out_mesh_and_contact_but_nothing_by_reduction() -> 
     assert error.contact == pytest.approx(chosen.error.contact, rel=0.2)
     assert error.of("peak_force") is not None
     assert re.search(
-        r"error  +force, at its worst over the record, ± .* \(mesh .*model 0", repr(whole)
+        r"error  +force, at its worst over the record.*, ± .* \(mesh .*model 0", repr(whole)
     )
+
+
+def test_a_history_of_several_contacts_says_in_which_it_is_off_most() -> None:
+    """A light plate comes back: what is left out shifts the later contact against the earlier."""
+    mesh = ao.box_mesh((0.08, 0.08, 0.003), (12, 12, 1), kind="hexahedron20")
+    tip = ao.FEModel.from_mesh(mesh, ALU).contact(point=(0.04, 0.04, 0.003))
+    again = ao.simulate(projectile=ao.ball(0.008, STEEL), target=tip, velocity=1.0)
+    assert len(again.contacts) > 1
+    assert again.error.left_out.worst_time > again.contacts[0][1]
+    assert again.error.total > 3.0 * again.error.of("peak_force")
+    said = re.search(r"over the record \(in contact (\d) of (\d)\), ±", repr(again))
+    assert said is not None
+    assert 1 < int(said.group(1)) <= int(said.group(2)) == len(again.contacts)
