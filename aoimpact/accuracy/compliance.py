@@ -62,7 +62,10 @@ _AWAY_FROM_POINT = 1.5
 # A contact of unknown radius is taken to be half as wide as its patch.
 _CONTACT_WITHIN_PATCH = 0.5
 
-# A reduced model's own field serves if it leaves no more than this of b unbalanced.
+# A reduced model's own field serves if it leaves no more than this of b unbalanced. Measured on
+# plates, a beam, a block and a ball, with one to 16 oscillators fitted to the contact and to twice
+# its time: below it the mesh's error is that of the solution to 2.6 %, and the contact's to 10 % of
+# both; at .026 to .15 they are off by 5 to 120 %.
 _BALANCED = 0.02
 
 # A patch is so many times as wide as the contact at least. The law less the patch's part has the
@@ -79,7 +82,8 @@ _FALLS = {False: 3.0, True: 4.0}
 
 # The search for the best radius begins at so many edges of elements, but at no more than this share
 # of the body's thickness, beyond which R no longer goes as r². It looks at radii up to so many
-# times that, and ends when they are alike.
+# times that, and ends when they are alike: about the least of A/r⁴ + B r² the sum is 1 + 4 ln²
+# times the least, 9 % more at that share. At .75 of the thickness a force is .3 to .7 % off.
 _START = {False: 2.5, True: 1.4}
 _DEPTH, _MOST, _RADII, _TRIES, _ALIKE = 0.5, 2.0, 40, 3, 0.15
 

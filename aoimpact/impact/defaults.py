@@ -31,7 +31,8 @@ __all__ = [
 # eq. 11.25), π by a linear one.
 _DURATION_OVER_DEPTH = 3.0
 
-# A ball with a radius so many times the size of the other body is hardly meant.
+# A ball with a radius so many times the size of the other body is hardly meant: between one of its
+# size, and the thousand of millimetres taken for metres.
 _FAR_LARGER = 5.0
 
 

@@ -291,7 +291,7 @@ def test_vibration_long_after_the_blow_takes_a_duration(paper_beam):
     tip, _ = paper_beam
     u = []
     for star in (
-        ao.antioscillators(tip, 28, method="krylov", contact_time=90e-6, duration=20e-3),
+        ao.antioscillators(tip, 30, method="krylov", contact_time=90e-6, duration=20e-3),
         ao.antioscillators(tip),
     ):
         hit = ao.simulate(
