@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import os
 import subprocess
@@ -164,8 +165,9 @@ def write_movie(
     pyvista = optional_package("pyvista", "movie", otherwise)
     video = file.suffix.lower() == ".mp4"
     if video:
-        optional_package("imageio_ffmpeg", "a movie of type .mp4", "take .gif")
-        imageio = optional_package("imageio.v3", "a movie of type .mp4", "take .gif")
+        for name in ("imageio", "imageio_ffmpeg"):
+            optional_package(name, "a movie of type .mp4", "take .gif")
+        imageio = importlib.import_module("imageio.v3")
     if not _can_draw():
         raise AOImpactError(
             "movie: this machine cannot draw in three dimensions without a window; install EGL or "

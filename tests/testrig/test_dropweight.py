@@ -110,6 +110,21 @@ def test_what_no_test_can_be_is_said(change: Any, words: str) -> None:
     assert re.search(words, said) if words else not said
 
 
+def test_noise_before_the_touch_is_no_touch() -> None:
+    """Noise of 0.4 % of the peak, rms, which passes 1 % of it now and then."""
+    t = np.arange(15_000) * 1e-6 - 5e-3
+    force = np.where((t > 0.0) & (t < T), F0 * np.sin(np.pi * t / T), 0.0)
+    noise = 30.0 * np.random.default_rng(7).normal(size=len(t))
+    test = ao.drop_weight((t, force + noise), mass=M, velocity=V, gravity=0.0)
+    quiet = sine()
+    assert abs(test.start) < 0.02 * T
+    assert test.end == pytest.approx(T, rel=0.02)
+    assert test.turn is not None
+    assert quiet.turn is not None
+    assert test.turn.deflection == pytest.approx(quiet.turn.deflection, rel=0.02)
+    assert test.absorbed_energy == pytest.approx(quiet.absorbed_energy, rel=0.02)
+
+
 def test_a_class_that_takes_out_the_contact_is_said() -> None:
     t = np.arange(20_000) * 1e-6 - 5e-3
     force = np.where((t > 0.0) & (t < 1e-4), 9e4 * np.sin(np.pi * t / 1e-4), 0.0)

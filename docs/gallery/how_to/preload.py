@@ -102,7 +102,7 @@ print(f"static stress under 20 N: computed {stress[0]:.3f} MPa, by beam theory {
 #
 # Where there is no equilibrium
 # -----------------------------
-# A body that nothing supports is named:
+# A body that nothing supports is named by its number in the scene:
 
 scene = ao.Scene(gravity=9.81)
 a = scene.add(ao.rigid(mass=1.0, name="lid"))

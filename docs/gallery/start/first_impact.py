@@ -11,15 +11,16 @@ Install the package from the folder of its source, and gmsh to make the mesh of 
     .venv/bin/pip install . gmsh
 
 Write what follows into a file, ``first.py``, in any folder, and run it by the Python of that environment,
-``.venv/bin/python first.py``. (If ``import gmsh`` misses ``libGLU.so.1``: :doc:`/install`.) All units are SI.
+``.venv/bin/python first.py``. (If ``import gmsh`` fails because ``libGLU.so.1`` is missing, see
+:doc:`/install`.) All units are SI.
 """
 
 # %%
 # 1. A mesh
 # ---------
-# Any mesh of volume elements will do that meshio reads: gmsh, Abaqus, Nastran, VTK and others. Quadratic elements
-# (``tetra10``, ``hexahedron20``, ``hexahedron27``, ``wedge15``, ``pyramid13``) are worth their price, since linear ones
-# are far too stiff in bending. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a
+# Any volume mesh that meshio reads will do: gmsh, Abaqus, Nastran, VTK and others. Quadratic elements (``tetra10``,
+# ``hexahedron20``, ``hexahedron27``, ``wedge15``, ``pyramid13``) are worth their cost, since linear ones are far too stiff
+# in bending. This plate is 200 mm × 150 mm × 6 mm with a hole of 50 mm. The side x = 0 gets a name, a
 # *physical group*, to be found again. Around the point that will be struck the elements are small.
 
 import gmsh
@@ -64,12 +65,12 @@ steel = ao.Material(E=210e9, nu=0.3, rho=7800)
 
 plate = ao.FEModel.from_mesh("plate.msh", aluminium, fixed=[("clamped", "xyz")])
 ball = ao.ball(0.01, steel)
-plate
+print(plate)
 
 # %%
 # A look at the first natural frequencies, in Hz, shows whether units, material and support are what they should be.
 
-plate.frequencies(4)
+print(plate.frequencies(4))
 
 # %%
 # 3. The impact
@@ -80,35 +81,39 @@ hit = ao.simulate(projectile=ball, target=plate.contact(point=struck), velocity=
 print(hit)
 
 # %%
-# The first number to read is the *peak force* and what stands behind ±: the error, and in brackets where it is from.
+# Read the *peak force* first. After ± stands its error, in brackets the sources of that error.
 #
 # - *mesh*: the elements around the contact are too large or too stiff;
-# - *contact*: the contact law takes the body around the contact for a half-space, which a plate is only nearly;
-# - *model*: the plate was reduced to few oscillators, as few as the force to 1 % allows;
+# - *contact*: the contact law treats the body around the contact as a half-space; for a plate that is an approximation;
+# - *model*: the plate was reduced to few oscillators, as few as give the force to 1 %;
 # - *time*: integration in time.
 #
 # The row *error* is the largest error of the force at any time in the record. The models are chosen so that their part of
 # it is below 1 %.
 #
 # The contact lasts some 0.1 ms and the ball loses most of its energy to the vibration of the plate: it comes back with
-# a fraction of its velocity, the *restitution*. Every number has its own error.
+# a fraction of its velocity, the *restitution*. Every number has its own error. In a script ``plt.show()`` opens the
+# window with the figure; a notebook shows it without.
+
+import matplotlib.pyplot as plt
 
 hit.plot_force()
+plt.show()
 
 # %%
 # Single numbers and histories are attributes.
 
 print(f"peak force         {hit.peak_force:.1f} N at {1e6 * hit.peak_time:.1f} µs")
-print(f"contact duration   {1e6 * hit.contact_duration:.1f} µs")
 print(f"its error          {100 * hit.error.of('peak_force'):.1f} %")
+print(f"contact duration   {1e6 * hit.contact_duration:.1f} µs")
 print(f"largest deflection in this record {1e6 * abs(hit.target.displacement).max():.1f} µm")
 
 # %%
 # 4. A better answer
 # ------------------
 # The largest part of the error is the mesh. Where it matters, make the elements around the contact half as large
-# (``VIn``) and run again; the error that is printed shows whether that was enough. To have the force for another
-# velocity no new mesh and no new model is needed:
+# (``VIn``) and run again; the error that is printed shows whether that was enough. Another velocity
+# needs no new mesh; its model is made anew, in some seconds (:doc:`/how-to/sweeps` has what makes it once):
 
 for velocity in (0.2, 0.5, 1.0):
     other = ao.simulate(projectile=ball, target=plate.contact(point=struck), velocity=velocity)
