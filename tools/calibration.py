@@ -2,7 +2,7 @@
 
 Needs gmsh, which the package itself does not:
 
-    python tools/calibration.py run --out calibration --part 0 2   # hours; goes on where it stopped
+    python tools/calibration.py run --out calibration --part 0 2   # half an hour; may be stopped
     python tools/calibration.py table --out calibration            # docs/calibration.md and .csv
 
 Each setup is a body, a place, a ball and a speed. Its truth is the same call on ten-node tetrahedra
