@@ -148,8 +148,8 @@ def displacement(
         except SingularError as error:
             raise SingularError(
                 f"{error}, though the body has no rigid motion left: part of it is a mechanism "
-                "(a piece not connected, an element without stiffness), or K has too few digits; see "
-                "body.frequencies(10)"
+                "(a piece not connected, an element without stiffness), or K has too few digits; "
+                "see body.frequencies(10)"
             ) from None
     # Each pass leaves s²/(ω₁² + s²) of the error, so s² lies far below most elastic ω².
     s2 = _NEAR_K * float(K.diagonal().sum() / M.diagonal().sum())
