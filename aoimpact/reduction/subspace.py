@@ -58,7 +58,8 @@ _NOTHING_NEW = 1e-11
 # 2.1 times as fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
-# Iterations for a static mode after which a preconditioner of K itself is set up for it.
+# Iterations for a static mode after which a preconditioner of K itself is set up for it. That takes
+# as long as some 40 of them, which a clamped plate of 193 000 dofs needs.
 _MOST_ITERATIONS = 60
 
 _BYTES_PER_NUMBER = 8.0

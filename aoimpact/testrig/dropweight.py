@@ -433,9 +433,9 @@ def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
 
 def _shorter_than(raw: Signal, cfc: float) -> float | None:
     """How long the force acts, s, if that is less than half a period of the class's frequency."""
-    acts = raw.t[raw.values > _BEGINS * float(raw.values.max())]
-    longest = float(np.ptp(acts)) if len(acts) else 0.0
-    return longest if 0.0 < longest < 0.5 / cfc else None
+    begin, end = _span(raw.values, raw.values)
+    acts = float(raw.t[end] - raw.t[begin])
+    return acts if 0.0 < acts < 0.5 / cfc else None
 
 
 def _force(source: Any, cfc: float | None) -> Signal:
@@ -470,15 +470,21 @@ def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, f
         )
     if signal.values.max() <= 0.0:
         raise InputError("cfc: this class leaves nothing of the force; take a higher one")
-    end = float(force.t[-1 - _before_rise(signal.values[::-1])])
+    first, last = _span(force.values, signal.values)
+    end = float(force.t[last])
     if begin is None:
-        begin = float(force.t[_before_rise(force.values)])
+        begin = float(force.t[first])
     if not force.t[0] <= begin < end:
         raise InputError(
             f"start must lie in the record before the force ends, {force.t[0]:g} to "
             f"{end:g} s, got {begin:g} s"
         )
     return begin, end
+
+
+def _span(rising: FloatArray, falling: FloatArray) -> tuple[int, int]:
+    """The samples between which a force acts, by what it rises and what it falls in."""
+    return _before_rise(rising), len(falling) - 1 - _before_rise(falling[::-1])
 
 
 def _before_rise(force: FloatArray) -> int:

@@ -132,6 +132,14 @@ def test_a_class_that_takes_out_the_contact_is_said() -> None:
         ao.drop_weight((t, force), mass=M, velocity=V, gravity=0.0, cfc=1000)
 
 
+def test_noise_does_not_make_a_contact_longer() -> None:
+    t = np.arange(20_000) * 1e-6 - 5e-3
+    force = np.where((t > 0.0) & (t < 1e-4), 9e4 * np.sin(np.pi * t / 1e-4), 0.0)
+    noise = 360.0 * np.random.default_rng(7).normal(size=len(t))
+    with pytest.warns(AOImpactWarning, match="which class 1000 takes out"):
+        ao.drop_weight((t, force + noise), mass=M, velocity=V, gravity=0.0, cfc=1000)
+
+
 def test_an_impactor_that_goes_on_does_not_turn() -> None:
     """A weight of 5 kg that drives 0.1 kg away goes on faster than half of its velocity."""
     hit = ao.simulate(
