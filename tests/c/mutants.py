@@ -553,7 +553,7 @@ MUTANTS = [
         "decay * aoi_modes_inertia(body, j) * squared",
     ),
     ("motion/energy.c", "force[1] = 0.5 * slope * length", "force[1] = 0.0"),
-    ("motion/path.c", "path->omega * path->h > AOI_PATH_FAST", "path->omega * path->h > 6.0"),
+    ("motion/path.c", "aoi_path_rings(path->omega, decay, path->h)", "path->omega * path->h > 6.0"),
     ("motion/free.c", "pair->gap += indentation + rounding;", ""),
     ("motion/free.c", "!closes(pair, rate, acceleration)", "rate < 0.0"),
     ("motion/free.c", "jerk = forced_at(pair, 3)", "jerk = 0.0"),
