@@ -931,7 +931,7 @@ m = rng.uniform(1.0, 2.0, n) / n
 target = ao.AOModel(m0=0.01, k0=1e6, m=m, k=m * rng.uniform(1e6, 1e10, n))
 """
 LONG_FULL = """
-n = 20_000
+n = 5_000
 K = 1e6 * scipy.sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n), format="csr")
 target = ao.full(ao.FEModel(K=K, M=scipy.sparse.identity(n, format="csr")).contact(dof=n // 2))
 """
