@@ -114,8 +114,8 @@ def upper_blocks(A: Any) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], 
 
 def work_length(A: Any) -> int:
     """How many numbers the core wants as work space for products and smoothing of a BSR matrix."""
-    size = A.blocksize[0]
-    return _WORK * (A.shape[0] // size) * (size + 1)
+    n, size = int(A.shape[0]), int(A.blocksize[0])
+    return _WORK * (n // size) * (size + 1)
 
 
 def diagonal_blocks(A: Any) -> FloatArray:
