@@ -285,7 +285,7 @@ def _soon(scene: ao.SceneFile) -> bool:
     bodies = _numbers([scene.data["bodies"], scene.data.get("materials", {})])
     members = table.get("bodies", [])
     how = _numbers([table.get("contacts", []), table.get("law", {}), table.get("solver", {})])
-    duration = table["duration"]
+    duration = table.get("duration", 0.0)
     speeds = _numbers([table.get("velocity", 0.0), *(m.get("velocity", 0.0) for m in members)])
     return (
         all(x <= 0.0 or 1e-9 <= x <= 1e13 or math.isinf(x) for x in bodies + how)
