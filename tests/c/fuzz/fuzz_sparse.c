@@ -118,8 +118,8 @@ static void of_blocks(input *in)
     matrix.indices = take_indices(in, stored, n);
     matrix.values = take_floats(in, size * size * stored);
     matrix.inverse = take_floats(in, size * size * n);
-    double *values = take_room_of(in, size * size * stored), *exact = take_doubles(in, n * size);
-    double *product = take_room_of(in, n * size);
+    double *values = take_room(in, size * size * stored), *exact = take_array(in, n * size, take_any);
+    double *product = take_room(in, n * size);
     float *x = take_floats(in, n * size), *r = take_floats(in, n * size), *work = take_floats(in, 2 * n * size);
     if (aoi_blocks_check(&matrix, stored) != AOI_OK) {
         return;
