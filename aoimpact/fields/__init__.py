@@ -7,7 +7,7 @@ attributes of a run's bodies, `accuracy` takes stresses and their errors; `testr
 from .fields import Field, Probe
 from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
-from .response import Response
+from .response import Response, stress_rows_at
 from .stress import Stress
 from .stresserror import energy_error, missing_energy, stresses_around
 
@@ -21,6 +21,7 @@ __all__ = [
     "missing_energy",
     "movie_path",
     "response_of",
+    "stress_rows_at",
     "stresses_around",
     "write_movie",
 ]
