@@ -44,7 +44,7 @@ ON_ALUMINIUM = ao.Hertz.between(STEEL, 0.01, ALUMINIUM, math.inf)
 REFERENCE, TIMES_AS_MANY = 150, 3
 
 # A linear solver that is so many times slower than the quickest by its own estimate is not timed.
-SLOWER = 3.0
+SLOWER = 2.0
 
 
 def disc(size: float) -> tuple[Any, ...]:
@@ -212,7 +212,7 @@ PARTS = {
                 for t in np.pi / 6 + np.arange(6) * np.pi / 3
             ),
         ],
-        size=0.004,
+        size=0.0048,
         place=(0.05, 0.0, 0.025),
         duration=2e-4,
     ),

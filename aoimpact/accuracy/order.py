@@ -33,9 +33,9 @@ _COMPARED, _BEYOND, _SHARE_BEYOND = 4, 8, 0.5
 _SAFETY, _SAFETY_OF_NUMBERS = 1.3, 3.0
 
 # Oscillators that models begin with for each digit of the tolerance, about the median of what these
-# bodies need; growth from one to the next, with which no more than 2 n + 8 vectors are made to
-# return n, as a rule; and their end.
-_FIRST, _GROWTH, _MOST_ORDER = 2.0, 1.5, 600
+# bodies need; least and most growth from one to the next, by the error over the tolerance, with
+# which no more than 2 n + 8 vectors are made to return n, as a rule; and their end.
+_FIRST, _LEAST_GROWTH, _GROWTH, _MOST_ORDER = 2.0, 1.15, 1.5, 600
 
 # A message names a tolerance that can be met with this factor to spare.
 _EASED = 1.1
@@ -289,13 +289,14 @@ class _Search(Generic[R]):
 
     def _enlarged(self, largest: _Orders) -> _Orders:
         """Larger orders of those bodies whose share in the error is too large, or of all."""
+        growth = min(max(_LEAST_GROWTH, self._error(self.orders) / self.rtol), _GROWTH)
         allowed = self.rtol / len(self.orders) / self._safety()
         poor = [
             self._difference(_with(largest, which, order), largest) > allowed
             for which, order in enumerate(self.orders)
         ]
         return self._at_most(
-            math.ceil(_GROWTH * order) if is_poor or not any(poor) else order
+            math.ceil(growth * order) if is_poor or not any(poor) else order
             for order, is_poor in zip(self.orders, poor, strict=True)
         )
 
