@@ -11,14 +11,12 @@ from typing import Any
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..results import Chosen, Result, Run
+from ..results import Chosen, Record, Result, Run, solve
 from ..scene import Plan
 from .hierarchy import Models
 from .leftout import LeftOutFinder
 from .order import Orders, least_orders
 from .quantities import Quantity, R, number_errors
-from .record import Record
-from .solve import solve
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
 

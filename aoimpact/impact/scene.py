@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import Quantity, Record, StressAt, TimeSolver, scene_quantity
+from ..accuracy import Quantity, StressAt, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -26,7 +26,7 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model, touched
-from ..results import Handle, Run
+from ..results import Handle, Record, Run, TimeSolver
 from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .defaults import Meeting, chosen_law, fitted, mass_of, meeting, turned, turns

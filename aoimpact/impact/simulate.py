@@ -8,13 +8,13 @@ from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from ..accuracy import Record, StressAt, TimeSolver, checked_rtol, impact_quantity
+from ..accuracy import StressAt, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
-from ..results import Result, Run
+from ..results import Record, Result, Run, TimeSolver
 from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed, warn_of_exchange
 from .defaults import chosen_law, fitted_pair, meeting, turned, turns
