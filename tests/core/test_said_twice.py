@@ -1,4 +1,4 @@
-"""Columns of the core's tables that Python reads stand where the core writes them."""
+"""What stands both in Python and in the core is the same: columns of tables, shares."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 from aoimpact.batch import plain
-from aoimpact.integrate import dense
+from aoimpact.integrate import dense, tolerances
+from aoimpact.laws import law
 
 CSRC = Path(__file__).parents[2] / "csrc"
 
@@ -41,3 +42,13 @@ def test_columns_of_plain_impacts() -> None:
     assert found.pop("ANSWER_COLUMNS") == first + 2
     for name, column in found.items():
         assert getattr(plain, name.removeprefix("ANSWER")) == column
+
+
+def test_shares() -> None:
+    for file, name, here in (
+        ("law/law.c", "MOST_SHARE", law.MOST_SHARE),
+        ("adaptive/step.h", "LESSER_SHARE", tolerances.LESSER),
+    ):
+        text = (CSRC / file).read_text("utf-8")
+        (there,) = re.findall(rf"\bdouble {name} = ([\d.e-]+);", text)
+        assert float(there) == here
