@@ -11,13 +11,16 @@ import scipy
 from .. import _core
 from ..base import FloatArray, SingularError
 
-__all__ = ["Smoother", "diagonal_blocks"]
+__all__ = ["Smoother", "diagonal_blocks", "upper_blocks", "work_length"]
 
 Single = npt.NDArray[np.float32]
 
 # Steps before and after each correction: one fewer takes half as many iterations again, one more
 # saves what it costs.
 _STEPS = 3
+
+# AOI_BLOCKS_WORK of csrc/linear/multigrid.h.
+_WORK = 3
 
 # Lanczos steps for λ_max of D⁻¹A, which they find to some percent from below; hence the margin.
 _LANCZOS_STEPS = 12
@@ -49,21 +52,18 @@ class Smoother:
             inverse = np.linalg.inv(diagonal_blocks(A) / scale).astype(np.float64, copy=False)
         except np.linalg.LinAlgError:
             raise SingularError(f"{what} is singular: some dofs have no stiffness") from None
-        single = np.empty(A.data.size, dtype=np.float32)
-        np.divide(A.data.reshape(-1), scale, out=single, casting="same_kind")
-        self._matrix = (
-            A.indptr.astype(np.int32, copy=False),
-            A.indices.astype(np.int32, copy=False),
-            single,
-            inverse.astype(np.float32).reshape(-1),
-        )
-        self._work = np.empty(2 * A.shape[0], dtype=np.float32)
+        indptr, indices, values = upper_blocks(A)
+        single = np.empty(len(values), dtype=np.float32)
+        np.divide(values, scale, out=single, casting="same_kind")
+        self._matrix = indptr, indices, single, inverse.astype(np.float32).reshape(-1)
+        self._n = A.shape[0]
+        self._work = np.empty(work_length(A), dtype=np.float32)
         self.highest = _MARGIN * self._largest_eigenvalue(inverse, what)
         self._lowest = self.highest / band
 
     def subtract(self, x: Single, r: Single) -> None:
         """Do r -= A x."""
-        _core.blocks_subtract(self._matrix, x, r)
+        _core.blocks_subtract(self._matrix, x, r, self._work)
 
     def smooth(self, x: Single, r: Single, *, finish: bool) -> None:
         """Improve `x` in place, r = f - A x; with `finish` that holds for `r` afterwards too."""
@@ -73,7 +73,7 @@ class Smoother:
 
     def _largest_eigenvalue(self, inverse: FloatArray, what: str) -> float:
         """λ_max of D⁻¹A by Lanczos' method, written as conjugate gradients."""
-        n, size = len(self._work) // 2, inverse.shape[1]
+        n, size = self._n, inverse.shape[1]
         r = np.random.default_rng(3).standard_normal(n)
         p, rz_before = np.zeros(n), 1.0
         diagonal, off = [], []
@@ -98,6 +98,24 @@ class Smoother:
             r = r + step * product
             rz_before = rz
         return float(scipy.linalg.eigvalsh_tridiagonal(diagonal, off)[-1])
+
+
+def upper_blocks(A: Any) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], FloatArray]:
+    """Return row starts, columns and entries of a symmetric BSR matrix without its lower blocks.
+
+    The core reads each pair of blocks from memory once. Blocks of a row must be in order.
+    """
+    row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
+    kept = A.indices >= row
+    indptr = np.zeros(len(A.indptr), dtype=np.int32)
+    np.cumsum(np.bincount(row[kept], minlength=len(indptr) - 1), out=indptr[1:])
+    return indptr, A.indices[kept].astype(np.int32, copy=False), A.data[kept].reshape(-1)
+
+
+def work_length(A: Any) -> int:
+    """How many numbers the core wants as work space for products and smoothing of a BSR matrix."""
+    n, size = int(A.shape[0]), int(A.blocksize[0])
+    return _WORK * (n // size) * (size + 1)
 
 
 def diagonal_blocks(A: Any) -> FloatArray:

@@ -40,8 +40,29 @@ SHARP = np.sqrt(0.5)
 _TRIANGLE_EDGES = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [0.0, 0.0]])
 _SQUARE_EDGES = np.array([[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]])
 
+# Places on a side, and the matrix from the values there of a polynomial of second degree to its
+# coefficients in Bernstein's basis, whose convex hull holds its values on all of the side (Farin,
+# Curves and Surfaces for CAGD, 2002).
+_LINE = np.array([[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]])  # from values at 0, ½ and 1
+_OF_SQUARE = (
+    np.array([[u, v] for u in (0.0, 0.5, 1.0) for v in (0.0, 0.5, 1.0)]),
+    np.kron(_LINE, _LINE),
+)
+_OF_TRIANGLE = (
+    np.vstack([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], _TRIANGLE_EDGES[:3]]),
+    np.block(
+        [
+            [np.eye(3), np.zeros((3, 3))],
+            [-0.5 * (np.eye(3) + np.roll(np.eye(3), 1, axis=1)), 2.0 * np.eye(3)],
+        ]
+    ),
+)
+
 # Distances, as a share of the side's size, that are none: what Newton's iteration leaves.
 _SAME_PLACE = 1e-9
+
+# As a share of the side's size, far more than rounding and than what is on its edge.
+_BESIDE = 1e-6
 
 # A determinant, relative to the largest entry squared, of tangents that are one direction.
 _SINGULAR = 1e-12
@@ -265,10 +286,23 @@ class Surface:
         near = np.linalg.norm(offset @ across.T, axis=1) <= radius + np.linalg.norm(spread)
         near &= np.abs(offset @ axis) <= reach + radius + np.linalg.norm(spread)
         face = np.flatnonzero(near)
-        plane = points @ across.T
-        gap = np.linalg.norm(plane[:, None] - (centre[face] @ across.T)[None], axis=2)
-        point, candidate = np.nonzero(gap <= radius[face])
+        frame = np.vstack([across, axis])
+        low, high = self._bounds(face, frame)
+        margin = _BESIDE * radius[face] + np.array([[0.0], [0.0], [reach]])
+        at = (frame @ points.T)[:, :, None]
+        within = (at >= (low - margin)[:, None]) & (at <= (high + margin)[:, None])
+        point, candidate = np.nonzero(within.all(axis=0))
         return self._first(points, axis, reach, outward, point, face[candidate])
+
+    def _bounds(self, face: IntArray, frame: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return between which coordinates along three axes the faces lie, shapes (3, n)."""
+        low, high = np.empty((2, 3, len(face)))
+        for triangle, (places, coefficients) in ((False, _OF_SQUARE), (True, _OF_TRIANGLE)):
+            on, n = np.flatnonzero(self._triangle[self.side[face]] == triangle), len(places)
+            x = self.at(np.repeat(face[on], n), np.tile(places, (len(on), 1)))[0]
+            hull = frame @ (coefficients @ x.reshape(len(on), n, 3)).swapaxes(1, 2)
+            low[:, on], high[:, on] = hull.min(axis=2).T, hull.max(axis=2).T
+        return low, high
 
     def _first(
         self,

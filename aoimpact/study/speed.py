@@ -80,7 +80,8 @@ def work_precision(
     reference : Result or Reference, optional
         What to compare with, instead of ``Adaptive(1e-12)``.
     repeats : int, optional
-        Runs to take the best time of; short ones are repeated more often, long ones less.
+        Runs to take the best time of; short ones are repeated more often, long ones less. With 1
+        each setting is run once.
 
     Returns
     -------
@@ -267,7 +268,7 @@ def _measure(timed: _Run, exact: Outcome, velocity: float, repeats: int) -> Meas
     best, spent, done = math.inf, 0.0, 0
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", AOImpactWarning)  # a bad setting shows by its error
-        while spent < _AT_LEAST or (done < repeats and spent < _ENOUGH):
+        while (repeats > 1 and spent < _AT_LEAST) or (done < repeats and spent < _ENOUGH):
             start = time.perf_counter()
             try:
                 outcome = run()

@@ -39,16 +39,22 @@ static int take_blocks(held *buffers, PyObject *tuple, size_t length, aoi_blocks
     return status == AOI_OK && diagonal != length * matrix->size ? AOI_ERROR_ARGUMENT : status;
 }
 
+static void *take_work(held *buffers, PyObject *work_out, char type, const aoi_blocks *matrix)
+{
+    size_t length = AOI_BLOCKS_WORK * matrix->n * (matrix->size + 1);
+    return held_take(buffers, work_out, "work", type, 1, &length);
+}
+
 PyObject *blocks_multiply(PyObject *self, PyObject *args)
 {
-    PyObject *matrix_in, *x_in, *y_out;
+    PyObject *matrix_in, *x_in, *y_out, *work_out;
     held buffers = {.failed = 0};
     aoi_blocks matrix = {.n = 0};
     size_t length = (size_t)-1, entries = (size_t)-1;
     int status = AOI_OK;
     const double *values = NULL;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!OO", &PyTuple_Type, &matrix_in, &x_in, &y_out)) {
+    if (!PyArg_ParseTuple(args, "O!OOO", &PyTuple_Type, &matrix_in, &x_in, &y_out, &work_out)) {
         return NULL;
     }
     const double *x = doubles(&buffers, x_in, "x", &length);
@@ -60,9 +66,10 @@ PyObject *blocks_multiply(PyObject *self, PyObject *args)
     if (!buffers.failed) {
         status = take_pattern(&buffers, matrix_in, length, entries, &matrix);
     }
+    double *work = status == AOI_OK ? take_work(&buffers, work_out, 'd', &matrix) : NULL;
     if (!buffers.failed && status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        aoi_blocks_multiply(&matrix, values, x, y);
+        aoi_blocks_multiply(&matrix, values, x, y, work);
         Py_END_ALLOW_THREADS
     }
     return finish(&buffers, status, "product of blocks");
@@ -70,20 +77,21 @@ PyObject *blocks_multiply(PyObject *self, PyObject *args)
 
 PyObject *blocks_subtract(PyObject *self, PyObject *args)
 {
-    PyObject *matrix_in, *x_in, *r_out;
+    PyObject *matrix_in, *x_in, *r_out, *work_out;
     held buffers = {.failed = 0};
     aoi_blocks matrix = {.n = 0};
     size_t length = (size_t)-1;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!OO", &PyTuple_Type, &matrix_in, &x_in, &r_out)) {
+    if (!PyArg_ParseTuple(args, "O!OOO", &PyTuple_Type, &matrix_in, &x_in, &r_out, &work_out)) {
         return NULL;
     }
     const float *x = held_take(&buffers, x_in, "x", 'f', 0, &length);
     float *r = held_take(&buffers, r_out, "r", 'f', 1, &length);
     const int status = take_blocks(&buffers, matrix_in, length, &matrix);
+    float *work = status == AOI_OK ? take_work(&buffers, work_out, 'f', &matrix) : NULL;
     if (!buffers.failed && status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        aoi_blocks_subtract(&matrix, x, r);
+        aoi_blocks_subtract(&matrix, x, r, work);
         Py_END_ALLOW_THREADS
     }
     return finish(&buffers, status, "product of blocks");
@@ -105,9 +113,8 @@ PyObject *blocks_smooth(PyObject *self, PyObject *args)
     }
     float *x = held_take(&buffers, x_out, "x", 'f', 1, &length);
     float *r = held_take(&buffers, r_out, "r", 'f', 1, &length);
-    size_t twice = 2 * length;
-    float *work = held_take(&buffers, work_out, "work", 'f', 1, &twice);
     int status = take_blocks(&buffers, matrix_in, length, &matrix);
+    float *work = status == AOI_OK ? take_work(&buffers, work_out, 'f', &matrix) : NULL;
     if (!buffers.failed && status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
         status = steps > 0 ? aoi_blocks_smooth(&matrix, (size_t)steps, low, high, finished, x, r, work)

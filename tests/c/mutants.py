@@ -43,15 +43,21 @@ MUTANTS = [
         "v0[i] * y[0] + v1[i] * y[1] + v2[i] * y[2];",
         "v0[i] * y[0] + v1[i] * y[1];",
     ),
+    ("linear/block_rows.h", "sum += block[b * k + c] * x[c]", "sum += block[b * c + k] * x[c]"),
+    ("linear/block_rows.h", "r[k] -= block[b * c + k] * x[c]", "r[k] -= block[b * k + c] * x[c]"),
+    ("linear/block_rows.h", "r[k] -= block[b * c + k] * x[c]", ""),
     (
-        "linear/blocks.c",
-        "sum[r] += block[b * r + c] * part[c]",
-        "sum[r] += block[b * c + r] * part[r]",
+        "linear/block_rows.h",
+        "OF(minus)(OF(minus)(OF(minus)(other, b0, x0), b1, x1)",
+        "OF(minus)(OF(minus)(other, b0, x0)",
     ),
-    ("linear/blocks.c", "b * b * (size_t)p", "b * (size_t)p"),
+    ("linear/block_rows.h", "OF(plus)(sum[1], b1, part)", "OF(plus)(sum[1], b0, part)"),
+    ("linear/block_rows.h", "terms[0] + terms[1] + terms[2]", "terms[0] + terms[1]"),
     ("linear/blocks.c", "matrix->size > AOI_BLOCKS_WIDEST", "matrix->size > AOI_BLOCKS_WIDEST + 1"),
-    ("linear/blocks.c", "r[b * i + k] -= product[k]", "r[b * i + k] += product[k]"),
-    ("linear/blocks.c", "step->r[b * i + k] = residual[k];", ""),
+    ("linear/blocks.c", "(size_t)matrix->indices[diagonal] != i", "0"),
+    ("linear/blocks.c", "(size_t)matrix->indices[p] <= i", "(size_t)matrix->indices[p] < i"),
+    ("linear/blocks.c", "y[k] = -y[k];", ""),
+    ("linear/blocks.c", "memset(work, 0, length", "memset(work, 0, 0 * length"),
     ("linear/blocks.c", "1.0 / (2.0 * middle / half - rho)", "1.0 / (2.0 * middle / half + rho)"),
     ("linear/blocks.c", "add = (float)(2.0 * rho_next / half)", "add = (float)(rho_next / half)"),
     ("linear/blocks.c", "(float)(1.0 / middle)", "(float)(1.0 / high)"),
@@ -553,7 +559,7 @@ MUTANTS = [
         "decay * aoi_modes_inertia(body, j) * squared",
     ),
     ("motion/energy.c", "force[1] = 0.5 * slope * length", "force[1] = 0.0"),
-    ("motion/path.c", "path->omega * path->h > AOI_PATH_FAST", "path->omega * path->h > 6.0"),
+    ("motion/path.c", "aoi_path_rings(path->omega, decay, path->h)", "path->omega * path->h > 6.0"),
     ("motion/free.c", "pair->gap += indentation + rounding;", ""),
     ("motion/free.c", "!closes(pair, rate, acceleration)", "rate < 0.0"),
     ("motion/free.c", "jerk = forced_at(pair, 3)", "jerk = 0.0"),
@@ -600,6 +606,14 @@ def compile_file(compiler: str, source: Path, core: Path, compiled: Path) -> Non
     subprocess.run(command, check=True)
 
 
+def compiled(source: Path, out: Path) -> Path:
+    return out / source.parent.name / f"{source.stem}.o"
+
+
+def includes(source: Path, header: str) -> bool:
+    return f'#include "{header}"' in source.read_text()
+
+
 def passes(compiler: str, test: str, out: Path) -> bool:
     """Whether a test program, linked with the core as it is now, passes."""
     objects = out.glob("*/*.o")
@@ -627,8 +641,9 @@ def main() -> int:
         core, out = Path(folder, "csrc"), Path(folder, "build")
         shutil.copytree(CORE, core)
         out.mkdir()
-        for source in [p for p in core.glob("*/*.c") if p.parent.name != "python"]:
-            compile_file(compiler, source, core, out / source.parent.name / f"{source.stem}.o")
+        sources = [path for path in core.glob("*/*.c") if path.parent.name != "python"]
+        for source in sources:
+            compile_file(compiler, source, core, compiled(source, out))
         for test in tests:
             compile_file(compiler, HERE / f"{test}.c", core, out / f"{test}.o")
         if noticed_by(compiler, tests, [], out):
@@ -641,10 +656,10 @@ def main() -> int:
                 print(f"{name}: '{old}' is not there any more")
                 failed += 1
                 continue
-            compiled = (out / name).with_suffix(".o")
-            sound = compiled.read_bytes()
             (core / name).write_text(text.replace(old, new))
-            compile_file(compiler, core / name, core, compiled)
+            changed = [path for path in sources if path == core / name or includes(path, name)]
+            for path in changed:
+                compile_file(compiler, path, core, compiled(path, out))
             own = [f"test_{part}" for part in (Path(name).stem, Path(name).parent.name)]
             found = noticed_by(compiler, tests, [last.get(name, own[0]), *own], out)
             if found:
@@ -652,7 +667,9 @@ def main() -> int:
             else:
                 print(f"{name}: no test notices '{new}' for '{old}'")
                 failed += 1
-            compiled.write_bytes(sound)
+            (core / name).write_text(text)
+            for path in changed:
+                compile_file(compiler, path, core, compiled(path, out))
     print(f"mutants: {len(MUTANTS) - failed} passed, {failed} failed")
     return failed != 0
 

@@ -3,7 +3,8 @@
 #include "check.h"
 #include "linear/multigrid.h"
 
-enum { NODES = 20, STORED = 3 * NODES - 2, WIDEST = AOI_BLOCKS_WIDEST };
+enum { NODES = 20, STORED = 2 * NODES - 1, WIDEST = AOI_BLOCKS_WIDEST };
+enum { WORK = AOI_BLOCKS_WORK * NODES * (WIDEST + 1) };
 
 typedef struct chain {
     int32_t start[NODES + 1], indices[STORED];
@@ -16,7 +17,7 @@ static void chain_make(chain *c, size_t size)
     int32_t stored = 0;
     for (int32_t i = 0; i < NODES; i++) {
         c->start[i] = stored;
-        for (int32_t j = i > 0 ? i - 1 : 0; j <= i + 1 && j < NODES; j++) {
+        for (int32_t j = i; j <= i + 1 && j < NODES; j++) {
             for (size_t k = 0; k < size * size; k++) {
                 const float entry = k % (size + 1) == 0 ? 2.0f : 1.0f; /* of S */
                 c->values[size * size * (size_t)stored + k] = i == j ? 2.0f * entry : -entry;
@@ -54,7 +55,7 @@ static double farthest(size_t count, const float *x, double factor, const float 
 static void products_have_the_eigenvectors(void)
 {
     chain c;
-    float x[NODES * WIDEST], r[NODES * WIDEST];
+    float x[NODES * WIDEST], r[NODES * WIDEST], work[WORK];
     for (size_t size = 1; size <= WIDEST; size++) {
         chain_make(&c, size);
         CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_OK, "blocks of %d", (int)size);
@@ -64,7 +65,7 @@ static void products_have_the_eigenvectors(void)
                 const double eigenvalue = alternating ? value : value * (1.0 + (double)size);
                 mode(x, size, k, alternating);
                 mode(r, size, k, alternating);
-                aoi_blocks_subtract(&c.matrix, x, r);
+                aoi_blocks_subtract(&c.matrix, x, r, work);
                 CHECK(farthest(NODES * size, r, 1.0 - eigenvalue, x) < 2e-6 * (1.0 + (double)size),
                       "blocks of %d, mode %d: x - A x", (int)size, k);
             }
@@ -75,7 +76,7 @@ static void products_have_the_eigenvectors(void)
 static void products_in_double_are_exact(void)
 {
     chain c;
-    double values[STORED * WIDEST * WIDEST], x[NODES * WIDEST], y[NODES * WIDEST];
+    double values[STORED * WIDEST * WIDEST], x[NODES * WIDEST], y[NODES * WIDEST], work[WORK];
     for (size_t size = 1; size <= WIDEST; size++) {
         chain_make(&c, size);
         for (size_t p = 0; p < STORED * size * size; p++) {
@@ -85,11 +86,47 @@ static void products_in_double_are_exact(void)
             for (size_t i = 0; i < NODES * size; i++) {
                 x[i] = sin(k * PI * (double)(i / size + 1) / (NODES + 1));
             }
-            aoi_blocks_multiply(&c.matrix, values, x, y);
+            aoi_blocks_multiply(&c.matrix, values, x, y, work);
             const double value = (2.0 - 2.0 * cos(k * PI / (NODES + 1))) * (1.0 + (double)size);
             for (size_t i = 0; i < NODES * size; i++) {
                 CHECK(fabs(y[i] - value * x[i]) < 1e-13, "blocks of %d, mode %d", (int)size, k);
             }
+        }
+    }
+}
+
+/* Against the sum over all entries, with blocks that are not symmetric and columns far and near. */
+static void blocks_left_of_the_diagonal_are_those_right_of_it_transposed(void)
+{
+    static const int32_t start[] = {0, 3, 5, 7, 9, 10}, indices[] = {0, 2, 4, 1, 2, 2, 3, 3, 4, 4};
+    enum { ROWS = 5, BLOCKS = 10 };
+    double values[BLOCKS * WIDEST * WIDEST], x[ROWS * WIDEST], y[ROWS * WIDEST], work[WORK];
+    float single[BLOCKS * WIDEST * WIDEST], x_single[ROWS * WIDEST], r[ROWS * WIDEST], work_single[WORK];
+    for (size_t b = 1; b <= WIDEST; b++) {
+        const aoi_blocks matrix = {ROWS, b, start, indices, single, NULL};
+        double exact[ROWS * WIDEST] = {0.0};
+        for (size_t k = 0; k < ROWS * b; k++) {
+            x[k] = x_single[k] = (float)sin(1.0 + (double)k);
+            r[k] = 0.0f;
+        }
+        for (size_t i = 0; i < ROWS; i++) {
+            for (size_t p = (size_t)start[i]; p < (size_t)start[i + 1]; p++) {
+                const size_t j = (size_t)indices[p];
+                for (size_t k = 0; k < b * b; k++) {
+                    const size_t turned = i == j ? b * (k % b) + k / b : k;
+                    const double entry = sin((double)(k < turned ? k : turned) + 9.0 * (double)p);
+                    values[b * b * p + k] = single[b * b * p + k] = (float)entry;
+                    exact[b * i + k / b] += (float)entry * x[b * j + k % b];
+                    exact[b * j + k % b] += i == j ? 0.0 : (float)entry * x[b * i + k / b];
+                }
+            }
+        }
+        CHECK(aoi_blocks_check(&matrix, BLOCKS) == AOI_OK, "blocks of %d", (int)b);
+        aoi_blocks_multiply(&matrix, values, x, y, work);
+        aoi_blocks_subtract(&matrix, x_single, r, work_single);
+        for (size_t k = 0; k < ROWS * b; k++) {
+            CHECK(fabs(y[k] - exact[k]) < 1e-14, "blocks of %d, row %d", (int)b, (int)k);
+            CHECK(fabs(r[k] + exact[k]) < 5e-6, "blocks of %d, row %d, single", (int)b, (int)k);
         }
     }
 }
@@ -112,7 +149,7 @@ static void steps_damp_as_chebyshev_polynomials(void)
     const double low = 0.25, high = 2.1, middle = 0.5 * (low + high), half = 0.5 * (high - low);
     chain c;
     float x[NODES * WIDEST], before[NODES * WIDEST], r[NODES * WIDEST], exact[NODES * WIDEST];
-    float work[2 * NODES * WIDEST];
+    float work[WORK];
     for (size_t size = 1; size <= WIDEST; size++) {
         const size_t n = NODES * size;
         chain_make(&c, size);
@@ -126,7 +163,7 @@ static void steps_damp_as_chebyshev_polynomials(void)
                 for (size_t i = 0; i < n; i++) {
                     r[i] = 0.0f;
                 }
-                aoi_blocks_subtract(&c.matrix, x, r);
+                aoi_blocks_subtract(&c.matrix, x, r, work);
                 CHECK(aoi_blocks_smooth(&c.matrix, steps, low, high, 1, x, r, work) == AOI_OK,
                       "%d steps", (int)steps);
                 CHECK(farthest(n, x, left, before) < 1e-5, "blocks of %d, %d steps: mode %d, by %g",
@@ -134,7 +171,7 @@ static void steps_damp_as_chebyshev_polynomials(void)
                 for (size_t i = 0; i < n; i++) {
                     exact[i] = 0.0f;
                 }
-                aoi_blocks_subtract(&c.matrix, x, exact);
+                aoi_blocks_subtract(&c.matrix, x, exact, work);
                 CHECK(farthest(n, r, 1.0, exact) < 2e-5, "finished: r = f - A x");
             }
         }
@@ -144,7 +181,7 @@ static void steps_damp_as_chebyshev_polynomials(void)
 static void unfinished_smoothing_does_the_same_to_x(void)
 {
     chain c;
-    float x[3 * NODES], y[3 * NODES], r[3 * NODES], s[3 * NODES], work[6 * NODES];
+    float x[3 * NODES], y[3 * NODES], r[3 * NODES], s[3 * NODES], work[WORK];
     chain_make(&c, 3);
     for (size_t i = 0; i < 3 * NODES; i++) {
         x[i] = y[i] = 0.0f;
@@ -159,7 +196,7 @@ static void unfinished_smoothing_does_the_same_to_x(void)
 static void what_is_no_interval_is_refused(void)
 {
     chain c;
-    float x[NODES] = {0.0f}, r[NODES] = {0.0f}, work[2 * NODES];
+    float x[NODES] = {0.0f}, r[NODES] = {0.0f}, work[WORK];
     chain_make(&c, 1);
     CHECK(aoi_blocks_smooth(&c.matrix, 3, 0.0, 2.0, 1, x, r, work) == AOI_ERROR_ARGUMENT, "low 0");
     CHECK(aoi_blocks_smooth(&c.matrix, 3, 2.0, 2.0, 1, x, r, work) == AOI_ERROR_ARGUMENT, "empty");
@@ -169,14 +206,23 @@ static void what_is_no_interval_is_refused(void)
     c.matrix.size = 0;
     CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_ERROR_ARGUMENT, "no block");
     c.matrix.size = 1;
-    c.indices[4] = NODES;
+    c.indices[5] = NODES;
     CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_ERROR_ARGUMENT, "a column that is not there");
+    c.indices[5] = 1;
+    CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_ERROR_ARGUMENT, "a block left of the diagonal");
+    c.indices[5] = 2;
+    CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_ERROR_ARGUMENT, "the diagonal twice");
+    c.indices[5] = 3;
+    CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_OK, "as it was");
+    c.indices[4] = 3;
+    CHECK(aoi_blocks_check(&c.matrix, STORED) == AOI_ERROR_ARGUMENT, "a row without a diagonal");
 }
 
 int main(void)
 {
     products_have_the_eigenvectors();
     products_in_double_are_exact();
+    blocks_left_of_the_diagonal_are_those_right_of_it_transposed();
     steps_damp_as_chebyshev_polynomials();
     unfinished_smoothing_does_the_same_to_x();
     what_is_no_interval_is_refused();

@@ -64,8 +64,8 @@ def factors(n: int = 6) -> list[Any]:
 
 
 def blocks() -> tuple[Any, ...]:
-    """A chain of 6 nodes with two dofs each, as blocks."""
-    start, indices, values = rows(chain(6)[0])
+    """A chain of 6 nodes with two dofs each, as blocks on and right of the diagonal."""
+    start, indices, values = rows(sp.triu(chain(6)[0], format="csr"))
     wide = np.kron(values.astype(S), np.eye(2, dtype=S).reshape(-1))
     return start, indices, wide, np.tile(np.eye(2, dtype=S).reshape(-1) / S(2e6), 6)
 
@@ -196,12 +196,20 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "star_from_modal": (lambda: [np.arange(4.0), np.ones(4), np.zeros(3), np.zeros(3)], {2, 3}),
     "factors_solve": (lambda: [tuple(factors()), np.zeros(6), np.ones(6)], {1, 2}),
     "blocks_multiply": (
-        lambda: [(*blocks()[:2], blocks()[2].astype(float)), np.ones(12), np.zeros(12)],
-        {2},
+        lambda: [
+            (*blocks()[:2], blocks()[2].astype(float)),
+            np.ones(12),
+            np.zeros(12),
+            np.zeros(54),
+        ],
+        {2, 3},
     ),
-    "blocks_subtract": (lambda: [blocks(), np.ones(12, S), np.zeros(12, S)], {2}),
+    "blocks_subtract": (
+        lambda: [blocks(), np.ones(12, S), np.zeros(12, S), np.zeros(54, S)],
+        {2, 3},
+    ),
     "blocks_smooth": (
-        lambda: [blocks(), 3, 0.2, 2.0, True, np.zeros(12, S), np.ones(12, S), np.zeros(24, S)],
+        lambda: [blocks(), 3, 0.2, 2.0, True, np.zeros(12, S), np.ones(12, S), np.zeros(54, S)],
         {5, 6, 7},
     ),
     "graph_aggregate": (lambda: [*blocks()[:2], np.zeros(6, np.int32)], {2}),
@@ -923,7 +931,7 @@ m = rng.uniform(1.0, 2.0, n) / n
 target = ao.AOModel(m0=0.01, k0=1e6, m=m, k=m * rng.uniform(1e6, 1e10, n))
 """
 LONG_FULL = """
-n = 20_000
+n = 5_000
 K = 1e6 * scipy.sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n), format="csr")
 target = ao.full(ao.FEModel(K=K, M=scipy.sparse.identity(n, format="csr")).contact(dof=n // 2))
 """

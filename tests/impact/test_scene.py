@@ -780,7 +780,7 @@ def test_a_record_longer_than_numbers_reach_is_refused(solver):
 @pytest.mark.slow
 def test_a_body_between_two_others_passes_the_blow_on_whatever_is_left_out():
     """Three like balls in a row: the middle one is touched on both sides."""
-    body = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.006), STEEL)
+    body = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), STEEL)
     front, back = (0, 0, 0.01), (0, 0, -0.01)
     runs = []
     for given in ({}, {"direction": (0, 0, -1)}):

@@ -132,7 +132,7 @@ def test_what_is_set_up_to_fit_a_patch_serves_the_model_as_well(monkeypatch):
     mesh = ao.box_mesh((0.1, 0.08, 0.01), (8, 6, 1), kind="hexahedron20")
     ends = [("xmin", "xyz"), ("xmax", "xyz")]
     plate = ao.FEModel.from_mesh(mesh, steel, fixed=ends, name="plate")
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.006), steel, name="ball")
+    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), steel, name="ball")
     ao.simulate(ball.contact(point=(0, 0, -0.01)), plate.contact(point=(0.05, 0.04, 0.01)), 1.0)
     assert sorted(set_up) == ["ball", "plate"]
 

@@ -10,7 +10,7 @@ import pytest
 import aoimpact as ao
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800.0)
-MESH = ao.sphere_mesh(0.01, 0.005)
+MESH = ao.sphere_mesh(0.01, 0.008)
 BALL = ao.FEModel.from_mesh(MESH, STEEL)
 
 

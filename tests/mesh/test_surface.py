@@ -95,6 +95,26 @@ def test_lines_pierce_the_side_that_is_asked_for(kind: str) -> None:
         np.testing.assert_allclose(surface.at(place.face, place.uv)[0], wanted, atol=1e-12)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_faces_lie_within_their_bounds(kind: str) -> None:
+    """Curved ones too, and along any axes; those of a box are its planes."""
+    frame = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    uv = np.random.default_rng(3).dirichlet([0.3, 0.3, 0.3], 50)[:, :2]  # many near the edges
+    for mesh, axes in (
+        (distorted_box(kind), frame),
+        (box_mesh((2, 1, 1), (2, 2, 2), kind=kind), np.eye(3)),
+    ):
+        surface = boundary(mesh)
+        face = np.arange(len(surface.cell))
+        low, high = surface._bounds(face, axes)
+        corners = axes @ mesh.nodes[surface.corners(face)].swapaxes(1, 2)
+        x = np.stack([axes @ surface.at(face, np.tile(place, (len(face), 1)))[0].T for place in uv])
+        assert (x >= low - 1e-12).all()
+        assert (x <= high + 1e-12).all()
+    np.testing.assert_allclose(low, corners.min(axis=2).T, atol=1e-12)
+    np.testing.assert_allclose(high, corners.max(axis=2).T, atol=1e-12)
+
+
 def test_lines_beside_the_body_and_beyond_reach_pierce_nothing() -> None:
     surface = boundary(box_mesh((1, 1, 1), (2, 2, 2)))
     points = np.array([[1.1, 0.5, 1.0], [0.5, 0.5, 2.0], [0.5, 0.5, 1.05]])

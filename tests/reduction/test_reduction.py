@@ -140,6 +140,7 @@ def test_residual_mass_of_the_whole_star_is_that_of_the_bare_contact(rigid):
     assert 1 / star.m0 == pytest.approx(la.inv(M.toarray())[3, 3], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_iteration_and_lapack_find_the_same_oscillators():
     K, M = rod(1600, fixed=[0])
     dof = 700

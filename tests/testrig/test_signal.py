@@ -67,14 +67,14 @@ def test_it_is_the_recursion_that_the_standard_prints(cfc: float) -> None:
     a = np.array([wa**2, 2.0 * wa**2, wa**2]) / below
     b = np.array([-2.0 * (wa**2 - 1.0), -1.0 + np.sqrt(2.0) * wa - wa**2]) / below
     # Silence at both ends, so that neither way of starting matters.
-    values = np.concatenate([np.zeros(20_000), x, np.zeros(20_000)])
+    padded = np.concatenate([np.zeros(20_000), x, np.zeros(20_000)])
+    (a0, a1, a2), (b1, b2), values = a.tolist(), b.tolist(), padded.tolist()
     for _ in range(2):
-        y = np.zeros_like(values)
-        for i in range(2, len(y)):
-            y[i] = a @ values[i - 2 : i + 1][::-1] + b @ y[i - 2 : i][::-1]
+        y = [0.0, 0.0]
+        for x2, x1, x0 in zip(values, values[1:], values[2:], strict=False):
+            y.append(a0 * x0 + a1 * x1 + a2 * x2 + b1 * y[-1] + b2 * y[-2])
         values = y[::-1]
-    t = np.arange(len(values)) * step
-    ours = ao.Signal(t, np.concatenate([np.zeros(20_000), x, np.zeros(20_000)])).filtered(cfc)
+    ours = ao.Signal(np.arange(len(padded)) * step, padded).filtered(cfc)
     np.testing.assert_allclose(ours.values, values, atol=1e-12 * np.abs(x).max())
 
 

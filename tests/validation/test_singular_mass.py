@@ -19,7 +19,7 @@ def rod_integrated_at_one_point(n: int) -> tuple[Any, Any]:
     return K.tocsr(), M.tocsr()
 
 
-@pytest.mark.parametrize("n", [7, 300, 800, 12_000])
+@pytest.mark.parametrize("n", [7, 300, 800, 3000, pytest.param(12_000, marks=pytest.mark.slow)])
 def test_a_mass_integrated_at_one_point_has_the_frequencies_of_its_closed_form(n: int) -> None:
     """ω = 2 tan(jπ/2n), by a wave exp(i(jπx/n - ωt)) in both; the n-th is infinite."""
     K, M = rod_integrated_at_one_point(n)

@@ -110,23 +110,39 @@ static float *take_floats(input *in, size_t count)
     return of;
 }
 
+/* The diagonal first in each row, and then what is right of it. */
+static void order_rows(size_t n, const int32_t *start, size_t stored, int32_t *indices)
+{
+    for (size_t i = 0; i < n; i++) {
+        for (int32_t p = start[i]; p >= 0 && (size_t)p < stored && p < start[i + 1]; p++) {
+            const int32_t right = (int32_t)i + 1 + (indices[p] & 1);
+            indices[p] = p == start[i] ? (int32_t)i : right;
+        }
+    }
+}
+
 static void of_blocks(input *in)
 {
     size_t stored;
     const size_t n = take_below(in, 4), size = take_between(in, 1, AOI_BLOCKS_WIDEST);
     aoi_blocks matrix = {.n = n, .size = size, .start = take_starts(in, n, &stored)};
-    matrix.indices = take_indices(in, stored, n);
+    int32_t *indices = take_indices(in, stored, n);
+    if (take_byte(in) % 8) {
+        order_rows(n, matrix.start, stored, indices);
+    }
+    matrix.indices = indices;
     matrix.values = take_floats(in, size * size * stored);
     matrix.inverse = take_floats(in, size * size * n);
-    double *values = take_room_of(in, size * size * stored), *exact = take_doubles(in, n * size);
-    double *product = take_room_of(in, n * size);
-    float *x = take_floats(in, n * size), *r = take_floats(in, n * size), *work = take_floats(in, 2 * n * size);
+    double *values = take_room(in, size * size * stored), *exact = take_array(in, n * size, take_any);
+    const size_t room = AOI_BLOCKS_WORK * n * (size + 1);
+    double *product = take_room(in, n * size), *wide = take_room(in, room);
+    float *x = take_floats(in, n * size), *r = take_floats(in, n * size), *work = take_floats(in, room);
     if (aoi_blocks_check(&matrix, stored) != AOI_OK) {
         return;
     }
     const double low = take_byte(in) % 8 ? 0.1 : take_any(in), high = take_byte(in) % 8 ? 2.0 : take_any(in);
-    aoi_blocks_multiply(&matrix, values, exact, product);
-    aoi_blocks_subtract(&matrix, x, r);
+    aoi_blocks_multiply(&matrix, values, exact, product, wide);
+    aoi_blocks_subtract(&matrix, x, r, work);
     (void)aoi_blocks_smooth(&matrix, take_below(in, 5), low, high, take_byte(in) & 1, x, r, work);
 }
 

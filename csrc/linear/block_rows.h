@@ -1,0 +1,128 @@
+/* r -= A x for a symmetric matrix of blocks of which one triangle is stored. Included once for each
+ * precision: REAL is its type and OF(x) a name of its own. Vectors have aoi_four_width numbers a node
+ * but where they are spread and gathered. */
+#include "linear/four.h"
+#include "linear/multigrid.h"
+
+#ifndef REAL
+#define REAL float
+#define OF(x) single_##x
+#endif
+
+static inline void OF(widen)(size_t n, size_t b, const REAL *x, REAL *wide)
+{
+    const size_t width = aoi_four_width(b);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < width; k++) {
+            wide[width * i + k] = k < b ? x[b * i + k] : 0;
+        }
+    }
+}
+
+static inline void OF(narrow)(size_t n, size_t b, const REAL *wide, REAL *x)
+{
+    const size_t width = aoi_four_width(b);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < b; k++) {
+            x[b * i + k] = wide[width * i + k];
+        }
+    }
+}
+
+static void OF(spread)(const aoi_blocks *matrix, const REAL *x, REAL *wide)
+{
+    if (matrix->size == 3) {
+        OF(widen)(matrix->n, 3, x, wide);
+    } else {
+        OF(widen)(matrix->n, matrix->size, x, wide);
+    }
+}
+
+static void OF(gather)(const aoi_blocks *matrix, const REAL *wide, REAL *x)
+{
+    if (matrix->size == 3) {
+        OF(narrow)(matrix->n, 3, wide, x);
+    } else {
+        OF(narrow)(matrix->n, matrix->size, wide, x);
+    }
+}
+
+/* r_i -= B x_j. */
+static inline void OF(along)(size_t b, const REAL *block, const REAL *x, REAL *r)
+{
+    for (size_t k = 0; k < b; k++) {
+        REAL sum = 0;
+        for (size_t c = 0; c < b; c++) {
+            sum += block[b * k + c] * x[c];
+        }
+        r[k] -= sum;
+    }
+}
+
+/* r_j -= B^T x_i. */
+static inline void OF(across)(size_t b, const REAL *block, const REAL *x, REAL *r)
+{
+    for (size_t c = 0; c < b; c++) {
+        for (size_t k = 0; k < b; k++) {
+            r[k] -= block[b * c + k] * x[c];
+        }
+    }
+}
+
+/* The blocks of 3 x 3 right of the diagonal in row i, and their transposes in column i. A row of a
+ * block is read with the number that follows it: after the last one there is the last diagonal. */
+static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, size_t i, const REAL *x,
+                                REAL *r)
+{
+    const OF(four) x0 = OF(fill)(x[4 * i]), x1 = OF(fill)(x[4 * i + 1]), x2 = OF(fill)(x[4 * i + 2]);
+    OF(four) sum[3] = {OF(fill)(0), OF(fill)(0), OF(fill)(0)};
+    for (size_t p = (size_t)matrix->start[i] + 1; p < (size_t)matrix->start[i + 1]; p++) {
+        const size_t j = 4 * (size_t)matrix->indices[p];
+        const OF(four) part = OF(load)(x + j), other = OF(load)(r + j);
+        const OF(four) b0 = OF(load)(values + 9 * p), b1 = OF(load)(values + 9 * p + 3),
+                       b2 = OF(load)(values + 9 * p + 6);
+        sum[0] = OF(plus)(sum[0], b0, part);
+        sum[1] = OF(plus)(sum[1], b1, part);
+        sum[2] = OF(plus)(sum[2], b2, part);
+        OF(store)(OF(minus)(OF(minus)(OF(minus)(other, b0, x0), b1, x1), b2, x2), r + j);
+    }
+    for (size_t k = 0; k < 3; k++) {
+        REAL terms[4];
+        OF(store)(sum[k], terms);
+        r[4 * i + k] -= terms[0] + terms[1] + terms[2];
+    }
+}
+
+/* r_i -= A_ij x_j and r_j -= A_ji x_i for all j that row i stores: r_i is complete then, since the rows
+ * before it have left their part. b is the size of a block: a constant wherever speed matters. */
+static inline void OF(row)(const aoi_blocks *matrix, const REAL *values, size_t b, size_t i,
+                           const REAL *x, REAL *r)
+{
+    const size_t width = aoi_four_width(b), diagonal = (size_t)matrix->start[i];
+    OF(along)(b, values + b * b * diagonal, x + width * i, r + width * i);
+    if (b == 3) {
+        OF(others_3)(matrix, values, i, x, r);
+        return;
+    }
+    for (size_t p = diagonal + 1; p < (size_t)matrix->start[i + 1]; p++) {
+        const size_t j = (size_t)matrix->indices[p];
+        OF(along)(b, values + b * b * p, x + width * j, r + width * i);
+        OF(across)(b, values + b * b * p, x + width * i, r + width * j);
+    }
+}
+
+static void OF(rows)(const aoi_blocks *matrix, const REAL *values, const REAL *x, REAL *r)
+{
+    for (size_t i = 0; i < matrix->n; i++) {
+        switch (matrix->size) {
+        case 3:
+            OF(row)(matrix, values, 3, i, x, r);
+            break;
+        case 6:
+            OF(row)(matrix, values, 6, i, x, r);
+            break;
+        default:
+            OF(row)(matrix, values, matrix->size, i, x, r);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+/* Four floats or doubles at a time, a name for each operation: with the instructions of SSE2 where they
+ * are, else one by one, with the same bits. gcc makes no such instructions of loops of four. */
+#ifndef AOI_LINEAR_FOUR_H
+#define AOI_LINEAR_FOUR_H
+
+#include <stddef.h>
+
+/* Numbers from a node to the next in vectors of which four are read and written at a time: one more for
+ * nodes of three, which does not count. */
+static inline size_t aoi_four_width(size_t b) { return b == 3 ? 4 : b; }
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+
+typedef __m128 single_four;
+static inline single_four single_load(const float *x) { return _mm_loadu_ps(x); }
+static inline single_four single_fill(float x) { return _mm_set1_ps(x); }
+static inline void single_store(single_four a, float *x) { _mm_storeu_ps(x, a); }
+static inline single_four single_plus(single_four sum, single_four a, single_four b)
+{
+    return _mm_add_ps(sum, _mm_mul_ps(a, b));
+}
+static inline single_four single_minus(single_four sum, single_four a, single_four b)
+{
+    return _mm_sub_ps(sum, _mm_mul_ps(a, b));
+}
+
+typedef struct exact_four {
+    __m128d low, high;
+} exact_four;
+static inline exact_four exact_load(const double *x)
+{
+    return (exact_four){_mm_loadu_pd(x), _mm_loadu_pd(x + 2)};
+}
+static inline exact_four exact_fill(double x) { return (exact_four){_mm_set1_pd(x), _mm_set1_pd(x)}; }
+static inline void exact_store(exact_four a, double *x)
+{
+    _mm_storeu_pd(x, a.low);
+    _mm_storeu_pd(x + 2, a.high);
+}
+static inline exact_four exact_plus(exact_four sum, exact_four a, exact_four b)
+{
+    return (exact_four){_mm_add_pd(sum.low, _mm_mul_pd(a.low, b.low)),
+                        _mm_add_pd(sum.high, _mm_mul_pd(a.high, b.high))};
+}
+static inline exact_four exact_minus(exact_four sum, exact_four a, exact_four b)
+{
+    return (exact_four){_mm_sub_pd(sum.low, _mm_mul_pd(a.low, b.low)),
+                        _mm_sub_pd(sum.high, _mm_mul_pd(a.high, b.high))};
+}
+
+#else
+
+#define AOI_FOUR(name, real)                                                                           \
+    typedef struct name##_four {                                                                       \
+        real of[4];                                                                                    \
+    } name##_four;                                                                                     \
+    static inline name##_four name##_load(const real *x)                                               \
+    {                                                                                                  \
+        return (name##_four){{x[0], x[1], x[2], x[3]}};                                                \
+    }                                                                                                  \
+    static inline name##_four name##_fill(real x) { return (name##_four){{x, x, x, x}}; }              \
+    static inline void name##_store(name##_four a, real *x)                                            \
+    {                                                                                                  \
+        for (size_t k = 0; k < 4; k++) {                                                               \
+            x[k] = a.of[k];                                                                            \
+        }                                                                                              \
+    }                                                                                                  \
+    static inline name##_four name##_plus(name##_four sum, name##_four a, name##_four b)               \
+    {                                                                                                  \
+        for (size_t k = 0; k < 4; k++) {                                                               \
+            sum.of[k] += a.of[k] * b.of[k];                                                            \
+        }                                                                                              \
+        return sum;                                                                                    \
+    }                                                                                                  \
+    static inline name##_four name##_minus(name##_four sum, name##_four a, name##_four b)              \
+    {                                                                                                  \
+        for (size_t k = 0; k < 4; k++) {                                                               \
+            sum.of[k] -= a.of[k] * b.of[k];                                                            \
+        }                                                                                              \
+        return sum;                                                                                    \
+    }
+
+AOI_FOUR(single, float)
+AOI_FOUR(exact, double)
+
+#endif
+#endif
