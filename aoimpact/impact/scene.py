@@ -199,19 +199,22 @@ class Scene:
         gap = normal_gap(apart)
         called = text("name", name)
         contact = Contact(first.body, first.at, second.body, second.at, between, gap, called)
-        beside = self._between.setdefault(contact[:4], [])
-        for number in beside:
-            other = self._contacts[number]
-            if (other.law, other.gap) == (contact.law, contact.gap):
-                raise InputError(
-                    f"contact {number} is the same: {self._called(first)} and "
-                    f"{self._called(second)} under the same law and gap; leave this one out, or "
-                    "double the law's stiffness"
-                )
-        beside.append(len(self._contacts))
+        self._refuse_again(contact)
+        self._between.setdefault(contact[:4], []).append(len(self._contacts))
         self._contacts.append(contact)
         self._law_errors.append(law_error)
         return len(self._contacts) - 1
+
+    def _refuse_again(self, contact: Contact) -> None:
+        """Between the same two places a contact adds nothing but stiffness."""
+        for number in self._between.get(contact[:4], []):
+            other = self._contacts[number]
+            if (other.law, other.gap) == (contact.law, contact.gap):
+                first, second = (self._called(Handle(body)) for body, _ in contact.ports)
+                raise InputError(
+                    f"contact {number} is the same: {first} and {second} under the same law and "
+                    "gap; leave this one out, or double the law's stiffness"
+                )
 
     def apply(self, body: Handle, *, force: Any) -> None:
         """Apply a force to a body's contact coordinate, along the direction of travel.
