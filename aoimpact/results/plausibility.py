@@ -155,11 +155,13 @@ def _warn(text: str) -> None:
 
 def _ends(plan: Plan, contact: Contact) -> tuple[Any, Any]:
     """Of each body its AO model, or else the point where it is touched."""
-    first, second = (
-        model if isinstance(model := plan.bodies[body].model, AOModel) else touched(model, port)
-        for body, port in contact.ports
-    )
-    return first, second
+    first = _end(plan, contact.first, contact.first_port)
+    return first, _end(plan, contact.second, contact.second_port)
+
+
+def _end(plan: Plan, body: int, port: int) -> Any:
+    model = plan.bodies[body].model
+    return model if isinstance(model, AOModel) else touched(model, port)
 
 
 def _known(end: Any) -> bool:
