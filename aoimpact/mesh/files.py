@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from ..base import IntArray, MemoryLimitError, MeshError, MissingFileError, file_path
 from .elements import KINDS
-from .guard import bounded, bounded_text
+from .guard import Reading, bounded, bounded_text
 
 __all__ = ["load", "meshio_of_all_kinds", "named_cells", "named_nodes"]
 
@@ -53,8 +53,9 @@ def load(path: str | os.PathLike[str]) -> Any:
             "mesh the inside, and write .msh, .vtu or .inp"
         )
     said = io.StringIO()
+    reading = Reading(size)
     try:
-        return _silently_read(file, size, said)
+        return _silently_read(file, reading, said)
     except SystemExit:
         reason = " ".join(said.getvalue().split())
     except MemoryError:
@@ -77,13 +78,14 @@ def load(path: str | os.PathLike[str]) -> Any:
     except Exception as error:
         # Readers meet malformed files with whatever their parsing happens to raise.
         reason = f"{type(error).__name__}: {error}"
+    where = f", at {reading.place} or before" if reading.place else ""
     raise MeshError(
-        f"mesh file {str(file)!r} cannot be read: {reason or 'meshio gives no reason'}; "
-        "see the formats of meshio, and convert it to one of them (.msh, .vtu, .inp, …)"
+        f"mesh file {str(file)!r} cannot be read{where}: {reason or 'meshio gives no reason'}; "
+        "write it anew, or convert it to another of meshio's formats (.msh, .vtu, .inp, …)"
     )
 
 
-def _silently_read(file: Path, size: int, said: io.StringIO) -> Any:
+def _silently_read(file: Path, reading: Reading, said: io.StringIO) -> Any:
     """What meshio reads, with bounds on what it takes, and what it prints in `said`.
 
     It tries one reader after the other, prints why each failed, and then exits.
@@ -92,7 +94,7 @@ def _silently_read(file: Path, size: int, said: io.StringIO) -> Any:
     with (
         contextlib.redirect_stdout(said),
         contextlib.redirect_stderr(said),
-        bounded(size),
+        bounded(reading),
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("ignore")  # of deprecations, and of arithmetic on rubbish

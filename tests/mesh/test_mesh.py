@@ -294,6 +294,9 @@ def test_directory_is_no_mesh(tmp_path: Path) -> None:
         ("a.xyz", "1 2 3", "cannot be read.*Could not deduce file format"),
         ("noextension", "1 2 3", "cannot be read"),
         ("a.inp", "*NODE\n1, 0, 0\n*ELEMENT, TYPE=NONE\n1, 1", "cannot be read"),
+        ("a.inp", "*NODE\n1, 0, 0, 0\n2, 1, x, 0\n", "cannot be read, at line 3 or before"),
+        ("a.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 x\n", "at line 5 or before"),
+        ("a.ugrid", "1 2 3\n", "cannot be read: .* write it anew"),
     ],
 )
 def test_files_that_are_no_mesh(
