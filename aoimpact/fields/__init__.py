@@ -3,7 +3,7 @@
 from .fields import Field, Probe
 from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
-from .response import Response
+from .response import Response, stress_rows_at
 from .stress import Stress
 from .stresserror import energy_error, missing_energy, stresses_around
 
@@ -17,6 +17,7 @@ __all__ = [
     "missing_energy",
     "movie_path",
     "response_of",
+    "stress_rows_at",
     "stresses_around",
     "write_movie",
 ]

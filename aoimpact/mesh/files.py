@@ -30,6 +30,9 @@ _KIND = re.compile(r"(vertex|line|triangle|quad|tetra|hexahedron|wedge|pyramid)\
 # Formats that hold no volume cells: there is nothing to be read.
 _SURFACES = (".obj", ".off", ".ply", ".stl", ".svg", ".wkt")
 
+# Groups of FLAC3D's files, of which meshio numbers the members through, not by blocks.
+_FLAC3D = re.compile("(zone|face):")
+
 _DIMENSION_NAMES = ("point", "line", "surface", "volume")
 
 
@@ -198,12 +201,15 @@ def _joined(groups: Callable[[], Iterable[tuple[str, IntArray]]]) -> dict[str, I
 
 
 def _cell_groups(mesh: Any) -> Iterator[_CellGroup]:
+    counts = [0, *(len(block.data) for block in mesh.cells)]
     for name, blocks in mesh.cell_sets.items():
         if name.startswith("gmsh:"):  # a table of meshio's own, not a group
             continue
+        through = _FLAC3D.match(name) is not None and "cell_ids" in mesh.cell_data
+        first = np.cumsum(counts) if through else np.zeros(len(counts), int)
         for i, (_, members) in enumerate(zip(mesh.cells, blocks, strict=False)):
             if members is not None and len(members):
-                yield str(name), i, _indices(members)
+                yield str(name), i, _indices(members) - first[i]
     yield from _physical_groups(mesh)
     yield from _med_cells(mesh)
 

@@ -308,6 +308,22 @@ def test_files_that_are_no_mesh(
     assert capfd.readouterr() == ("", "")
 
 
+def test_groups_of_flac3d_are_of_their_own_zones(tmp_path: Path) -> None:
+    """Faces come before zones in meshio's numbers, which count all of them through."""
+    file = tmp_path / "two.f3grid"
+    points = "G 1 0 0 0\nG 2 1 0 0\nG 3 0 1 0\nG 4 0 0 1\nG 5 1 1 1\n"
+    zones = "Z T4 1 1 2 3 4\nZ T4 2 2 5 3 4\nF T3 1 1 2 3\n"
+    groups = 'ZGROUP "one" SLOT 1\n1\nZGROUP "two" SLOT 1\n2\nFGROUP "base" SLOT 1\n1\n'
+    file.write_text(points + zones + groups)
+    mesh = read_mesh(file)
+    middle = {
+        name: mesh.nodes[mesh.cells[of]].mean(axis=(0, 1)) for name, of in mesh.cell_sets.items()
+    }
+    assert middle["zone:one:1"] == pytest.approx([0.25, 0.25, 0.25])
+    assert middle["zone:two:1"] == pytest.approx([0.5, 0.5, 0.5])
+    assert mesh.nodes[mesh.node_sets["face:base:1"]].tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
 def test_a_kind_that_meshio_reads_but_cannot_hold(tmp_path: Path) -> None:
     (tmp_path / "hybrid.inp").write_text(f"{NODES}*ELEMENT, TYPE=C3D4H\n{TETS}")
     with pytest.raises(MeshError, match=r"unsupported kind: tetra4; supported are tetra, tetra10"):
