@@ -1,4 +1,8 @@
-"""The whole body in a run: displacement and stress over time, pictures, files."""
+"""The whole body in a run: displacement and stress over time, pictures, files.
+
+A body's motion is found again from the recorded contact forces (replay.py). `results` offers it as
+attributes of a run's bodies, `accuracy` takes stresses and their errors; `testrig` uses it, too.
+"""
 
 from .fields import Field, Probe
 from .movie import MovingBody, movie_path, write_movie
