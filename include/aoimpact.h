@@ -1,7 +1,8 @@
 /* aoimpact: the anti-oscillator model of a body at its point of contact, and impacts in time.
  *
- * This header is what a C programmer may use, and its specification; examples/impact.c uses it. "Paper" is
- * E. Jacquelin, "On the rigid projectile model for low velocity impacts"; equation numbers are its.
+ * This header is what a C programmer may use, and its specification; examples/impact.c uses it. `make -C csrc` makes
+ * build/core/libaoimpact.a and libaoimpact.so. "Paper" is E. Jacquelin, "On the rigid projectile model for low
+ * velocity impacts"; equation numbers are its.
  *
  * A system of bodies and contacts is described once (aoi_modes, aoi_law, aoi_contact, aoi_system) and linked; runs
  * in fixed steps (aoi_newmark) or to a tolerance (aoi_adaptive) take it as it is. What an adaptive run has written
