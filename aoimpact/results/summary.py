@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import quantity
 from ..fem import ContactPoint
-from ..reduction import touched
+from ..reduction import AOModel, touched
 from .motion import LEAST_REBOUND, in_words, percent
 
 if TYPE_CHECKING:
@@ -47,7 +47,8 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
         (_of_what(result), _error(result)),
         ("solver", result.solver),
     ]
-    made_by = [model.origin.solver for model in result.models or () if model.origin is not None]
+    chosen = [model for model in result.models or () if isinstance(model, AOModel)]
+    made_by = [model.origin.solver for model in chosen if model.origin is not None]
     if any(made_by):
         rows.append(("linear solver", ", ".join(dict.fromkeys(filter(None, made_by)))))
     rows.append(("cost", str(result.cost)))

@@ -310,6 +310,15 @@ def test_pardiso_goes_to_another_shift_and_back(bar):
 
 
 @needs_pardiso
+def test_pardiso_names_a_row_without_a_diagonal():
+    """Nothing is stored in such a row, and PARDISO looks there all the same."""
+    K = sp.csr_array(np.diag([1.0, 0.0, 2.0]))
+    M = sp.csr_array(np.eye(3))
+    with pytest.raises(ao.SingularError, match="diagonal entry 1, counted from 0, is 0"):
+        ao.FEModel(K=K, M=M).inverse(0.0, solver="pardiso")
+
+
+@needs_pardiso
 def test_pardiso_names_a_singular_matrix_in_place_of_a_regular_one(block):
     """The block is free; after the refusal what was regular still is."""
     dynamic = block.inverse(1e10, solver="pardiso")
