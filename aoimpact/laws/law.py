@@ -25,21 +25,7 @@ CoreLaw = tuple[Any, ...]
 # is left is twenty times as stiff as the law; of two like bodies the contact is 0.8 of the patch.
 MOST_SHARE = 0.95
 
-# Of the parameters of laws, beside k, whose unit follows from the power of the indentation; and how
-# to write them.
-_UNITS = {
-    "n": "",
-    "relative_radius": "m",
-    "yield_force": "N",
-    "damping": "s/m",
-    "restitution": "",
-    "velocity": "m/s",
-    "alpha": "",
-    "mass": "kg",
-    "A": "s",
-    "c": "N s/m",
-    "end": "",
-}
+# How summaries write some parameters.
 _SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 
 # Own indentations, m, among which the one of that share is searched.
@@ -74,6 +60,9 @@ class ContactLaw:
     _has_memory: ClassVar[bool] = False
     _by_caller: ClassVar[bool] = False
 
+    # Of the parameters, by name, for summaries; that of k follows from the power.
+    _units: ClassVar[dict[str, str]] = {}
+
     # Of the indentation, where no parameter n says so.
     _power: ClassVar[float] = 1.5
 
@@ -93,7 +82,7 @@ class ContactLaw:
     def __str__(self) -> str:
         """The law and its parameters with units, for summaries."""
         power = getattr(self, "n", self._power)
-        units = _UNITS | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+        units = self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
         given = {entry.name: getattr(self, entry.name) for entry in fields(cast(Any, self))}
         if "relative_radius" in given:
             given["relative_radius"] = given.pop("relative_radius")
@@ -361,6 +350,7 @@ class HertzianLaw(ContactLaw):
     """
 
     relative_radius: float | None = field(default=None, kw_only=True)
+    _units: ClassVar[dict[str, str]] = {"relative_radius": "m"}
 
     def __post_init__(self) -> None:
         if self.relative_radius is not None:

@@ -232,6 +232,7 @@ def test_a_body_too_large_to_be_known_whole(rtol):
     assert hit.models[1].n <= 150
 
 
+@pytest.mark.slow
 def test_models_are_compared_over_the_same_record():
     """A length that is left out costs no oscillators: as many as with that length given.
 
