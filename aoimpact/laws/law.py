@@ -34,8 +34,9 @@ _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
 _NO_NOTE = np.full(3, math.nan)
 
-# Logarithms: where the search for the deepest indentation begins, and how it goes on up.
-_SHALLOW, _STRIDE = -28.0, 0.35
+# Logarithms: where the search for the deepest indentation begins, and how it goes on up; a user's
+# law may end not far beyond what it is for.
+_SHALLOW, _STRIDE, _SHORT_STRIDE = -28.0, 4.0, 0.35
 
 # Logarithm of the longest indentation, m, and the least work, J, that count as finite and above 0.
 _LONGEST, _LEAST_WORK = 300.0, 1e-300
@@ -181,10 +182,13 @@ class ContactLaw:
         >>> round(float(law.potential(1e-4)), 9)  # J, k δ²/2
         0.05
         """
-        delta = finite_array("indentation", indentation, unit="m")
-        energy = np.empty(delta.shape)
-        _core.law_potential(self.for_core(), delta, energy)
+        energy = self._potential(finite_array("indentation", indentation, unit="m"))
         return energy if energy.ndim else float(energy)
+
+    def _potential(self, indentation: FloatArray) -> FloatArray:
+        energy = np.empty(indentation.shape)
+        _core.law_potential(self.for_core(), indentation, energy)
+        return energy
 
     def within_patch(
         self, compliance: float, *, radius: float = math.inf, relative_radius: float | None = None
@@ -252,7 +256,7 @@ class ContactLaw:
 
     def _work(self, indentation: float) -> float:
         """Return ∫ F dδ up to an indentation on the way in, at no rate, J."""
-        return float(self.potential(indentation))
+        return float(self._potential(np.array(indentation)))
 
     def stroke(self, energy: float) -> float:
         """Return the indentation at which the way in has taken an energy, at no rate.
@@ -285,16 +289,16 @@ class ContactLaw:
             work = max(self._work(math.exp(log_indentation)), _LEAST_WORK)
             return math.log(work) - math.log(wanted)
 
-        high = min(end, _SHALLOW)  # a user's law may end not far beyond what it is for
+        high, stride = min(end, _SHALLOW), _SHORT_STRIDE if self.by_caller else _STRIDE
         while excess(high) < 0.0 and high < end:
-            high = min(high + _STRIDE, end)
+            high = min(high + stride, end)
         if excess(high) < 0.0:
             if high == _LONGEST:
                 raise InputError(f"{self!r} never takes an energy of {wanted:g} J")
             return math.exp(high)
-        low = high - 4.0
+        low = high - _STRIDE
         while excess(low) > 0.0:
-            low -= 4.0
+            low -= _STRIDE
             if low < -_LONGEST:
                 raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
         return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))

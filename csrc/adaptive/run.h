@@ -34,6 +34,7 @@ typedef struct aoi_adaptive_contact {
     double edge;      /* length allowed by the error of the step in which it began, used for its end; 0: not known */
     double memory[AOI_LAW_MEMORY];
     double start, start_rate, force; /* now, while closed */
+    double touch_rate; /* the rate when its force last began, before a sudden change of it, m/s */
     double bending;    /* the force included in the deflection of the residual compliance, N */
     double force_rate; /* at the end of the last step, where bodies have a residual compliance */
     double indentation_scale, impulse_scale, rate_scale;
