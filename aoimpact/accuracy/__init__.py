@@ -1,6 +1,8 @@
 """Quantities of interest, and the models that give them to a tolerance.
 
-For what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
+quantities.py is the registry of what can be asked for; order.py finds the least models, from
+hierarchy.py, that give it; leftout.py what mesh and contact add to its error. For what runs impacts
+and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
 
 from .choice import checked_linear_solver, checked_rtol, choose_models
@@ -11,8 +13,6 @@ from .keep import CONTROLLED, Keep, Named, keeper
 from .leftout import LeftOutFinder
 from .order import first_guess
 from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
-from .record import Record
-from .solve import TimeSolver, solve
 from .stressat import StressAt
 
 __all__ = [
@@ -29,9 +29,7 @@ __all__ = [
     "Named",
     "Quantity",
     "R",
-    "Record",
     "StressAt",
-    "TimeSolver",
     "best_radius",
     "checked_linear_solver",
     "checked_rtol",
@@ -43,5 +41,4 @@ __all__ = [
     "model_hierarchy",
     "quantity_unit",
     "scene_quantity",
-    "solve",
 ]

@@ -11,14 +11,12 @@ from typing import Any
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..results import Chosen, Result, Run
+from ..results import Chosen, Record, Result, Run, solve
 from ..scene import Plan
 from .hierarchy import Models
 from .leftout import LeftOutFinder
 from .order import Orders, least_orders
 from .quantities import Quantity, R, number_errors
-from .record import Record
-from .solve import solve
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
 
@@ -30,6 +28,10 @@ _RTOL, _TIGHTEST = 1e-2, 1e-8
 # error of a ringing history is twenty times as much), of fixed steps, which cost more, and of all
 # errors together, since estimates are no bounds.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _MARGIN = 0.005, 0.2, 0.95
+
+# Where no tolerance was given, models need be no better than this share of what the mesh leaves out
+# of the quantity, by which the total error grows; up to the loosest default tolerance.
+_SHARE_OF_MESH, _LOOSEST = 0.2, 0.1
 
 
 def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
@@ -129,6 +131,16 @@ def choose_models(
             plan = plan_of(models, False)
             return view(record.run(plan, partial(solve, solver=rule), last=flexible))
 
+    meshed = any(getattr(body, "given", body).contact_points for body in bodies)
+    finder = LeftOutFinder(interest, rule, view, law_errors, meshed)
+
+    def enough(run: Result | Run) -> float:
+        """The models' tolerance, looser where the mesh leaves out much more of the run."""
+        nonlocal tolerance
+        mesh = finder(run.run if isinstance(run, Result) else run).mesh or 0.0
+        tolerance = max(_RTOL, min(_SHARE_OF_MESH * mesh, _LOOSEST))
+        return _MARGIN * tolerance - in_time
+
     found = least_orders(
         bodies,
         run=trial,
@@ -138,6 +150,7 @@ def choose_models(
         known=known,
         anew=None if record.given else record.reopen,
         best=not asked,
+        enough=enough if meshed and not asked else None,
     )
     if found.error > tolerance:
         _warn_of_the_best(found, quantity, tolerance)
@@ -149,8 +162,7 @@ def choose_models(
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     models = tuple(body.model for body in run.plan.bodies)
     chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
-    meshed = any(getattr(body, "given", body).contact_points for body in bodies)
-    left_out = LeftOutFinder(interest, rule, view, law_errors, meshed, _deforming(run, found))
+    left_out = replace(finder, larger=_deforming(run, found))
     return view(replace(run, chosen=chosen, left_out=left_out))
 
 

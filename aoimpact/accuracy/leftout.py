@@ -21,12 +21,11 @@ import numpy as np
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import AOModel, FullModel, InterfaceModel
-from ..results import LeftOut, Result, Run
+from ..results import LeftOut, Result, Run, TimeSolver, solve
 from ..scene import Contact, FullBody, Plan, SceneBody, scene_body
 from .compliance import compliance_error
 from .hierarchy import model_hierarchy
 from .quantities import Quantity, number_errors
-from .solve import TimeSolver, solve
 
 __all__ = ["LeftOutFinder"]
 

@@ -13,18 +13,25 @@ from ..accuracy import (
     LeftOutFinder,
     Quantity,
     R,
-    Record,
     StressAt,
-    TimeSolver,
     checked_linear_solver,
     choose_models,
-    solve,
 )
 from ..base import bar
 from ..fem import ContactPoint
 from ..linalg import LinearSolver, Solver
 from ..reduction import AOModel, BodyModel, FullModel
-from ..results import Handle, Result, Run, warn_of_lag, warn_of_misfit, warn_of_run
+from ..results import (
+    Handle,
+    Record,
+    Result,
+    Run,
+    TimeSolver,
+    solve,
+    warn_of_lag,
+    warn_of_misfit,
+    warn_of_run,
+)
 from ..scene import Plan
 from .checks import warn_of_centres, warn_of_places
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import Quantity, Record, StressAt, TimeSolver, scene_quantity
+from ..accuracy import Quantity, StressAt, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -26,7 +26,7 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model, touched
-from ..results import Handle, Run
+from ..results import Handle, Record, Run, TimeSolver
 from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .defaults import Meeting, chosen_law, fitted, mass_of, meeting, turned, turns
@@ -307,7 +307,8 @@ class Scene:
             and AO models truncated if this or `rtol` is given; `Run.models` are those taken. A body
             that was added twice is reduced once.
         rtol : float, optional
-            Its relative error, 1e-2 if left out; that of a history is its largest over the record,
+            Its relative error. If left out, 1e-2, or a fifth of what the mesh leaves out of it
+            where that is more, up to 0.1. That of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts. A solver that does not keep it is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional

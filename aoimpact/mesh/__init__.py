@@ -1,4 +1,8 @@
-"""Meshes of solid elements: files, generators, elements and their sides, surface, points."""
+"""Meshes of solid elements: files, generators, elements and their sides, surface, points.
+
+It knows shapes, but neither materials nor matrices. `fem` makes bodies of meshes, `linalg` takes
+their nodes and corners for multigrid, `fields` their elements for stresses and pictures.
+"""
 
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element

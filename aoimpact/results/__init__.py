@@ -1,4 +1,9 @@
-"""The results of a run: histories, events, energies, tables, plots."""
+"""A plan is run here, and what comes of it: histories, events, energies, tables, plots.
+
+`solve` runs a plan by its solver, `Record` for as long as it needs; a `Run` is what has run, a
+`Result` the same of two bodies. For `accuracy`, which compares runs, and `impact`, which returns
+them; `batch`, `cli` and `study` print them.
+"""
 
 from .misfit import warn_of_lag, warn_of_misfit
 from .motion import (
@@ -12,8 +17,10 @@ from .motion import (
     LeftOut,
 )
 from .plausibility import least_said, warn_of_run
+from .record import Record
 from .result import Result
 from .run import Chosen, Handle, Run
+from .solve import TimeSolver, solve
 
 __all__ = [
     "LEAST_REBOUND",
@@ -26,9 +33,12 @@ __all__ = [
     "ErrorEstimate",
     "Handle",
     "LeftOut",
+    "Record",
     "Result",
     "Run",
+    "TimeSolver",
     "least_said",
+    "solve",
     "warn_of_lag",
     "warn_of_misfit",
     "warn_of_run",

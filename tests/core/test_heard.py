@@ -156,12 +156,12 @@ def full(band: int, mass: Array) -> Call:
     start, indices = np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32)
     count = np.minimum(band, n - 1 - indices)
     columns = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
-    place = np.arange(columns[-1], dtype=np.int32) - np.repeat(columns[:-1], count)
-    rows = np.repeat(indices, count) + place + 1
+    rows = np.arange(columns[-1], dtype=np.int32)
+    rows += np.repeat(indices + 1 - columns[:-1], count)
     # A mass matrix that is not diagonal, so that accelerations take iterations.
     pairs = np.stack([mass, np.full(n, 0.7 * mass.min())], axis=1).ravel()
     beside = np.stack([indices, indices ^ 1], axis=1).ravel().astype(np.int32)
-    factors = (columns, rows.astype(np.int32), np.full(len(rows), 1e-6), np.ones(n), indices, start)
+    factors = (columns, rows, np.full(len(rows), 1e-6), np.ones(n), indices, start)
     b = np.zeros(n)
     b[0] = 1.0
     push = np.linspace(1.0, 2.0, n)

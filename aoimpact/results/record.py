@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..base import quantity, warn
-from ..results import Run
 from ..scene import Plan
+from .run import Run
 
 __all__ = ["Record"]
 
