@@ -159,7 +159,8 @@ def chosen_for(target: str) -> tuple[ContactPoint, ContactPoint, ContactLaw, Res
     flat = target == "held block"
     bodies = tip("coarse", 0.0045), held_block() if flat else tip("coarse", 0.0045)
     law = Hertz.between(STEEL, 0.01, STEEL, float("inf") if flat else 0.01)
-    ours, theirs = (antioscillators(body) for body in bodies)
+    ours = antioscillators(bodies[0])
+    theirs = antioscillators(bodies[1]) if flat else ours
     return *bodies, law, simulate(projectile=ours, target=theirs, law=law, **SCENE)
 
 
