@@ -130,7 +130,10 @@ class Quantity:
         """Return by how much this number of a result or contact differs from a more exact one."""
         value = self._compared(exact)
         scale = abs(value) if self.least is None else max(abs(value), self.least(exact))
-        return abs(float(_relative(np.array([self._compared(one) - value]), np.array([scale]))[0]))
+        apart = float(abs(self._compared(one) - value))
+        if apart == 0.0:
+            return 0.0
+        return apart / float(scale) if scale > 0.0 else math.inf
 
     def span(self, run: Result | Run) -> float:
         """Return how long, s, the motion must be right for this quantity to be so.
@@ -200,7 +203,7 @@ def _number_errors(
     for quantity in QUANTITIES.values():
         if quantity.number is None or (prefix and not quantity.of_contacts):
             continue
-        error = safety * float(np.max([quantity.change(run, other) for other in larger]))
+        error = safety * float(np.max([quantity.change(run, one) for one in larger], initial=0.0))
         yield prefix + quantity.name, math.nan if math.isnan(quantity.number(run)) else error
     as_many = len({len(run.contacts) for run in runs}) == 1
     yield prefix + count, 0.0 if as_many else math.inf

@@ -129,16 +129,17 @@ def run_models(
     else:
         plan = plan_of(bodies, options.energies)
         run = record.run(plan, partial(solve, solver=options.solver))
-        warn_of_misfit(run.plan, run, names)
-        if plan.contacts and meshed:
-            finder = LeftOutFinder(interest, options.solver, view, law_errors)
-            run = replace(run, left_out=finder)
+        if meshed:
+            warn_of_misfit(run.plan, run, names)
+            if plan.contacts:
+                finder = LeftOutFinder(interest, options.solver, view, law_errors)
+                run = replace(run, left_out=finder)
         done = view(run)
     record.warn_if_cut()
     whole = done.run if isinstance(done, Result) else done
-    warn_of_centres(whole.plan, names)
     warn_of_lag(whole.plan, whole, names)
     if meshed:
+        warn_of_centres(whole.plan, names)
         warn_of_places(whole, names)
     warn_of_run(whole)
     return done

@@ -46,13 +46,8 @@ def paper():
 
 
 # Eq. (13), sphere on sphere, and eq. (16), sphere on beam: the paper rounds both to 1e10 N/m^1.5.
-@pytest.mark.parametrize(
-    "contact_law",
-    [
-        pytest.param(SPHERES_LAW, id="eq. (13)"),
-        pytest.param(LAW, id="eq. (16)", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("contact_law", [SPHERES_LAW, LAW], ids=["eq. (13)", "eq. (16)"])
 def test_a_rigid_sphere_gives_the_beams_displacement_but_not_the_force(paper, contact_law):
     """The paper's conclusion, to 3 %, of its sphere and beam over 20 ms."""
     strike = functools.partial(paper, law=contact_law, duration=20e-3)
@@ -232,6 +227,7 @@ def test_a_body_too_large_to_be_known_whole(rtol):
     assert hit.models[1].n <= 150
 
 
+@pytest.mark.slow
 def test_models_are_compared_over_the_same_record():
     """A length that is left out costs no oscillators: as many as with that length given.
 

@@ -97,7 +97,9 @@ def factorised(block, bar):
     return [(t, ao.antioscillators(t, 3, order="frequency", solver="superlu")) for t in tips]
 
 
-@pytest.mark.parametrize("solver", EVERY)
+@pytest.mark.parametrize(
+    "solver", [*DIRECT, pytest.param("multigrid", marks=pytest.mark.slow), EVERY[-1]]
+)
 def test_anti_oscillators_do_not_depend_on_the_solver_and_name_it(factorised, solver):
     for tip, reference in factorised:
         assert reference.origin.solver == "superlu"

@@ -196,7 +196,7 @@ def test_every_public_name_is_in_the_help_and_on_the_site() -> None:
     pages = Path(__file__).parents[2].glob("docs/api/*.rst")
     listed = {line.strip() for page in pages for line in page.read_text("utf-8").splitlines()}
     for name in set(ao.__all__) - {"__version__"}:
-        assert re.search(rf"\b{name}\b", ao.__doc__ or ""), name
+        assert re.search(rf"\b{name}\b", ao.__doc__ or ""), f"aoimpact/__init__.py: no {name}"
         assert name in listed, f"docs/api/ does not list {name}"
     assert set(dir(ao)) == set(ao.__all__)
 
