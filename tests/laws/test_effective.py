@@ -147,7 +147,8 @@ def chosen_for(target: str) -> tuple[ao.ContactPoint, ao.ContactPoint, ao.Contac
     flat = target == "held block"
     bodies = tip("coarse", 0.0045), held_block() if flat else tip("coarse", 0.0045)
     law = ao.Hertz.between(STEEL, 0.01, STEEL, float("inf") if flat else 0.01)
-    ours, theirs = (ao.antioscillators(body) for body in bodies)
+    ours = ao.antioscillators(bodies[0])
+    theirs = ao.antioscillators(bodies[1]) if flat else ours
     return *bodies, law, ao.simulate(projectile=ours, target=theirs, law=law, **SCENE)
 
 
