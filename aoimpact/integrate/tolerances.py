@@ -74,6 +74,6 @@ GAIN = 1.5
 # wall warns; 25 do if all starts are compared.
 SUDDEN = 0.01
 
-# A user's law whose force scatters by a larger share is refused under any tolerance: steps grow with
-# its root. A single contact takes 3 steps without scatter, 60 with 1e-9, and 6 000 with this share.
+# A user's law whose force scatters by a larger share is refused under any tolerance: steps grow
+# with its root. A contact takes 3 steps without scatter, 60 with 1e-9, and 6 000 with this share.
 ROUGHEST = 1e-5
