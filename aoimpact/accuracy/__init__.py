@@ -1,4 +1,4 @@
-"""Quantities of interest, and the models that give them to a tolerance.
+"""The models that give a quantity of interest to a tolerance, and the errors of every number.
 
 For what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
@@ -10,16 +10,12 @@ from .interest import impact_quantity, scene_quantity
 from .keep import CONTROLLED, Keep, Named, keeper
 from .leftout import LeftOutFinder
 from .order import first_guess
-from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
 from .record import Record
 from .solve import TimeSolver, solve
 from .stressat import StressAt
 
 __all__ = [
-    "COLUMNS",
     "CONTROLLED",
-    "QUANTITIES",
-    "SCENE_CHOICES",
     "ComplianceError",
     "FixedModel",
     "Hierarchy",
@@ -27,8 +23,6 @@ __all__ = [
     "LeftOutFinder",
     "Models",
     "Named",
-    "Quantity",
-    "R",
     "Record",
     "StressAt",
     "TimeSolver",
@@ -41,7 +35,6 @@ __all__ = [
     "impact_quantity",
     "keeper",
     "model_hierarchy",
-    "quantity_unit",
     "scene_quantity",
     "solve",
 ]

@@ -8,15 +8,17 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn
+from ..base import quantity as told
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..results import Chosen, Result, Run
+from ..results import Chosen, Quantity, Run, number_errors
 from ..scene import Plan
 from .hierarchy import Models
 from .leftout import LeftOutFinder
 from .order import Orders, least_orders
-from .quantities import Quantity, R, number_errors
 from .record import Record
 from .solve import solve
 
@@ -75,13 +77,12 @@ def choose_models(
     rtol: float | None,
     solver: Any,
     *,
-    view: Callable[[Run], R],
     energies: bool,
     record: Record,
     law_errors: Sequence[float] = (),
     linear_solver: Solver = "auto",
     known: dict[Any, LinearSolver] | None = None,
-) -> R:
+) -> Run:
     """Run with models of small orders, and say in the run how they were chosen.
 
     Parameters
@@ -95,8 +96,6 @@ def choose_models(
     rtol : float, optional
         Relative.
     solver : Adaptive or Newmark, optional
-    view : callable
-        What the caller makes of a run: a `Result`, or the `Run` itself.
     energies : bool
     record : Record
         How long the scene is recorded.
@@ -120,14 +119,14 @@ def choose_models(
     asked = rtol is not None
     rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time, asked)
 
-    def trial(models: Models) -> R:
+    def trial(models: Models) -> Run:
         with held_warnings():  # those of the models taken come with the last run
             flexible = all(
                 _order(model) or _order(getattr(body, "given", body)) == 0
                 for model, body in zip(models, bodies, strict=True)
             )
             plan = plan_of(models, False)
-            return view(record.run(plan, partial(solve, solver=rule), last=flexible))
+            return record.run(plan, partial(solve, solver=rule), last=flexible)
 
     found = least_orders(
         bodies,
@@ -148,16 +147,24 @@ def choose_models(
     if asked:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     models = tuple(body.model for body in run.plan.bodies)
-    chosen = Chosen(models, quantity.name, tolerance, found.error, numbers)
+    largest = _largest(quantity, found.run)
+    chosen = Chosen(models, quantity.name, tolerance, found.error, numbers, largest)
     meshed = any(getattr(body, "given", body).contact_points for body in bodies)
-    left_out = LeftOutFinder(interest, rule, view, law_errors, meshed, _deforming(run, found))
-    return view(replace(run, chosen=chosen, left_out=left_out))
+    left_out = LeftOutFinder(interest, rule, law_errors, meshed, _deforming(run, found))
+    return replace(run, chosen=chosen, left_out=left_out)
+
+
+def _largest(quantity: Quantity, run: Run) -> str:
+    """The largest value of a history, with its unit; empty of numbers."""
+    if quantity.history is None:
+        return ""
+    largest = float(np.abs(quantity.history(run, run.t)).max(initial=0.0))
+    return "" if math.isnan(largest) else told(largest, quantity.unit, 5)
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:
     """Say what the largest models leave open, and why."""
-    run = found.run.run if isinstance(found.run, Result) else found.run
-    count = max(len(events.contacts) for events in run.events)
+    count = max(len(events.contacts) for events in found.run.events)
     why = (
         f"of its {count} contacts each begins from the motion that those before have left, so that "
         "errors grow from one to the next; give the duration= of the first ones"
@@ -173,8 +180,7 @@ def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> No
 
 def _deforming(run: Run, found: Orders) -> Run | None:
     """The run of the largest models, if one of them deforms where that of the run does not."""
-    for done in found.larger[-1:]:
-        larger = done.run if isinstance(done, Result) else done
+    for larger in found.larger[-1:]:
         pairs = zip(run.plan.bodies, larger.plan.bodies, strict=True)
         if any(_order(one.model) == 0 < _order(other.model) for one, other in pairs):
             return larger

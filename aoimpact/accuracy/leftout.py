@@ -21,11 +21,10 @@ import numpy as np
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import AOModel, FullModel, InterfaceModel
-from ..results import LeftOut, Result, Run
+from ..results import LeftOut, Quantity, Run, number_errors
 from ..scene import Contact, FullBody, Plan, SceneBody, scene_body
 from .compliance import compliance_error
 from .hierarchy import model_hierarchy
-from .quantities import Quantity, number_errors
 from .solve import TimeSolver, solve
 
 __all__ = ["LeftOutFinder"]
@@ -59,8 +58,6 @@ class LeftOutFinder:
         Returns the quantity of interest, anew: what it keeps while runs are compared goes with it.
     solver : Adaptive or Newmark, optional
         Of the run.
-    view : callable
-        What the caller makes of a run: a `Result`, or the `Run` itself.
     law_errors : sequence of float
         Relative error of each contact's stiffness, from the curvatures that it was found from.
     meshed : bool
@@ -73,7 +70,6 @@ class LeftOutFinder:
 
     interest: Callable[[], Quantity]
     solver: TimeSolver | None
-    view: Callable[[Run], Result | Run]
     law_errors: Sequence[float] = ()
     meshed: bool = True
     larger: Run | None = None
@@ -116,21 +112,20 @@ class LeftOutFinder:
         self, quantity: Quantity, run: Run, altered: _Altered
     ) -> tuple[float, Mapping[str, float], float | None]:
         """By how much the quantity and each number change, and when a history does most."""
-        exact = self.view(run)
-        names = [*number_errors(exact, [exact]), *(() if quantity.is_history else (quantity.name,))]
+        names = [*number_errors(run, [run]), *(() if quantity.is_history else (quantity.name,))]
         if altered.plan is None:
             return 0.0, dict.fromkeys(names, 0.0), None
         try:
             with held_warnings():
-                other = self.view(solve(altered.plan, self.solver))
+                other = solve(altered.plan, self.solver)
         except AOImpactError:  # a contact that grows beyond what its law stands for
             return math.inf, dict.fromkeys(names, math.inf), None
-        changes = np.abs(quantity.deviation(exact, other))  # type: ignore[type-var]
+        changes = np.abs(quantity.deviation(run, other))
         change = altered.scale * float(changes.max(initial=0.0))
         when = None
         if quantity.is_history and change:
             when = float(other.t[changes.argmax() % len(other.t)])
-        numbers = number_errors(exact, [other])
+        numbers = number_errors(run, [other])
         errors = {name: altered.scale * error for name, error in numbers.items()}
         return change, {name: errors.get(name, change) for name in names}, when
 

@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, NamedTuple
+from typing import Any, NamedTuple
 
 from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, own_contact_time
+from ..results import Quantity, Run
 from .hierarchy import Hierarchy, Models, model_hierarchy
-from .quantities import Quantity, R
 
 __all__ = ["Orders", "first_guess", "least_orders"]
 
@@ -65,7 +65,7 @@ class Orders:
     models : tuple of AOModel or InterfaceModel
     error : float
         Estimated relative error of the quantity from the models' orders.
-    run : Result or Run
+    run : Run
         With these models.
     larger : tuple
         Runs with larger ones.
@@ -76,8 +76,8 @@ class Orders:
     orders: tuple[int, ...]
     models: Models
     error: float
-    run: Any
-    larger: tuple[Any, ...]
+    run: Run
+    larger: tuple[Run, ...]
     safety: float
 
 
@@ -102,7 +102,7 @@ class TimeScales(NamedTuple):
 def least_orders(
     bodies: Sequence[BodyModel],
     *,
-    run: Callable[[Models], R],
+    run: Callable[[Models], Run],
     quantity: Quantity,
     rtol: float,
     solver: Solver = "auto",
@@ -163,7 +163,7 @@ def _taken(known: dict[Any, LinearSolver] | None, body: Any, solver: Solver) -> 
 
 
 def first_guess(
-    bodies: Sequence[BodyModel], run: Callable[[Models], R], quantity: Quantity
+    bodies: Sequence[BodyModel], run: Callable[[Models], Run], quantity: Quantity
 ) -> TimeScales:
     """Estimate the time scales of a scene by rigid bodies."""
     meshed = (body for body in bodies if isinstance(body, FullModel))
@@ -176,12 +176,12 @@ def first_guess(
         return otherwise
 
 
-def _scales(quantity: Quantity, run: Any, otherwise: TimeScales) -> TimeScales:
+def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
     """Those of a run; another contact time if no contact ends in it."""
     return TimeScales(quantity.contact_time(run) or otherwise.contact_time, quantity.span(run))
 
 
-class _Search(Generic[R]):
+class _Search:
     """Models of hierarchies, and the run of each set of them, made once.
 
     Parameters
@@ -198,7 +198,7 @@ class _Search(Generic[R]):
         self,
         hierarchies: tuple[Hierarchy, ...],
         places: tuple[int, ...],
-        run: Callable[[Models], R],
+        run: Callable[[Models], Run],
         quantity: Quantity,
         rtol: float,
         anew: Callable[[], None] | None = None,
@@ -207,15 +207,15 @@ class _Search(Generic[R]):
     ) -> None:
         self.hierarchies, self.places, self.best = hierarchies, places, best
         self.anew = anew
-        self.run: Callable[[Models], R] = run
+        self.run: Callable[[Models], Run] = run
         self.quantity, self.rtol = quantity, rtol
-        self.results: dict[_Orders, R | None] = {}
+        self.results: dict[_Orders, Run | None] = {}
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
         # Proven to be good as soon as `grow` ends.
         self.orders = (max(1, round(-_FIRST * math.log10(rtol))),) * len(hierarchies)
 
-    def grow(self) -> Iterator[R]:
+    def grow(self) -> Iterator[Run]:
         """Enlarge models until they are proven good; yield runs of larger ones on the way."""
         too_wide = 0
         while True:
@@ -264,8 +264,9 @@ class _Search(Generic[R]):
             orders = self.orders
         found = tuple(orders[place] for place in self.places)
         models = tuple(self.hierarchies[place].finished(orders[place]) for place in self.places)
-        larger = tuple(map(self._at, self._larger()))
-        return Orders(found, models, self._error(orders), self._at(orders), larger, self._safety())
+        done = (self._at(each) for each in (orders, *self._larger()))
+        run, *larger = (run for run in done if run is not None)  # all, since their errors are small
+        return Orders(found, models, self._error(orders), run, tuple(larger), self._safety())
 
     def _enlarged(self, largest: _Orders) -> _Orders:
         """Larger orders of those bodies whose share in the error is too large, or of all."""
@@ -328,7 +329,7 @@ class _Search(Generic[R]):
             self.differences[pair] = apart if math.isfinite(apart) else math.inf
         return self.differences[pair]
 
-    def _at(self, orders: _Orders) -> R | None:
+    def _at(self, orders: _Orders) -> Run | None:
         """The run of such orders; None where models that small cannot be run."""
         models = [one.model(n) for one, n in zip(self.hierarchies, orders, strict=True)]
         key = self._at_most(orders)  # known when the models are made

@@ -1,8 +1,10 @@
-"""The results of a run: histories, events, energies, tables, plots."""
+"""The results of a run: histories, events, quantities of interest, energies, tables, plots.
+
+For what runs impacts or reads what came of them: all folders above.
+"""
 
 from .misfit import warn_of_lag, warn_of_misfit
 from .motion import (
-    LEAST_REBOUND,
     BodyEnergy,
     BodyResult,
     ContactResult,
@@ -12,11 +14,27 @@ from .motion import (
     LeftOut,
 )
 from .plausibility import least_said, warn_of_run
+from .quantities import (
+    COLUMNS,
+    IMPACT_CHOICES,
+    QUANTITIES,
+    SCENE_CHOICES,
+    Quantity,
+    Speeds,
+    find_number,
+    like_number,
+    number_errors,
+    quantity_unit,
+    recorded,
+)
 from .result import Result
 from .run import Chosen, Handle, Run
 
 __all__ = [
-    "LEAST_REBOUND",
+    "COLUMNS",
+    "IMPACT_CHOICES",
+    "QUANTITIES",
+    "SCENE_CHOICES",
     "BodyEnergy",
     "BodyResult",
     "Chosen",
@@ -26,9 +44,16 @@ __all__ = [
     "ErrorEstimate",
     "Handle",
     "LeftOut",
+    "Quantity",
     "Result",
     "Run",
+    "Speeds",
+    "find_number",
     "least_said",
+    "like_number",
+    "number_errors",
+    "quantity_unit",
+    "recorded",
     "warn_of_lag",
     "warn_of_misfit",
     "warn_of_run",

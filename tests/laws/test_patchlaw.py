@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from aoimpact.accuracy import QUANTITIES
 from aoimpact.base import units
 from aoimpact.base.errors import AOImpactError, InputError, LawLimitError
 from aoimpact.batch.fingerprint import Fingerprints
@@ -28,6 +27,7 @@ from aoimpact.reduction.full import full
 from aoimpact.reduction.modes import modal
 from aoimpact.reduction.reduction import antioscillators
 from aoimpact.reduction.star import AOModel, rigid
+from aoimpact.results import QUANTITIES
 from aoimpact.results.result import Result
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
