@@ -1,8 +1,8 @@
 /* A ball strikes the middle of a simply supported beam, computed twice: to a tolerance, and in fixed steps by
  * Newmark's rule. First a ball against a rigid wall, where Hertz's contact is known in closed form.
  *
- *     make -C tests/c example       or by hand, from the repository:
- *     cc -Iinclude examples/impact.c -L<where the library is> -laoimpact -lm
+ *     make -C csrc example          or by hand, from the repository:
+ *     cc -Iinclude examples/impact.c build/core/libaoimpact.a -lm
  */
 #include "aoimpact.h"
 

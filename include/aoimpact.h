@@ -1,7 +1,8 @@
 /* aoimpact: the anti-oscillator model of a body at its point of contact, and impacts in time.
  *
- * This header is what a C programmer may use, and its specification; examples/impact.c uses it. "Paper" is
- * E. Jacquelin, "On the rigid projectile model for low velocity impacts"; equation numbers are its.
+ * This header is what a C programmer may use, and its specification; examples/impact.c uses it. `make -C csrc` makes
+ * build/core/libaoimpact.a and libaoimpact.so. "Paper" is E. Jacquelin, "On the rigid projectile model for low
+ * velocity impacts"; equation numbers are its.
  *
  * A system of bodies and contacts is described once (aoi_modes, aoi_law, aoi_contact, aoi_system) and linked; runs
  * in fixed steps (aoi_newmark) or to a tolerance (aoi_adaptive) take it as it is. What an adaptive run has written
@@ -23,6 +24,7 @@
  *   Systems   What is asked of a linked system, and gets one that is not, returns AOI_ERROR_ARGUMENT, or 0 where
  *             it returns a size.
  *   Arrays    Contiguous doubles; matrices by rows, [rows][columns].
+ *   Pointers  May be NULL only where their paragraph says so, or no value is there to point to.
  */
 #ifndef AOIMPACT_H
 #define AOIMPACT_H
@@ -86,7 +88,7 @@ typedef struct aoi_star {
     const double *m, *k;
 } aoi_star;
 
-/* AOI_OK for a star as above with some mass in it, or what is wrong with it. The order of the oscillators is not
+/* AOI_OK for a star as above with some mass in it, or what is wrong with it: AOI_ERROR_ARGUMENT without m or k. The order of the oscillators is not
  * looked at: for aoi_star_to_modal and aoi_star_modes k_i/m_i must ascend and be distinct, else they return
  * AOI_ERROR_ARGUMENT. */
 AOI_API int aoi_star_check(const aoi_star *star);
@@ -205,7 +207,7 @@ AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table
 /* The caller's law. AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
 AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
-/* AOI_ERROR_ARGUMENT where a law cannot be used: without force or potential, with a compliance that is
+/* AOI_ERROR_ARGUMENT where a law cannot be used: NULL, without force or potential, with a compliance that is
  * negative or not finite, with a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
@@ -272,8 +274,9 @@ typedef struct aoi_system {
 } aoi_system;
 
 /* Checks the system and links it. memory: aoi_system_size bytes, which the system keeps. AOI_ERROR_ARGUMENT
- * where numbers are not finite, frequencies or load times do not ascend, decays are negative, a contact names
- * a body or port that is not there, or one body twice, or has no usable law. */
+ * where an array is missing or numbers are not finite, frequencies or load times do not ascend, decays or inertias
+ * are negative, forces would get work out of a residual or it is not symmetric, a contact names a body or port that
+ * is not there, or one body twice, or has no usable law: the system is not linked then, even if it was before. */
 AOI_API size_t aoi_system_size(const aoi_system *system);
 AOI_API int aoi_system_link(aoi_system *system, void *memory);
 
@@ -308,7 +311,8 @@ AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
 /* ------------------------------------------------------------------------- how a run begins */
 
 /* Modes x and their rates v of all bodies at t = 0, first[body_count] each; NULL: zero. rested: the bodies have
- * come to rest under loads and contacts; 0: those set in at t = 0. Copied by the run. */
+ * come to rest under loads and contacts; 0: those set in at t = 0. That matters to a residual compliance only, which
+ * bends at once, by forces that aoi_adaptive_start finds, and aoi_newmark_start does not. Copied by the run. */
 typedef struct aoi_start {
     const double *x, *v;
     int rested;
@@ -326,14 +330,15 @@ typedef struct aoi_newmark aoi_newmark;
 AOI_API size_t aoi_newmark_size(const aoi_system *system); /* linked */
 
 /* Sets a run of a linked system to its beginning and writes column 0 of the record, which has so many columns,
- * and stays the caller's; energies: 0 leaves their rows alone. AOI_ERROR_ARGUMENT for a rule that is none,
- * AOI_ERROR_NOT_POSITIVE for a contact where nothing can deform or move. */
+ * and stays the caller's; energies: 0 leaves their rows alone. AOI_ERROR_ARGUMENT for a rule that is none, or where
+ * a body with a residual compliance has come to rest, AOI_ERROR_NOT_FINITE for x, v, AOI_ERROR_NOT_POSITIVE for a
+ * contact where nothing can deform or move. */
 AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
                               const aoi_start *start, int energies, double *record, size_t columns);
 
 /* Goes on to column last (< columns), at last dt. done gets the last column written; on an error that is the
- * step before the one that failed. AOI_ERROR_LAW where a law gives no number, AOI_ERROR_PATCH where a contact
- * goes deeper than its law holds. */
+ * step before the one that failed. AOI_ERROR_ARGUMENT for a column that is none, AOI_ERROR_LAW where a law gives
+ * no number, AOI_ERROR_PATCH where a contact goes deeper than its law holds. */
 AOI_API int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done);
 
 /* ------------------------------------------------------------ a tolerance instead of a step */
@@ -412,7 +417,7 @@ AOI_API void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force
 AOI_API void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
 
 /* A contact from its beginning to its end, s, or to that of the record (lasts); the impulse of its force, N s;
- * the rate at which it began, m/s; the deepest indentation at the end of a step of it, m; and its pace: that
+ * the rate at which it began, m/s, before the force changed it; the deepest indentation at the end of a step of it, m; and its pace: that
  * rate times how long it lasted over that indentation, 0 where it went no deeper than 0. */
 typedef struct aoi_interval {
     size_t contact;

@@ -1,6 +1,8 @@
 """The models that give a quantity of interest to a tolerance, and the errors of every number.
 
-For what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
+interest.py finds the quantity that is meant in the table of `results`; order.py the least models,
+from hierarchy.py, that give it; leftout.py what mesh and contact add to its error. For what runs
+impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
 
 from .choice import checked_linear_solver, checked_rtol, choose_models
@@ -10,8 +12,6 @@ from .interest import impact_quantity, scene_quantity
 from .keep import CONTROLLED, Keep, Named, keeper
 from .leftout import LeftOutFinder
 from .order import first_guess
-from .record import Record
-from .solve import TimeSolver, solve
 from .stressat import StressAt
 
 __all__ = [
@@ -23,9 +23,7 @@ __all__ = [
     "LeftOutFinder",
     "Models",
     "Named",
-    "Record",
     "StressAt",
-    "TimeSolver",
     "best_radius",
     "checked_linear_solver",
     "checked_rtol",
@@ -36,5 +34,4 @@ __all__ = [
     "keeper",
     "model_hierarchy",
     "scene_quantity",
-    "solve",
 ]

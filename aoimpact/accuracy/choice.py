@@ -14,13 +14,11 @@ from ..base import ConvergenceError, InputError, held_warnings, positive, warn
 from ..base import quantity as told
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..results import Chosen, Quantity, Run, number_errors
+from ..results import Chosen, Quantity, Record, Run, number_errors, solve
 from ..scene import Plan
-from .hierarchy import Models
+from .hierarchy import Models, only_models
 from .leftout import LeftOutFinder
 from .order import Orders, least_orders
-from .record import Record
-from .solve import solve
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
 
@@ -32,6 +30,10 @@ _RTOL, _TIGHTEST = 1e-2, 1e-8
 # error of a ringing history is twenty times as much), of fixed steps, which cost more, and of all
 # errors together, since estimates are no bounds.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _MARGIN = 0.005, 0.2, 0.95
+
+# Where no tolerance was given, models need be no better than this share of what the mesh leaves out
+# of the quantity, by which the total error grows; up to the loosest default tolerance.
+_SHARE_OF_MESH, _LOOSEST = 0.2, 0.1
 
 
 def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
@@ -114,44 +116,73 @@ def choose_models(
         If neither the largest models tried nor the given solver meet the tolerance.
     """
     tolerance, quantity = checked_rtol(rtol), interest()
-    steps = isinstance(solver, Newmark)
+    steps, asked = isinstance(solver, Newmark), rtol is not None
     in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
-    asked = rtol is not None
     rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time, asked)
+    timed = partial(solve, solver=rule)
+    meshed = any(getattr(body, "given", body).contact_points for body in bodies)
+    finder = LeftOutFinder(interest, rule, law_errors, meshed)
 
-    def trial(models: Models) -> Run:
-        with held_warnings():  # those of the models taken come with the last run
-            flexible = all(
-                _order(model) or _order(getattr(body, "given", body)) == 0
-                for model, body in zip(models, bodies, strict=True)
-            )
-            plan = plan_of(models, False)
-            return record.run(plan, partial(solve, solver=rule), last=flexible)
+    def enough(run: Run) -> float:
+        """The models' tolerance, looser where the mesh leaves out much more of the run."""
+        nonlocal tolerance
+        mesh = finder(run).mesh or 0.0
+        tolerance = max(_RTOL, min(_SHARE_OF_MESH * mesh, _LOOSEST))
+        return _MARGIN * tolerance - in_time
 
-    found = least_orders(
-        bodies,
-        run=trial,
-        quantity=quantity,
-        rtol=_MARGIN * tolerance - in_time,
-        solver=linear_solver,
-        known=known,
-        anew=None if record.given else record.reopen,
-        best=not asked,
-    )
-    if found.error > tolerance:
-        _warn_of_the_best(found, quantity, tolerance)
-    numbers = number_errors(found.run, found.larger, found.safety) | (
-        {quantity.name: found.error} if not quantity.is_history else {}
-    )
-    run = record.run(plan_of(found.models, energies), partial(solve, solver=rule))
+    if models := only_models(bodies):
+        run = record.run(plan_of(models, energies), timed)
+        found = Orders((0,) * len(models), models, 0.0, run, (), 1.0)
+    else:
+        found = least_orders(
+            bodies,
+            run=_trial(plan_of, bodies, lambda plan, last: record.run(plan, timed, last=last)),
+            quantity=quantity,
+            rtol=_MARGIN * tolerance - in_time,
+            solver=linear_solver,
+            known=known,
+            anew=None if record.given else record.reopen,
+            best=not asked,
+            enough=enough if meshed and not asked else None,
+        )
+        if found.error > tolerance:
+            _warn_of_the_best(found, quantity, tolerance)
+        run = record.run(plan_of(found.models, energies), timed)
     if asked:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
+    left_out = replace(finder, larger=_deforming(run, found))
+    return replace(run, chosen=_chosen(run, found, quantity, tolerance), left_out=left_out)
+
+
+def _trial(
+    plan_of: Callable[[Models, bool], Plan],
+    bodies: Sequence[Any],
+    run: Callable[[Plan, bool], Run],
+) -> Callable[[Models], Run]:
+    """The run of models that are tried.
+
+    run: of a plan, and whether its bodies tell when the record is over; see `Record.run`.
+    """
+
+    def trial(models: Models) -> Run:
+        flexible = all(
+            _order(model) or _order(getattr(body, "given", body)) == 0
+            for model, body in zip(models, bodies, strict=True)
+        )
+        with held_warnings():  # those of the models taken come with the last run
+            return run(plan_of(models, False), flexible)
+
+    return trial
+
+
+def _chosen(run: Run, found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
+    """What the run says of its models, and how wrong its numbers may be by them."""
     models = tuple(body.model for body in run.plan.bodies)
+    numbers = number_errors(found.run, found.larger, found.safety)
+    if not quantity.is_history:
+        numbers[quantity.name] = found.error
     largest = _largest(quantity, found.run)
-    chosen = Chosen(models, quantity.name, tolerance, found.error, numbers, largest)
-    meshed = any(getattr(body, "given", body).contact_points for body in bodies)
-    left_out = LeftOutFinder(interest, rule, law_errors, meshed, _deforming(run, found))
-    return replace(run, chosen=chosen, left_out=left_out)
+    return Chosen(models, quantity.name, tolerance, found.error, numbers, largest)
 
 
 def _largest(quantity: Quantity, run: Run) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -35,6 +36,7 @@ __all__ = [
     "Model",
     "Models",
     "model_hierarchy",
+    "only_models",
 ]
 
 Model = AOModel | InterfaceModel
@@ -272,3 +274,19 @@ def model_hierarchy(
     if len(body.tips) == 1:
         return KrylovHierarchy(body.tips[0], contact_time, duration, solver, known)
     return InterfaceHierarchy(body.tips, contact_time, duration, solver)
+
+
+def only_models(bodies: Sequence[Any]) -> Models | None:
+    """Return the models of bodies that have but one each, such as rigid ones.
+
+    None where there is a choice, as of a contact point.
+
+    Parameters
+    ----------
+    bodies : sequence
+        As of `model_hierarchy`.
+    """
+    every = [model_hierarchy(body, math.nan, None) for body in bodies]
+    return (
+        tuple(one.finished(0) for one in every) if all(one.is_whole(0) for one in every) else None
+    )

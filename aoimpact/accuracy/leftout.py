@@ -21,11 +21,10 @@ import numpy as np
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import AOModel, FullModel, InterfaceModel
-from ..results import LeftOut, Quantity, Run, number_errors
+from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, FullBody, Plan, SceneBody, scene_body
 from .compliance import compliance_error
 from .hierarchy import model_hierarchy
-from .solve import TimeSolver, solve
 
 __all__ = ["LeftOutFinder"]
 

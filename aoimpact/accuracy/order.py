@@ -33,9 +33,9 @@ _COMPARED, _BEYOND, _SHARE_BEYOND = 4, 8, 0.5
 _SAFETY, _SAFETY_OF_NUMBERS = 1.3, 3.0
 
 # Oscillators that models begin with for each digit of the tolerance, about the median of what these
-# bodies need; growth from one to the next, with which no more than 2 n + 8 vectors are made to
-# return n, as a rule; and their end.
-_FIRST, _GROWTH, _MOST_ORDER = 2.0, 1.5, 600
+# bodies need; least and most growth from one to the next, by the error over the tolerance, with
+# which no more than 2 n + 8 vectors are made to return n, as a rule; and their end.
+_FIRST, _LEAST_GROWTH, _GROWTH, _MOST_ORDER = 2.0, 1.15, 1.5, 600
 
 # A message names a tolerance that can be met with this factor to spare.
 _EASED = 1.1
@@ -46,6 +46,9 @@ _REFIT, _MOST_FITS = 2.0, 4
 
 # Contacts that are wider than their patches with so many models, each larger, are so with all.
 _TOO_WIDE = 3
+
+# Oscillators of a model of one body that tells what its mesh leaves out without another solution.
+_TELLING = 16
 
 # Of each different hierarchy.
 _Orders = tuple[int, ...]
@@ -109,6 +112,7 @@ def least_orders(
     known: dict[Any, LinearSolver] | None = None,
     anew: Callable[[], None] | None = None,
     best: bool = False,
+    enough: Callable[[Run], float] | None = None,
 ) -> Orders:
     """Return small orders of bodies that give a quantity to `rtol` of the whole bodies.
 
@@ -131,6 +135,9 @@ def least_orders(
     best : bool, optional
         Whether, where no models tried meet the tolerance, those of the least error are returned,
         if it is below 1.
+    enough : callable, optional
+        Returns, of a run with models of some size, the tolerance that is meant: larger than `rtol`
+        where more is lost elsewhere. Called where models of some size do not meet `rtol`.
 
     Raises
     ------
@@ -147,7 +154,9 @@ def least_orders(
             for body in dict.fromkeys(bodies)
         }
         places = tuple(list(made).index(body) for body in bodies)
-        search = _Search(tuple(made.values()), places, run, quantity, rtol, anew, best=best)
+        search = _Search(
+            tuple(made.values()), places, run, quantity, rtol, anew, best=best, enough=enough
+        )
         seen = (_scales(quantity, larger, scales) for larger in search.grow())
         misfit = next((one for one in seen if fits < _MOST_FITS and not scales.suit(one)), None)
         if misfit is None:
@@ -190,7 +199,7 @@ class _Search:
         All different; `orders` below are theirs.
     places : tuple of int
         For each body which of them is its own.
-    run, quantity, rtol, anew, best
+    run, quantity, rtol, anew, best, enough
         As of `least_orders`.
     """
 
@@ -204,11 +213,13 @@ class _Search:
         anew: Callable[[], None] | None = None,
         *,
         best: bool = False,
+        enough: Callable[[Run], float] | None = None,
     ) -> None:
         self.hierarchies, self.places, self.best = hierarchies, places, best
         self.anew = anew
+        self.enough: Callable[[Run], float] | None = enough
         self.run: Callable[[Models], Run] = run
-        self.quantity, self.rtol = quantity, rtol
+        self.quantity, self.rtol, self.least_rtol = quantity, rtol, rtol
         self.results: dict[_Orders, Run | None] = {}
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
@@ -223,8 +234,7 @@ class _Search:
             self._begin()
             if (run := self._at(largest)) is not None:
                 yield run
-            error = self._error(self.orders)
-            if error <= self.rtol:
+            if self._is_enough(run, largest):
                 return
             too_wide += isinstance(self.failures.get(largest), LawLimitError)
             if too_wide >= _TOO_WIDE:
@@ -238,6 +248,16 @@ class _Search:
                     return
                 raise self.failures.get(largest) or self._no_convergence(error)
             self.orders = self._enlarged(largest)
+
+    def _is_enough(self, run: Run | None, largest: _Orders) -> bool:
+        """Whether the models meet the tolerance, or the one that is meant where more is lost."""
+        self.rtol = self.least_rtol
+        if self._error(self.orders) <= self.rtol:
+            return True
+        if run is None or self.enough is None or max(largest) < _TELLING:
+            return False
+        self.rtol = max(self.rtol, self.enough(run))
+        return self._error(self.orders) <= self.rtol
 
     def _begin(self) -> None:
         """Forget the runs that are not of the same scene as those of the largest models to come."""
@@ -270,13 +290,14 @@ class _Search:
 
     def _enlarged(self, largest: _Orders) -> _Orders:
         """Larger orders of those bodies whose share in the error is too large, or of all."""
+        growth = min(max(_LEAST_GROWTH, self._error(self.orders) / self.rtol), _GROWTH)
         allowed = self.rtol / len(self.orders) / self._safety()
         poor = [
             self._difference(_with(largest, which, order), largest) > allowed
             for which, order in enumerate(self.orders)
         ]
         return self._at_most(
-            math.ceil(_GROWTH * order) if is_poor or not any(poor) else order
+            math.ceil(growth * order) if is_poor or not any(poor) else order
             for order, is_poor in zip(self.orders, poor, strict=True)
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from ..base import (
     place,
 )
 from ..fem import ContactPoint, FEModel
-from ..fields import Response, Stress, response_of, stresses_around
+from ..fields import Response, Stress, response_of, stress_rows_at, stresses_around
 from ..linalg import SolverBook
 from ..mesh import weights_at
 from ..results import Quantity, Run
@@ -85,6 +85,10 @@ def stress_quantity(wanted: StressAt, number: int) -> Quantity:
 
     factors = SolverBook(wanted.body.inverse)  # for all models that are compared
 
+    @cache
+    def rows() -> Any:
+        return stress_rows_at(wanted.body, wanted.point)
+
     @lru_cache(maxsize=_COMPARED)
     def response(run: Run) -> Response:
         found = response_of(run.plan, run.recorder, run.events, number, factors)
@@ -94,9 +98,8 @@ def stress_quantity(wanted: StressAt, number: int) -> Quantity:
     def stress(run: Run, times: FloatArray) -> FloatArray:
         if run.plan.bodies[number].wall:  # the body as one that does not deform
             return np.full((1, len(times)), np.nan)
-        with held_warnings():  # of what it compares
-            found = response(run).probe(wanted.point, None, None, times).stress
-        return _component(found, wanted.component)[None]
+        found = response(run).functionals(rows(), times)
+        return _component(Stress(found.T, wanted.point), wanted.component)[None]
 
     def local(run: Run) -> float:
         history = np.abs(stress(run, run.t)[0])

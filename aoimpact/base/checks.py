@@ -347,6 +347,8 @@ def _real_array(name: str, value: Any, order: Literal["C", "K"]) -> FloatArray:
             f"{name} must be an array of real numbers, got "
             f"{_short(value) if array.ndim == 0 else f'dtype {array.dtype}'}"
         )
+    if array.dtype == np.float64:  # the common case; errstate takes longer than the rest
+        return np.asarray(array, dtype=np.float64, order=order)
     with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
         return np.asarray(array, dtype=np.float64, order=order)
 

@@ -1,4 +1,9 @@
-"""Finite-element models: material, supports, assembly, damping, and the contact functional."""
+"""Finite-element models of bodies, and where they are touched.
+
+Material, supports, assembly, damping; the contact point with its weights b and its patch; the
+static mode. For all folders above that hold a body: `laws` takes patches and surfaces from here,
+`reduction` K, M and b.
+"""
 
 from .assembly import stiffness_mass
 from .attached import RigidMass

@@ -35,7 +35,7 @@ from ..base import (
     warn,
 )
 from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver
-from ..mesh import Mesh, Surface, surface_shape
+from ..mesh import AT_NODE, Mesh, Surface, surface_shape
 from .composition import AnyMaterial
 from .contactsurface import ContactSurface, contact_surface
 from .damping import Damping
@@ -56,9 +56,6 @@ from .touch import (
 
 __all__ = ["Body", "ContactPoint", "contact_at", "contact_point", "contact_within"]
 
-
-# A point closer to a node than this fraction of the body's size is that node.
-_AT_NODE = 1e-6
 
 # Shares of the force that a support takes over; below, they are rounding.
 _HELD = 1e-12
@@ -590,7 +587,7 @@ def _at_touch(body: Body, touch: Touch) -> ContactPoint:
             reason,
             "choose a point farther from the supports, or release the nodes in fixed",
         )
-    node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - _AT_NODE else None
+    node = int(touch.weights.argmax()) if touch.weights.max() > 1.0 - AT_NODE else None
     return ContactPoint(
         body, b, touch.direction, touch.point, node, touch.patch, normal=touch.normal
     )
@@ -603,7 +600,7 @@ def _closest(nodes: FloatArray, point: FloatArray) -> tuple[int, float]:
 
 
 def _at_a_node(nodes: FloatArray, gap: float) -> bool:
-    return gap <= _AT_NODE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    return gap <= AT_NODE * float(np.linalg.norm(np.ptp(nodes, axis=0)))
 
 
 def _nearest_node(nodes: FloatArray, point: FloatArray) -> int:

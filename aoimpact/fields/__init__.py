@@ -1,9 +1,13 @@
-"""The whole body in a run: displacement and stress over time, pictures, files."""
+"""The whole body in a run: displacement and stress over time, pictures, files.
+
+A body's motion is found again from the recorded contact forces (replay.py). `results` offers it as
+attributes of a run's bodies, `accuracy` takes stresses and their errors; `testrig` uses it, too.
+"""
 
 from .fields import Field, Probe
 from .movie import MovingBody, movie_path, write_movie
 from .replay import response_of
-from .response import Response
+from .response import Response, stress_rows_at
 from .stress import Stress
 from .stresserror import energy_error, missing_energy, stresses_around
 
@@ -17,6 +21,7 @@ __all__ = [
     "missing_energy",
     "movie_path",
     "response_of",
+    "stress_rows_at",
     "stresses_around",
     "write_movie",
 ]

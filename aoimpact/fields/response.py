@@ -19,7 +19,7 @@ from .fields import Field, Probe, solid, warn_if_wrong
 from .recovery import Recovery
 from .stress import stress_rows
 
-__all__ = ["OmittedMotion", "Response"]
+__all__ = ["OmittedMotion", "Response", "stress_rows_at"]
 
 
 # Times in a contact at which the error of a model is looked for.
@@ -38,6 +38,24 @@ class OmittedMotion:
 
     shape: FloatArray
     motion: FreeMotion
+
+
+def stress_rows_at(body: Body, point: FloatArray) -> sp.csr_array:
+    """Return the stress at a point of a body as a function of its dofs, shape (6, n_dofs)."""
+    mesh, _ = solid(body, "stress")
+    where, shares = weights_at(mesh, point)
+    weights = sp.lil_array((1, mesh.n_nodes))
+    weights[0, where] = shares
+    assert body.free is not None
+    return _stress_rows(body, weights.tocsr(), body.free)
+
+
+def _stress_rows(body: Body, weights: sp.csr_array, free: IntArray) -> sp.csr_array:
+    """The stress at places with the nodes' `weights` (p, n_nodes), shape (6 p, n_dofs)."""
+    mesh, material = solid(body, "stress")
+    near = np.unique(weights.indices)
+    at_nodes = stress_rows(mesh, material, near)[:, free]
+    return sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ at_nodes
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,12 +167,13 @@ class Response:
         self, weights: sp.csr_array, times: FloatArray, shape: tuple[int, ...]
     ) -> FloatArray:
         """Components at places with the nodes' `weights` (p, n_nodes), shape (*shape, 6)."""
-        mesh, material = solid(self.body, "stress")
-        near = np.unique(weights.indices)
-        at_nodes = stress_rows(mesh, material, near)[:, self._free]
-        rows = sp.csr_array(sp.kron(weights[:, near], np.eye(6))) @ at_nodes
+        rows = _stress_rows(self.body, weights, self._free)
         warn_if_wrong(times, self._error(times))
         return self._functionals(rows, times)[0].T.reshape(*shape, 6)
+
+    def functionals(self, rows: Any, times: FloatArray) -> FloatArray:
+        """Return rows @ X for `rows` of shape (p, n_dofs), shape (p, times)."""
+        return self._functionals(rows, times)[0]
 
     def _functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """rows @ X and its rate, each shape (p, times)."""

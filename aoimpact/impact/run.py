@@ -11,18 +11,25 @@ from typing import Any, NamedTuple
 from ..accuracy import (
     FixedModel,
     LeftOutFinder,
-    Record,
     StressAt,
-    TimeSolver,
     checked_linear_solver,
     choose_models,
-    solve,
 )
 from ..base import bar
 from ..fem import ContactPoint
 from ..linalg import LinearSolver, Solver
 from ..reduction import AOModel, BodyModel, FullModel
-from ..results import Handle, Quantity, Run, warn_of_lag, warn_of_misfit, warn_of_run
+from ..results import (
+    Handle,
+    Quantity,
+    Record,
+    Run,
+    TimeSolver,
+    solve,
+    warn_of_lag,
+    warn_of_misfit,
+    warn_of_run,
+)
 from ..scene import Plan
 from .checks import warn_of_centres, warn_of_places
 
@@ -118,14 +125,15 @@ def run_models(
     else:
         plan = plan_of(bodies, options.energies)
         run = record.run(plan, partial(solve, solver=options.solver))
-        warn_of_misfit(run.plan, run, names)
-        if plan.contacts and meshed:
-            finder = LeftOutFinder(interest, options.solver, law_errors)
-            run = replace(run, left_out=finder)
+        if meshed:
+            warn_of_misfit(run.plan, run, names)
+            if plan.contacts:
+                finder = LeftOutFinder(interest, options.solver, law_errors)
+                run = replace(run, left_out=finder)
     record.warn_if_cut()
-    warn_of_centres(run.plan, names)
     warn_of_lag(run.plan, run, names)
     if meshed:
+        warn_of_centres(run.plan, names)
         warn_of_places(run, names)
     warn_of_run(run)
     return run

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import Record, StressAt, TimeSolver, scene_quantity
+from ..accuracy import StressAt, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -26,7 +26,7 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model, touched
-from ..results import Handle, Quantity, Run
+from ..results import Handle, Quantity, Record, Run, TimeSolver
 from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .defaults import Meeting, chosen_law, fitted, mass_of, meeting, turned, turns
@@ -175,43 +175,46 @@ class Scene:
         0
         """
         first, second = self._known("a", a), self._known("b", b)
+        names = self._called(first.body), self._called(second.body)
         if first.body == second.body:
             raise InputError(
-                f"a and b are both {self._called(first)}: a body cannot touch itself; connect it "
-                "to another"
+                f"a and b are both {names[0]}: a body cannot touch itself; connect it to another"
             )
         if law is not None and not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
         if all(math.isinf(self._scene_bodies[end.body].static_mass) for end in (first, second)):
             raise InputError(
-                f"{self._called(first)} and {self._called(second)} are both of infinite mass: "
-                "there is no motion between them"
+                f"{names[0]} and {names[1]} are both of infinite mass: there is no motion between "
+                "them"
             )
         apart = real("gap", gap, unit="m")
         apart += self._positions[second.body] - self._positions[first.body]
         law_error = 0.0
         if law is None:
             models = [(self._bodies[end.body], end.at) for end in (first, second)]
-            found = chosen_law(models, (self._called(first), self._called(second)))
+            found = chosen_law(models, names)
             law, law_error = found.law, found.error
         ends = (touched(self._bodies[end.body], end.at) for end in (first, second))
         between = effective_law(law, tuple(ends))
         gap = normal_gap(apart)
         called = text("name", name)
         contact = Contact(first.body, first.at, second.body, second.at, between, gap, called)
-        beside = self._between.setdefault(contact[:4], [])
-        for number in beside:
-            other = self._contacts[number]
-            if (other.law, other.gap) == (contact.law, contact.gap):
-                raise InputError(
-                    f"contact {number} is the same: {self._called(first)} and "
-                    f"{self._called(second)} under the same law and gap; leave this one out, or "
-                    "double the law's stiffness"
-                )
-        beside.append(len(self._contacts))
+        self._refuse_again(contact)
+        self._between.setdefault(contact[:4], []).append(len(self._contacts))
         self._contacts.append(contact)
         self._law_errors.append(law_error)
         return len(self._contacts) - 1
+
+    def _refuse_again(self, contact: Contact) -> None:
+        """Between the same two places a contact adds nothing but stiffness."""
+        for number in self._between.get(contact[:4], []):
+            other = self._contacts[number]
+            if (other.law, other.gap) == (contact.law, contact.gap):
+                first, second = (self._called(body) for body, _ in contact.ports)
+                raise InputError(
+                    f"contact {number} is the same: {first} and {second} under the same law and "
+                    "gap; leave this one out, or double the law's stiffness"
+                )
 
     def apply(self, body: Handle, *, force: Any) -> None:
         """Apply a force to a body's contact coordinate, along the direction of travel.
@@ -247,7 +250,8 @@ class Scene:
         else:
             times, forces = np.zeros(1), np.array([real("force", force, unit="N")])
         if math.isinf(self._scene_bodies[end.body].static_mass):
-            raise InputError(f"{self._called(end)} is a wall: no force moves it; load another body")
+            called = self._called(end.body)
+            raise InputError(f"{called} is a wall: no force moves it; load another body")
         self._loads.append(Load(end.body, end.at, times.copy(), forces.copy()))
 
     def _known(self, name: str, handle: Any) -> Handle:
@@ -261,14 +265,14 @@ class Scene:
         ports = self._scene_bodies[handle.body].ports
         if not 0 <= handle.at < ports:
             raise InputError(
-                f"{name}: {self._called(handle)} may be touched in {ports} place(s), there is no "
-                f"port {handle.at}"
+                f"{name}: {self._called(handle.body)} may be touched in {ports} place(s), there is "
+                f"no port {handle.at}"
             )
         return handle
 
-    def _called(self, handle: Handle) -> str:
-        name = self._names[handle.body] or self._scene_bodies[handle.body].name
-        return f"body {handle.body}" + (f" ({name})" if name else "")
+    def _called(self, body: int) -> str:
+        name = self._names[body] or self._scene_bodies[body].name
+        return f"body {body}" + (f" ({name})" if name else "")
 
     # ------------------------------------------------------------------- running
 
@@ -307,7 +311,8 @@ class Scene:
             and AO models truncated if this or `rtol` is given; `Run.models` are those taken. A body
             that was added twice is reduced once. Numbers are read by `Run.value`.
         rtol : float, optional
-            Its relative error, 1e-2 if left out; that of a history is its largest over the record,
+            Its relative error. If left out, 1e-2, or a fifth of what the mesh leaves out of it
+            where that is more, up to 0.1. That of a history is its largest over the record,
             relative to the largest value, that of a contact relative to no less than a tenth of the
             largest of all contacts. A solver that does not keep it is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
@@ -364,7 +369,7 @@ class Scene:
             bodies,
             RunOptions(quantity, rtol, solver, energies, linear_solver),
             record=record,
-            names=[self._called(Handle(body)) for body in range(len(self._bodies))],
+            names=[self._called(body) for body in range(len(self._bodies))],
             interest=partial(self._interest, quantity, fitted),
             law_errors=self._law_errors,
             began=began,
@@ -449,7 +454,7 @@ class Scene:
                 continue
             model, outward = self._bodies[body], True in ways
             like = len(sides[touched(model, port)]) > 1  # one place stands for two like bodies
-            if turns(self._called(Handle(body)), model, port, outward=outward, like=like):
+            if turns(self._called(body), model, port, outward=outward, like=like):
                 around[body] = (*around[body], port)
         return around
 
@@ -513,11 +518,11 @@ class Scene:
     def _refuse_overlap(self) -> None:
         for number, contact in enumerate(self._contacts):
             if contact.gap < 0.0:
-                first, second = Handle(contact.first), Handle(contact.second)
+                first, second = self._called(contact.first), self._called(contact.second)
                 raise InputError(
-                    f"contact {number}: {self._called(first)} and {self._called(second)} overlap "
-                    f"by {-contact.gap:g} m at the start; change position or gap, or start with "
-                    "preload=True from the rest that gravity and loads press them to"
+                    f"contact {number}: {first} and {second} overlap by {-contact.gap:g} m at the "
+                    "start; change position or gap, or start with preload=True from the rest that "
+                    "gravity and loads press them to"
                 )
 
 

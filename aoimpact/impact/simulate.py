@@ -8,13 +8,13 @@ from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from ..accuracy import Record, StressAt, TimeSolver, checked_rtol, impact_quantity
+from ..accuracy import StressAt, checked_rtol, impact_quantity
 from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
-from ..results import Result
+from ..results import Record, Result, TimeSolver
 from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed, warn_of_exchange
 from .defaults import chosen_law, fitted_pair, meeting, turned, turns
@@ -84,11 +84,11 @@ def simulate(
         `Result.models` are those taken. Only this quantity is right to `rtol`:
         `Result.error.numbers` estimates the errors of the others.
     rtol : float, optional
-        Its relative error by reduction and time integration, 1e-2 if left out; that of a history is
-        its largest over the record, relative to the largest value. A solver that does not keep it
-        is refused; where no models tried meet it, so is the tolerance if it was given, and else
-        the best of them are taken, with a warning. `Result.error` has the errors of mesh and
-        contact as well.
+        Its relative error by reduction and time integration. If left out, 1e-2, or a fifth of what
+        the mesh leaves out of it where that is more, up to 0.1. That of a history is its largest
+        over the record, relative to the largest value. A solver that does not keep it is refused;
+        where no models tried meet it, so is the tolerance if it was given, and else the best of
+        them are taken, with a warning. `Result.error` has the errors of mesh and contact as well.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         What solves for these reduced models, as `solver` of `antioscillators`; named in the result.
 

@@ -1,4 +1,9 @@
-"""Integration in time: Newmark's rule with fixed steps, and the adaptive method to a tolerance."""
+"""Integration in time: a `scene.Plan` goes in, a recorder comes out.
+
+Newmark's rule with fixed steps, and the adaptive method to a tolerance. Both recorders answer alike
+(recorder.py), at whatever times they are asked. `results` runs plans by them (solve.py); other
+folders take the solvers' settings and `Events` from here.
+"""
 
 from .adaptive import Adaptive
 from .events import Eventful, Events, find_impulse

@@ -139,14 +139,7 @@ class DenseRecorder:
         for event in self.events:
             parts.append(_thinned(np.array(event.contacts).ravel(), self._most_times))
         known = np.unique(np.concatenate(parts))
-        wide = np.flatnonzero(np.diff(known) > self.duration / _IN_FREE_MOTION)
-        gaps = [
-            np.linspace(known[i], known[i + 1], 2 + int(_IN_FREE_MOTION * (gap / self.duration)))
-            for i in wide
-            if (gap := known[i + 1] - known[i])
-        ]
-        times = np.unique(np.concatenate([known, *gaps]))
-        return times[times <= self.duration]
+        return _filled(known[known <= self.duration], self.duration)
 
     def _times_in_contact(self) -> FloatArray:
         """Times within the steps of contact."""
@@ -274,6 +267,15 @@ def _for_core(
         for of in plan.contacts
     ]
     return tuple(bodies), tuple(contacts if order is None else [contacts[i] for i in order])
+
+
+def _filled(times: FloatArray, duration: float) -> FloatArray:
+    """Ascending times, and even ones between any two that are far apart for the record."""
+    apart = np.diff(times)
+    parts = 1 + (_IN_FREE_MOTION * (apart / duration)).astype(np.intp)
+    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    inside = np.repeat(times[:-1], parts) + number * np.repeat(apart / parts, parts)
+    return np.append(inside, times[-1:])
 
 
 def _pressed(contact: _Found) -> _Found:

@@ -1,7 +1,9 @@
-"""What a tolerance is shared out by, and from where on none is claimed: every constant, and why.
+"""What the tolerance of a run is shared out by, and from where on none is claimed, and why.
 
-The measurements are over random impacts and scenes with a known answer; the tests repeat them on
-fewer.
+The measurements are over random impacts and scenes with a known answer; the tests repeat some of
+them on fewer. Two more tolerances are shared out elsewhere: that of a quantity of interest among
+models, time and mesh, by accuracy/choice.py; that of a run among what a step does wrong, in the
+core, by csrc/adaptive (step.c, step_error.c, step_events.c, step.h).
 """
 
 from __future__ import annotations

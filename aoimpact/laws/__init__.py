@@ -1,13 +1,15 @@
 """Contact laws: a family a file, and the registry of them all.
 
 To add a law, write its class in a file of this folder and import it here: scene files, and tests of
-what holds for every law, read `LAWS`.
+what holds for every law, read `LAWS`. A law is numbers alone: which one acts between two, less what
+their patches show already, is decided in effective.py, for `impact`. `integrate` hands laws to the
+core; `fem` and `reduction` know none.
 """
 
 from .curvature import contact_modulus
+from .effective import check_width, effective_law, own_law, wide_enough
 from .elastic import Hertz, Linear, PowerLaw
 from .law import ContactLaw, HertzianLaw, PatchLaw
-from .patchlaw import check_width, effective_law, own_law, wide_enough
 from .plastic import Thornton, yield_force
 from .restitution import restitution
 from .surfaces import LawFromSurfaces, law_between

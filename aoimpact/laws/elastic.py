@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from ..base import InputError, positive, real
 from ..fem import Material
@@ -127,6 +127,7 @@ class PowerLaw(ContactLaw):
 
     k: float
     n: float
+    _units: ClassVar[dict[str, str]] = {"n": ""}
     _name = "power"
 
     def __post_init__(self) -> None:

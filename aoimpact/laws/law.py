@@ -25,21 +25,7 @@ CoreLaw = tuple[Any, ...]
 # is left is twenty times as stiff as the law; of two like bodies the contact is 0.8 of the patch.
 MOST_SHARE = 0.95
 
-# Of the parameters of laws, beside k, whose unit follows from the power of the indentation; and how
-# to write them.
-_UNITS = {
-    "n": "",
-    "relative_radius": "m",
-    "yield_force": "N",
-    "damping": "s/m",
-    "restitution": "",
-    "velocity": "m/s",
-    "alpha": "",
-    "mass": "kg",
-    "A": "s",
-    "c": "N s/m",
-    "end": "",
-}
+# How summaries write some parameters.
 _SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 
 # Own indentations, m, among which the one of that share is searched.
@@ -48,8 +34,9 @@ _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
 _NO_NOTE = np.full(3, math.nan)
 
-# Logarithms: where the search for the deepest indentation begins, and how it goes on up.
-_SHALLOW, _STRIDE = -28.0, 0.35
+# Logarithms: where the search for the deepest indentation begins, and how it goes on up; a user's
+# law may end not far beyond what it is for.
+_SHALLOW, _STRIDE, _SHORT_STRIDE = -28.0, 4.0, 0.35
 
 # Logarithm of the longest indentation, m, and the least work, J, that count as finite and above 0.
 _LONGEST, _LEAST_WORK = 300.0, 1e-300
@@ -74,6 +61,9 @@ class ContactLaw:
     _has_memory: ClassVar[bool] = False
     _by_caller: ClassVar[bool] = False
 
+    # Of the parameters, by name, for summaries; that of k follows from the power.
+    _units: ClassVar[dict[str, str]] = {}
+
     # Of the indentation, where no parameter n says so.
     _power: ClassVar[float] = 1.5
 
@@ -93,7 +83,7 @@ class ContactLaw:
     def __str__(self) -> str:
         """The law and its parameters with units, for summaries."""
         power = getattr(self, "n", self._power)
-        units = _UNITS | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
+        units = self._units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
         given = {entry.name: getattr(self, entry.name) for entry in fields(cast(Any, self))}
         if "relative_radius" in given:
             given["relative_radius"] = given.pop("relative_radius")
@@ -192,10 +182,13 @@ class ContactLaw:
         >>> round(float(law.potential(1e-4)), 9)  # J, k δ²/2
         0.05
         """
-        delta = finite_array("indentation", indentation, unit="m")
-        energy = np.empty(delta.shape)
-        _core.law_potential(self.for_core(), delta, energy)
+        energy = self._potential(finite_array("indentation", indentation, unit="m"))
         return energy if energy.ndim else float(energy)
+
+    def _potential(self, indentation: FloatArray) -> FloatArray:
+        energy = np.empty(indentation.shape)
+        _core.law_potential(self.for_core(), indentation, energy)
+        return energy
 
     def within_patch(
         self, compliance: float, *, radius: float = math.inf, relative_radius: float | None = None
@@ -263,7 +256,7 @@ class ContactLaw:
 
     def _work(self, indentation: float) -> float:
         """Return ∫ F dδ up to an indentation on the way in, at no rate, J."""
-        return float(self.potential(indentation))
+        return float(self._potential(np.array(indentation)))
 
     def stroke(self, energy: float) -> float:
         """Return the indentation at which the way in has taken an energy, at no rate.
@@ -296,16 +289,16 @@ class ContactLaw:
             work = max(self._work(math.exp(log_indentation)), _LEAST_WORK)
             return math.log(work) - math.log(wanted)
 
-        high = min(end, _SHALLOW)  # a user's law may end not far beyond what it is for
+        high, stride = min(end, _SHALLOW), _SHORT_STRIDE if self.by_caller else _STRIDE
         while excess(high) < 0.0 and high < end:
-            high = min(high + _STRIDE, end)
+            high = min(high + stride, end)
         if excess(high) < 0.0:
             if high == _LONGEST:
                 raise InputError(f"{self!r} never takes an energy of {wanted:g} J")
             return math.exp(high)
-        low = high - 4.0
+        low = high - _STRIDE
         while excess(low) > 0.0:
-            low -= 4.0
+            low -= _STRIDE
             if low < -_LONGEST:
                 raise InputError(f"{self!r} takes an energy of {wanted:g} J at no indentation")
         return math.exp(scipy.optimize.brentq(excess, low, high, xtol=1e-15))
@@ -361,6 +354,7 @@ class HertzianLaw(ContactLaw):
     """
 
     relative_radius: float | None = field(default=None, kw_only=True)
+    _units: ClassVar[dict[str, str]] = {"relative_radius": "m"}
 
     def __post_init__(self) -> None:
         if self.relative_radius is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ..base import InputError, positive
 from ..fem import Material
@@ -54,6 +55,7 @@ class Thornton(HertzianLaw):
 
     k: float
     yield_force: float
+    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"yield_force": "N"}
     _name = "thornton"
     _has_memory = True
 

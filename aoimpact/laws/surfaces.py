@@ -114,7 +114,8 @@ def _angle(
 def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFromSurfaces:
     slack = one.error + two.error
     try:
-        law, *others = (_hertz(one, two, angle, shift) for shift in (0.0, -slack, slack))
+        law = _hertz(one, two, angle)
+        others = [_hertz(one, two, angle, shift) for shift in (-slack, slack) if slack]
     except InputError as error:
         if slack > _DOUBT * max(map(abs, (*one.curvatures, *two.curvatures))):
             why = "a curvature below its error counts as flat: refine the mesh about it, or "
@@ -124,7 +125,8 @@ def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFrom
             f"{_said(one, two)}: {why}{_CURE}, such as Linear(k=) where they touch along a line or "
             "over a face, or turn one of the bodies"
         ) from error
-    return LawFromSurfaces(law, max(abs(other.k / law.k - 1.0) for other in others))
+    apart = max((abs(other.k / law.k - 1.0) for other in others), default=0.0)
+    return LawFromSurfaces(law, apart)
 
 
 def _hertz(one: ContactSurface, two: ContactSurface, angle: float, shift: float = 0.0) -> Hertz:

@@ -58,6 +58,7 @@ class _Hysteretic(HertzianLaw):
 
     k: float
     n: float
+    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"n": ""}
     _name = "hunt_crossley"
     _depends_on_rate = True
 
@@ -100,6 +101,7 @@ class HuntCrossley(_Hysteretic):
     k: float
     damping: float
     n: float = 1.5
+    _units: ClassVar[dict[str, str]] = _Hysteretic._units | {"damping": "s/m"}
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -168,6 +170,7 @@ class _Nominal(_Hysteretic):
     restitution: float
     velocity: float
     n: float = 1.5
+    _units: ClassVar[dict[str, str]] = _Hysteretic._units | {"restitution": "", "velocity": "m/s"}
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -322,6 +325,7 @@ class Tsuji(HertzianLaw):
     k: float
     alpha: float
     mass: float
+    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"alpha": "", "mass": "kg"}
     _name: ClassVar[str] = "tsuji"
     _depends_on_rate: ClassVar[bool] = True
 
@@ -391,6 +395,7 @@ class KuwabaraKono(HertzianLaw):
 
     k: float
     A: float
+    _units: ClassVar[dict[str, str]] = HertzianLaw._units | {"A": "s"}
     _name: ClassVar[str] = "kuwabara_kono"
     _depends_on_rate: ClassVar[bool] = True
 
@@ -474,6 +479,7 @@ class KelvinVoigt(ContactLaw):
     k: float
     c: float
     end: str = "force"
+    _units: ClassVar[dict[str, str]] = {"c": "N s/m", "end": ""}
     _power = 1.0
     _depends_on_rate: ClassVar[bool] = True
 

@@ -1,4 +1,9 @@
-"""Linear algebra of K and K + s²M: solvers behind one interface, and eigenpairs."""
+"""Linear algebra of K and K + s²M: solvers behind one interface, and eigenpairs.
+
+What a solver can do is said as data (method.py); which one is taken, in solvers.py. It knows
+matrices and where their rows lie in space, no bodies. For `fem`, `reduction` and all that solves
+with K and M.
+"""
 
 from .dense import dense_modes
 from .matrices import (

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import FloatArray, heard
+from ..base import FloatArray, SingularError, heard
 
 __all__ = ["dense_modes"]
 
@@ -44,12 +44,18 @@ def dense_modes(
 
     Raises
     ------
-    LinAlgError
+    SingularError
         If mass is not positive semidefinite, or LAPACK does not converge.
     """
-    if _has_light_motions(mass):
-        return _of_light_motions(stiffness, mass, n)
-    return _solved(stiffness, mass, n)
+    try:
+        if _has_light_motions(mass):
+            return _of_light_motions(stiffness, mass, n)
+        return _solved(stiffness, mass, n)
+    except scipy.linalg.LinAlgError as error:
+        raise SingularError(
+            f"K and M have no modes that can be computed ({error}); give both with all their "
+            "digits, hold what is too heavy to move, and condense out what has no mass"
+        ) from None
 
 
 def _has_light_motions(mass: FloatArray) -> bool:
@@ -63,7 +69,10 @@ def _of_light_motions(
     stiffness: FloatArray, mass: FloatArray, n: int | None
 ) -> tuple[FloatArray, FloatArray]:
     """The modes by M φ = θ (K + s²M) φ, θ = 1/(ω² + s²): θ = 0 is a motion without mass."""
-    s2 = _SHIFT * float(np.trace(stiffness) / np.trace(mass))
+    whole = float(np.trace(mass))
+    if whole <= 0.0:
+        raise scipy.linalg.LinAlgError("mass is not positive semidefinite")
+    s2 = _SHIFT * float(np.trace(stiffness)) / whole
     inverse, modes = _solved(-mass, stiffness + s2 * mass, n)
     theta = -inverse
     if theta[-1] < -np.sqrt(_NO_MASS) * theta[0]:

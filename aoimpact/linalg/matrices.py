@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from typing import Any
 
 import numpy as np
@@ -312,15 +313,22 @@ def _checked(name: str, matrix: Any) -> Any:
         try:
             matrix = _anew(matrix)
         except (ValueError, TypeError, AttributeError, IndexError, OverflowError) as error:
-            raise InputError(f"{name} is not a valid sparse matrix: {error}") from None
+            raise InputError(
+                f"{name} is not a valid sparse matrix: {error}; its arrays do not fit together, "
+                "make it anew from rows, columns and values (scipy.sparse.coo_array)"
+            ) from None
     elif np.ma.is_masked(matrix):
         raise InputTypeError(f"{name} has masked entries; fill or remove them first")
     else:
         try:
-            matrix = np.asarray(matrix)
+            array = np.asarray(matrix)
         except ValueError as error:
             raise InputTypeError(f"{name} must be a matrix of real numbers: {error}") from None
-        matrix = _floats(matrix)
+        if array.ndim == 0:
+            raise InputTypeError(
+                f"{name} must be a matrix of real numbers, got {reprlib.repr(matrix)}"
+            )
+        matrix = _floats(array)
     if matrix.ndim != 2:
         raise InputError(f"{name} must be a square matrix, got shape {matrix.shape}")
     if matrix.dtype.kind != "f":
@@ -372,7 +380,7 @@ _COMPRESSED = {"csr": sp.csr_array, "csc": sp.csc_array, "bsr": sp.bsr_array}
 
 def _check_compressed(format: str, shape: Any, data: Any, indices: Any, indptr: Any) -> None:
     """Raise ValueError where row pointers or indices lead out of the arrays or the shape."""
-    _integers("indices", indices), _integers("indptr", indptr)
+    indices, indptr = _integers("indices", indices), _integers("indptr", indptr)
     block = data.shape[1:]
     if len(block) != (2 if format == "bsr" else 0):
         raise ValueError(f"data must not have {data.ndim} axes")

@@ -59,7 +59,7 @@ class _Factors:
         wide = pencil.width > _WIDE
         for place, value in (_WIDE_OPTIONS if wide else _NARROW_OPTIONS).items():
             self._solver.set_iparm(place, value)
-        matrix = pencil.matrix()
+        matrix = _matrix(pencil)
         self._analyse(matrix)
         self._factorise(self._solver.factor, matrix, pencil)
 
@@ -69,7 +69,7 @@ class _Factors:
 
     def _solve(self, pencil: Pencil, rhs: FloatArray) -> FloatArray:
         if pencil.s2 != self._s2:
-            matrix = pencil.matrix()
+            matrix = _matrix(pencil)
             if _same_pattern(matrix, self._pattern):
                 self._factorise(self._solver.refactor_values, matrix, pencil)
             else:
@@ -115,6 +115,17 @@ def _pardiso(what: str) -> Any:
             f"pip install 'aoimpact[direct]' ({error})"
         ) from None
     return PardisoSolver(MTYPE_REAL_SYM_POSDEF, 0)
+
+
+def _matrix(pencil: Pencil) -> Any:
+    """Return K + s²M, which has a diagonal: of a row without one PARDISO reads foreign memory."""
+    without = np.flatnonzero(~(pencil.diagonal > 0.0))
+    if len(without):
+        raise SingularError(
+            f"{pencil.what} is singular or not positive definite (its diagonal entry "
+            f"{without[0]}, counted from 0, is {pencil.diagonal[without[0]]:g})"
+        )
+    return pencil.matrix()
 
 
 def _same_pattern(matrix: Any, pattern: tuple[Any, Any]) -> bool:

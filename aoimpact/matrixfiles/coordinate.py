@@ -45,31 +45,8 @@ def read_market(file: Path, size: int) -> list[Found]:
     """Read a file of Matrix Market, of coordinates or dense."""
     with file.open("rb") as stream:
         words = stream.readline(1024).decode("latin-1").lower().split()
-        kind, symmetry = _header(file, words)
-        number, line = 2, stream.readline(2**16)
-        while line.startswith(b"%") or (line and not line.strip()):
-            number, line = number + 1, stream.readline(2**16)
-        wanted = 3 if kind == "coordinate" else 2
-        counts = line.split()
-        if len(counts) != wanted or not all(one.isdigit() and len(one) < 19 for one in counts):
-            raise spoilt(file, f"{wanted} counts should stand here, got {shown(line)}", number)
-        n, n_cols = int(counts[0]), int(counts[1])
-        if n != n_cols:
-            raise spoilt(file, f"the matrix is {n} by {n_cols}, not square", number)
-        triangle = symmetry == "symmetric"
-        if kind == "array":
-            entries = n * (n + 1) // 2 if triangle else n * n
-            least = _LEAST_DENSE * entries
-        else:
-            entries = int(counts[2])
-            least = max(_LEAST_BYTES * entries, n)
-        if least > size:
-            raise spoilt(
-                file,
-                f"it announces {n} rows and {entries} entries, which a file of {size} bytes cannot "
-                "hold: it is cut short, or a count is wrong",
-                number,
-            )
+        kind, triangle = _header(file, words)
+        n, entries, number = _counts(file, stream, kind, triangle, size)
         if kind == "array":
             rows, cols, values = _dense(file, stream, n, triangle, number)
         else:
@@ -87,8 +64,8 @@ def read_market(file: Path, size: int) -> list[Found]:
     return [Found(file, "", n, rows[keep], cols[keep], values[keep], triangle=triangle)]
 
 
-def _header(file: Path, words: list[str]) -> tuple[str, str]:
-    """The format and symmetry of a file whose first line has these words."""
+def _header(file: Path, words: list[str]) -> tuple[str, bool]:
+    """The format of a file whose first line has these words, and whether it has a triangle only."""
     known = (("matrix",), ("coordinate", "array"), ("real", "integer"), ("general", "symmetric"))
     given = (words[1:] + 4 * [""])[:4]
     for word, wanted in zip(given, known, strict=True):
@@ -96,7 +73,37 @@ def _header(file: Path, words: list[str]) -> tuple[str, str]:
             raise spoilt(
                 file, f"the header says {word!r}, but {' or '.join(wanted)} can be read", 1
             )
-    return given[1], given[3]
+    return given[1], given[3] == "symmetric"
+
+
+def _counts(
+    file: Path, stream: BinaryIO, kind: str, triangle: bool, size: int
+) -> tuple[int, int, int]:
+    """The numbers of rows and of entries that a file announces, and the line that does."""
+    number, line = 2, stream.readline(2**16)
+    while line.startswith(b"%") or (line and not line.strip()):
+        number, line = number + 1, stream.readline(2**16)
+    wanted = 3 if kind == "coordinate" else 2
+    counts = line.split()
+    if len(counts) != wanted or not all(one.isdigit() and len(one) < 19 for one in counts):
+        raise spoilt(file, f"{wanted} counts should stand here, got {shown(line)}", number)
+    n, n_cols = int(counts[0]), int(counts[1])
+    if n != n_cols:
+        raise spoilt(file, f"the matrix is {n} by {n_cols}, not square", number)
+    if kind == "array":
+        entries = n * (n + 1) // 2 if triangle else n * n
+        least = _LEAST_DENSE * entries
+    else:
+        entries = int(counts[2])
+        least = max(_LEAST_BYTES * entries, n)
+    if least > size:
+        raise spoilt(
+            file,
+            f"it announces {n} rows and {entries} entries, which a file of {size} bytes cannot "
+            "hold: it is cut short, or a count is wrong",
+            number,
+        )
+    return n, entries, number
 
 
 def _entries(

@@ -1,16 +1,21 @@
-"""Meshes of solid elements: files, generators, elements and their sides, surface, points."""
+"""Meshes of solid elements: files, generators, elements and their sides, surface, points.
+
+It knows shapes, but neither materials nor matrices. `fem` makes bodies of meshes, `linalg` takes
+their nodes and corners for multigrid, `fields` their elements for stresses and pictures.
+"""
 
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
 from .faces import reference_faces
 from .files import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
-from .locate import node_at, weights_at
+from .locate import AT_NODE, node_at, weights_at
 from .mesh import Block, Mesh, group, read_mesh, taken
 from .rigidity import every_motion, motions_at, rigid_motions, unresisted_motions
 from .surface import SHARP, Place, Surface, boundary, plane_of
 
 __all__ = [
+    "AT_NODE",
     "KINDS",
     "SHARP",
     "Block",

@@ -62,8 +62,12 @@ _FREE = 1e3
 
 # How much the terms grow from degree to degree over the reach (a sphere's, κ reach/2), and noise in
 # the nodes against the height of the bulge.
-_ROUGHNESS = (0.25, 0.5, 1.0, 2.0)
+_ROUGHNESS = np.array([0.25, 0.5, 1.0, 2.0])
 _NOISE = np.geomspace(1e-9, 1.0, 19)
+
+# The prior's widths for each of these, shape (4, 28).
+_WIDTHS = _BINOMIAL * _ROUGHNESS[:, None] ** (_DEGREE - 2.0)
+_WIDTHS[:, :3] = _FREE
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,29 +327,26 @@ def _regression(
     Bayesian regression with the prior widths A λ^(k-2) of the terms of degree k and noise A s in
     the nodes. A is integrated out, λ and s are averaged over by their evidence.
     """
-    n, basis = len(u), np.stack([u[:, 0] ** i * u[:, 1] ** j for i, j in _POWERS], axis=1)
-    q, r = np.linalg.qr(basis)
+    x, y = (np.vander(along, 7, increasing=True) for along in u.T)
+    n, (i, j) = len(u), np.array(_POWERS).T
+    q, r = np.linalg.qr(x[:, i] * y[:, j])
     seen = q.T @ height
     beyond = max(float(height @ height - seen @ seen), 0.0) + n * rounding**2
     free = max(n - 3, 1)
-    noise = _NOISE[:, None]
-    means, variances, evidence = [], [], []
-    for roughness in _ROUGHNESS:
-        width = _BINOMIAL * roughness ** (_DEGREE - 2.0)
-        width[:3] = _FREE
-        left, size, right = np.linalg.svd(r * width, full_matrices=False)
-        along, weight = left.T @ seen, right[:, :6] * width[:6]
-        total = size**2 + noise**2
-        misfit = (along**2 / total).sum(axis=1) + beyond / _NOISE**2
-        means.append((size / total * along) @ weight)
-        covariance = width[:6] ** 2 - (size**2 / total) @ weight**2
-        variances.append((misfit / max(free - 2, 1))[:, None] * covariance.clip(0.0))
-        absent = 2.0 * (n - len(size)) * np.log(_NOISE)
-        evidence.append(-0.5 * (np.log(total).sum(axis=1) + absent + free * np.log(misfit)))
-    share = np.exp(np.concatenate(evidence) - np.max(evidence))
+    left, size, right = np.linalg.svd(r * _WIDTHS[:, None], full_matrices=False)
+    along, weight = seen @ left, right[:, :, :6] * _WIDTHS[:, None, :6]
+    # By roughness, noise and singular value.
+    size, along = size[:, None], along[:, None]
+    total = size**2 + _NOISE[:, None] ** 2
+    misfit = (along**2 / total).sum(axis=2) + beyond / _NOISE**2
+    means = (size / total * along) @ weight
+    covariance = _WIDTHS[:, None, :6] ** 2 - (size**2 / total) @ weight**2
+    variances = (misfit / max(free - 2, 1))[:, :, None] * covariance.clip(0.0)
+    absent = 2.0 * (n - size.shape[2]) * np.log(_NOISE)
+    evidence = -0.5 * (np.log(total).sum(axis=2) + absent + free * np.log(misfit))
+    share = np.exp(evidence - evidence.max())
     share /= share.sum()
-    each = np.concatenate(means)
-    mean = share @ each
-    spread = share @ (np.concatenate(variances) + (each - mean) ** 2)[:, 3:]
+    mean = np.tensordot(share, means, axes=2)
+    spread = np.tensordot(share, variances + (means - mean) ** 2, axes=2)[3:]
     bend = np.array([[2.0 * mean[3], mean[4]], [mean[4], 2.0 * mean[5]]])
     return mean[1:3], bend, float(np.sqrt(spread @ [4.0, 2.0, 4.0]))

@@ -22,6 +22,7 @@ _APEX = 1e-150
 
 __all__ = [
     "KINDS",
+    "TETRAHEDRON_EDGES",
     "Cell",
     "ReferenceElement",
     "Rule",
@@ -305,7 +306,7 @@ _PYRAMID = _cell(
 )
 
 # The nodes after the corners, each in the middle of these corners (VTK's file-format figures).
-_TETRAHEDRON_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+TETRAHEDRON_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 _HEXAHEDRON_EDGES = (
     *((0, 1), (1, 2), (2, 3), (0, 3)),
     *((4, 5), (5, 6), (6, 7), (4, 7)),
@@ -370,7 +371,7 @@ _ALL = {
         *(partial(_rule, "RefTet", 1), partial(_rule, "RefTet", 2)),
     ),
     "tetra10": _Kind(
-        *(_TETRAHEDRON, _TETRAHEDRON_EDGES, _TETRAHEDRON_10),
+        *(_TETRAHEDRON, TETRAHEDRON_EDGES, _TETRAHEDRON_10),
         *(partial(_rule, "RefTet", 5), partial(_conical_rule, 4)),
     ),
     "hexahedron": _Kind(

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from ..base import IntArray, MemoryLimitError, MeshError, MissingFileError, file_path
 from .elements import KINDS
-from .guard import bounded, bounded_text
+from .guard import Reading, bounded, bounded_text
 
 __all__ = ["load", "meshio_of_all_kinds", "named_cells", "named_nodes"]
 
@@ -29,6 +29,9 @@ _KIND = re.compile(r"(vertex|line|triangle|quad|tetra|hexahedron|wedge|pyramid)\
 
 # Formats that hold no volume cells: there is nothing to be read.
 _SURFACES = (".obj", ".off", ".ply", ".stl", ".svg", ".wkt")
+
+# Groups of FLAC3D's files, of which meshio numbers the members through, not by blocks.
+_FLAC3D = re.compile("(zone|face):")
 
 _DIMENSION_NAMES = ("point", "line", "surface", "volume")
 
@@ -53,8 +56,9 @@ def load(path: str | os.PathLike[str]) -> Any:
             "mesh the inside, and write .msh, .vtu or .inp"
         )
     said = io.StringIO()
+    reading = Reading(size)
     try:
-        return _silently_read(file, size, said)
+        return _silently_read(file, reading, said)
     except SystemExit:
         reason = " ".join(said.getvalue().split())
     except MemoryError:
@@ -77,13 +81,14 @@ def load(path: str | os.PathLike[str]) -> Any:
     except Exception as error:
         # Readers meet malformed files with whatever their parsing happens to raise.
         reason = f"{type(error).__name__}: {error}"
+    where = f", at {reading.place} or before" if reading.place else ""
     raise MeshError(
-        f"mesh file {str(file)!r} cannot be read: {reason or 'meshio gives no reason'}; "
-        "see the formats of meshio, and convert it to one of them (.msh, .vtu, .inp, …)"
+        f"mesh file {str(file)!r} cannot be read{where}: {reason or 'meshio gives no reason'}; "
+        "write it anew, or convert it to another of meshio's formats (.msh, .vtu, .inp, …)"
     )
 
 
-def _silently_read(file: Path, size: int, said: io.StringIO) -> Any:
+def _silently_read(file: Path, reading: Reading, said: io.StringIO) -> Any:
     """What meshio reads, with bounds on what it takes, and what it prints in `said`.
 
     It tries one reader after the other, prints why each failed, and then exits.
@@ -92,7 +97,7 @@ def _silently_read(file: Path, size: int, said: io.StringIO) -> Any:
     with (
         contextlib.redirect_stdout(said),
         contextlib.redirect_stderr(said),
-        bounded(size),
+        bounded(reading),
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("ignore")  # of deprecations, and of arithmetic on rubbish
@@ -196,12 +201,15 @@ def _joined(groups: Callable[[], Iterable[tuple[str, IntArray]]]) -> dict[str, I
 
 
 def _cell_groups(mesh: Any) -> Iterator[_CellGroup]:
+    counts = [0, *(len(block.data) for block in mesh.cells)]
     for name, blocks in mesh.cell_sets.items():
         if name.startswith("gmsh:"):  # a table of meshio's own, not a group
             continue
+        through = _FLAC3D.match(name) is not None and "cell_ids" in mesh.cell_data
+        first = np.cumsum(counts) if through else np.zeros(len(counts), int)
         for i, (_, members) in enumerate(zip(mesh.cells, blocks, strict=False)):
             if members is not None and len(members):
-                yield str(name), i, _indices(members)
+                yield str(name), i, _indices(members) - first[i]
     yield from _physical_groups(mesh)
     yield from _med_cells(mesh)
 

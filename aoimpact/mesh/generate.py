@@ -20,7 +20,7 @@ from ..base import (
     positive,
     sequence,
 )
-from .elements import KINDS, ReferenceElement, reference_element
+from .elements import KINDS, TETRAHEDRON_EDGES, ReferenceElement, reference_element
 from .mesh import Mesh, read_mesh
 
 __all__ = ["box_mesh", "paper_sphere_mesh", "sphere_mesh"]
@@ -91,15 +91,12 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
 def _ball(nodes: FloatArray, cells: IntArray, n_corners: int, radius: float) -> Mesh:
     """Push the edges of the boundary out to the sphere; scale the unit ball to its radius."""
     on_surface = np.abs(np.linalg.norm(nodes, axis=1) - 1.0) < 1e-9
-    for (a, b), middle in zip(_TET10_EDGES, range(4, 10), strict=True):
+    for (a, b), middle in zip(TETRAHEDRON_EDGES, range(4, 10), strict=True):
         both = on_surface[cells[:, a]] & on_surface[cells[:, b]]
         on_surface[cells[both, middle]] = True
     surface = np.flatnonzero(on_surface)
     nodes[surface] /= np.linalg.norm(nodes[surface], axis=1)[:, None]
     return Mesh(radius * nodes, cells, "tetra10", {"surface": surface})
-
-
-_TET10_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 
 
 def _icosahedron() -> tuple[FloatArray, IntArray]:
@@ -170,7 +167,7 @@ def _cone_points(
 
 def _with_edge_nodes(corners: FloatArray, cells: IntArray) -> tuple[FloatArray, IntArray]:
     """Add a node in the middle of each edge: tetra to tetra10."""
-    ends = np.sort(np.stack([cells[:, edge] for edge in _TET10_EDGES], axis=1), axis=2)
+    ends = np.sort(np.stack([cells[:, edge] for edge in TETRAHEDRON_EDGES], axis=1), axis=2)
     n = len(corners)
     keys, number = np.unique(ends[..., 0] * n + ends[..., 1], return_inverse=True)
     middles = 0.5 * (corners[keys // n] + corners[keys % n])

@@ -13,14 +13,15 @@ import math
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from dataclasses import dataclass, field
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-__all__ = ["bounded", "bounded_text"]
+__all__ = ["Reading", "bounded", "bounded_text"]
 
 # Bytes of arrays that any file may ask for, and how many times its size beyond that: text takes
 # two bytes or more for a number, of which readers make several arrays of eight each.
@@ -31,28 +32,56 @@ _MOST_EMPTY = 1000
 
 _GIB = 2.0**30
 
-# Bytes that the reader of this context may still ask for; None: without bounds.
-_left: ContextVar[list[float] | None] = ContextVar("aoimpact_mesh_bytes_left", default=None)
+
+@dataclass
+class Reading:
+    """A file that is read.
+
+    Attributes
+    ----------
+    size : int
+        Bytes.
+    left : float
+        Bytes that its reader may still ask for.
+    opened : _Ending, optional
+        What was opened last.
+    """
+
+    size: int
+    left: float = field(init=False)
+    opened: _Ending | None = None
+
+    def __post_init__(self) -> None:
+        self.left = float(_FOR_ALL + _PER_BYTE * self.size)
+
+    @property
+    def place(self) -> str:
+        """How far the reader came, in words; empty where that is not known."""
+        return "" if self.opened is None else self.opened.place
+
+
+# What the reader of this context reads; None: without bounds.
+_reading: ContextVar[Reading | None] = ContextVar("aoimpact_mesh_reading", default=None)
 
 
 @contextmanager
-def bounded(file_size: int) -> Iterator[None]:
-    """Bound what meshio's readers, called in this context, take for a file of so many bytes."""
+def bounded(reading: Reading) -> Iterator[None]:
+    """Bound what meshio's readers, called in this context, take for a file."""
     _bindings.begin()
-    token = _left.set([float(_FOR_ALL + _PER_BYTE * file_size)])
+    token = _reading.set(reading)
     try:
         yield
     finally:
-        _left.reset(token)
+        _reading.reset(token)
         _bindings.end()
 
 
 def _take(n_bytes: float) -> None:
-    left = _left.get()
-    if left is None:
+    reading = _reading.get()
+    if reading is None:
         return
-    left[0] -= n_bytes
-    if left[0] < 0.0:
+    reading.left -= n_bytes
+    if reading.left < 0.0:
         raise ValueError(
             f"the file asks for an array of {n_bytes / _GIB:.3g} GiB, which is out of proportion "
             "to its size: a count or number in it is wrong"
@@ -63,8 +92,25 @@ class _Ending:
     """A file that refuses to be read again and again beyond its end."""
 
     _empty = 0
+    # Lines read; None where other reads than by lines came between.
+    lines: int | None = 0
+    # Where it was closed, bytes from its beginning.
+    _last: int | None = None
+    name: Any
 
-    def _ended(self, got: Any) -> Any:
+    @property
+    def place(self) -> str:
+        if self.lines:
+            return f"line {self.lines}"
+        if not self._last:
+            return ""
+        with builtins.open(self.name, "rb") as file:
+            before = file.read(self._last)
+        line = 1 + before.rstrip().count(b"\n")
+        return f"byte {self._last}" if b"\0" in before else f"line {line}"
+
+    def _ended(self, got: Any, *, line: bool = False) -> Any:
+        self.lines = self.lines + 1 if line and self.lines is not None else None
         if not got:
             self._empty += 1
             if self._empty > _MOST_EMPTY:
@@ -73,6 +119,13 @@ class _Ending:
 
 
 class _EndingBytes(_Ending, io.BufferedReader):
+    lines = None  # NumPy reads on beside it
+
+    def close(self) -> None:
+        with suppress(OSError, ValueError):  # closed already
+            self._last = self.tell()
+        super().close()
+
     def readline(self, size: Any = -1, /) -> bytes:
         return bytes(self._ended(super().readline(size)))
 
@@ -82,7 +135,7 @@ class _EndingBytes(_Ending, io.BufferedReader):
 
 class _EndingText(_Ending, io.TextIOWrapper):
     def readline(self, size: Any = -1, /) -> str:  # type: ignore[override]
-        return str(self._ended(super().readline(size)))
+        return str(self._ended(super().readline(size), line=True))
 
     def read(self, size: Any = -1, /) -> str:
         return str(self._ended(super().read(size)))
@@ -94,10 +147,12 @@ def bounded_text(binary: Any) -> Any:
 
 
 def _open(path: Any, mode: str = "r", *args: Any, **keywords: Any) -> Any:
-    if _left.get() is None or mode not in ("r", "rb") or args or keywords:
+    reading = _reading.get()
+    if reading is None or mode not in ("r", "rb") or args or keywords:
         return builtins.open(path, mode, *args, **keywords)
     binary = _EndingBytes(io.FileIO(path))
-    return binary if mode == "rb" else bounded_text(binary)
+    reading.opened = binary if mode == "rb" else bounded_text(binary)
+    return reading.opened
 
 
 class _Grids:
@@ -137,6 +192,8 @@ def _fromfile(
     file: Any, dtype: Any = float, count: Any = -1, sep: str = "", **keywords: Any
 ) -> Any:
     _take(float(np.dtype(dtype).itemsize) * max(0.0, float(count)))
+    if isinstance(file, _Ending):
+        file.lines = None
     return np.fromfile(file, dtype, count, sep, **keywords)
 
 

@@ -8,11 +8,11 @@ from ..base import FloatArray, InputError, IntArray, plain
 from .elements import ReferenceElement
 from .mesh import Mesh
 
-__all__ = ["node_at", "weights_at"]
+__all__ = ["AT_NODE", "node_at", "weights_at"]
 
 
 # A point closer to a node than this fraction of the body's size is that node.
-_AT_NODE = 1e-6
+AT_NODE = 1e-6
 
 # Off the mesh by less than this share of the element's size, a point is on it: faceted surfaces
 # leave such slivers.
@@ -72,7 +72,7 @@ def node_at(nodes: FloatArray, point: FloatArray) -> int:
     """
     distance = np.linalg.norm(nodes - point, axis=1)
     node = int(np.argmin(distance))
-    if distance[node] > _AT_NODE * np.linalg.norm(np.ptp(nodes, axis=0)):
+    if distance[node] > AT_NODE * np.linalg.norm(np.ptp(nodes, axis=0)):
         raise InputError(
             f"point {plain(point)} m is no node, and the body has no elements between its nodes "
             f"(it was given by K and M); the nearest node is {node} at {plain(nodes[node])} m, "

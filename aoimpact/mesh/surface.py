@@ -427,8 +427,8 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
     if apart.any():
         cells = surface.joined[np.flatnonzero(apart)[0]].tolist()
         raise MeshError(
-            f"{int(apart.sum())} pairs of elements share a side with different nodes on it, the "
-            f"first are elements {cells[0]} and {cells[1]}: the mesh mixes elements of first and "
+            f"mesh: {int(apart.sum())} pairs of elements share a side with different nodes on it, "
+            f"the first are elements {cells[0]} and {cells[1]}: it mixes elements of first and "
             f"second order ({surface.mesh.contents}); mesh the body with one order"
         )
     square = corners[:, 3] >= 0
@@ -439,8 +439,8 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
     if same.any():
         nodes = lone[order[1:][same]][0].tolist()
         raise MeshError(
-            f"{int(same.sum())} triangular sides of elements lie on quadrilateral ones, the first "
-            f"on nodes {nodes}: displacements would not agree there; put pyramids between "
+            f"mesh: {int(same.sum())} triangular sides of elements lie on quadrilateral ones, the "
+            f"first on nodes {nodes}: displacements would not agree there; put pyramids between "
             "tetrahedra and hexahedra or wedges, or mesh the body with one kind"
         )
 

@@ -1,4 +1,9 @@
-"""Reduced models of a body at its contact: anti-oscillators, modes, several places."""
+"""Reduced models of a body at its contact: anti-oscillators, modes, several places.
+
+All that `simulate` takes for a body is named in body.py, and becomes modes in modalbody.py, which
+is what the core steps. For `scene` and all folders above it; `accuracy` asks for models of rising
+order (hierarchy.py there).
+"""
 
 from .body import BodyModel, body_model, touched
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time, shortest_contact_time

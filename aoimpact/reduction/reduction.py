@@ -90,19 +90,25 @@ def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:
 
 
 def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
-    """By LAPACK: a reflection turns bᵀφ = 0 into "first entry zero"."""
+    """By LAPACK: a reflection turns bᵀφ = 0 into "first entry zero".
+
+    The dof that b moves most comes first: a reflection of one that b does not move loses its mass
+    in the rounding of a far heavier one that b moves.
+    """
     n = tip.body.n_dofs
+    order, most = np.arange(n), int(np.argmax(np.abs(tip.b)))
+    order[[0, most]] = most, 0
     h, work = np.empty(n), np.empty(n)
-    _core.constraint_reflector(tip.b, h)
+    _core.constraint_reflector(np.ascontiguousarray(tip.b[order]), h)
     pencil = []
     for matrix in (tip.body.K, tip.body.M):
-        dense = np.ascontiguousarray(matrix.toarray())
+        dense = np.ascontiguousarray(matrix.toarray()[np.ix_(order, order)])
         _core.constraint_congruence(h, dense, work)
         pencil.append(dense[1:, 1:])
     omega2, y = dense_modes(pencil[0], pencil[1])
     phi = np.vstack([np.zeros(y.shape[1]), y])
     phi -= np.outer(h, h @ phi)
-    return omega2, phi
+    return omega2, phi[order]
 
 
 def _lowest_oscillators(
@@ -139,15 +145,18 @@ def _ordered(found: _Oscillators, order: str) -> _Oscillators:
 def _mass_of_all(tip: ContactPoint, static: StaticMode) -> float:
     """Σ m_i over all oscillators: m_st less the bare contact's 1/(bᵀM⁻¹b), kg.
 
-    At infinite frequency the oscillators stand still, and only m0 answers: 1/m0 = bᵀM⁻¹b.
+    At infinite frequency the oscillators stand still, and only m0 answers: 1/m0 = bᵀM⁻¹b. Where
+    motions without mass leave that without an answer, m_st is a bound.
     """
     M, b = tip.body.M, tip.b
     diagonal = M.diagonal()
     jacobi = scipy.sparse.linalg.LinearOperator(
         M.shape, matvec=lambda x: x / diagonal, dtype=np.float64
     )
-    x, failed = scipy.sparse.linalg.cg(M, b, rtol=1e-10, maxiter=2000, M=jacobi)
-    return static.mass if failed else static.mass - 1.0 / float(b @ x)
+    with np.errstate(all="ignore"):
+        x, failed = scipy.sparse.linalg.cg(M, b, rtol=1e-10, maxiter=2000, M=jacobi)
+        bare = math.nan if failed else float(1.0 / (b @ x))
+    return static.mass - bare if 0.0 < bare < static.mass else static.mass
 
 
 def _enough(found: _Oscillators, mass_of_all: float, n: int, order: str) -> bool:
@@ -168,7 +177,8 @@ def _wanted_oscillators(
     small = dofs <= _DENSE_MOST
     most = dofs // 20 if small else max(64, 4 * n)
     count = max(2 * n, n + 8)
-    mass_of_all = _mass_of_all(tip, static) if order == "mass" else static.mass
+    bounded = order == "mass" and dofs > _DENSE_QUICK
+    mass_of_all = _mass_of_all(tip, static) if bounded else static.mass
     while dofs > _DENSE_QUICK and count <= most:
         found = _ordered(_lowest_oscillators(tip, static, count, solvers), order)
         if _enough(found, mass_of_all, n, order):

@@ -379,6 +379,8 @@ class AOModel(Frozen):
         origin = self.origin
         if origin is not None:
             origin = replace(origin, label="AO", oscillators=origin.oscillators[:, :kept])
+        elif kept == self.n:
+            return self
         return AOModel(
             m0=self.m0 + math.fsum(self.m[kept:]),
             k0=self.k0,

@@ -362,8 +362,10 @@ class Subspace:
         # All functionals have their turn with a shift before the next shift has its own.
         turn = self._solves // len(self._b)
         shifts, until = self._sharpened(turn)
-        for passed in set(self._solvers) - set(shifts):
-            del self._solvers[passed]
+        for passed in set(self._solvers) - set(shifts):  # the first, sharpened
+            at = self._solvers.pop(passed).at
+            if at is not None and shifts[0] not in self._solvers:
+                self._solvers[shifts[0]] = at(shifts[0] ** 2)
         inverse = self._inverse(shifts[turn % len(shifts)])
         most = 1 if len(shifts) > 1 else min(most, until * len(self._b) - self._solves)
         before = self._count

@@ -1,6 +1,9 @@
-"""The results of a run: histories, events, quantities of interest, energies, tables, plots.
+"""A plan is run here, and what comes of it: histories, events, energies, tables, plots.
 
-For what runs impacts or reads what came of them: all folders above.
+`solve` runs a plan by its solver, `Record` for as long as it needs; a `Run` is what has run, a
+`Result` the same of two bodies; quantities.py is the table of the numbers that sum them up. For
+`accuracy`, which compares runs, and `impact`, which returns them; `batch`, `cli` and `study` print
+them.
 """
 
 from .misfit import warn_of_lag, warn_of_misfit
@@ -27,8 +30,10 @@ from .quantities import (
     quantity_unit,
     recorded,
 )
+from .record import Record
 from .result import Result
 from .run import Chosen, Handle, Run
+from .solve import TimeSolver, solve
 
 __all__ = [
     "COLUMNS",
@@ -45,15 +50,18 @@ __all__ = [
     "Handle",
     "LeftOut",
     "Quantity",
+    "Record",
     "Result",
     "Run",
     "Speeds",
+    "TimeSolver",
     "find_number",
     "least_said",
     "like_number",
     "number_errors",
     "quantity_unit",
     "recorded",
+    "solve",
     "warn_of_lag",
     "warn_of_misfit",
     "warn_of_run",

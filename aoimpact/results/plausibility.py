@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..base import quantity, warn
+from ..base import FloatArray, quantity, warn
 from ..fem import ContactPoint, Material
 from ..laws import ContactLaw, HertzianLaw, Thornton, contact_modulus, own_law, yield_force
 from ..reduction import AOModel, touched
@@ -47,6 +47,9 @@ _ACROSS = 0.5
 
 # Of displacements.
 _ROUNDING = 1e-12
+
+# Times at which bodies that never touch are looked at; between them, where a parabola is least.
+_SAMPLES = 121
 
 # The power of the indentation in Hertz's law.
 _POWER = 1.5
@@ -152,11 +155,13 @@ def _warn(text: str) -> None:
 
 def _ends(plan: Plan, contact: Contact) -> tuple[Any, Any]:
     """Of each body its AO model, or else the point where it is touched."""
-    first, second = (
-        model if isinstance(model := plan.bodies[body].model, AOModel) else touched(model, port)
-        for body, port in contact.ports
-    )
-    return first, second
+    first = _end(plan, contact.first, contact.first_port)
+    return first, _end(plan, contact.second, contact.second_port)
+
+
+def _end(plan: Plan, body: int, port: int) -> Any:
+    model = plan.bodies[body].model
+    return model if isinstance(model, AOModel) else touched(model, port)
 
 
 def _known(end: Any) -> bool:
@@ -341,31 +346,46 @@ def _contact(run: Run, number: int) -> str:
 
 def _missed(run: Run) -> str:
     """What the bodies did that never pressed on each other: of those that came closest."""
-    apart = [0.0 - contact.indentation for contact in run.contacts]
-    number = int(np.argmin([gap.min() for gap in apart]))
-    gap, t = apart[number], run.t
+    recorder, layout = run.recorder, run.plan.layout
+    t = np.linspace(0.0, run.duration, _SAMPLES) if recorder.dense else recorder.times
+    rows = recorder.rows(t, energies=False)
+    gaps = 0.0 - layout.indentations(rows)
+    number = int(gaps.min(axis=1).argmin())
+    gap, first = gaps[number], run.plan.contacts[number].first
     at = int(gap.argmin())
-    start, least, end = (quantity(float(value), "m", 3) for value in (gap[0], gap[at], gap[-1]))
-    moved = max(float(np.abs(body.port_displacements).max()) for body in run.bodies)
+    moved = float(np.abs(layout.body(rows, first).port_displacements).max())
     if gap.max() <= _ROUNDING * moved:  # side by side
         return ""
+
+    def gap_at(sample: int) -> str:
+        return quantity(float(gap[sample]), "m", 3)
+
     text = f"{_contact(run, number)}: no contact in {quantity(run.duration, 's')}"
-    if gap.max() == gap.min():
-        return f"{text}: they stay {start} apart, and nothing moves them; give one a velocity"
+    if gap.max() == gap[at]:
+        return f"{text}: they stay {gap_at(0)} apart, and nothing moves them; give one a velocity"
     if at == 0:
         return (
-            f"{text}: they move apart, from {start} to {end}; the first body of a contact is "
-            "behind the second along the direction of travel, and faster: exchange them, or "
-            "change the signs of velocities"
+            f"{text}: they move apart, from {gap_at(0)} to {gap_at(-1)}; the first body of a "
+            "contact is behind the second along the direction of travel, and faster: exchange "
+            "them, or change the signs of velocities"
         )
     if at < len(t) - 1:
+        least, when = _least(t[at - 1 : at + 2], gap[at - 1 : at + 2])
         return (
-            f"{text}: they come no closer than {least}, at t = {quantity(float(t[at]), 's')}; take "
-            "a smaller gap, or a larger velocity"
+            f"{text}: they come no closer than {quantity(least, 'm', 3)}, at t = "
+            f"{quantity(when, 's')}; take a smaller gap, or a larger velocity"
         )
     speed = float(gap[-2] - gap[-1]) / float(t[-1] - t[-2])
     needed = run.duration + float(gap[-1]) / speed
     return (
-        f"{text}: at its end they are still {least} apart and approach at {speed:.3g} m/s; take a "
-        f"duration beyond {quantity(needed, 's')}, or a smaller gap"
+        f"{text}: at its end they are still {gap_at(-1)} apart and approach at {speed:.3g} m/s; "
+        f"take a duration beyond {quantity(needed, 's')}, or a smaller gap"
     )
+
+
+def _least(t: FloatArray, gap: FloatArray) -> tuple[float, float]:
+    """The least gap, m, and when, s, of the parabola through three, the middle one the least."""
+    before, after = (float(gap[i] - gap[1]) for i in (0, 2))
+    shift = 0.5 * (before - after) / (before + after) if before + after > 0.0 else 0.0
+    least = float(gap[1]) - 0.25 * (before - after) * shift
+    return max(least, 0.0), float(t[1] + shift * (t[2] - t[1]))

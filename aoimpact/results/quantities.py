@@ -9,6 +9,7 @@ new one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -193,7 +194,7 @@ class Quantity:
             mine, right = (self._values(one, known=False) for one in (ours, theirs))
             there = ~(np.isnan(mine) & np.isnan(right))
             if not there.any():  # nothing that would tell one from the other
-                return np.array([np.inf])
+                return np.array([math.inf])
             mine, right = mine[there], right[there]
             size = np.abs(right)
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
@@ -291,13 +292,14 @@ def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[
     for quantity in QUANTITIES.values():
         if quantity.is_history:
             continue
-        most = safety * np.max([quantity.changes(run, other) for other in larger], axis=0)
-        for (name, value), error in zip(quantity.named(run).items(), most, strict=True):
-            errors[name] = float(error) if value == value else np.nan
+        changes = [quantity.changes(run, other) for other in larger]
+        for i, (name, value) in enumerate(quantity.named(run).items()):
+            most = float(np.max([change[i] for change in changes], initial=0.0))
+            errors[name] = math.nan if math.isnan(value) else safety * most
     for i, events in enumerate(run.events):
         as_many = all(len(other.events[i].contacts) == len(events.contacts) for other in larger)
         name = f"contacts.{i}.intervals" if run.plan.scene else "contacts"
-        errors[name] = 0.0 if as_many else np.inf
+        errors[name] = 0.0 if as_many else math.inf
     return errors
 
 

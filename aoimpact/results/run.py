@@ -231,12 +231,16 @@ class Run:
 
     @cached_property
     def _rows(self) -> FloatArray:
-        """The record at the times, with what the reduced bodies leave out."""
-        rows = self.recorder.rows(self.t, self.energies)
+        rows = self._recorded(self.t, self.energies)
+        rows.flags.writeable = False
+        return rows
+
+    def _recorded(self, times: FloatArray, energies: bool) -> FloatArray:
+        """The record at ascending times, with what the reduced bodies leave out."""
+        rows = self.recorder.rows(times, energies)
         for body, omitted in enumerate(self.plan.omitted):
             if omitted is not None:
-                omitted.add_to(self._layout.body(rows, body), self.t)
-        rows.flags.writeable = False
+                omitted.add_to(self._layout.body(rows, body), times)
         return rows
 
     @property
@@ -313,7 +317,8 @@ class Run:
         ends = [events.contacts[-1][1] for events in self.events if events.contacts]
         end = max(ends, default=self.duration)
         if self.recorder.dense:
-            speeds = self.at([min(end, self.duration)]).mean_velocities[:, 0]
+            at_end = self._recorded(np.array([min(end, self.duration)]), energies=False)
+            speeds = self._layout.centre_velocities(at_end)[:, 0]
         else:
             at = min(int(np.searchsorted(self.t, end)), len(self.t) - 1)
             speeds = self.mean_velocities[:, at]

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base import quantity
 from ..fem import ContactPoint
-from ..reduction import touched
+from ..reduction import AOModel, touched
 from .motion import in_words, percent
 from .quantities import QUANTITIES, Quantity
 
@@ -53,7 +53,8 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
         error_row(result.run),
         ("solver", result.solver),
     ]
-    made_by = [model.origin.solver for model in result.models or () if model.origin is not None]
+    chosen = [model for model in result.models or () if isinstance(model, AOModel)]
+    made_by = [model.origin.solver for model in chosen if model.origin is not None]
     if any(made_by):
         rows.append(("linear solver", ", ".join(dict.fromkeys(filter(None, made_by)))))
     rows.append(("cost", str(result.cost)))

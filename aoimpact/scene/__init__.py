@@ -1,4 +1,8 @@
-"""A scene as the integrators take it: bodies, contacts, loads, and rest under load."""
+"""A scene as the integrators take it: bodies, contacts, loads, and rest under load.
+
+A `Plan` is all that a run needs to know. `impact` makes plans, `integrate` runs them, and `results`
+reads them; what a user calls a `Scene` stands in `impact`.
+"""
 
 from .bodies import StarBody, scene_body
 from .body import SceneBody

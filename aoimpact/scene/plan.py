@@ -70,7 +70,7 @@ class Plan:
     @cached_property
     def modal(self) -> tuple[ModalBody, ...]:
         """The bodies in their natural modes."""
-        return tuple(body.modal for body in self.bodies)
+        return tuple([body.modal for body in self.bodies])
 
     @cached_property
     def first_modes(self) -> tuple[int, ...]:

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ..base import ConvergenceError, FloatArray, InputError, LawLimitError
+from ..linalg import LARGEST
 from ..reduction import ModalBody
 from .contact import Contact
 from .network import ContactNetwork, LinearNetwork
@@ -214,6 +215,15 @@ class _Statics:
                 "load"
             )
 
+    def check_stiffness(self) -> None:
+        """Refuse contacts whose stiffness leads out of the range of numbers."""
+        worst = int(np.argmax(self.slopes)) if len(self.slopes) else -1
+        if worst >= 0 and not self.slopes[worst] <= LARGEST:
+            raise InputError(
+                f"preload: contact {worst} is {self.slopes[worst]:.3g} N/m stiff under the loads, "
+                "which cannot be computed with; give its law in N and m, or start without preload"
+            )
+
     def check_rounding(self, at: _Configuration, slopes: FloatArray, size: float) -> None:
         """Refuse contacts so stiff that forces of this size, N, are rounding."""
         rounding = self.rounding(at.x, slopes)
@@ -302,6 +312,7 @@ def equilibrium(
         network, network.load(gravity, forces), springs, np.array([of.gap for of in contacts])
     )
     first = statics.first
+    statics.check_stiffness()
     at, unconstrained = _descend(statics, first)
     if statics.settled(at):
         at = statics.least_moved(at)

@@ -101,6 +101,10 @@ class RecordLayout:
         """Return all contact forces, N, shape (contacts, times)."""
         return record[: _CONTACT * self.contacts : _CONTACT]
 
+    def indentations(self, record: FloatArray) -> FloatArray:
+        """Return all indentations, m, shape (contacts, times)."""
+        return record[1 : _CONTACT * self.contacts : _CONTACT]
+
     def of_contacts(self, record: FloatArray) -> FloatArray:
         """Return the rows of all contacts, shape (contacts, 4, times)."""
         return record[: _CONTACT * self.contacts].reshape(self.contacts, _CONTACT, record.shape[1])

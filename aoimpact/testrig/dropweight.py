@@ -24,15 +24,13 @@ from ..base import (
     warn,
 )
 from ..results import Result
+from .readsignal import STANDARD_GRAVITY
 from .signal import UNFILTERED, Signal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["DropWeight", "Point", "drop_weight"]
-
-# m/s², ISO 80000-3.
-_STANDARD_GRAVITY = 9.80665
 
 # A measured force has begun where it passes the second share of its peak, and begins where it was
 # last below the first: between them noise of the channel (.4 % of the peak, rms, is usual) passes
@@ -395,7 +393,7 @@ def _impactor(
     return (
         positive("mass", mass, unit="kg"),
         positive("velocity", velocity, unit="m/s"),
-        nonnegative("gravity", _STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²"),
+        nonnegative("gravity", STANDARD_GRAVITY if gravity is None else gravity, unit="m/s²"),
     )
 
 

@@ -12,12 +12,14 @@ import numpy as np
 from ..base import FloatArray, InputError, InputTypeError, choice, file_path, nearest, text
 from .signal import Signal
 
-__all__ = ["read_signal"]
+__all__ = ["STANDARD_GRAVITY", "read_signal"]
+
+STANDARD_GRAVITY = 9.80665  # m/s², ISO 80000-3
 
 # SI units of signals, with how else they are written; and what has no prefix.
 _BASES = {"N": "N", "s": "s", "m/s²": "m/s²", "m/s2": "m/s²", "m/s^2": "m/s²", "m": "m", "V": "V"}
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
-_OTHERS = {"g": (9.80665, "m/s²"), "lbf": (4.4482216152605, "N")}
+_OTHERS = {"g": (STANDARD_GRAVITY, "m/s²"), "lbf": (4.4482216152605, "N")}
 
 _SEPARATORS = (";", "\t", ",")
 

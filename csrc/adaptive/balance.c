@@ -366,6 +366,7 @@ static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contac
 static void press_again(const aoi_law *law, double rate, aoi_adaptive_contact *contact)
 {
     contact->begins = 1;
+    contact->touch_rate = rate;
     contact->last_length = 0.0;
     contact->piece =
         aoi_law_piece(law, contact->memory, contact->start, rate > 0.0, &contact->low, &contact->high);

@@ -248,7 +248,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
 
     /* Exactly: what is left off here would add up. What has no mass is where the forces say. */
     contact->start = bends ? here : fmax(here, rest);
-    contact->start_rate = rate;
+    contact->start_rate = contact->touch_rate = rate;
     contact->last_length = contact->since_touch = contact->edge = 0.0;
     contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
                                    &contact->low, &contact->high);

@@ -34,6 +34,7 @@ typedef struct aoi_adaptive_contact {
     double edge;      /* length of a step that its beginning, so its end, allows; 0: not known */
     double memory[AOI_LAW_MEMORY];
     double start, start_rate, force; /* now, while closed */
+    double touch_rate; /* when its force last began, before that changed it */
     double bending;    /* the force that the residual compliance knows of */
     double force_rate; /* at the end of the last step, where bodies have a residual compliance */
     double indentation_scale, impulse_scale, rate_scale;

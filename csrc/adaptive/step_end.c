@@ -236,6 +236,7 @@ static void apply_event(aoi_adaptive *run, size_t c, double now)
         break;
     case AOI_EVENT_TIGHTEN:
         contact->begins = 1;
+        contact->touch_rate = contact->start_rate;
         contact->last_length = 0.0;
         take_piece(law, contact, contact->start, contact->start_rate > 0.0);
         break;

@@ -17,8 +17,9 @@ enum { MOST_ITERATIONS = 25, SQUARE = AOI_NODES * AOI_NODES };
  * changes no longer shrink: rounding. */
 static const double CONVERGED = 1e-15, ROUNDING = 1e-12;
 
-/* The matrix is kept as long as a change is smaller than the one before by this. */
-static const double KEPT = 1e-3;
+/* The matrix is kept as long as a change is smaller than the one before by this: to make and invert it anew costs
+ * about three iterations with the old one, each of which gains more than a digit. */
+static const double KEPT = 0.05;
 
 /* With the matrix of the change before, the error falls by twice the ratio of the last changes. */
 static const double FALL = 2.0, NEXT_CHANGE = 1e-16;

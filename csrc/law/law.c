@@ -59,7 +59,7 @@ int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *p
 
 int aoi_law_check(const aoi_law *law)
 {
-    const int usable = law->force && law->potential && isfinite(law->compliance) &&
+    const int usable = law && law->force && law->potential && isfinite(law->compliance) &&
                        law->compliance >= 0.0 && law->limit > 0.0;
     return usable ? AOI_OK : AOI_ERROR_ARGUMENT;
 }

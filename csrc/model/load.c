@@ -39,6 +39,9 @@ double aoi_load_next_bend(const aoi_load *load, double time)
 
 int aoi_load_is_sound(const aoi_load *load, size_t ports)
 {
+    if (load->count > 0 && (!load->time || !load->force)) {
+        return 0;
+    }
     for (size_t i = 1; i < load->count; i++) {
         if (!(load->time[i] >= load->time[i - 1])) {
             return 0;

@@ -7,10 +7,39 @@
 
 #include <math.h>
 
+/* Entries of a residual that should be equal may differ by this share of the ports' own: rounding of a reduction. */
+static const double SYMMETRY = 1e-6;
+
 /* An array that may be missing. */
 static int all_finite(const double *values, size_t count)
 {
     return !values || aoi_vector_is_finite(count, values);
+}
+
+static int none_negative(const double *values, size_t count)
+{
+    for (size_t i = 0; values && i < count; i++) {
+        if (!(values[i] >= 0.0)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Whether forces do no negative work on a residual compliance: of a port, and of each pair. */
+static int residual_is_sound(const double *residual, size_t ports)
+{
+    for (size_t p = 0; residual && p < ports; p++) {
+        const double own = residual[p * (ports + 1)];
+        for (size_t q = 0; q <= p; q++) {
+            const double one = residual[p * ports + q], other = residual[q * ports + p];
+            const double most = sqrt(own) * sqrt(residual[q * (ports + 1)]);
+            if (!(fabs(one - other) <= SYMMETRY * most && fabs(one) <= (1.0 + SYMMETRY) * most)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
 }
 
 /* Whether frequencies ascend from 0; equal neighbours may be. */
@@ -33,10 +62,9 @@ static int body_is_sound(const aoi_modes *body)
         !ascending(body->omega, n) || !aoi_load_is_sound(&body->load, ports)) {
         return 0;
     }
-    for (size_t j = 0; body->decay && j < n; j++) {
-        if (!(body->decay[j] >= 0.0)) {
-            return 0;
-        }
+    if (!none_negative(body->decay, n) || !none_negative(body->inertia, n) ||
+        !residual_is_sound(body->residual, ports)) {
+        return 0;
     }
     return all_finite(body->decay, n) && all_finite(body->shape, ports * n) &&
            all_finite(body->push, ports * n) && all_finite(body->gravity, n) &&
@@ -58,6 +86,9 @@ static int contact_is_sound(const aoi_system *system, const aoi_contact *contact
 
 static int is_sound(const aoi_system *system)
 {
+    if ((system->body_count > 0 && !system->body) || (system->contact_count > 0 && !system->contact)) {
+        return 0;
+    }
     for (size_t b = 0; b < system->body_count; b++) {
         if (!body_is_sound(&system->body[b])) {
             return 0;
@@ -115,6 +146,7 @@ int aoi_system_link(aoi_system *system, void *memory)
 {
     aoi_memory block = {memory, 0};
     const links made = lay_out(system, &block);
+    system->first = system->first_port = system->first_contact = system->contact_of = NULL;
     if (!is_sound(system)) {
         return AOI_ERROR_ARGUMENT;
     }
@@ -167,17 +199,19 @@ size_t aoi_system_span(const aoi_system *system)
 
 size_t aoi_record_rows(const aoi_system *system)
 {
-    return system->first ? aoi_record_body(system, system->body_count) : 0;
+    return aoi_record_body(system, system->body_count);
 }
 
 size_t aoi_record_contact(const aoi_system *system, size_t contact)
 {
-    (void)system;
-    return AOI_CONTACT_ROWS * contact;
+    return system->first ? AOI_CONTACT_ROWS * contact : 0;
 }
 
 size_t aoi_record_body(const aoi_system *system, size_t body)
 {
+    if (!system->first) {
+        return 0;
+    }
     return AOI_CONTACT_ROWS * system->contact_count + AOI_BODY_ROWS * body +
            AOI_PORT_ROWS * system->first_port[body];
 }

@@ -9,6 +9,9 @@ int aoi_star_check(const aoi_star *star)
     if (isnan(star->m0) || !isfinite(star->k0) || (isinf(star->m0) && star->n > 0)) {
         return AOI_ERROR_NOT_FINITE;
     }
+    if (star->n > 0 && (!star->m || !star->k)) {
+        return AOI_ERROR_ARGUMENT;
+    }
     if (star->m0 < 0.0 || star->k0 < 0.0 || (star->n == 0 && star->m0 == 0.0)) {
         return AOI_ERROR_NOT_POSITIVE;
     }

@@ -36,10 +36,8 @@ static void close_interval(search *found, aoi_interval *open, double end, int la
 
 static void begin_interval(const double *row, const double *of, aoi_interval *open)
 {
-    double slope;
-    (void)aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, 0.0, &slope);
     *open = (aoi_interval){.contact = (size_t)of[AOI_TRACK_CONTACT], .start = row[AOI_TRACK_START]};
-    open->rate = slope / row[AOI_TRACK_LENGTH];
+    open->rate = of[AOI_TRACK_RATE];
     open->lasts = 1;
 }
 

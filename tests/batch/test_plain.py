@@ -49,6 +49,8 @@ PLAIN = [
     case(velocity=2.0, solver=ao.Adaptive(rtol=1e-6)),
     case(target=ao.rigid(mass=math.inf), duration=2e-4),
     case(projectile=SPHERE, target=BALL, gap=1e-5),
+    case(gap=-0.0),
+    case(gap=1e-310),
     case(projectile=ao.rigid(mass=math.inf), target=BALL),
     case(target=ao.AOModel(m0=0.0, k0=1e6, m=[0.2], k=[1e8]), duration=1e-4),
     case(target=beam_star(), duration=2e-4),

@@ -158,6 +158,17 @@ static aoi_law law_at(size_t i)
     return law;
 }
 
+/* The first of them that has this name and this compliance. */
+static aoi_law law_among(const char *name, double compliance)
+{
+    size_t i = 0;
+    while (i + 1 < EVERY && (strcmp(every[i].name, name) != 0 || every[i].compliance != compliance)) {
+        i++;
+    }
+    CHECK(strcmp(every[i].name, name) == 0, "%s is among them", name);
+    return law_at(i);
+}
+
 static void damped_laws_follow_their_formulas(void)
 {
     const double k = 1e10, v = 0.7;
@@ -165,26 +176,25 @@ static void damped_laws_follow_their_formulas(void)
         aoi_law_value value;
         const double root = sqrt(d), hertz = k * d * root;
         const struct {
-            size_t law;
+            const char *law;
             double force, stiffness, damping;
         } wanted[] = {
-            {3, hertz * (1.0 + 0.4 * v), 1.5 * hertz / d * (1.0 + 0.4 * v), 0.4 * hertz},
-            {5, hertz + 3e3 * sqrt(root) * v, 1.5 * hertz / d + 750.0 / (root * sqrt(root)) * v / 1.0,
+            {"hunt_crossley", hertz * (1.0 + 0.4 * v), 1.5 * hertz / d * (1.0 + 0.4 * v), 0.4 * hertz},
+            {"tsuji", hertz + 3e3 * sqrt(root) * v, 1.5 * hertz / d + 750.0 / (root * sqrt(root)) * v,
              3e3 * sqrt(root)},
-            {6, k * (d * root + 3e-6 * root * v), 1.5 * k * (root + 1e-6 * v / root),
+            {"kuwabara_kono", k * (d * root + 3e-6 * root * v), 1.5 * k * (root + 1e-6 * v / root),
              3e-6 * k * root},
-            {7, 3e7 * d + 200.0 * v, 3e7, 200.0},
+            {"kelvin_voigt", 3e7 * d + 200.0 * v, 3e7, 200.0},
         };
         for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
-            const aoi_law law = law_at(wanted[i].law);
+            const aoi_law law = law_among(wanted[i].law, 0.0);
             aoi_law_push(&law, NULL, d, v, &value);
-            CHECK(near(value.force, wanted[i].force, 1e-14), "%s at %g m", every[wanted[i].law].name,
-                  d);
+            CHECK(near(value.force, wanted[i].force, 1e-14), "%s at %g m", wanted[i].law, d);
             CHECK(near(value.stiffness, wanted[i].stiffness, 1e-14), "%s: stiffness at %g m",
-                  every[wanted[i].law].name, d);
+                  wanted[i].law, d);
             CHECK(near(value.damping, wanted[i].damping, 1e-14), "%s: damping at %g m",
-                  every[wanted[i].law].name, d);
-            CHECK(law.depends_on_rate, "%s depends on the rate", every[wanted[i].law].name);
+                  wanted[i].law, d);
+            CHECK(law.depends_on_rate, "%s depends on the rate", wanted[i].law);
         }
     }
 }
@@ -324,7 +334,7 @@ static void plastic_contact_remembers(void)
 {
     const double compliances[] = {0.0, 2e-9};
     for (size_t i = 0; i < 2; i++) {
-        aoi_law law = law_at(9);
+        aoi_law law = law_among("thornton", 0.0);
         law.compliance = compliances[i];
         double memory[AOI_LAW_MEMORY] = {0.0}, given = 0.0;
         for (double top = 1e-6; top < 2e-5; top *= 1.7) {
@@ -366,7 +376,7 @@ static void plastic_contact_remembers(void)
 /* From the deepest D: F(D), D - d_p = F(D)/(k D^(1/2)), F = F(D) ((d - d_p)/(D - d_p))^(3/2). */
 static void plastic_unloading_is_thorntons(void)
 {
-    const aoi_law law = law_at(9);
+    const aoi_law law = law_among("thornton", 0.0);
     const double k = 1e10, yield = pow(100.0 / k, 2.0 / 3.0), deepest = 4.0 * yield;
     const double top = 100.0 + 1.5 * k * sqrt(yield) * 3.0 * yield;
     const double reach = top / (k * sqrt(deepest));
@@ -591,7 +601,7 @@ static void pieces_that_go_no_further_are_an_error(void)
     CHECK(aoi_law_piece(&law, NULL, 0.6, 1, &low, &high) == AOI_NO_PIECE, "there is no other");
     aoi_law_push(&law, NULL, 0.6, 1.0, &value);
     CHECK(isnan(value.force) && note[0] == 0.6 && note[1] == 1.0, "and no force");
-    aoi_law plastic = law_at(14);
+    aoi_law plastic = law_among("thornton", 2e-9);
     const double memory[AOI_LAW_MEMORY] = {0.0};
     CHECK(aoi_law_piece(&plastic, memory, HUGE_VAL, 1, &low, &high) >= 0 && high == HUGE_VAL,
           "the last piece holds even the infinite");
@@ -722,6 +732,7 @@ static void what_no_law_is_made_of(void)
     }
     law = (aoi_law){.limit = HUGE_VAL};
     CHECK(aoi_law_check(&law) == AOI_ERROR_ARGUMENT, "no force");
+    CHECK(aoi_law_check(NULL) == AOI_ERROR_ARGUMENT, "no law");
 }
 
 int main(void)

@@ -6,6 +6,7 @@
 
 enum { BODIES = 30, CONTACTS = 80 };
 
+static const size_t ZEROS[4];
 static const double ZERO[1] = {0.0}, ONES[2] = {1.0, 1.0};
 
 static aoi_law linear_law(void)
@@ -85,29 +86,41 @@ static void make_touching(touching *t)
 static void what_cannot_be_run_is_refused(void)
 {
     static const double nan[4] = {NAN, NAN, NAN, NAN}, negative[1] = {-1.0}, late[2] = {1.0, 0.0};
-    for (int i = -1; i < 17; i++) {
+    static const double gives[4] = {1.0, 0.0, 0.0, -1.0}, lopsided[4] = {1.0, 0.5, 0.4, 1.0};
+    static const double pulls[4] = {1.0, 1.1, 1.1, 1.0}; /* forces 1 and -1 do work -0.1 on it */
+    enum { ARRAYS = 17 };
+    for (int i = -1; i < ARRAYS + 9; i++) {
         touching t;
         make_touching(&t);
         aoi_modes *first = &t.body[0];
         const struct {
             const double **array;
             const double *wrong;
-        } arrays[] = {{&first->omega, nan},    {&first->omega, NULL},     {&first->shape, nan},
+        } arrays[ARRAYS] = {{&first->omega, nan},    {&first->omega, NULL},     {&first->shape, nan},
                       {&first->shape, NULL},   {&first->push, nan},       {&first->push, NULL},
                       {&first->centre, nan},   {&first->centre, NULL},    {&first->decay, negative},
                       {&first->residual, nan}, {&first->gravity, nan},    {&first->inertia, nan},
-                      {&first->omega, negative}};
-        if (i >= 0 && i < 13) {
+                      {&first->omega, negative}, {&first->inertia, negative},
+                      {&first->residual, gives}, {&first->residual, lopsided},
+                      {&first->residual, pulls}};
+        if (i >= 0 && i < ARRAYS) {
             *arrays[i].array = arrays[i].wrong;
         }
-        if (i == 13) {
-            first->load = (aoi_load){2, late, ONES};
+        const aoi_load loads[] = {{2, late, ONES}, {1, ONES, NULL}, {1, NULL, ONES}};
+        const int other = i - ARRAYS;
+        if (other >= 0 && other < 3) {
+            first->load = loads[other];
         }
-        t.contact.port[1] = i == 14;
-        t.contact.gap = i == 15 ? HUGE_VAL : 0.0;
-        t.law.compliance = i == 16 ? -1e-9 : 0.0;
+        t.contact.port[1] = other == 3;
+        t.contact.gap = other == 4 ? HUGE_VAL : 0.0;
+        t.law.compliance = other == 5 ? -1e-9 : 0.0;
+        t.contact.law = other == 6 ? NULL : &t.law;
+        t.system.body = other == 7 ? NULL : t.body;
+        t.system.contact = other == 8 ? NULL : &t.contact;
+        t.system.first = ZEROS; /* of a link before */
         const int status = aoi_system_link(&t.system, t.links);
         CHECK(status == (i < 0 ? AOI_OK : AOI_ERROR_ARGUMENT), "case %d: status %d", i, status);
+        CHECK((t.system.first != NULL) == (i < 0), "case %d: what is refused is not linked", i);
     }
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 import ast
 import ctypes
+import functools
 import itertools
 import math
 import platform
@@ -59,8 +60,15 @@ def chain(n: int) -> tuple[Any, Any]:
     return 1e6 * K, sp.identity(n, format="csr")
 
 
+@functools.cache
+def inverted(n: int, mass: float, stiffness: float) -> tuple[Any, ...]:
+    """Factors of `mass` M + `stiffness` K of a chain as the core takes them."""
+    K, M = chain(n)
+    return tuple(factorize(mass * M + stiffness * K).for_core())
+
+
 def factors(n: int = 6) -> list[Any]:
-    return list(factorize(chain(n)[0]).for_core())
+    return [np.array(part) for part in inverted(n, 0.0, 1.0)]
 
 
 def blocks() -> tuple[Any, ...]:
@@ -78,7 +86,7 @@ def full(n: int = 6, dt: float = 1e-5, velocity: float = 0.0) -> tuple[Any, ...]
     """A finite-element body as the core takes it."""
     K, M = chain(n)
     b = np.eye(n)[n // 2]
-    inverse = factorize(M + 0.25 * dt**2 * K).for_core()
+    inverse = tuple(np.array(part) for part in inverted(n, 1.0, 0.25 * dt**2))
     centre = np.full(n, 1.0 / n)
     start = np.zeros(n), np.full(n, velocity)
     return ("full", rows(K), rows(M), b, 0.0, 0.0, inverse, None, centre, *start)

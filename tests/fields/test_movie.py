@@ -124,6 +124,7 @@ def test_a_machine_that_cannot_draw_is_said(
     _can_draw.cache_clear()
 
 
+@pytest.mark.slow
 def test_frames_are_drawn_and_differ(tmp_path: Path) -> None:
     pytest.importorskip("pyvista")
     from PIL import Image, ImageChops

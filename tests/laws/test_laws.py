@@ -38,6 +38,11 @@ def test_every_law_is_documented_for_scene_files(name):
     assert f"`{name}`" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("name", sorted(set(REGISTERED) - {"Tabulated", "UserLaw"}))
+def test_a_summary_writes_every_parameter_with_its_unit(name):
+    assert str(law_of(name)).startswith(f"{name}, "), "name the units in _units of the class"
+
+
 @over_laws
 def test_what_a_law_says_of_its_rate_is_what_its_formula_does(name):
     law = law_of(name)

@@ -123,6 +123,16 @@ def test_data_shorter_than_indices_is_refused() -> None:
         ao.FEModel(K=K, M=np.eye(N))
 
 
+def test_lists_in_the_place_of_arrays_are_arrays() -> None:
+    K = CHAIN.copy()
+    K.indices, K.indptr = K.indices.tolist(), K.indptr.tolist()
+    body = ao.FEModel(K=K, M=np.eye(N))
+    assert np.array_equal(body.K.toarray(), CHAIN.toarray())
+    K.indptr = K.indptr[::-1]
+    with pytest.raises(ao.InputError, match=r"indptr must be .* do not descend; .* make it anew"):
+        ao.FEModel(K=K, M=np.eye(N))
+
+
 @pytest.mark.parametrize("kind", ["array", "matrix"])
 @pytest.mark.parametrize("format", FORMATS)
 def test_every_format_is_the_same_matrix(format: str, kind: str) -> None:
@@ -161,6 +171,8 @@ def test_zeros_stored_on_one_side_are_no_asymmetry() -> None:
         (np.eye(2), np.diag([1e-15, 1e15]), "masses too far apart"),
         (np.ones((2, 2)), np.ones((2, 2)) * (1.0 - 1e-15), "neither mass nor stiffness"),
         ([[1.0], [1.0, 2.0]], np.eye(2), "K must be a matrix of real numbers"),
+        (None, np.eye(2), "K must be a matrix of real numbers, got None"),
+        (np.eye(2), 3.5, r"M must be a matrix of real numbers, got 3\.5"),
     ],
 )
 def test_numbers_out_of_reach_are_refused(K: Any, M: Any, words: str) -> None:

@@ -97,7 +97,9 @@ def factorised(block, bar):
     return [(t, ao.antioscillators(t, 3, order="frequency", solver="superlu")) for t in tips]
 
 
-@pytest.mark.parametrize("solver", EVERY)
+@pytest.mark.parametrize(
+    "solver", [*DIRECT, pytest.param("multigrid", marks=pytest.mark.slow), EVERY[-1]]
+)
 def test_anti_oscillators_do_not_depend_on_the_solver_and_name_it(factorised, solver):
     for tip, reference in factorised:
         assert reference.origin.solver == "superlu"
@@ -307,6 +309,15 @@ def test_pardiso_goes_to_another_shift_and_back(bar):
         residual = f - (bar.K + solver.s2 * bar.M) @ solver.solve(f)
         assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(f)
     np.testing.assert_allclose(dynamic.solve(f), first, rtol=1e-9)
+
+
+@needs_pardiso
+def test_pardiso_names_a_row_without_a_diagonal():
+    """Nothing is stored in such a row, and PARDISO looks there all the same."""
+    K = sp.csr_array(np.diag([1.0, 0.0, 2.0]))
+    M = sp.csr_array(np.eye(3))
+    with pytest.raises(ao.SingularError, match="diagonal entry 1, counted from 0, is 0"):
+        ao.FEModel(K=K, M=M).inverse(0.0, solver="pardiso")
 
 
 @needs_pardiso

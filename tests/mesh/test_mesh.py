@@ -294,6 +294,9 @@ def test_directory_is_no_mesh(tmp_path: Path) -> None:
         ("a.xyz", "1 2 3", "cannot be read.*Could not deduce file format"),
         ("noextension", "1 2 3", "cannot be read"),
         ("a.inp", "*NODE\n1, 0, 0\n*ELEMENT, TYPE=NONE\n1, 1", "cannot be read"),
+        ("a.inp", "*NODE\n1, 0, 0, 0\n2, 1, x, 0\n", "cannot be read, at line 3 or before"),
+        ("a.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 x\n", "at line 5 or before"),
+        ("a.ugrid", "1 2 3\n", "cannot be read: .* write it anew"),
     ],
 )
 def test_files_that_are_no_mesh(
@@ -303,6 +306,22 @@ def test_files_that_are_no_mesh(
     with pytest.raises(MeshError, match=words):
         read_mesh(tmp_path / name)
     assert capfd.readouterr() == ("", "")
+
+
+def test_groups_of_flac3d_are_of_their_own_zones(tmp_path: Path) -> None:
+    """Faces come before zones in meshio's numbers, which count all of them through."""
+    file = tmp_path / "two.f3grid"
+    points = "G 1 0 0 0\nG 2 1 0 0\nG 3 0 1 0\nG 4 0 0 1\nG 5 1 1 1\n"
+    zones = "Z T4 1 1 2 3 4\nZ T4 2 2 5 3 4\nF T3 1 1 2 3\n"
+    groups = 'ZGROUP "one" SLOT 1\n1\nZGROUP "two" SLOT 1\n2\nFGROUP "base" SLOT 1\n1\n'
+    file.write_text(points + zones + groups)
+    mesh = read_mesh(file)
+    middle = {
+        name: mesh.nodes[mesh.cells[of]].mean(axis=(0, 1)) for name, of in mesh.cell_sets.items()
+    }
+    assert middle["zone:one:1"] == pytest.approx([0.25, 0.25, 0.25])
+    assert middle["zone:two:1"] == pytest.approx([0.5, 0.5, 0.5])
+    assert mesh.nodes[mesh.node_sets["face:base:1"]].tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
 
 
 def test_a_kind_that_meshio_reads_but_cannot_hold(tmp_path: Path) -> None:

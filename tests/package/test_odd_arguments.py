@@ -11,10 +11,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from every_law import LAWS as EVERY_LAW
+from every_law import law_of
 
 import aoimpact as ao
 
@@ -164,34 +166,23 @@ def _arguments(function: Callable[..., Any]) -> set[str]:
     return {one.name for one in given if one.kind not in variable and one.name[0] != "_"}
 
 
-# Arguments of laws, by name.
-NUMBERS = {
-    "k": 1e9,
-    "n": 1.5,
-    "restitution": 0.5,
-    "velocity": 1.0,
-    "mass": 1.0,
-    "damping": 0.1,
-    "alpha": 0.1,
-    "A": 1e-6,
-    "c": 1.0,
-    "end": "force",
-    "yield_force": 10.0,
-    "relative_radius": None,
-}
+# Arguments of laws' methods that are not arguments of the laws themselves.
+OF_METHODS = {"restitution": 0.5, "velocity": 1.0, "mass": 1.0}
 
 
 def _laws() -> Iterator[tuple[str, tuple[Callable[..., Any], dict[str, Any]]]]:
     """Constructors of laws that take numbers, and what these laws do of their own."""
+    examples = {type(law).__name__: law for law in map(law_of, EVERY_LAW)}
     for name, arguments in public():
         of, _, method = name.partition(".")
-        law = getattr(ao, of)
-        if not inspect.isclass(law) or not issubclass(law, ao.ContactLaw) or law is ao.ContactLaw:
+        if of not in examples or not arguments:
             continue
-        if arguments and arguments <= set(NUMBERS):
-            given = {one: NUMBERS[one] for one in sorted(arguments)}
-            made = law(**{one: NUMBERS[one] for one in inspect.signature(law).parameters})
-            yield name, (getattr(made, method) if method else law, given)
+        law = examples[of]
+        own = {one.name: getattr(law, one.name) for one in fields(cast(Any, law))}
+        numbers = OF_METHODS | own
+        if arguments <= set(numbers) and not any(map(callable, own.values())):
+            given = {one: numbers[one] for one in sorted(arguments)}
+            yield name, (getattr(law, method) if method else type(law), given)
 
 
 # What is called, with what, and which of its arguments are made odd.

@@ -9,14 +9,17 @@ import re
 import subprocess
 import sys
 import tomllib
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, partial
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact import _core
 
 PACKAGE = Path(str(ao.__file__)).parent
 
@@ -121,6 +124,52 @@ def test_contributing_names_every_folder_in_its_order_and_only_files_that_are_th
         assert (root / file).exists() or (PACKAGE / file).exists(), file
 
 
+def test_contributing_names_only_functions_that_are_there() -> None:
+    root = Path(__file__).parents[2]
+    page = " ".join((root / "CONTRIBUTING.md").read_text("utf-8").split())
+    named = re.findall(
+        r"`([\w/]+\.py)` \((`\w+`(?:, `\w+`)*)\)", page
+    )  # `file.py` (`name`, `name`)
+    named += [(file, name) for name, file in re.findall(r"(`\w+`) (?:of|in) `([\w/]+\.py)`", page)]
+    named += [("_core.pyi", f"`{name}`") for name in re.findall(r"`_core\.(\w+)`", page)]
+    assert len(named) > 30
+    for file, names in named:
+        folder = PACKAGE if (PACKAGE / file).exists() else root
+        text = (folder / file).read_text("utf-8")
+        for name in re.findall(r"\w+", names):
+            assert re.search(rf"\b(?:def|class) {name}\b|^{name}\b.* = ", text, re.M), (file, name)
+
+
+def first_core_call(monkeypatch: pytest.MonkeyPatch, *bodies: Any, **options: Any) -> str:
+    """Name of the function of the core that `simulate` calls first."""
+
+    def stop(name: str) -> Callable[..., None]:
+        def call(*_: object) -> None:
+            raise InterruptedError(name)
+
+        return call
+
+    with monkeypatch.context() as patch:
+        for name, _ in inspect.getmembers(_core, inspect.isbuiltin):
+            patch.setattr(_core, name, stop(name))
+        with pytest.raises(InterruptedError) as caught:
+            ao.simulate(*bodies, 1.0, law=ao.Hertz(k=1e9), **options)
+    return str(caught.value)
+
+
+def test_the_core_is_first_called_where_contributing_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    ball, steel = ao.rigid(mass=0.1), ao.Material(E=210e9, nu=0.3, rho=7800.0)
+    body = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), steel)
+    tip = body.contact(point=(0.01, 0, 0), radius=0.0045)
+    on_patch = ao.antioscillators(tip, n=1)
+    first = partial(first_core_call, monkeypatch)
+    assert first(ball, ao.AOModel(m0=0.1, k0=1e5), duration=1e-3) == "star_to_modal"
+    assert first(ball, ao.AOModel(m0=0.1, k0=1e5)) == "law_potential"
+    assert first(ball, tip, duration=1e-3) == "law_potential"
+    assert first(ball, on_patch, duration=1e-3) == "law_force"
+    assert first(ball, ball, duration=1e-3, solver=ao.Newmark(dt=1e-6)) == "newmark_scene"
+
+
 def own_members(thing: object) -> set[str]:
     """Public methods and properties of a class, its own or of bases within the package."""
     bases = thing.__mro__ if isinstance(thing, type) else ()
@@ -147,7 +196,7 @@ def test_every_public_name_is_in_the_help_and_on_the_site() -> None:
     pages = Path(__file__).parents[2].glob("docs/api/*.rst")
     listed = {line.strip() for page in pages for line in page.read_text("utf-8").splitlines()}
     for name in set(ao.__all__) - {"__version__"}:
-        assert re.search(rf"\b{name}\b", ao.__doc__ or ""), name
+        assert re.search(rf"\b{name}\b", ao.__doc__ or ""), f"aoimpact/__init__.py: no {name}"
         assert name in listed, f"docs/api/ does not list {name}"
     assert set(dir(ao)) == set(ao.__all__)
 

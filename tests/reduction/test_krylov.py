@@ -326,6 +326,7 @@ def test_only_what_the_contact_excites():
     np.testing.assert_allclose(star.m, every.m, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_no_more_oscillators_than_asked_for():
     """Rounding's modes come several at a time; those of the least mass join the contact mass."""
     mesh = ao.sphere_mesh(0.01, 0.005)

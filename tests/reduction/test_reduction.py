@@ -181,6 +181,33 @@ def test_members_of_a_multiple_eigenvalue_are_joined_and_none_is_missed():
         np.testing.assert_allclose(star.k, 5 * single.k, rtol=1e-8)
 
 
+@pytest.mark.parametrize("ratio", [1e3, 1e10, 1e12])
+def test_a_light_mass_behind_a_heavy_contact_keeps_its_digits(ratio):
+    """Two masses and a spring, the heavier held: m and k are those of the lighter one."""
+    k, m = 3.1e6, 1.3
+    light = model(np.array([[k, -k], [-k, k]]), np.diag([m, m * ratio]), 1, 1)
+    np.testing.assert_allclose([light.m[0], light.k[0]], [m, k], rtol=1e-14)
+
+
+def test_a_mass_lost_in_the_rounding_of_the_contact_s_makes_no_oscillator():
+    K, M = np.array([[1e6, -1e6], [-1e6, 1e6]]), np.diag([1.0, 1e17])
+    with pytest.warns(ao.AOImpactWarning, match="only 0 anti-oscillators carry mass"):
+        heavy = model(K, M, 1, 1)
+    assert heavy.m0 == pytest.approx(1e17, rel=1e-14)
+
+
+def test_a_motion_without_mass_bounds_no_oscillators(monkeypatch):
+    """M⁻¹b does not exist where b moves a motion without mass: that is no reason to be loud."""
+    n = 8
+    M = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)).toarray()
+    M[0, 0] = M[-1, -1] = 1.0
+    K = np.diag(np.arange(1.0, n + 1.0))
+    whole = model(K, M, 4, 3)
+    monkeypatch.setattr("aoimpact.reduction.reduction._DENSE_QUICK", 4)
+    bounded = model(K, M, 4, 3)
+    np.testing.assert_allclose(bounded.m, whole.m, rtol=1e-12)
+
+
 def test_motion_that_never_feels_the_contact_is_left_out():
     """A second body beside the first, never touched, adds nothing (and has a rigid motion)."""
     K, M = rod(40)

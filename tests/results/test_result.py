@@ -184,6 +184,18 @@ def test_summary_says_what_one_asks_first() -> None:
     assert "not known" in text  # the error of the reduction
 
 
+def test_a_full_model_or_one_of_modes_that_was_chosen_with_has_its_summary() -> None:
+    mesh = ao.box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
+    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
+    bar = ao.FEModel.from_mesh(mesh, steel, fixed=[("xmin", "xyz")])
+    tip = bar.contact(point=(0.1, 0, 0), direction=(-1, 0, 0), radius=0)
+    for target in (ao.full(tip), ao.modal(tip, 4)):
+        hit = ao.simulate(
+            ao.rigid(mass=1e-4), target, 1.0, law=ao.Hertz(k=1e9), duration=1e-4, rtol=0.05
+        )
+        assert "chosen for 5 %" in repr(hit)
+
+
 class Marked(ao.Hertz):
     def __repr__(self) -> str:
         return "<script>"

@@ -99,6 +99,11 @@ def test_contacts_that_do_not_give_way_leave_forces_undetermined(k, gap):
         at_rest(loop((k, k, k), gap))
 
 
+def test_a_stiffness_beyond_all_numbers_is_named():
+    with pytest.raises(ao.InputError, match=r"contact 0 is .*e\+294 N/m stiff .* N and m"):
+        at_rest(on_a_floor(ao.Hertz(k=1e308)))
+
+
 def test_of_a_loop_of_them_the_message_says_that_it_is_indeterminate():
     with pytest.raises(ao.InputError, match=r"closed loop of contacts.*statically indeterminate"):
         at_rest(loop((1e18, 1e18, 1e18), 1e-3))

@@ -43,6 +43,32 @@ def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
     assert f"{kind}: {count} inputs" in done.stdout
 
 
+SOUND = """
+import tempfile, warnings
+from pathlib import Path
+from campaign import scenefiles
+warnings.simplefilter("ignore")
+with tempfile.TemporaryDirectory() as place:
+    folder = Path(place)
+    for data in scenefiles.seeds(folder):
+        scenefiles.written(scenefiles.text_of(data).encode(), folder).run()
+"""
+
+
+@pytest.mark.slow
+def test_scene_files_are_sound_before_they_are_damaged() -> None:
+    """What is refused undamaged hides all that comes after."""
+    done = subprocess.run(
+        [sys.executable, "-c", SOUND],
+        cwd=TOOLS,
+        env=os.environ | {"PYTHONPATH": f"{TOOLS}{os.pathsep}{PACKAGE}"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize(
     "command",
     ["campaign scenes --seeds 53:54 --workers 1", "campaign.inputs --kind matrix --count 3"],

@@ -59,6 +59,10 @@ def plain(name: str, turns: float, damping: float) -> tuple[float, float, float]
         deep = y[2] - y[0] - gap
         return force(deep, y[5] - y[3]) if deep > 0.0 else 0.0
 
+    def contacts(y: np.ndarray) -> np.ndarray:
+        deep = np.maximum(y[2] - y[0] - gap, 0.0)
+        return np.where(deep > 0.0, force(deep, y[5] - y[3]), 0.0)
+
     def rate(t: float, y: np.ndarray) -> list[float]:
         between = spring * (y[0] - y[1]) + dashpot * (y[3] - y[4])
         load = push * min(max((1.001 - omega * t) / 0.001, 0.0), 1.0)
@@ -77,7 +81,7 @@ def plain(name: str, turns: float, damping: float) -> tuple[float, float, float]
                 inside = run.dense_output()
                 beyond = (run.t - run.t_old) / 12.0
                 times = np.linspace(run.t_old - beyond, run.t + beyond, 15)
-                forces = [contact(inside(t)) for t in times]
+                forces = contacts(inside(times))
                 at = int(np.argmax(forces))
                 if 0 < at < 14:  # a parabola
                     b, m, a = forces[at - 1 : at + 2]

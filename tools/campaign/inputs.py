@@ -12,6 +12,7 @@ and one input of each is saved. Input number i of a seed is the same in every ru
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import json
 import os
 import random
@@ -138,6 +139,7 @@ def tried(run: Callable[[], None], named: Callable[[str], bool]) -> tuple[str, s
 def _child(kind: str, seed: int, numbers: range) -> None:
     import resource
 
+    faulthandler.enable()
     module = import_module(f".{KINDS[kind]}", __package__)
     said = os.fdopen(os.dup(1), "w")  # readers may print
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
@@ -214,13 +216,13 @@ class _Child:
         self.process.kill()
         code = self.process.wait()
         self.log.seek(0)
-        said = self.log.read().decode(errors="replace")[-2000:]
+        said = self.log.read().decode(errors="replace")[-4000:]
         if self.since is None:
             raise RuntimeError(f"a child did not begin:\n{said}")
         number, self.left = self.left[0], self.left[1:]
         outcome = "longer than 10 s" if late else f"crash ({code})"
         seconds = LIMIT_SECONDS if late else 0.0
-        text = said.strip().splitlines()[-1] if said.strip() else ""
+        text = said[said.rfind("Fatal Python error") :].strip() if "Fatal" in said else ""
         return {
             "number": number,
             "outcome": outcome,

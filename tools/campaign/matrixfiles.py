@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
-import importlib.util
 import random
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
+import meshio
 import numpy as np
 
 import aoimpact as ao
 
 from .mutate import damaged
+from .outside import module_of
 
 __all__ = ["Given", "make", "seeds"]
 
 _WRITERS = Path(__file__).parents[2] / "tests" / "matrixfiles" / "writers.py"
 
-_NAMED = re.compile(r"\b(K|M|dofs|nodes|labels|stiffness|inertia)\b|matrix file|mesh file")
+_NAMED = re.compile(
+    r"\b(K|M|dofs|nodes|labels|stiffness|inertia|mesh|material)\b|matrix file|mesh file"
+)
+
+_MATERIAL = ao.Material(E=70e9, nu=0.3, rho=2700.0)
+
+# The beginnings of other programs' files.
+_OTHERS = (
+    b"MATLAB 5.0 MAT-file, Platform: GLNXA64",
+    b"\x89HDF\r\n\x1a\n",
+    b"\x93NUMPY\x01\x00",
+    b"*MATRIX,TYPE=STIFFNESS\n",
+    b"\x0c\x00\x00\x00NASTRAN FORT TAPE ID CODE - ",
+    b"**\n** ELEMENT NUMBER 1\n",
+    b"",
+)
 
 
 @dataclass(frozen=True)
@@ -43,7 +58,8 @@ class Given:
         return self.folder / "damaged"
 
     def run(self) -> None:
-        body = ao.read_matrices(**self.keywords)  # type: ignore[arg-type]
+        material = _MATERIAL if "mesh" in self.keywords else None
+        body = ao.read_matrices(**self.keywords, material=material)  # type: ignore[arg-type]
         audit = body.audit(frequencies=min(3, body.n_dofs))
         if not np.isfinite(audit.frequencies).all():
             raise ArithmeticError(f"frequencies are not finite: {audit.frequencies}")
@@ -52,23 +68,14 @@ class Given:
         return _NAMED.search(message) is not None
 
 
-def _writers() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("writers", _WRITERS)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def seeds(folder: Path) -> list[Seed]:
     """Return sound files of every format: a free block, and one that is held."""
-    writers = _writers()
-    material = ao.Material(E=70e9, nu=0.3, rho=2700.0)
+    writers, rng = module_of(_WRITERS), random.Random(1)
     found = []
     for fixed in (None, [("xmin", "xyz")]):
         mesh = ao.box_mesh((0.1, 0.02, 0.01), (2, 1, 1))
-        body = ao.FEModel.from_mesh(mesh, material, fixed=fixed)
+        body = ao.FEModel.from_mesh(mesh, _MATERIAL, fixed=fixed)
+        solid = meshio.Mesh(np.array(mesh.nodes), [(mesh.kind, np.array(mesh.cells))])
         assert body.free is not None
         assert body.nodes is not None
         labels = np.stack([1 + body.free // 3, 1 + body.free % 3], axis=1)
@@ -81,6 +88,9 @@ def seeds(folder: Path) -> list[Seed]:
             )
             keywords = {"K": stiffness.name, "M": inertia.name, "nodes": "nodes.inp"}
             (place / "nodes.inp").write_text("*NODE\n" + nodes)
+            if rng.random() < 0.3:
+                solid.write(place / "box.vtu")
+                keywords["mesh"] = "box.vtu"
             if kind not in writers.LABELLED:
                 (place / "rows.txt").write_text("".join(f"{n}.{c}\n" for n, c in labels))
                 keywords["dofs"] = "rows.txt"
@@ -103,6 +113,8 @@ def make(rng: random.Random, sound: list[Seed], folder: Path) -> Given:
     content: Any = b""
     for name in wrong:
         content = damaged(rng, files[name], other.files[rng.choice(sorted(other.files))])
+        if rng.random() < 0.02:
+            content = rng.choice(_OTHERS) + rng.randbytes(rng.choice((0, 8, 200)))
         files[name] = content
     for name, data in files.items():
         (folder / name).write_bytes(data)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import io
 import random
+import re
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,10 +18,11 @@ import aoimpact as ao
 from aoimpact.mesh import KINDS, meshio_of_all_kinds
 
 from .mutate import damaged
+from .outside import module_of
 
-__all__ = ["Given", "make", "seeds"]
+__all__ = ["Given", "grouped", "make", "seeds"]
 
-_OWN = Path(__file__).parents[2] / "tests" / "meshes"
+_TESTS = Path(__file__).parents[2] / "tests"
 
 # Formats, the end of their files' names, and what their writers are told.
 _FORMATS: tuple[tuple[str, str, dict[str, Any]], ...] = (
@@ -77,57 +80,108 @@ class Seed:
     beside: tuple[tuple[str, bytes], ...] = ()
 
 
+_MATERIAL = ao.Material(E=1e9, nu=0.3, rho=1e3)
+_PLY = ao.Orthotropic(E=(3e9, 1e9, 1e9), G=(4e8, 4e8, 3e8), nu=(0.3, 0.3, 0.4), rho=1e3)
+
+# What a user says of a mesh by the names of its groups.
+_OPTIONS: tuple[dict[str, Any], ...] = (
+    {"part": "all"},
+    {"part": ["low", "wedges"]},
+    {"part": "first"},
+    {"material": {"all": _PLY}},
+    {"material": {"first": _MATERIAL, "rest": _PLY}},
+    {"material": {"low": _MATERIAL, "wedges": _PLY, "middle": _MATERIAL, "high": _MATERIAL}},
+    {"fixed": [("xmin", "xyz")]},
+    {"masses": [("xmin", 1.0)]},
+    {"masses": [ao.RigidMass("xmin", 2.0, centre=(-0.1, 0.0, 0.0), inertia=(1.0, 1.0, 1.0))]},
+    {"springs": [("xmin", "xy", 1e6)]},
+)
+_ARGUMENT = re.compile(r"\b(mesh|part|material|fixed|masses|springs|point|radius)\b")
+
+
 @dataclass(frozen=True)
 class Given:
     """An input: its file, and what a user would do with it."""
 
     saved: Path
+    options: dict[str, Any]
+    touched: bool
 
     def run(self) -> None:
         mesh = ao.read_mesh(self.saved)
-        body = ao.FEModel.from_mesh(mesh, ao.Material(E=1e9, nu=0.3, rho=1e3))
+        body = ao.FEModel.from_mesh(mesh, **({"material": _MATERIAL} | self.options))
         assert body.surface is not None
+        if self.touched:
+            face = np.zeros(1, dtype=int)
+            place, _ = body.surface.at(face, body.surface.middle(face))
+            tip = body.contact(point=place[0])
+            assert np.isfinite(tip.b).all()
 
     def named(self, message: str) -> bool:
-        return self.saved.name in message
+        return self.saved.name in message or bool(_ARGUMENT.search(message))
 
 
 def _boxes() -> list[meshio.Mesh]:
-    boxes = []
     meshio_of_all_kinds()
-    for kind in KINDS:
-        box = ao.box_mesh((1.0, 0.5, 0.5), (2, 1, 1), kind=kind)
-        sides = {"xmin": np.flatnonzero(box.nodes[:, 0] == 0.0)}
-        everything = np.arange(len(box.cells))
-        boxes.append(
-            meshio.Mesh(
-                np.array(box.nodes),
-                [(kind, np.array(box.cells))],
-                point_sets=sides,
-                cell_sets={"all": [everything]},
-            )
-        )
-        tagged = {
-            "gmsh:physical": [np.ones(len(box.cells), int)],
-            "gmsh:geometrical": [np.ones(len(box.cells), int)],
-        }
-        boxes.append(
-            meshio.Mesh(
-                np.array(box.nodes),
-                [(kind, np.array(box.cells))],
-                point_data={"u": np.linspace(0.0, 1.0, len(box.nodes))},
-                cell_data=tagged,
-                field_data={"body": np.array([1, 3])},
-            )
-        )
+    mixed = module_of(_TESTS / "bodies.py").mixed_box
+    boxes = [ao.box_mesh((1.0, 0.5, 0.5), (2, 1, 1), kind=kind) for kind in KINDS]
+    boxes += [mixed((1.0, 0.5, 0.5), (2, 1, 3), order=order) for order in (1, 2)]
+    return [made for box in boxes for made in (_with_sets(box), _with_tags(box))] + [_skin()]
+
+
+def _blocks(box: ao.Mesh) -> list[tuple[str, Any]]:
+    return [(block.kind, np.array(block.cells)) for block in box.blocks]
+
+
+def _with_sets(box: ao.Mesh) -> meshio.Mesh:
+    """With named groups: of nodes, of all elements and of the first one of each kind."""
+    counts = [len(block.cells) for block in box.blocks]
+    ends = np.cumsum(counts)
+    groups = {
+        "all": [np.arange(count) for count in counts],
+        "first": [np.arange(1) for _ in counts],
+        "rest": [np.arange(1, count) for count in counts],
+    }
+    for name, cells in box.cell_sets.items():
+        groups[name] = [
+            cells[(cells >= end - count) & (cells < end)] - (end - count)
+            for end, count in zip(ends, counts, strict=True)
+        ]
+    sides = {"xmin": np.flatnonzero(box.nodes[:, 0] == 0.0)}
+    return meshio.Mesh(np.array(box.nodes), _blocks(box), point_sets=sides, cell_sets=groups)
+
+
+def _with_tags(box: ao.Mesh) -> meshio.Mesh:
+    """With Gmsh's physical groups, and with numbers at the nodes."""
+    tags = [np.full(len(block.cells), 1 + i) for i, block in enumerate(box.blocks)]
+    names = ("low", "wedges", "middle", "high")
+    return meshio.Mesh(
+        np.array(box.nodes),
+        _blocks(box),
+        point_data={"u": np.linspace(0.0, 1.0, len(box.nodes))},
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={name: np.array([1 + i, 3]) for i, name in enumerate(names)},
+    )
+
+
+def _skin() -> meshio.Mesh:
+    """A surface, which is no solid."""
     skin = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
-    boxes.append(meshio.Mesh(np.eye(4)[:, :3], [("triangle", skin)]))
-    return boxes
+    return meshio.Mesh(np.eye(4)[:, :3], [("triangle", skin)])
+
+
+def grouped(name: str, end: str) -> bytes:
+    """Return a file in a format of meshio's, of several kinds of elements in groups."""
+    mixed = module_of(_TESTS / "bodies.py").mixed_box
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / f"a{end}"
+        _with_tags(mixed((1.0, 0.5, 0.5), (2, 1, 3))).write(file, file_format=name, binary=False)
+        return _plain(file.read_bytes())
 
 
 def seeds(folder: Path) -> list[Seed]:
     """Return sound files of every format and element, as far as meshio writes them."""
-    found = [Seed(path.suffix, path.read_bytes()) for path in sorted(_OWN.iterdir())]
+    found = [Seed(path.suffix, path.read_bytes()) for path in sorted((_TESTS / "meshes").iterdir())]
     for name, end, how in _FORMATS:
         for box in _boxes():
             place = folder / "seed"
@@ -144,11 +198,16 @@ def seeds(folder: Path) -> list[Seed]:
                 beside = [
                     (one.name, one.read_bytes()) for one in sorted(place.iterdir()) if one != file
                 ]
-                found.append(Seed(end, file.read_bytes(), tuple(beside)))
+                found.append(Seed(end, _plain(file.read_bytes()), tuple(beside)))
             for one in place.iterdir():
                 one.unlink()
             place.rmdir()
     return found
+
+
+def _plain(content: bytes) -> bytes:
+    """Without NumPy's names, which some of meshio's writers print around numbers."""
+    return re.sub(rb"np\.\w+\(([-+.\w]*)\)", rb"\1", content)
 
 
 def make(rng: random.Random, sound: list[Seed], folder: Path) -> Given:
@@ -170,4 +229,5 @@ def make(rng: random.Random, sound: list[Seed], folder: Path) -> Given:
         (folder / name).write_bytes(data)
     file = folder / f"a{rng.choice(ends) if rng.random() < 0.02 else seed.end}"
     file.write_bytes(content)
-    return Given(file)
+    options = rng.choice(_OPTIONS) if rng.random() < 0.4 else {}
+    return Given(file, options, touched=rng.random() < 0.5)

@@ -7,16 +7,19 @@ import json
 import math
 import random
 import re
+import tempfile
 import tomllib
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import aoimpact as ao
 
+from .meshes import grouped
 from .mutate import NUMBERS, damaged
 
-__all__ = ["Given", "make", "seeds"]
+__all__ = ["Given", "make", "seeds", "text_of", "written"]
 
 _IN_A_RUN = re.compile(r" at t = |^preload: .* body \d")
 
@@ -24,8 +27,9 @@ _ROOT = Path(__file__).parents[2]
 
 _STAR = "{ m0 = 0.045, k0 = 26880.0, m = [0.2482, 0.0767], k = [5.897e6, 1.914e7] }"
 _BOX = "{ box = [0.1, 0.02, 0.02], divisions = [2, 1, 1] }"
+_PLATE = "{ box = [0.1, 0.02, 0.02], divisions = [4, 2, 2] }"
 _STEEL = "[materials.steel]\nE = 210e9\nnu = 0.3\nrho = 7800\n"
-_TIP = "{ point = [0.1, 0.0, 0.0], direction = [-1, 0, 0] }"
+_TIP = "{ point = [0.1, 0.0, 0.0], direction = [-1, 0, 0], radius = 0 }"
 
 
 def _body(model: str, *, more: str = "", contact: str = _TIP) -> str:
@@ -57,6 +61,10 @@ _LAWS = (
     '{ type = "Tabulated", indentation = [0.0, 1e-4, 1e-3], force = [0.0, 100.0, 3000.0] }',
     '{ type = "Hertz", k = { between = [{ material = "steel", radius = 0.01 }, '
     '{ material = "steel", radius = inf }] } }',
+    '{ type = "Flores", k = 1e9, restitution = 0.7, velocity = 1.0, relative_radius = 0.01 }',
+    '{ type = "KelvinVoigt", k = 1e6, restitution = 0.5, mass = 0.02 }',
+    '{ type = "Thornton", k = { between = [{ material = "steel", radius = 0.01 }, '
+    '{ material = "steel", radius = -0.1 }] }, yield_pressure = 1e9 }',
 )
 _MODELS = (
     '{ type = "antioscillators", n = 3 }',
@@ -64,6 +72,7 @@ _MODELS = (
     '{ type = "modal", n = 4, solver = "superlu" }',
     '{ type = "full" }',
 )
+_ENDS = 'fixed = [{ x = 0.0, hold = "xyz" }, { x = 0.1, hold = "xyz" }]'
 _FIXED = 'fixed = [{ x = 0.0, hold = "xyz" }, { nodes = "ymin", hold = "y" }]'
 
 
@@ -87,6 +96,7 @@ def seeds(folder: Path) -> list[dict[str, Any]]:
     ]
     texts += [
         *_bars(),
+        *_fitted_out(),
         star
         + _impact("star", _HERTZ)
         + '[sweep]\nkeep = ["peak_force"]\nworkers = 1\n[sweep.over]\nvelocity = [0.5, 1.0]\n'
@@ -122,7 +132,7 @@ def _bars() -> list[str]:
             '{ type = "interface", n = 6 }',
             more=_FIXED,
             contact="[{ point = [0.1, 0, 0], direction = [-1, 0, 0], radius = 0 }, "
-            "{ point = [0.05, 0.02, 0.02], direction = [-1, -1, -1] }]",
+            "{ point = [0.05, 0.02, 0.02], direction = [-1, -1, -1], radius = 0 }]",
         )
         + '[scene]\nduration = 1e-3\n[[scene.bodies]]\nbody = "ball"\nvelocity = 1.0\n'
         '[[scene.bodies]]\nbody = "bar"\n[[scene.contacts]]\n'
@@ -130,10 +140,70 @@ def _bars() -> list[str]:
     ]
 
 
+_PLY = (
+    "[materials.ply]\nrho = 1500\naxes = [[1, 0, 0], [0, 1, 0]]\nturned = 0.5\n"
+    "orthotropic = { E = [130e9, 9e9, 9e9], G = [5e9, 5e9, 3e9], nu = [0.3, 0.3, 0.4] }\n"
+)
+
+_GROUPS = (
+    'mesh = { file = "groups.msh", scale = 0.1 }\npart = ["low", "wedges", "middle", "high"]\n'
+    'material = { low = "steel", wedges = "ply", middle = "steel", high = "ply" }\n'
+    "masses = [{ nodes = [0, 1], mass = 0.1 }, "
+    "{ x = 0.1, mass = 2.0, centre = [0.2, 0, 0], inertia = [1e-3, 1e-3, 1e-3] }]\n"
+    'springs = [{ z = 0.0, along = "xz", stiffness = 1e6 }]\n'
+    "damping = { alpha = 10.0, beta = 1e-7 }\n"
+)
+
+_MATRICES = (
+    'matrices = { K = "K.mtx", M = "M.mtx", nodes = "nodes.txt", length = 1e-3, mass = 1e3 }\n'
+)
+
+
+def _fitted_out() -> list[str]:
+    """Bars of groups, with added masses, of matrices, and touched by a ball of known surface."""
+    model = 'model = { type = "antioscillators", n = 2 }\n'
+    on_top = "contact = { point = [0.05, 0.01, 0.02] }\n"
+    at_node = on_top.replace(" }", ", radius = 0 }")
+    plate = f'[bodies.bar]\nmesh = {_PLATE}\nmaterial = "steel"\n{_ENDS}\n{on_top}'
+    ball = '[bodies.ball]\nball = 0.001\nmaterial = "steel"\n'
+    place = '{ body = "bar", point = [0.05, 0, 0], direction = [0, 0, 1] }'
+    hit = '[impact]\nprojectile = "ball"\ntarget = "bar"\nvelocity = 1.0\n'
+    return [
+        _STEEL
+        + _PLY
+        + _BALL
+        + f"[bodies.bar]\n{_GROUPS}{model}"
+        + "contact = { node = 3, direction = [0, 0, 1], radius = 0 }\n"
+        + _impact("bar", _HERTZ, 'report = ["peak_force", "error.time"]'),
+        _BALL
+        + f"[bodies.bar]\n{_MATRICES}{model}contact = {{ node = 8, direction = [0, 0, 1] }}\n"
+        + _impact("bar", _HERTZ),
+        _STEEL + ball + plate + model + hit,
+        _STEEL
+        + _BALL
+        + plate.replace(on_top, at_node)
+        + _impact("bar", _HERTZ, f"rtol = 0.05\nquantity = {place}"),
+    ]
+
+
+@cache
+def _beside() -> dict[str, bytes]:
+    """The files that scene files name."""
+    box = ao.box_mesh((100.0, 20.0, 20.0), (2, 1, 1))
+    body = ao.FEModel.from_mesh(box, ao.Material(E=210e3, nu=0.3, rho=7.8e-9))
+    with tempfile.TemporaryDirectory() as folder:
+        ao.write_matrices(body, folder)
+        files = {file.name: file.read_bytes() for file in Path(folder).iterdir()}
+    return files | {
+        "groups.msh": grouped("gmsh22", ".msh"),
+        "box.msh": (_ROOT / "tests" / "meshes" / "tetra10_v4.msh").read_bytes(),
+    }
+
+
 # ------------------------------------------------------------------------- as text again
 
 
-def _text(data: dict[str, Any]) -> str:
+def text_of(data: dict[str, Any]) -> str:
     return "".join(f"{_key(name)} = {_value(value)}\n" for name, value in data.items())
 
 
@@ -285,7 +355,7 @@ def _soon(scene: ao.SceneFile) -> bool:
     bodies = _numbers([scene.data["bodies"], scene.data.get("materials", {})])
     members = table.get("bodies", [])
     how = _numbers([table.get("contacts", []), table.get("law", {}), table.get("solver", {})])
-    duration = table["duration"]
+    duration = table.get("duration", 0.0)
     speeds = _numbers([table.get("velocity", 0.0), *(m.get("velocity", 0.0) for m in members)])
     return (
         all(x <= 0.0 or 1e-9 <= x <= 1e13 or math.isinf(x) for x in bodies + how)
@@ -315,12 +385,17 @@ def make(rng: random.Random, sound: list[dict[str, Any]], folder: Path) -> Given
     if rng.random() < 0.75:
         for _ in range(rng.choice((1, 1, 1, 2, 3))):
             _regrown(rng, data, other)
-    content = _text(data).encode()
+    content = text_of(data).encode()
     if rng.random() < 0.3:
-        content = damaged(rng, content, _text(other).encode())
-    mesh = folder / "box.msh"
-    if not mesh.exists():
-        mesh.write_bytes((_ROOT / "tests" / "meshes" / "tetra10_v4.msh").read_bytes())
+        content = damaged(rng, content, text_of(other).encode())
+    return written(content, folder)
+
+
+def written(content: bytes, folder: Path) -> Given:
+    """Write a scene file, and what it names beside it."""
+    for name, bytes_of in _beside().items():
+        if not (folder / name).exists():
+            (folder / name).write_bytes(bytes_of)
     file = folder / "scene.toml"
     file.write_bytes(content)
     return Given(file)

@@ -6,8 +6,8 @@ from ..base import InputTypeError, LawLimitError
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import wide_enough
 from ..reduction import touched
-from ..results import Run
 from ..scene import FullBody, Plan
+from .run import Run
 
 __all__ = ["TimeSolver", "solve"]
 

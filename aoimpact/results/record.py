@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..base import quantity, warn
-from ..results import Run
 from ..scene import Plan
+from .run import Run
 
 __all__ = ["Record"]
 
@@ -59,11 +59,10 @@ class Record:
             Whether these bodies tell when it is over: not those that are rigid for a trial.
         """
         if self._settled:
-            same = plan.duration == self.length
-            return solve(plan if same else replace(plan, duration=self.length))
+            return solve(_lasting(plan, self.length))
         length = self.length
         while True:
-            run = solve(replace(plan, duration=length))
+            run = solve(_lasting(plan, length))
             wanted = _until_over(run)
             if wanted <= length or length >= self._longest:
                 break
@@ -72,7 +71,7 @@ class Record:
         self._cut = wanted > length and any(events.contacts for events in run.events)
         self.length = min(wanted, length)
         self._settled = last
-        return run if self.length == length else solve(replace(plan, duration=self.length))
+        return run if self.length == length else solve(_lasting(plan, self.length))
 
     def warn_if_cut(self) -> None:
         """Warn where the impact was not over after the longest record."""
@@ -81,6 +80,11 @@ class Record:
                 f"duration: it was left out, and after {quantity(self.length, 's')} the impact is "
                 "not over: its numbers are those until then; give duration="
             )
+
+
+def _lasting(plan: Plan, length: float) -> Plan:
+    """The plan with that duration, s."""
+    return plan if plan.duration == length else replace(plan, duration=length)
 
 
 def _until_over(run: Run) -> float:

@@ -1,0 +1,54 @@
+"""What stands both in Python and in the core is the same: columns of tables, shares."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from aoimpact.batch import plain
+from aoimpact.integrate import dense, tolerances
+from aoimpact.laws import law
+
+CSRC = Path(__file__).parents[2] / "csrc"
+
+
+def enumerated(file: str, first: str) -> dict[str, int]:
+    """Names and values of the enum in a file of the core that begins with a name."""
+    (body,) = re.findall(
+        rf"enum\s*\w*\s*{{\s*({first}\b[^}}]*)}}", (CSRC / file).read_text("utf-8")
+    )
+    values, last = dict[str, int](), -1
+    for entry in body.split(","):
+        name, _, given = map(str.strip, entry.partition("="))
+        values[name] = last = eval(given, {}, values) if given else last + 1
+    return values
+
+
+def test_columns_of_a_row_of_a_run() -> None:
+    row = enumerated("adaptive/row.h", "AOI_TRACK_START")
+    assert row["AOI_TRACK_START"] == dense._START
+    assert row["AOI_TRACK_LENGTH"] == dense._LENGTH
+    assert row["AOI_TRACK_CONTACTS"] == dense._CONTACTS
+
+
+def test_columns_of_plain_impacts() -> None:
+    case = enumerated("python/many.c", "CASE_VELOCITY")
+    assert case.pop("CASE_COLUMNS") == len(case)
+    for name, column in case.items():
+        assert getattr(plain, name.removeprefix("CASE")) == column
+    found = enumerated("python/many.c", "ANSWER_STATUS")
+    first = found.pop("ANSWER_VELOCITIES")
+    assert (first, first + 1) == (plain._FIRST, plain._SECOND)
+    assert found.pop("ANSWER_COLUMNS") == first + 2
+    for name, column in found.items():
+        assert getattr(plain, name.removeprefix("ANSWER")) == column
+
+
+def test_shares() -> None:
+    for file, name, here in (
+        ("law/law.c", "MOST_SHARE", law.MOST_SHARE),
+        ("adaptive/step.h", "LESSER_SHARE", tolerances.LESSER),
+    ):
+        text = (CSRC / file).read_text("utf-8")
+        (there,) = re.findall(rf"\bdouble {name} = ([\d.e-]+);", text)
+        assert float(there) == here
