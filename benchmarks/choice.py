@@ -1,12 +1,14 @@
 """What an impact to a tolerance costs, against building models of the order that it returns.
 
     python benchmarks/choice.py [--size 1.0] [--rtol 1e-1 1e-2 1e-3] [--quantity force]
+    python benchmarks/choice.py beam plate --size 2 --full
 
 The whole of `simulate(quantity=, rtol=)`, for bodies of 10 000 to 180 000 dofs at --size 1 (half as
 large elements at .5), six of them meshed by gmsh, against the quickest linear solver building
 Krylov models of 2 n + 8 oscillators, where n are returned; and its true error over the tolerance,
 against models of 150 or more. Times are the processor's, with one thread, of the first call of
-each: nothing is kept from one to the other.
+each: nothing is kept from one to the other. With --full also against Newmark's rule on the full
+model, with the largest step that leaves no more error.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -182,7 +184,7 @@ PARTS = {
     "tube": Part(
         [("Cylinder", 0, 0, 0, 0.2, 0, 0, 0.05)],
         [("Cylinder", 0, 0, 0, 0.2, 0, 0, 0.045)],
-        size=0.006,
+        size=0.009,
         place=(0.12, 0.0, 0.05),
         duration=3e-4,
         clamped=("x", 0.0),
@@ -212,7 +214,7 @@ PARTS = {
                 for t in np.pi / 6 + np.arange(6) * np.pi / 3
             ),
         ],
-        size=0.0048,
+        size=0.006,
         place=(0.05, 0.0, 0.025),
         duration=2e-4,
     ),
@@ -284,7 +286,24 @@ def simulated(case: str, size: float, quantity: str, rtol: float) -> tuple[float
     )
 
 
-def measure(case: str, size: float, quantity: str, tolerances: list[float]) -> None:
+def full_run(case: str, size: float, quantity: str, error: float, exact: ao.Result) -> float:
+    """The time of Newmark's rule on the whole bodies with no more than that error, s."""
+    dt = exact.contact_duration / 25
+    while True:
+        *bodies, law, duration = fresh(case, size)
+        models = [ao.full(tip) if isinstance(tip, ao.ContactPoint) else tip for tip in bodies]
+        solver = ao.Newmark(dt=dt, estimate=False)
+        strike = partial(ao.simulate, *models, 1.0, law=law, duration=duration, solver=solver)
+        seconds, hit = timed(strike)
+        left = QUANTITIES[quantity].difference(exact, hit)  # at its own times
+        if left <= error:
+            return seconds
+        dt *= min(0.8, 0.95 * math.sqrt(error / left))
+
+
+def measure(
+    case: str, size: float, quantity: str, tolerances: list[float], full: bool = False
+) -> None:
     target, exact = fresh(case, size)[1], None
     for rtol in sorted(tolerances):  # the strictest knows best how long the contact lasts
         seconds, hit = simulated(case, size, quantity, rtol)
@@ -304,6 +323,9 @@ def measure(case: str, size: float, quantity: str, tolerances: list[float]) -> N
             f"estimated {hit.error.reduction / rtol:.2g}",
             flush=True,
         )
+        if full:
+            by_steps = full_run(case, size, quantity, error, exact)
+            print(f"{'':8s} the full model to that error: {by_steps:.2f} s", flush=True)
 
 
 def worth_timing(tip: ao.ContactPoint, order: int) -> list[str]:
@@ -320,12 +342,13 @@ def main() -> None:
     parser.add_argument("--size", type=float, default=1.0, help="of elements, relative")
     parser.add_argument("--rtol", type=float, nargs="+", default=[1e-1, 1e-2, 1e-3])
     parser.add_argument("--quantity", default="force")
+    parser.add_argument("--full", action="store_true", help="compare with the full model")
     options = parser.parse_args()
     with held_warnings():
         building("beam", 4.0, "superlu", [0, 4], 1e-4)  # what is imported when it is first used
         simulated("beam", 4.0, "force", 1e-1)
         for case in options.cases:
-            measure(case, options.size, options.quantity, options.rtol)
+            measure(case, options.size, options.quantity, options.rtol, options.full)
 
 
 if __name__ == "__main__":

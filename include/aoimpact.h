@@ -88,9 +88,9 @@ typedef struct aoi_star {
     const double *m, *k;
 } aoi_star;
 
-/* AOI_OK for a star as above with some mass in it, or what is wrong with it: AOI_ERROR_ARGUMENT without m or k. The order of the oscillators is not
- * looked at: for aoi_star_to_modal and aoi_star_modes k_i/m_i must ascend and be distinct, else they return
- * AOI_ERROR_ARGUMENT. */
+/* AOI_OK for a star as above with some mass in it, or what is wrong with it: AOI_ERROR_ARGUMENT without m or k. The
+ * order of the oscillators is not looked at: for aoi_star_to_modal and aoi_star_modes k_i/m_i must ascend and be
+ * distinct, else they return AOI_ERROR_ARGUMENT. */
 AOI_API int aoi_star_check(const aoi_star *star);
 
 /* m_st = m0 + sum of m_i, eq. (10). */
@@ -125,7 +125,7 @@ AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double
 enum { AOI_LAW_PARAMETERS = 8, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
 
 typedef struct aoi_law aoi_law;
-struct aoi_law_values; /* the core's own: law/law.h */
+struct aoi_law_values; /* the core's own */
 
 /* A law's answer: force [N], d force / d indentation [N/m], d force / d rate [N s/m]. */
 typedef struct aoi_law_value {
@@ -150,11 +150,11 @@ typedef struct aoi_user_law {
     int given[AOI_USER_FUNCTIONS];
 } aoi_user_law;
 
-/* A contact law: what it is made of. Whoever integrates takes it through aoi_law_push or
- * aoi_law_piece and aoi_law_force, which take account of compliance; memory is AOI_LAW_MEMORY
- * doubles of one contact, all zero while it has never been touched (and may be NULL for a law whose
- * remember is NULL). A caller may fill in a law of his own: force and potential, the rest zero,
- * limit HUGE_VAL. */
+/* A contact law: what it is made of. Both integrators take account of its pieces, memory, compliance and sign, and
+ * aoi_law_push does for others. memory is AOI_LAW_MEMORY doubles of one contact, all zero while it has never been
+ * touched (and may be NULL for a law whose remember is NULL). Of a law that a function below has made, a caller may
+ * set compliance, limit and note. He may also fill in a law of his own: force and potential, limit HUGE_VAL, what
+ * else it needs, and zero for the rest. */
 struct aoi_law {
     /* The law on one of its smooth pieces, and a little beyond the ends of the piece, smoothly
      * continued where that is possible; not cut at zero. */
@@ -166,34 +166,43 @@ struct aoi_law {
      * (rising) or downward, and its ends low < high; -+HUGE_VAL where there is none. */
     int (*piece)(const aoi_law *law, const double *memory, double indentation, int rising,
                  double *low, double *high);
-    /* NULL: no memory. Else what a contact keeps after it has been at this indentation. */
+    /* NULL: no memory. Else what a contact keeps after it has been at this indentation: called at
+     * the end of a step, and where the rate turns. */
     void (*remember)(const aoi_law *law, double indentation, double rate, double *memory);
     /* NULL, or the force alone, where that is cheaper than with its derivatives. */
     double (*alone)(const aoi_law *law, double indentation, double rate);
-    /* NULL, or force at some places at once, for a law without pieces and memory: the core's own. */
-    void (*together)(const aoi_law *law, const double *indentation, const double *rate,
-                     struct aoi_law_values *values);
     /* NULL: 0. Else the indentation at and below which there is no force. */
     double (*rest)(const aoi_law *law, const double *memory);
-    double parameter[AOI_LAW_PARAMETERS]; /* as the law's own paragraph in csrc/law says */
+    double parameter[AOI_LAW_PARAMETERS]; /* of aoi_law_create, and what follows from them; or the caller's */
     double compliance;   /* c >= 0 [m/N] taken out: F = law(indentation + c F, rate)             */
-    double limit;        /* deepest indentation at which that stands at rest: see aoi_law_stands  */
+    double limit;        /* deepest indentation at which that stands at rest: a run that goes deeper
+                            ends with AOI_ERROR_PATCH                                            */
     int depends_on_rate; /* the force depends on the rate                                        */
     int turns;           /* loading and unloading differ: a step must end where the rate turns   */
     int pulls;           /* negative forces are meant; the contact ends at rest only             */
-    const double *table; /* tabulated law: 4 rows of table_count, see aoi_law_create_table       */
-    size_t table_count;
-    aoi_user_law user;   /* the caller's law                                                     */
     double *note;        /* NULL, or AOI_LAW_NOTE doubles: indentation and rate where the law gave
                             no force, and the status that says why                               */
+
+    /* The core's own, zero in a law of the caller's: force at some places at once, a table, a user's law. */
+    void (*together)(const aoi_law *law, const double *indentation, const double *rate,
+                     struct aoi_law_values *values);
+    const double *table;
+    size_t table_count;
+    aoi_user_law user;
 };
 
-/* Makes the law of that name from count parameters, k in N/m^n:
- *   hertz: k; power: k, n >= 1; linear: k;
- *   hunt_crossley: k, chi [s/m], n >= 1; tsuji: k, alpha sqrt(m k) [N s/m^(5/4)]; kuwabara_kono: k,
- *   A [s]; kelvin_voigt and kelvin_voigt_pulling: k, c [N s/m];
- *   thornton: k, yield force [N].
- * k and the yield force are positive, what damps is not negative. The formulas stand in csrc/law.
+/* Makes the law of that name from count parameters, k in N/m^n; the force at indentation d and rate v:
+ *   hertz: k                         k d^(3/2)
+ *   power: k, n >= 1                 k d^n
+ *   linear: k                        k d
+ *   hunt_crossley: k, chi, n >= 1    k d^n (1 + chi v), chi in s/m
+ *   tsuji: k, g                      k d^(3/2) + g d^(1/4) v, g = alpha sqrt(m k) in N s/m^(5/4)
+ *   kuwabara_kono: k, A              k (d^(3/2) + 3/2 A d^(1/2) v), A in s
+ *   kelvin_voigt: k, c               k d + c v, c in N s/m
+ *   kelvin_voigt_pulling: k, c       the same, also where that pulls
+ *   thornton: k, yield force         k d^(3/2) up to that force, then straight on with that slope; from the deepest
+ *                                    D with force F back and up to it F ((d - p)/(D - p))^(3/2), D - p = F/(k D^(1/2))
+ * k and the yield force are positive, what damps is not negative.
  * AOI_ERROR_ARGUMENT for an unknown name, a wrong count or a value out of range, or where
  * what follows from them is. */
 AOI_API int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
@@ -417,8 +426,8 @@ AOI_API void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force
 AOI_API void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
 
 /* A contact from its beginning to its end, s, or to that of the record (lasts); the impulse of its force, N s;
- * the rate at which it began, m/s, before the force changed it; the deepest indentation at the end of a step of it, m; and its pace: that
- * rate times how long it lasted over that indentation, 0 where it went no deeper than 0. */
+ * the rate at which it began, before its force changed that, m/s; the deepest indentation at the end of a step of it,
+ * m; and its pace: that rate times how long it lasted over that indentation, 0 where it went no deeper than 0. */
 typedef struct aoi_interval {
     size_t contact;
     double start, end, impulse, rate, deepest, pace;

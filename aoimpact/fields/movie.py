@@ -31,7 +31,7 @@ from ..base import (
 from ..mesh import Mesh
 from .deformed import outlines
 
-__all__ = ["MovingBody", "movie_path", "write_movie"]
+__all__ = ["MovingBody", "can_draw", "enlargement", "movie_path", "write_movie"]
 
 # By itself the largest displacement is drawn as about this share of the picture's bodies.
 _SHOWN = 0.08
@@ -160,7 +160,7 @@ def write_movie(
     """
     file = movie_path(path)
     speed = positive("fps", fps, unit="Hz")
-    factor = _enlargement(bodies) if scale is None else nonnegative("scale", scale)
+    factor = enlargement(bodies) if scale is None else nonnegative("scale", scale)
     otherwise = "write files for ParaView, body.to_vtu(path)"
     pyvista = optional_package("pyvista", "movie", otherwise)
     video = file.suffix.lower() == ".mp4"
@@ -168,7 +168,7 @@ def write_movie(
         for name in ("imageio", "imageio_ffmpeg"):
             optional_package(name, "a movie of type .mp4", "take .gif")
         imageio = importlib.import_module("imageio.v3")
-    if not _can_draw():
+    if not can_draw():
         raise AOImpactError(
             "movie: this machine cannot draw in three dimensions without a window; install EGL or "
             "OSMesa (Debian: libegl1, libosmesa6), or write files for ParaView, body.to_vtu(path)"
@@ -193,8 +193,8 @@ def _write_gif(file: Path, frames: Sequence[Any], speed: float) -> None:
 
 
 @cache
-def _can_draw() -> bool:
-    """Whether a picture can be drawn: tried in a process of its own, since VTK crashes if not."""
+def can_draw() -> bool:
+    """Return whether a picture can be drawn, as tried in another process: VTK crashes if not."""
     trial = (
         "import pyvista; plotter = pyvista.Plotter(off_screen=True, window_size=(64, 48));"
         "plotter.add_mesh(pyvista.Cube()); plotter.screenshot(return_img=True)"
@@ -204,8 +204,8 @@ def _can_draw() -> bool:
     return done.returncode == 0
 
 
-def _enlargement(bodies: Sequence[MovingBody]) -> float:
-    """1, 2 or 5 times a power of ten that makes displacements visible."""
+def enlargement(bodies: Sequence[MovingBody]) -> float:
+    """Return 1, 2 or 5 times a power of ten that makes displacements visible."""
     everything = np.concatenate([body.points for body in bodies])
     size = float(np.linalg.norm(np.ptp(everything, axis=0)))
     largest = max(float(np.linalg.norm(body.displacement, axis=-1).max()) for body in bodies)

@@ -18,7 +18,7 @@ from ..mesh import sphere_mesh
 if TYPE_CHECKING:
     from .result import Result
 
-__all__ = ["write_impact_movie"]
+__all__ = ["moving_bodies", "rotation", "write_impact_movie"]
 
 # Shown before and after the contact, as shares of its length.
 _BEFORE, _AFTER = 0.1, 0.4
@@ -44,7 +44,7 @@ def write_impact_movie(
     if times is not None:
         wanted = np.atleast_1d(finite_array("times", times, unit="s"))
     movie_path(path)
-    bodies, down = _bodies(hit, wanted)
+    bodies, down = moving_bodies(hit, wanted)
     return write_movie(path, bodies, wanted, down=down, scale=enlarged, fps=speed)
 
 
@@ -56,8 +56,8 @@ def _span(hit: Result) -> tuple[float, float]:
     return max(0.0, start - _BEFORE * length), min(hit.duration, end + _AFTER * length)
 
 
-def _bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], FloatArray]:
-    """The bodies that can be drawn, where they meet, and the direction of travel."""
+def moving_bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], FloatArray]:
+    """Return the bodies that can be drawn, where they meet, and the direction of travel."""
     first, second = (_tip(body.model) for body in hit.run.plan.bodies)
     shown = [tip for tip in (second, first) if tip is not None]
     if not shown:
@@ -70,7 +70,7 @@ def _bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], FloatArra
     if second is not None:
         bodies.append(_body(hit.target, second, times))
     if first is not None:
-        turn = _turn(first.direction, down)
+        turn = rotation(first.direction, down)
         shift = place - first.point @ turn.T - (hit.gap * down if second is not None else 0.0)
         bodies.append(_body(hit.projectile, first, times, lambda v: v @ turn.T, shift))
     else:
@@ -119,8 +119,8 @@ def _ball(hit: Result, times: FloatArray, place: FloatArray, down: FloatArray) -
     return [MovingBody.of_mesh(mesh, np.array(displacement), None, shift=middle)]
 
 
-def _turn(start: FloatArray, end: FloatArray) -> FloatArray:
-    """The rotation, (3, 3), of the unit vector `start` into `end`, by the least angle."""
+def rotation(start: FloatArray, end: FloatArray) -> FloatArray:
+    """Return the rotation, (3, 3), of the unit vector `start` into `end`, by the least angle."""
     cosine, axis = float(start @ end), np.cross(start, end)
     if cosine < -1.0 + 1e-12:  # half a turn about any axis across
         across = np.zeros(3)

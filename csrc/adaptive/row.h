@@ -12,9 +12,10 @@ enum aoi_row { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRAC
                  AOI_TRACK_SIZE, AOI_TRACK_FIXED, AOI_TRACK_STATE = 3 };
 
 /* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0);
- * the edge it was solved with; piece, memory, work done on it before, and lost at the end of the row (J); the rate
- * at which its force began; the force at the nodes; the Legendre coefficients of the indentation. One that is in no row any more
- * without having ended, or goes on as AOI_SLACK, has ended where its last row with force does. */
+ * the edge it was solved with; piece, memory, work done on it before, and lost at the end of the row (J);
+ * the rate at which its force began; the force at the nodes; the Legendre coefficients of the indentation.
+ * One that is in no row any more without having ended, or goes on as AOI_SLACK, has ended where its last
+ * row with force does. */
 enum aoi_row_contact {
     AOI_TRACK_CONTACT = 0,
     AOI_TRACK_BEGINS,

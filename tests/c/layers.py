@@ -3,6 +3,7 @@
     python3 layers.py build     where build/<folder>/*.o are the compiled files
 
 A header whose first line says "Private to <folder>/" is included there only.
+Comments of the public header name nothing of the core that it does not declare.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import sys
 from pathlib import Path
 
 CORE = Path(__file__).resolve().parents[2] / "csrc"
+PUBLIC = CORE.parent / "include" / "aoimpact.h"
 
 # A folder may use those before it; newmark and motion know nothing of each other.
 ORDER = ["linear", "star", "law", "model", "newmark", "motion", "collocation", "adaptive"]
@@ -55,7 +57,17 @@ def wrong_symbols(build: Path) -> list[str]:
     return wrong
 
 
+def undeclared() -> list[str]:
+    """Names and files of the core that comments of the public header send its reader to."""
+    text = PUBLIC.read_text()
+    comments = " ".join(re.findall(r"/\*.*?\*/", text, re.DOTALL))
+    declared = set(re.findall(r"\w+", re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)))
+    named = set(re.findall(r"\baoi_\w+|\bAOI_\w+", comments)) - declared
+    named |= set(re.findall(r"\bcsrc/\w+|\w+/\w+\.h\b", comments))
+    return [f"aoimpact.h speaks of {name}, which it does not have" for name in sorted(named)]
+
+
 if __name__ == "__main__":
-    found = wrong_includes() + wrong_symbols(Path(sys.argv[1]))
+    found = undeclared() + wrong_includes() + wrong_symbols(Path(sys.argv[1]))
     print("\n".join(found) or "layers: in order")
     sys.exit(bool(found))

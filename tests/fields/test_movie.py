@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.fields.movie import MovingBody, _can_draw, _enlargement
-from aoimpact.results.movie import _bodies, _turn
+from aoimpact.fields.movie import MovingBody, can_draw, enlargement
+from aoimpact.results.movie import moving_bodies, rotation
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 BLOCK = ao.FEModel.from_mesh(
@@ -43,7 +43,7 @@ def turned_ball() -> Any:
 
 def test_the_projectile_is_moved_to_where_it_touches() -> None:
     hit = strike(turned_ball(), gap=1e-4, duration=3e-4)
-    bodies, down = _bodies(hit, np.array([0.0, 1.5e-4]))
+    bodies, down = moving_bodies(hit, np.array([0.0, 1.5e-4]))
     np.testing.assert_allclose(down, [0.0, 0.0, -1.0], atol=1e-12)
     block, ball = bodies
     np.testing.assert_allclose(block.points.max(axis=0), [0.1, 0.08, 0.02])
@@ -59,7 +59,7 @@ def test_the_projectile_is_moved_to_where_it_touches() -> None:
 
 def test_a_rigid_ball_is_drawn_round() -> None:
     hit = strike(ao.ball(0.01, STEEL))
-    bodies, _ = _bodies(hit, hit.t[[0, -1]])
+    bodies, _ = moving_bodies(hit, hit.t[[0, -1]])
     ball = bodies[1]
     centre = np.array([0.05, 0.04, 0.03])
     np.testing.assert_allclose(np.linalg.norm(ball.points - centre, axis=1), 0.01, rtol=1e-6)
@@ -70,16 +70,16 @@ def test_a_rigid_ball_is_drawn_round() -> None:
 
 def test_a_mass_without_a_shape_is_not_drawn() -> None:
     hit = strike(ao.rigid(mass=0.03))
-    assert len(_bodies(hit, hit.t[:1])[0]) == 1
+    assert len(moving_bodies(hit, hit.t[:1])[0]) == 1
     with pytest.raises(ao.InputError, match="movie needs a body of finite elements"):
-        _bodies(strike(ao.rigid(mass=0.03), ao.rigid(mass=1.0)), hit.t[:1])
+        moving_bodies(strike(ao.rigid(mass=0.03), ao.rigid(mass=1.0)), hit.t[:1])
 
 
 def test_turns_are_rotations() -> None:
     rng = np.random.default_rng(5)
     for start, end in [*rng.normal(size=(8, 2, 3)), (np.eye(3)[0], -np.eye(3)[0])]:
         a, b = start / np.linalg.norm(start), end / np.linalg.norm(end)
-        turn = _turn(a, b)
+        turn = rotation(a, b)
         np.testing.assert_allclose(turn @ a, b, atol=1e-12)
         np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
         assert np.linalg.det(turn) == pytest.approx(1.0)
@@ -90,7 +90,7 @@ def test_the_enlargement_is_a_round_number_that_shows_them(largest: float, facto
     points = np.array([[0.0, 0.0, 0.0], [0.03, 0.0, 0.0]])
     moved = np.zeros((1, 2, 3))
     moved[0, 1, 2] = largest
-    assert _enlargement([MovingBody(points, [], moved, None)]) == pytest.approx(factor)
+    assert enlargement([MovingBody(points, [], moved, None)]) == pytest.approx(factor)
 
 
 @pytest.mark.parametrize(
@@ -116,12 +116,12 @@ def test_a_machine_that_cannot_draw_is_said(
 ) -> None:
     pytest.importorskip("pyvista")
     hit = strike(ao.ball(0.01, STEEL))
-    _can_draw.cache_clear()
+    can_draw.cache_clear()
     with monkeypatch.context() as broken:
         broken.setattr(sys, "executable", shutil.which("false"))
         with pytest.raises(ao.AOImpactError, match=r"cannot draw .* install EGL or OSMesa"):
             hit.movie(tmp_path / "movie.gif")
-    _can_draw.cache_clear()
+    can_draw.cache_clear()
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from bodies import distorted_box, mixed_box
+from bodies import ball_of_octants, distorted_box, mixed_box
 
 import aoimpact as ao
 from aoimpact.linalg.coarsening import aggregated, corner_interpolation
@@ -61,7 +61,7 @@ def solved(pencil, load, tolerance=1e-8):
 
 BODIES = {
     "ball": lambda: ball(3e-3),
-    "ball, coarse": lambda: ball(5e-3),
+    "ball, coarse": lambda: ao.FEModel.from_mesh(ball_of_octants(0.01, 4), STEEL),
     "ball, ν = .499": lambda: ball(4e-3, RUBBER),
     "bar": lambda: held_bar((60, 3, 3)),
     "bar, coarse": lambda: held_bar((30, 2, 2)),
@@ -204,7 +204,7 @@ def test_the_bound_of_the_smoother_is_just_above_the_largest_eigenvalue():
 
 
 def test_the_preconditioner_is_symmetric_to_single_precision():
-    body = ball(5e-3)
+    body = BODIES["ball, coarse"]()
     solver = Multigrid(pencil_of(body, SHIFT), 1e-8)
     x, y = np.random.default_rng(0).standard_normal((2, body.n_dofs))
     assert x @ solver.precondition(y) == pytest.approx(y @ solver.precondition(x), rel=1e-4)
