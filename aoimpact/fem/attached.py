@@ -21,6 +21,7 @@ from ..base import (
     positive,
     warn,
 )
+from ..linalg import LARGEST
 from ..mesh import motions_at
 from .supports import Selector, components, selected_nodes
 
@@ -121,7 +122,7 @@ def added_mass(
             selector, mass = _tuple(name, entry, 2, how)
             ids = selected_nodes(name, selector, nodes, node_sets)
             share = np.zeros((len(nodes), 3))
-            share[ids] = positive(f"{name}: the mass", mass, unit="kg") / len(ids)
+            share[ids] = _mass(f"{name}: the mass", mass) / len(ids)
             one = sp.diags_array(share.reshape(-1), format="csr")
             one.eliminate_zeros()
         on = np.unique(np.flatnonzero(one.diagonal()) // 3)
@@ -224,7 +225,7 @@ def spring_stiffness(
         name = f"springs[{i}]"
         selector, letters, stiffness = _tuple(name, entry, 3, how)
         ids = selected_nodes(name, selector, nodes, node_sets)
-        share = positive(f"{name}: the stiffness", stiffness, unit="N/m") / len(ids)
+        share = _bounded(f"{name}: the stiffness", stiffness, "N/m") / len(ids)
         for component in components(name, letters):
             on_support = held.reshape(-1, 3)[ids, component]
             if on_support.any():
@@ -251,8 +252,18 @@ def _tuple(name: str, entry: Any, length: int, how: str) -> Sequence[Any]:
     return entry
 
 
+def _bounded(name: str, value: Any, unit: str) -> float:
+    number = positive(name, value, unit=unit)
+    if number > LARGEST:
+        raise InputError(
+            f"{name} is {number:g} {unit}, whose products cannot be computed; give it in {unit}, "
+            "and what does not move as a support, fixed"
+        )
+    return number
+
+
 def _mass(name: str, value: Any) -> float:
-    return positive(name, value, unit="kg")
+    return _bounded(name, value, "kg")
 
 
 def _inertia(name: str, value: Any) -> FloatArray:
@@ -261,6 +272,10 @@ def _inertia(name: str, value: Any) -> FloatArray:
         raise InputError(f"{name} must have shape (3,) or (3, 3), got {given.shape}")
     tensor = np.diag(given) if given.ndim == 1 else given
     largest = float(np.abs(tensor).max())
+    if largest > LARGEST:
+        raise InputError(
+            f"{name} is {largest:g} kg m², whose products cannot be computed; give it in kg m²"
+        )
     if np.abs(tensor - tensor.T).max() > _ROUNDING * largest:
         raise InputError(f"{name} must be symmetric, got {given.tolist()}")
     low, middle, high = np.linalg.eigvalsh(tensor).tolist()

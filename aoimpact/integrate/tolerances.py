@@ -59,7 +59,7 @@ AROUND_PEAK = 0.8
 SCATTER = 10.0
 
 # What rounding alone does to a contact: where each is like the last, it adds up, and tighter runs
-# share it. 1.7e-15 a bounce was the most found, of a ball on a floor against its closed form.
+# share it. 2.0e-15 a bounce was the most found, of 200 balls on a floor against their closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 
 # A tighter run that takes so many times the steps of the first is given up: twice what a method of
@@ -74,5 +74,6 @@ GAIN = 1.5
 # wall warns; 25 do if all starts are compared.
 SUDDEN = 0.01
 
-# A user's law whose force scatters by a larger share makes a run endless under any tolerance.
+# A user's law whose force scatters by a larger share is refused under any tolerance: steps grow
+# with its root. A contact takes 3 steps without scatter, 60 with 1e-9, and 6 000 with this share.
 ROUGHEST = 1e-5

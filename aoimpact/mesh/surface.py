@@ -162,11 +162,21 @@ class Surface:
         xi = self._xi(face, uv)
         shape, gradient = self._evaluate(face, xi)
         if self._has_apexes and (at_apex := xi[:, 2] > 1.0 - _OFF_APEX).any():
-            on, inner = face[at_apex], uv[at_apex]
-            inner = inner + _OFF_APEX * (self.middle(on) - inner)
-            gradient[at_apex] = self._evaluate(on, self._xi(on, inner))[1]
+            shape[at_apex], gradient[at_apex] = self._at_apex(face[at_apex], uv[at_apex])
         x = np.einsum("na,nai->ni", shape, corners)
         return x, self._axes[self.side[face]] @ (gradient.swapaxes(1, 2) @ corners)
+
+    def _at_apex(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Shape functions and gradients at apexes; beyond them, as if straight from before them."""
+        xi, middle = self._xi(face, uv), self.middle(face)
+        over = xi[:, 2] - (1.0 - _OFF_APEX)
+        share = over / (xi[:, 2] - self._xi(face, middle)[:, 2])
+        before = self._xi(face, uv + share[:, None] * (middle - uv))
+        shape, gradient = self._evaluate(face, before)
+        shape += np.einsum("nai,ni->na", gradient, xi - before)
+        on = xi[:, 2] <= 1.0
+        shape[on] = self._evaluate(face[on], xi[on])[0]
+        return shape, gradient
 
     def _evaluate(self, face: IntArray, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Shape functions and gradients; those of small elements are filled up with zeros."""

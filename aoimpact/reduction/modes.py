@@ -198,7 +198,7 @@ def star_of_modes(
     rounding = 1e-12 * np.linalg.norm(tip.b) * np.sqrt(size2)
     excited = (weight > _SILENT * weight.sum()) & (weight > rounding**2)
     if not excited.any():
-        raise InputError(f"none of the {len(omega2)} modes moves the contact: take more modes")
+        raise InputError(f"none of the {len(omega2)} modes moves the contact: take a larger n")
     omega2, weight = omega2[excited], weight[excited]
     shapes = (modes if coordinates is None else coordinates)[:, excited] * participation[excited]
     starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)

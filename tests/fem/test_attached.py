@@ -183,6 +183,8 @@ def test_the_carriage_makes_the_impact_of_its_mass() -> None:
     [
         ({"masses": [("xmax", -1.0)]}, r"masses\[0\]: the mass must be positive"),
         ({"masses": [("xmx", 1.0)]}, r"masses\[0\]: the mesh has no node set 'xmx'.*'xmax'"),
+        ({"masses": [("xmax", 1e308)]}, r"masses\[0\]: the mass is 1e\+308 kg, whose products"),
+        ({"springs": [("xmax", "x", 1e200)]}, r"the stiffness is 1e\+200 N/m, whose products"),
         ({"springs": [("xmax", "w", 1.0)]}, r'springs\[0\]: letters must be of "x"'),
         ({"springs": [("xmax", "x", 0.0)]}, r"springs\[0\]: the stiffness must be positive"),
         (
@@ -211,6 +213,7 @@ def test_what_is_no_list_of_masses_or_springs(given: Any) -> None:
     [
         ((1, 1, 3), "no body has"),
         ((1, -1, 1), "no body has"),
+        ((1e300, 1e300, 1e300), r"inertia is 1e\+300 kg m², whose products"),
         (np.tri(3), "symmetric"),
         (1.0, "shape"),
     ],

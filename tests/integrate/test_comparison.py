@@ -12,43 +12,44 @@ import aoimpact as ao
 from aoimpact.integrate import to_tolerance
 from aoimpact.integrate.comparison import difference, most_touches
 from aoimpact.integrate.dense import DenseRecorder, Touch
+from aoimpact.integrate.tolerances import ROUNDING
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
 WALL = ao.rigid(mass=math.inf)
 
 
-def bounce():
+def bounce(stiffness=STIFFNESS):
     """Peak force, time in contact and in flight of a ball that meets the floor at 1 m/s."""
 
     def surplus(depth):
-        return 0.4 * STIFFNESS * depth**2.5 - 0.5 * MASS - MASS * GRAVITY * depth
+        return 0.4 * stiffness * depth**2.5 - 0.5 * MASS - MASS * GRAVITY * depth
 
-    depth = (1.25 * MASS / STIFFNESS) ** 0.4
+    depth = (1.25 * MASS / stiffness) ** 0.4
     for _ in range(20):  # Newton
-        depth -= surplus(depth) / (STIFFNESS * depth**1.5 - MASS * GRAVITY)
-    fall, press = 2.0 * GRAVITY * depth, 0.8 * STIFFNESS / MASS * depth**2.5
+        depth -= surplus(depth) / (stiffness * depth**1.5 - MASS * GRAVITY)
+    fall, press = 2.0 * GRAVITY * depth, 0.8 * stiffness / MASS * depth**2.5
 
     # Over δ = depth cos² θ the energy gives dt as a smooth function of θ.
     nodes, weights = np.polynomial.legendre.leggauss(60)
     cos = np.cos(0.25 * math.pi * (1.0 + nodes))
     root = np.sqrt(press * (1.0 + cos + cos**2 + cos**3 + cos**4) / (1.0 + cos) - fall)
     time = 0.25 * math.pi * float(weights @ (4.0 * depth * cos / root))
-    return STIFFNESS * depth**1.5, time, 2.0 / GRAVITY
+    return stiffness * depth**1.5, time, 2.0 / GRAVITY
 
 
-def bouncing(count, rtol):
+def bouncing(count, rtol, stiffness=STIFFNESS):
     scene = ao.Scene(gravity=GRAVITY)
     ball, floor = scene.add(ao.rigid(mass=MASS), velocity=1.0), scene.add(WALL)
-    scene.connect(ball, floor, ao.Hertz(k=STIFFNESS))
-    _, touch, flight = bounce()
+    scene.connect(ball, floor, ao.Hertz(k=stiffness))
+    _, touch, flight = bounce(stiffness)
     duration = (count - 0.5) * (touch + flight)
     run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=rtol), energies=False)
     return run, ball
 
 
-def largest_error(run, ball):
+def largest_error(run, ball, stiffness=STIFFNESS):
     """Of peak force, starts and ends of contacts, impulse and rebound, by the closed form."""
-    peak, touch, flight = bounce()
+    peak, touch, flight = bounce(stiffness)
     spans = np.array(run.contacts[0].intervals)
     starts = (touch + flight) * np.arange(len(spans))
     impulse = len(spans) * MASS * (2.0 + GRAVITY * touch)
@@ -95,6 +96,14 @@ def test_what_rounding_does_to_many_bounces_is_said(count, rtol):
     ):
         run, ball = bouncing(count, rtol)
     assert largest_error(run, ball) <= run.error.time < 1e-14 * count
+
+
+def test_a_third_of_what_rounding_is_taken_for_would_be_too_little():
+    errors = []
+    for stiffness in np.geomspace(1e9, 1e11, 60):
+        run, ball = bouncing(10, 1e-13, stiffness)
+        errors.append(largest_error(run, ball, stiffness) / 10)
+    assert ROUNDING / 3.0 < max(errors) < ROUNDING
 
 
 def test_balls_between_walls_exchange_what_momentum_and_energy_say():

@@ -123,6 +123,17 @@ def test_data_shorter_than_indices_is_refused() -> None:
         ao.FEModel(K=K, M=np.eye(N))
 
 
+def test_the_real_part_of_a_complex_matrix_is_a_matrix() -> None:
+    """SciPy gives a view of every other number, which the core does not take."""
+    K, M = CHAIN.astype(complex).real, sp.eye_array(N, format="csr", dtype=complex).real
+    assert not K.data.flags.c_contiguous
+    found = [
+        ao.antioscillators(ao.FEModel(K=k, M=m).contact(dof=1), 1, method="krylov").frequencies
+        for k, m in ((K, M), (CHAIN, np.eye(N)))
+    ]
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+
+
 def test_lists_in_the_place_of_arrays_are_arrays() -> None:
     K = CHAIN.copy()
     K.indices, K.indptr = K.indices.tolist(), K.indptr.tolist()

@@ -12,8 +12,9 @@ from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
 from aoimpact.fem.model import FEModel
-from aoimpact.mesh.elements import KINDS
+from aoimpact.mesh.elements import KINDS, reference_element
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
+from aoimpact.mesh.mesh import Mesh
 from aoimpact.mesh.surface import Surface, boundary
 
 FloatArray = npt.NDArray[np.float64]
@@ -147,3 +148,22 @@ def test_a_corner_of_a_box_has_the_normals_of_its_three_sides() -> None:
     assert found == [(0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)]
     edge = int(np.argmin(np.linalg.norm(mesh.nodes - [1.0, 1.0, 0.0], axis=1)))
     assert np.count_nonzero(normals[:, edge].any(axis=1)) == 2
+
+
+@pytest.mark.parametrize("kind", ["pyramid", "pyramid13"])
+def test_a_flat_side_of_a_pyramid_goes_straight_on_beyond_the_apex(kind: str) -> None:
+    """Newton's steps lead there, where the functions of the element have no value."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.4, 0.7, 0.8]])
+    element = reference_element(kind)
+    nodes = element.linear.shape(element.nodes) @ corners
+    surface = boundary(Mesh(nodes, [np.arange(len(nodes))], kind))
+    uv = np.random.default_rng(1).uniform(-0.6, 1.6, (200, 2))
+    for face in range(5):
+        if surface.middle(np.array([face]))[0, 0] > 0.4:
+            continue  # the base, a square
+        at = np.full(3, face)
+        (first, *others), _ = surface.at(at, np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]]))
+        along = 2.0 * (np.array(others) - first)
+        x, tangents = surface.at(np.full(len(uv), face), uv)
+        assert x == pytest.approx(first + uv @ along, abs=1e-8)
+        assert tangents == pytest.approx(np.tile(along, (len(uv), 1, 1)), abs=1e-8)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import random
 import re
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +21,7 @@ __all__ = ["Given", "make", "seeds"]
 _FORMATS = ("csr", "csc", "coo", "bsr", "dia", "lil", "dok")
 
 _ARGUMENT = re.compile(
-    r"\b(K|M|nodes?|free|dof|damping|body|functional|n|k0|m0|m|k|mass|stiffness)\b"
+    r"\b(K|M|nodes?|free|dof|damping|body|functional|n|k0|m0|m|k|mass|stiffness|contact_time)\b"
 )
 
 _NUMBERS = (0.0, -0.0, -1.0, 1e308, -1e308, 1e-308, 5e-324, 1e200, 1e-200, np.nan, np.inf, -np.inf)
@@ -92,12 +93,26 @@ _ODD: tuple[Any, ...] = (
 )
 
 
+def _of_star(star: ao.AOModel) -> list[float]:
+    return [star.m0, star.k0, *star.m, *star.k]
+
+
+# What a body is reduced to, and the numbers of that.
+_MODELS: dict[str, Callable[[ao.ContactPoint], Any]] = {
+    "eigen": lambda tip: _of_star(ao.antioscillators(tip, n=1)),
+    "krylov": lambda tip: _of_star(ao.antioscillators(tip, n=1, method="krylov")),
+    "modal": lambda tip: _of_star(ao.modal(tip, 1).star),
+    "interface": lambda tip: ao.interface([tip], 3, contact_time=0.1).angular_frequencies,
+}
+
+
 @dataclass(frozen=True)
 class Given:
     """K and M and what goes with them, in a file that pickles them."""
 
     arguments: dict[str, Any]
     folder: Path
+    reduced: str
 
     @property
     def saved(self) -> Path:
@@ -112,8 +127,7 @@ class Given:
         body = ao.FEModel(**self.arguments)
         body.frequencies(min(3, body.n_dofs))
         tip = body.contact(dof=body.n_dofs // 2)
-        star = ao.antioscillators(tip, n=1)
-        numbers = [star.m0, star.k0, *star.m, *star.k]
+        numbers = _MODELS[self.reduced](tip)
         if not np.isfinite(numbers).all():
             raise ArithmeticError(f"numbers of the model are not finite: {numbers}")
 
@@ -178,7 +192,7 @@ def make(rng: random.Random, sound: list[tuple[Any, Any, Any]], folder: Path) ->
         given["nodes"] = rng.choice(_ODD)
     elif way == 5:
         given["damping"] = rng.choice(_ODD)
-    return Given(given, folder)
+    return Given(given, folder, rng.choice(("eigen", *_MODELS)))
 
 
 def _values(rng: random.Random, dense: Any) -> Any:
