@@ -9,7 +9,8 @@ from aoimpact.batch import plain
 from aoimpact.integrate import dense, tolerances
 from aoimpact.laws import law
 
-CSRC = Path(__file__).parents[2] / "csrc"
+ROOT = Path(__file__).parents[2]
+CSRC = ROOT / "csrc"
 
 
 def enumerated(file: str, first: str) -> dict[str, int]:
@@ -52,3 +53,17 @@ def test_shares() -> None:
         text = (CSRC / file).read_text("utf-8")
         (there,) = re.findall(rf"\bdouble {name} = ([\d.e-]+);", text)
         assert float(there) == here
+
+
+def test_every_law_of_the_core_is_described_tested_and_fuzzed() -> None:
+    files = "\n".join(file.read_text("utf-8") for file in (CSRC / "law").glob("*.c"))
+    names = re.findall(r'{"(\w+)",$', files, re.M)
+    assert len(names) > 8
+    for place, mark in (
+        ("include/aoimpact.h", " {}: "),
+        ("tests/c/test_law.c", '{{"{}", '),
+        ("tests/c/fuzz/fuzz.h", '{{"{}", '),
+    ):
+        text = (ROOT / place).read_text("utf-8")
+        for name in names:
+            assert mark.format(name) in text, f"{place}: no {name}"
