@@ -27,8 +27,8 @@ __all__ = [
 # m/s; squares and energies of speeds beyond these overflow, or vanish.
 _SLOWEST, _FASTEST = 1e-60, 1e60
 
-# s; its cube is a number, and so is the distance that the fastest body covers.
-_LONGEST = 1e100
+# s; their cubes are numbers, and so is the distance that the fastest body covers.
+_SHORTEST, _LONGEST = 1e-100, 1e100
 
 # Patches with a radius above this share of the body's thickness are not on a half-space: measured
 # on aluminium plates of 4, 10 and 20 mm under a steel ball, the force is too large by .3 to .7 % at
@@ -48,8 +48,10 @@ _node_errors: WeakKeyDictionary[ContactPoint, float | None] = WeakKeyDictionary(
 def checked_duration(duration: Any) -> float:
     """Return the length of a record, s, over which displacements are numbers."""
     length = positive("duration", duration, unit="s")
-    if length > _LONGEST:
-        raise InputError(f"duration={length:g} s is beyond what can be computed: {_LONGEST:g} s")
+    if not _SHORTEST <= length <= _LONGEST:
+        raise InputError(
+            f"duration={length:g} s is beyond what can be computed: {_SHORTEST:g} to {_LONGEST:g} s"
+        )
     return length
 
 

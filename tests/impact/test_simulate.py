@@ -176,6 +176,7 @@ def test_results_travel_between_processes():
         ({"velocity": "fast"}, "velocity must be a real number"),
         ({"duration": 0.0}, "duration must be positive, got 0 s"),
         ({"duration": -1.0}, "duration must be positive"),
+        ({"duration": 1e-300}, "duration=1e-300 s is beyond what can be computed: 1e-100 to"),
         ({"duration": 1e6}, "GiB"),
         ({"gap": -1e-6}, "gap must not be negative"),
         ({"law": 1e10}, "law must be a contact law"),

@@ -102,7 +102,7 @@ _MODELS: dict[str, Callable[[ao.ContactPoint], Any]] = {
     "eigen": lambda tip: _of_star(ao.antioscillators(tip, n=1)),
     "krylov": lambda tip: _of_star(ao.antioscillators(tip, n=1, method="krylov")),
     "modal": lambda tip: _of_star(ao.modal(tip, 1).star),
-    "interface": lambda tip: ao.interface([tip], 3, contact_time=0.1).angular_frequencies,
+    "interface": lambda tip: ao.interface([tip], 3, contact_time=0.1).omega,
 }
 
 
