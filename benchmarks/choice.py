@@ -30,11 +30,11 @@ os.environ.setdefault("MKL_NUM_THREADS", "1")
 import numpy as np
 
 import aoimpact as ao
-from aoimpact.accuracy import QUANTITIES
 from aoimpact.base.errors import held_warnings
 from aoimpact.linalg import Pencil
 from aoimpact.linalg.solvers import METHODS
 from aoimpact.reduction import KrylovSpace
+from aoimpact.results import QUANTITIES
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALUMINIUM = ao.Material(E=70e9, nu=0.3, rho=2700)

@@ -1,8 +1,8 @@
-"""Quantities of interest, and the models that give them to a tolerance.
+"""The models that give a quantity of interest to a tolerance, and the errors of every number.
 
-quantities.py is the registry of what can be asked for; order.py finds the least models, from
-hierarchy.py, that give it; leftout.py what mesh and contact add to its error. For what runs impacts
-and what reads their results: `impact`, `batch`, `scenefile`, `study`.
+interest.py finds the quantity that is meant in the table of `results`; order.py the least models,
+from hierarchy.py, that give it; leftout.py what mesh and contact add to its error. For what runs
+impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
 
 from .choice import checked_linear_solver, checked_rtol, choose_models
@@ -12,14 +12,10 @@ from .interest import impact_quantity, scene_quantity
 from .keep import CONTROLLED, Keep, Named, keeper
 from .leftout import LeftOutFinder
 from .order import first_guess
-from .quantities import COLUMNS, QUANTITIES, SCENE_CHOICES, Quantity, R, quantity_unit
 from .stressat import StressAt
 
 __all__ = [
-    "COLUMNS",
     "CONTROLLED",
-    "QUANTITIES",
-    "SCENE_CHOICES",
     "ComplianceError",
     "FixedModel",
     "Hierarchy",
@@ -27,8 +23,6 @@ __all__ = [
     "LeftOutFinder",
     "Models",
     "Named",
-    "Quantity",
-    "R",
     "StressAt",
     "best_radius",
     "checked_linear_solver",
@@ -39,6 +33,5 @@ __all__ = [
     "impact_quantity",
     "keeper",
     "model_hierarchy",
-    "quantity_unit",
     "scene_quantity",
 ]

@@ -8,15 +8,17 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn
+from ..base import quantity as told
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..results import Chosen, Record, Result, Run, solve
+from ..results import Chosen, Quantity, Record, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import Models, only_models
 from .leftout import LeftOutFinder
 from .order import Orders, least_orders
-from .quantities import Quantity, R, number_errors
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
 
@@ -77,13 +79,12 @@ def choose_models(
     rtol: float | None,
     solver: Any,
     *,
-    view: Callable[[Run], R],
     energies: bool,
     record: Record,
     law_errors: Sequence[float] = (),
     linear_solver: Solver = "auto",
     known: dict[Any, LinearSolver] | None = None,
-) -> R:
+) -> Run:
     """Run with models of small orders, and say in the run how they were chosen.
 
     Parameters
@@ -97,8 +98,6 @@ def choose_models(
     rtol : float, optional
         Relative.
     solver : Adaptive or Newmark, optional
-    view : callable
-        Returns the `Result` of a run, or the `Run` itself.
     energies : bool
     record : Record
         How long the scene is recorded.
@@ -122,24 +121,22 @@ def choose_models(
     rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time, given)
     timed = partial(solve, solver=rule)
     meshed = any(getattr(body, "given", body).contact_points for body in bodies)
-    finder = LeftOutFinder(interest, rule, view, law_errors, meshed)
+    finder = LeftOutFinder(interest, rule, law_errors, meshed)
 
-    def enough(run: Result | Run) -> float:
+    def enough(run: Run) -> float:
         """The models' tolerance, looser where the error by the mesh is much larger."""
         nonlocal tolerance
-        mesh = finder(run.run if isinstance(run, Result) else run).mesh or 0.0
+        mesh = finder(run).mesh or 0.0
         tolerance = max(_RTOL, min(_SHARE_OF_MESH * mesh, _LOOSEST))
         return _MARGIN * tolerance - in_time
 
     if models := only_models(bodies):
         run = record.run(plan_of(models, energies), timed)
-        found = Orders((0,) * len(models), models, 0.0, view(run), (), 1.0)
+        found = Orders((0,) * len(models), models, 0.0, run, (), 1.0)
     else:
         found = least_orders(
             bodies,
-            run=_trial(
-                plan_of, bodies, lambda plan, last: view(record.run(plan, timed, last=last))
-            ),
+            run=_trial(plan_of, bodies, lambda plan, last: record.run(plan, timed, last=last)),
             quantity=quantity,
             rtol=_MARGIN * tolerance - in_time,
             solver=linear_solver,
@@ -154,20 +151,20 @@ def choose_models(
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     left_out = replace(finder, larger=_deforming(run, found))
-    return view(replace(run, chosen=_chosen(run, found, quantity, tolerance), left_out=left_out))
+    return replace(run, chosen=_chosen(run, found, quantity, tolerance), left_out=left_out)
 
 
 def _trial(
     plan_of: Callable[[Models, bool], Plan],
     bodies: Sequence[Any],
-    run: Callable[[Plan, bool], R],
-) -> Callable[[Models], R]:
-    """Return the function that runs trial models.
+    run: Callable[[Plan, bool], Run],
+) -> Callable[[Models], Run]:
+    """The run of models that are tried.
 
     run: of a plan, and whether its bodies determine the length of the record; see `Record.run`.
     """
 
-    def trial(models: Models) -> R:
+    def trial(models: Models) -> Run:
         flexible = all(
             _order(model) or _order(getattr(body, "given", body)) == 0
             for model, body in zip(models, bodies, strict=True)
@@ -184,13 +181,21 @@ def _chosen(run: Run, found: Orders, quantity: Quantity, tolerance: float) -> Ch
     numbers = number_errors(found.run, found.larger, found.safety)
     if not quantity.is_history:
         numbers[quantity.name] = found.error
-    return Chosen(models, quantity.name, tolerance, found.error, numbers)
+    largest = _largest(quantity, found.run)
+    return Chosen(models, quantity.name, tolerance, found.error, numbers, largest)
+
+
+def _largest(quantity: Quantity, run: Run) -> str:
+    """The largest value of a history, with its unit; empty of numbers."""
+    if quantity.history is None:
+        return ""
+    largest = float(np.abs(quantity.history(run, run.t)).max(initial=0.0))
+    return "" if math.isnan(largest) else told(largest, quantity.unit, 5)
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:
     """Warn that the largest models do not meet the default tolerance, and why."""
-    run = found.run.run if isinstance(found.run, Result) else found.run
-    count = max(len(events.contacts) for events in run.events)
+    count = max(len(events.contacts) for events in found.run.events)
     why = (
         f"of its {count} contacts each begins from the motion that those before have left, so that "
         "errors grow from one to the next; give the duration= of the first ones"
@@ -206,8 +211,7 @@ def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> No
 
 def _deforming(run: Run, found: Orders) -> Run | None:
     """The run of the largest models, if a body deforms in it that is rigid in the run."""
-    for done in found.larger[-1:]:
-        larger = done.run if isinstance(done, Result) else done
+    for larger in found.larger[-1:]:
         pairs = zip(run.plan.bodies, larger.plan.bodies, strict=True)
         if any(_order(one.model) == 0 < _order(other.model) for one, other in pairs):
             return larger

@@ -8,13 +8,13 @@ from typing import Any
 from ..base import FloatArray, InputError, choice, warn
 from ..fem import ContactPoint
 from ..reduction import BodyModel, FullModel
-from ..results import Handle, Run
-from .quantities import (
+from ..results import (
     IMPACT_CHOICES,
     QUANTITIES,
     SCENE_CHOICES,
-    SCENE_QUANTITIES,
+    Handle,
     Quantity,
+    Run,
     recorded,
 )
 from .stressat import StressAt, stress_quantity
@@ -66,7 +66,7 @@ def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
         def place(run: Run) -> FloatArray:
             return run[quantity].port_displacements[[quantity.at]]
 
-        return Quantity("displacement", "m", history=recorded(place), lasting=True)
+        return Quantity("displacement", "m", history=recorded(place), each="bodies", lasting=True)
     if isinstance(quantity, ContactPoint | StressAt):
         return _of_point(
             quantity,
@@ -76,7 +76,7 @@ def scene_quantity(quantity: Any, bodies: Sequence[BodyModel]) -> Quantity:
             contact="for a contact's own displacement give its handle",
         )
     name = _SHORT.get(quantity, quantity) if isinstance(quantity, str) else quantity
-    return SCENE_QUANTITIES[choice("quantity", _DEFAULT if name is None else name, SCENE_CHOICES)]
+    return QUANTITIES[choice("quantity", _DEFAULT if name is None else name, SCENE_CHOICES)]
 
 
 def _of_point(
@@ -107,4 +107,4 @@ def _of_point(
     def displacement(run: Run, times: FloatArray) -> FloatArray:
         return run.bodies[on[0]].displacement_of(point.b, times)[None]
 
-    return Quantity("displacement", "m", history=displacement, lasting=True)
+    return Quantity("displacement", "m", history=displacement, each="bodies", lasting=True)

@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..base import InputError, InputTypeError, nearest, sequence
-from ..integrate import Eventful
-from ..results import Result
-from .quantities import QUANTITIES
+from ..results import QUANTITIES, Result, Run, find_number, like_number
 
 __all__ = ["CONTROLLED", "Keep", "Named", "keeper"]
 
@@ -66,35 +64,33 @@ def keeper(keep: Any) -> Keep | None:
         ) from None
     if not names:
         raise InputError("keep has no names: give some, such as ('peak_force', 'impulse')")
+    known = _KNOWN.union(one.name for one in QUANTITIES.values() if not one.is_history)
     for name in names:
         if not isinstance(name, str):
             raise InputTypeError(f"keep must hold names, got {name!r}")
         if not _NAME.fullmatch(name):
             raise InputError(f"keep: {name!r} is no name of a quantity, such as 'peak_force'")
-        if (first := name.partition(".")[0]) not in _KNOWN:
-            raise InputError(f"keep: results have no {first!r}{nearest(first, _KNOWN)}")
+        if (first := name.partition(".")[0]) not in known:
+            raise InputError(f"keep: results have no {first!r}{nearest(first, known)}")
     return Named(names)
 
 
 def _look_up(result: Any, name: str) -> Any:
+    """A quantity of interest of a result, or any attribute."""
+    run = result.run if isinstance(result, Result) else result
+    if isinstance(run, Run) and (number := find_number(run, name)) is not None:
+        return number
     found = result
     for part in name.split("."):
         try:
-            found = found[int(part)] if part.isdigit() else _member(found, part)
+            found = found[int(part)] if part.isdigit() else getattr(found, part)
         except (AttributeError, IndexError, TypeError):
+            like = like_number(run, name) if isinstance(run, Run) else ""
             raise InputError(
                 f"keep: {name!r}: {type(found).__name__} has no {part!r}"
-                f"{nearest(part, _public(found))}"
+                f"{like or nearest(part, _public(found))}"
             ) from None
     return found
-
-
-def _member(found: Any, name: str) -> Any:
-    """A quantity of an impact or a contact, or any attribute."""
-    quantity = QUANTITIES.get(name)
-    if quantity is not None and quantity.number is not None and isinstance(found, Eventful):
-        return quantity.number(found)
-    return getattr(found, name)
 
 
 def _public(thing: Any) -> list[str]:
@@ -102,10 +98,8 @@ def _public(thing: Any) -> list[str]:
     return [name for name in {*dir(thing), *fields} if not name.startswith("_")]
 
 
-# What the first part of a name may be.
-_KNOWN = frozenset(
-    (*_public(Result), *(one.name for one in QUANTITIES.values() if one.number is not None))
-)
+# What the first part of a name may be, beside a quantity.
+_KNOWN = frozenset((*_public(Result), *_public(Run)))
 
 
 def _number(name: str, value: Any) -> float:

@@ -5,7 +5,7 @@ and one more run gives the change of any quantity. Elements that are too stiff m
 too stiff: all its springs are softened until they add the missing compliance at a frequency of the
 contact. In a plate this is bending, of which a spring in series at the contact would give a
 twentieth. The half-space's error is local to the contact, and acts as such a spring. The errors of
-two bodies, and of several contacts, are assumed to add up. The corrected run is the reference.
+two bodies, and of several contacts, are corrected in the same run, which is the reference.
 """
 
 from __future__ import annotations
@@ -20,11 +20,10 @@ import numpy as np
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
 from ..reduction import AOModel, FullModel, InterfaceModel
-from ..results import LeftOut, Result, Run, TimeSolver, solve
+from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, FullBody, Plan, SceneBody, scene_body
 from .compliance import compliance_error
 from .hierarchy import model_hierarchy
-from .quantities import Quantity, number_errors
 
 __all__ = ["LeftOutFinder"]
 
@@ -57,8 +56,6 @@ class LeftOutFinder:
         Returns a new quantity of interest, so that what it stores while runs are compared is freed.
     solver : Adaptive or Newmark, optional
         Of the run.
-    view : callable
-        Returns the `Result` of a run, or the `Run` itself.
     law_errors : sequence of float
         Relative error of each contact's stiffness, by that of the curvatures.
     meshed : bool
@@ -71,7 +68,6 @@ class LeftOutFinder:
 
     interest: Callable[[], Quantity]
     solver: TimeSolver | None
-    view: Callable[[Run], Result | Run]
     law_errors: Sequence[float] = ()
     meshed: bool = True
     larger: Run | None = None
@@ -114,21 +110,20 @@ class LeftOutFinder:
         self, quantity: Quantity, run: Run, altered: _Altered
     ) -> tuple[float, Mapping[str, float], float | None]:
         """The change of the quantity and of each number, and the time of a history's largest."""
-        exact = self.view(run)
-        names = [*number_errors(exact, [exact]), *(() if quantity.is_history else (quantity.name,))]
+        names = [*number_errors(run, [run]), *(() if quantity.is_history else (quantity.name,))]
         if altered.plan is None:
             return 0.0, dict.fromkeys(names, 0.0), None
         try:
             with held_warnings():
-                other = self.view(solve(altered.plan, self.solver))
+                other = solve(altered.plan, self.solver)
         except AOImpactError:  # a contact beyond the range of its law
             return math.inf, dict.fromkeys(names, math.inf), None
-        changes = np.abs(quantity.deviation(exact, other))  # type: ignore[type-var]
+        changes = np.abs(quantity.deviation(run, other))
         change = altered.scale * float(changes.max(initial=0.0))
         when = None
         if quantity.is_history and change:
             when = float(other.t[changes.argmax() % len(other.t)])
-        numbers = number_errors(exact, [other])
+        numbers = number_errors(run, [other])
         errors = {name: altered.scale * error for name, error in numbers.items()}
         return change, {name: errors.get(name, change) for name in names}, when
 

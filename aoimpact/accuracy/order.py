@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, NamedTuple
+from typing import Any, NamedTuple
 
 from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, own_contact_time
+from ..results import Quantity, Run
 from .hierarchy import Hierarchy, Models, model_hierarchy
-from .quantities import Quantity, R
 
 __all__ = ["Orders", "first_guess", "least_orders"]
 
@@ -70,7 +70,7 @@ class Orders:
     models : tuple of AOModel or InterfaceModel
     error : float
         Estimated relative error of the quantity from the models' orders.
-    run : Result or Run
+    run : Run
         With these models.
     larger : tuple
         Runs with larger ones.
@@ -81,8 +81,8 @@ class Orders:
     orders: tuple[int, ...]
     models: Models
     error: float
-    run: Any
-    larger: tuple[Any, ...]
+    run: Run
+    larger: tuple[Run, ...]
     safety: float
 
 
@@ -107,14 +107,14 @@ class TimeScales(NamedTuple):
 def least_orders(
     bodies: Sequence[BodyModel],
     *,
-    run: Callable[[Models], R],
+    run: Callable[[Models], Run],
     quantity: Quantity,
     rtol: float,
     solver: Solver = "auto",
     known: dict[Any, LinearSolver] | None = None,
     anew: Callable[[], None] | None = None,
     best: bool = False,
-    enough: Callable[[R], float] | None = None,
+    enough: Callable[[Run], float] | None = None,
 ) -> Orders:
     """Return small orders of bodies that give a quantity to `rtol` of the whole bodies.
 
@@ -175,7 +175,7 @@ def _taken(known: dict[Any, LinearSolver] | None, body: Any, solver: Solver) -> 
 
 
 def first_guess(
-    bodies: Sequence[BodyModel], run: Callable[[Models], R], quantity: Quantity
+    bodies: Sequence[BodyModel], run: Callable[[Models], Run], quantity: Quantity
 ) -> TimeScales:
     """Estimate the time scales of a scene by rigid bodies."""
     meshed = (body for body in bodies if isinstance(body, FullModel))
@@ -188,12 +188,12 @@ def first_guess(
         return otherwise
 
 
-def _scales(quantity: Quantity, run: Any, otherwise: TimeScales) -> TimeScales:
+def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
     """The time scales of a run; the contact time of `otherwise` if no contact ends in it."""
     return TimeScales(quantity.contact_time(run) or otherwise.contact_time, quantity.span(run))
 
 
-class _Search(Generic[R]):
+class _Search:
     """Models of hierarchies, and the run of each set of them, made once.
 
     Parameters
@@ -210,26 +210,26 @@ class _Search(Generic[R]):
         self,
         hierarchies: tuple[Hierarchy, ...],
         places: tuple[int, ...],
-        run: Callable[[Models], R],
+        run: Callable[[Models], Run],
         quantity: Quantity,
         rtol: float,
         anew: Callable[[], None] | None = None,
         *,
         best: bool = False,
-        enough: Callable[[R], float] | None = None,
+        enough: Callable[[Run], float] | None = None,
     ) -> None:
         self.hierarchies, self.places, self.best = hierarchies, places, best
         self.anew = anew
-        self.enough: Callable[[R], float] | None = enough
-        self.run: Callable[[Models], R] = run
+        self.enough: Callable[[Run], float] | None = enough
+        self.run: Callable[[Models], Run] = run
         self.quantity, self.rtol, self.least_rtol = quantity, rtol, rtol
-        self.results: dict[_Orders, R | None] = {}
+        self.results: dict[_Orders, Run | None] = {}
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
         # Within the tolerance as soon as `grow` ends.
         self.orders = (max(1, round(-_FIRST * math.log10(rtol))),) * len(hierarchies)
 
-    def grow(self) -> Iterator[R]:
+    def grow(self) -> Iterator[Run]:
         """Raise the orders until the error estimate is within the tolerance; yield larger runs."""
         too_wide = 0
         while True:
@@ -252,7 +252,7 @@ class _Search(Generic[R]):
                 raise self.failures.get(largest) or self._no_convergence(error)
             self.orders = self._enlarged(largest)
 
-    def _is_enough(self, run: R | None, largest: _Orders) -> bool:
+    def _is_enough(self, run: Run | None, largest: _Orders) -> bool:
         """Whether the models meet the tolerance, or the looser one that `enough` returns."""
         self.rtol = self.least_rtol
         if self._error(self.orders) <= self.rtol:
@@ -288,8 +288,9 @@ class _Search(Generic[R]):
             orders = self.orders
         found = tuple(orders[place] for place in self.places)
         models = tuple(self.hierarchies[place].finished(orders[place]) for place in self.places)
-        larger = tuple(map(self._at, self._larger()))
-        return Orders(found, models, self._error(orders), self._at(orders), larger, self._safety())
+        done = (self._at(each) for each in (orders, *self._larger()))
+        run, *larger = (run for run in done if run is not None)  # all, since their errors are small
+        return Orders(found, models, self._error(orders), run, tuple(larger), self._safety())
 
     def _enlarged(self, largest: _Orders) -> _Orders:
         """Raise the orders of the bodies with too large a share of the error, or of all."""
@@ -353,7 +354,7 @@ class _Search(Generic[R]):
             self.differences[pair] = apart if math.isfinite(apart) else math.inf
         return self.differences[pair]
 
-    def _at(self, orders: _Orders) -> R | None:
+    def _at(self, orders: _Orders) -> Run | None:
         """The run of such orders; None where models that small cannot be run."""
         models = [one.model(n) for one, n in zip(self.hierarchies, orders, strict=True)]
         key = self._at_most(orders)  # known when the models are made

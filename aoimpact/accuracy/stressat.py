@@ -23,8 +23,7 @@ from ..fem import ContactPoint, FEModel
 from ..fields import Response, Stress, response_of, stress_rows_at, stresses_around
 from ..linalg import SolverBook
 from ..mesh import weights_at
-from ..results import Run
-from .quantities import Quantity
+from ..results import Quantity, Run
 
 __all__ = ["StressAt", "stress_quantity"]
 
@@ -111,7 +110,7 @@ def stress_quantity(wanted: StressAt, number: int) -> Quantity:
             field = response(run).field(run.t[[int(history.argmax())]])
         return _roughness(wanted, field.displacement[0]) / largest
 
-    return Quantity("stress", "Pa", history=stress, lasting=True, local=local)
+    return Quantity("stress", "Pa", history=stress, each="bodies", lasting=True, local=local)
 
 
 def _component(stress: Stress, name: str) -> FloatArray:

@@ -18,26 +18,18 @@ import numpy as np
 from .. import _core
 from ..base import AOImpactError, FloatArray, held_warnings
 from ..impact import checked_numbers, plan_impact
-from ..integrate import Adaptive
+from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
 from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, knows
-from ..results import least_said
+from ..results import QUANTITIES, Speeds, least_said
 from ..scene import normal_gap
 
 __all__ = ["PLAIN_NUMBERS", "plain_numbers"]
 
-# The numbers that the core returns of a plain impact.
-PLAIN_NUMBERS = frozenset(
-    (
-        "peak_force",
-        "peak_time",
-        "contact_duration",
-        "impulse",
-        "rebound_velocity",
-        "restitution",
-        "error.time",
-    )
-)
+_ERROR = "error.time"
+
+# The numbers that follow from what the core returns of a plain impact.
+PLAIN_NUMBERS = frozenset((*(one.name for one in QUANTITIES.values() if one.is_plain), _ERROR))
 
 _REQUIRED = {"projectile", "target", "law", "velocity", "duration"}
 _KEYWORDS = _REQUIRED | {"solver", "gap", "energies"}
@@ -68,8 +60,8 @@ class _Pair:
         Of projectile, target and law among `_Parts`.
     drift : float
         Share of the projectile's velocity that its centre of mass keeps whatever happens.
-    fixed : bool
-        Whether the target is constrained or a wall: restitution takes its velocity as zero.
+    fixed : tuple of bool
+        Whether projectile and target are constrained, or walls.
     fits : tuple of float
         Durations of the contact, s, between which the models are valid without a further check.
     models : tuple
@@ -79,7 +71,7 @@ class _Pair:
 
     places: tuple[int, int, int]
     drift: float
-    fixed: bool
+    fixed: tuple[bool, bool]
     fits: tuple[float, float]
     models: tuple[Any, ...]
     least_said: tuple[float, float]
@@ -126,13 +118,13 @@ class _Parts:
                 return None  # simulate raises it
         if messages or not all(body.centre_known for body in plan.bodies):
             return None
-        target, omitted = plan.bodies[1], plan.omitted[0]
+        omitted = plan.omitted[0]
         self.laws.append(plan.contacts[0].law.for_core())
         run = tuple(body.model for body in plan.bodies)
         return _Pair(
             (self._place(bodies[0]), self._place(bodies[1]), len(self.laws) - 1),
             0.0 if omitted is None else omitted.share,
-            target.fixed,
+            (plan.bodies[0].fixed, plan.bodies[1].fixed),
             fitted_times(run),
             run,
             least_said(plan),
@@ -171,9 +163,10 @@ def plain_numbers(cases: Sequence[Any], names: Iterable[str]) -> list[dict[str, 
         return found
     given, of = np.array(rows), np.array(numbered)
     returned = _run(parts, of, given)
-    wanted, columns = tuple(names), _columns(given, returned, parts.pairs, of)
+    wanted = tuple(names)
+    columns = _columns(wanted, given, returned, parts.pairs, of)
     plain = _once_and_parted(given, returned) & _plausible(given, returned, parts.pairs, of)
-    durations = columns["contact_duration"].tolist()
+    durations = (returned[:, _END] - returned[:, _START]).tolist()
     values = zip(*(columns[name].tolist() for name in wanted), strict=True)
     for i, pair, is_plain, duration, row in zip(
         places, numbered, plain.tolist(), durations, values, strict=True
@@ -240,17 +233,24 @@ def _plausible(given: FloatArray, returned: FloatArray, pairs: Sequence[_Pair], 
 
 
 def _columns(
-    given: FloatArray, returned: FloatArray, pairs: Sequence[_Pair], of: Any
+    names: Iterable[str],
+    given: FloatArray,
+    returned: FloatArray,
+    pairs: Sequence[_Pair],
+    of: Any,
 ) -> dict[str, FloatArray]:
+    """The named numbers, shape (cases,) each."""
     velocity = given[:, _VELOCITY]
     rebound = returned[:, _FIRST] + np.array([pair.drift for pair in pairs])[of] * velocity
-    target = np.where(np.array([pair.fixed for pair in pairs])[of], 0.0, returned[:, _SECOND])
+    # One contact and two bodies, with columns in place of numbers.
+    at: Any = returned.T
+    events = Events(at[_PEAK_FORCE], at[_PEAK_TIME], ((at[_START], at[_END]),), at[_IMPULSE])
+    speeds = Speeds(
+        np.array([velocity, np.zeros_like(velocity)]),
+        np.array([rebound, at[_SECOND]]),
+        np.array([pair.fixed for pair in pairs])[of].T,
+    )
     return {
-        "peak_force": returned[:, _PEAK_FORCE],
-        "peak_time": returned[:, _PEAK_TIME],
-        "contact_duration": returned[:, _END] - returned[:, _START],
-        "impulse": returned[:, _IMPULSE],
-        "rebound_velocity": rebound,
-        "restitution": (target - rebound) / velocity,
-        "error.time": given[:, _RTOL],
+        name: given[:, _RTOL] if name == _ERROR else QUANTITIES[name].of_plain(events, speeds)
+        for name in names
     }

@@ -10,9 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..accuracy import COLUMNS, Named, keeper
+from ..accuracy import Named, keeper
 from ..base import InputError, InputTypeError, nearest, require, sequence
 from ..impact import SceneCase
+from ..results import COLUMNS
 from ..scenefile import SceneFile, read_scene
 from .many import KEYWORDS, REQUIRED, Failed, iterate_many
 from .sweep_table import SweepTable, sweep_table

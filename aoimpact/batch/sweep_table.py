@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..accuracy import CONTROLLED, Named, keeper, quantity_unit
+from ..accuracy import CONTROLLED, Named, keeper
 from ..base import (
     AOImpactError,
     Frozen,
@@ -36,6 +36,7 @@ from ..base import (
     texts,
 )
 from ..fem import ContactPoint
+from ..results import quantity_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,8 +11,6 @@ from typing import Any, NamedTuple
 from ..accuracy import (
     FixedModel,
     LeftOutFinder,
-    Quantity,
-    R,
     StressAt,
     checked_linear_solver,
     choose_models,
@@ -23,8 +21,8 @@ from ..linalg import LinearSolver, Solver
 from ..reduction import AOModel, BodyModel, FullModel
 from ..results import (
     Handle,
+    Quantity,
     Record,
-    Result,
     Run,
     TimeSolver,
     solve,
@@ -79,11 +77,10 @@ def run_models(
     record: Record,
     names: Sequence[str],
     interest: Callable[[], Quantity],
-    view: Callable[[Run], R],
     law_errors: Sequence[float] = (),
     began: float,
     known: dict[Any, LinearSolver] | None = None,
-) -> R:
+) -> Run:
     """Run bodies as they are, or with small models that give a quantity to a tolerance.
 
     Parameters
@@ -98,8 +95,6 @@ def run_models(
         Of the bodies in the plan, for messages.
     interest : callable
         Returns the quantity of interest, after checking it.
-    view : callable
-        What the caller makes of a run: a `Result`, or the `Run` itself.
     law_errors : sequence of float, optional
         Of each contact, where the law was found from the surfaces; see `LeftOutFinder`.
     began : float
@@ -112,41 +107,33 @@ def run_models(
     linear_solver = checked_linear_solver(options.linear_solver, chosen=chooses)
     if chooses:
         with bar("models", unit="solution"):
-            done = choose_models(
+            run = choose_models(
                 plan_of,
                 [_kept(body, options.asked) for body in bodies],
                 interest,
                 options.rtol,
                 options.solver,
-                view=view,
                 energies=options.energies,
                 record=record,
                 law_errors=law_errors,
                 linear_solver=linear_solver,
                 known=known,
             )
-        done = _with_cost(done, began)
+        # What its models cost: all but the run itself.
+        modelled = max(perf_counter() - began - run.recorder.seconds, 0.0)
+        run = replace(run, modelled=modelled)
     else:
         plan = plan_of(bodies, options.energies)
         run = record.run(plan, partial(solve, solver=options.solver))
         if meshed:
             warn_of_misfit(run.plan, run, names)
             if plan.contacts:
-                finder = LeftOutFinder(interest, options.solver, view, law_errors)
+                finder = LeftOutFinder(interest, options.solver, law_errors)
                 run = replace(run, left_out=finder)
-        done = view(run)
     record.warn_if_cut()
-    whole = done.run if isinstance(done, Result) else done
-    warn_of_lag(whole.plan, whole, names)
+    warn_of_lag(run.plan, run, names)
     if meshed:
-        warn_of_centres(whole.plan, names)
-        warn_of_places(whole, names)
-    warn_of_run(whole)
-    return done
-
-
-def _with_cost(done: R, began: float) -> R:
-    """The same with what its models cost: all but the run itself."""
-    run = done.run if isinstance(done, Result) else done
-    run = replace(run, modelled=max(perf_counter() - began - run.recorder.seconds, 0.0))
-    return replace(done, run=run) if isinstance(done, Result) else run
+        warn_of_centres(run.plan, names)
+        warn_of_places(run, names)
+    warn_of_run(run)
+    return run

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import Quantity, StressAt, scene_quantity
+from ..accuracy import StressAt, scene_quantity
 from ..base import (
     InputError,
     InputTypeError,
@@ -26,7 +26,7 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model, touched
-from ..results import Handle, Record, Run, TimeSolver
+from ..results import Handle, Quantity, Record, Run, TimeSolver
 from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed
 from .defaults import Meeting, chosen_law, fitted, mass_of, meeting, turned, turns
@@ -304,12 +304,12 @@ class Scene:
         quantity : str, Handle, ContactPoint or StressAt, optional
             The quantity of interest: "force" (of every contact over the record), "peak_force",
             "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
-            every contact), "rebound_velocity" (after the last contact, of every body that nothing
-            holds: `Run.parting`), "restitution" (of a scene of one contact), a handle, for the
+            every contact), "rebound_velocity" (after the last contact, of every body but those held
+            at rest), "restitution" (of a scene of one contact), a handle, for the
             displacement of that contact coordinate over the record, or a point of a body, for its
             displacement over the record. Contact points are reduced as far as the tolerance allows,
             and AO models truncated if this or `rtol` is given; `Run.models` are those taken. A body
-            that was added twice is reduced once.
+            that was added twice is reduced once. Numbers are read by `Run.value`.
         rtol : float, optional
             Its relative error. If left out, 1e-2, or a fifth of what the mesh leaves out of it
             where that is more, up to 0.1. That of a history is its largest over the record,
@@ -371,7 +371,6 @@ class Scene:
             record=record,
             names=[self._called(body) for body in range(len(self._bodies))],
             interest=partial(self._interest, quantity, fitted),
-            view=_itself,
             law_errors=self._law_errors,
             began=began,
             known=known,
@@ -498,7 +497,7 @@ class Scene:
         interest = scene_quantity(quantity, bodies)
         if interest.name == "restitution":
             self._refuse_restitution()
-        if interest.of_contacts and not self._contacts:
+        if interest.each == "contacts" and not self._contacts:
             raise InputError(
                 f"quantity={interest.name!r}: the scene has no contacts; connect bodies, or give "
                 "the handle of a body for its displacement"
@@ -525,10 +524,6 @@ class Scene:
                     "start; change position or gap, or start with preload=True from the rest that "
                     "gravity and loads press them to"
                 )
-
-
-def _itself(run: Run) -> Run:
-    return run
 
 
 def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:

@@ -14,7 +14,7 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
-from ..results import Record, Result, Run, TimeSolver
+from ..results import Record, Result, TimeSolver
 from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed, warn_of_exchange
 from .defaults import chosen_law, fitted_pair, meeting, turned, turns
@@ -138,18 +138,19 @@ def simulate(
         met = pair if as_given else _pair(first, second, numbers.velocity)
         return _planned(met, impact.law, impact.record.length, numbers.gap, energies)
 
-    result = run_models(
+    run = run_models(
         plan_of,
         impact.bodies,
         options,
         record=impact.record,
         names=_called(bodies),
         interest=interest,
-        view=_result,
         law_errors=(impact.law_error,),
         began=began,
         known=impact.known,
     )
+    contact = run.plan.contacts[0]
+    result = Result(run=run, velocity=run.plan.velocities[0], gap=contact.gap, law=contact.law)
     if result.in_contact_at_end and duration is not None:
         warn(
             f"the record of {result.duration:.4g} s ends in contact: impulse and the last "
@@ -218,11 +219,6 @@ def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:
         turns("projectile", projectile, 0, outward=True, like=like),
         turns("target", target, 0, outward=False, like=like),
     )
-
-
-def _result(run: Run) -> Result:
-    contact = run.plan.contacts[0]
-    return Result(run=run, velocity=run.plan.velocities[0], gap=contact.gap, law=contact.law)
 
 
 def plan_impact(

@@ -39,6 +39,19 @@ class Events(NamedTuple):
     contacts: tuple[tuple[float, float], ...]
     impulse: float
 
+    @property
+    def contact_duration(self) -> float:
+        """Duration of the first contact [s]; 0.0 without contact."""
+        if not self.contacts:
+            return 0.0
+        start, end = self.contacts[0]
+        return end - start
+
+    @property
+    def contact_count(self) -> int:
+        """Number of contacts."""
+        return len(self.contacts)
+
 
 class _HasEvents(Protocol):
     @property
@@ -62,6 +75,19 @@ class Eventful:
     def impulse(self: _HasEvents) -> float:
         """Integral of the force over the record [N s]."""
         return self.events.impulse
+
+    @property
+    def contact_duration(self: _HasEvents) -> float:
+        """Duration of the first contact [s]; 0.0 without contact.
+
+        A contact that the record cuts off counts up to the record's end.
+        """
+        return self.events.contact_duration
+
+    @property
+    def contact_count(self: _HasEvents) -> int:
+        """How often the bodies touch."""
+        return self.events.contact_count
 
 
 def find_events(

@@ -1,13 +1,13 @@
 """A plan is run here, and what comes of it: histories, events, energies, tables, plots.
 
 `solve` runs a plan by its solver, `Record` for as long as it needs; a `Run` is what has run, a
-`Result` the same of two bodies. For `accuracy`, which compares runs, and `impact`, which returns
-them; `batch`, `cli` and `study` print them.
+`Result` the same of two bodies; quantities.py is the table of the numbers that sum them up. For
+`accuracy`, which compares runs, and `impact`, which returns them; `batch`, `cli` and `study` print
+them.
 """
 
 from .misfit import warn_of_lag, warn_of_misfit
 from .motion import (
-    LEAST_REBOUND,
     BodyEnergy,
     BodyResult,
     ContactResult,
@@ -17,13 +17,29 @@ from .motion import (
     LeftOut,
 )
 from .plausibility import least_said, warn_of_run
+from .quantities import (
+    COLUMNS,
+    IMPACT_CHOICES,
+    QUANTITIES,
+    SCENE_CHOICES,
+    Quantity,
+    Speeds,
+    find_number,
+    like_number,
+    number_errors,
+    quantity_unit,
+    recorded,
+)
 from .record import Record
 from .result import Result
 from .run import Chosen, Handle, Run
 from .solve import TimeSolver, solve
 
 __all__ = [
-    "LEAST_REBOUND",
+    "COLUMNS",
+    "IMPACT_CHOICES",
+    "QUANTITIES",
+    "SCENE_CHOICES",
     "BodyEnergy",
     "BodyResult",
     "Chosen",
@@ -33,11 +49,18 @@ __all__ = [
     "ErrorEstimate",
     "Handle",
     "LeftOut",
+    "Quantity",
     "Record",
     "Result",
     "Run",
+    "Speeds",
     "TimeSolver",
+    "find_number",
     "least_said",
+    "like_number",
+    "number_errors",
+    "quantity_unit",
+    "recorded",
     "solve",
     "warn_of_lag",
     "warn_of_misfit",

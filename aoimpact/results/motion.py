@@ -19,7 +19,6 @@ from ..fields import Field, Probe, Response
 from ..integrate import Eventful, Events
 
 __all__ = [
-    "LEAST_REBOUND",
     "BodyEnergy",
     "BodyResult",
     "ContactResult",
@@ -29,10 +28,6 @@ __all__ = [
     "LeftOut",
 ]
 
-
-# The least scale of a relative error, as a share of the initial velocity, or of a restitution of 1:
-# a body that is all but stopped has neither.
-LEAST_REBOUND = 0.1
 
 # Errors below this share are rounding.
 _ROUNDING = 1e-9

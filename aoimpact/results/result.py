@@ -6,10 +6,8 @@ measured along the direction of travel, from where the bodies were at t = 0.
 
 from __future__ import annotations
 
-import math
 import os
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -164,17 +162,6 @@ class Result(Eventful):
         return list(self.events.contacts)
 
     @property
-    def contact_duration(self) -> float:
-        """Duration of the first contact [s]; 0.0 without contact.
-
-        A contact that the record cuts off counts up to the record's end.
-        """
-        if not self.events.contacts:
-            return 0.0
-        start, end = self.events.contacts[0]
-        return end - start
-
-    @property
     def in_contact_at_end(self) -> bool:
         """Whether the record ends in contact: its numbers are then not yet final."""
         return self.run.in_contact_at_end
@@ -186,7 +173,7 @@ class Result(Eventful):
         NaN without a rebound, if the bodies have not met or the record ends in contact, and where
         the centre of mass is not known (see `BodyResult`).
         """
-        return self.parting[0] if self._rebounds else math.nan
+        return self.value("rebound_velocity")
 
     @property
     def restitution(self) -> float:
@@ -196,15 +183,26 @@ class Result(Eventful):
         constrained or of infinite mass. NaN without a rebound, and where a centre of mass
         is not known.
         """
-        target = self.run.plan.bodies[1]
-        known = target.fixed or target.centre_known
-        return self.parting_speed / self.velocity if known and self._rebounds else math.nan
+        return self.value("restitution")
 
-    @property
-    def _rebounds(self) -> bool:
-        """Whether the projectile has a rebound that is known."""
-        parted = bool(self.events.contacts) and not self.in_contact_at_end
-        return parted and self.run.plan.bodies[0].centre_known
+    def value(self, name: str) -> float:
+        """Return a number that sums up the impact, by the name of a quantity of interest.
+
+        NaN where there is no such number, such as the restitution of bodies that have not parted.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If there is no number of that name.
+
+        Examples
+        --------
+        >>> ball = ao.rigid(mass=0.1)
+        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e9), velocity=1.0)
+        >>> hit.value("contact_count")
+        1.0
+        """
+        return self.run.value(name)
 
     @property
     def parting_speed(self) -> float:
@@ -212,7 +210,7 @@ class Result(Eventful):
         ours, theirs = self.parting
         return (0.0 if self.run.plan.bodies[1].fixed else theirs) - ours
 
-    @cached_property
+    @property
     def parting(self) -> tuple[float, float]:
         """Mean velocities of projectile and target, to compare runs by [m/s].
 

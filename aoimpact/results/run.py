@@ -32,7 +32,8 @@ from .export import as_dataframe, as_dataset
 from .misfit import warn_of_later_motion
 from .motion import BodyEnergy, BodyResult, ContactResult, Cost, Energy, ErrorEstimate, LeftOut
 from .plot import During
-from .summary import place_words, support_words
+from .quantities import named_number
+from .summary import SHOWN, error_row, place_words, support_words
 from .table import ROLES, body_names, different, run_columns, write_csv
 
 if TYPE_CHECKING:
@@ -114,6 +115,8 @@ class Chosen:
         Its estimated error from these models.
     numbers : mapping of str to float
         The estimated error of each number that sums up the run.
+    largest : str
+        Of a history, its largest value over the record, with its unit.
     """
 
     models: tuple[Any, ...]
@@ -121,6 +124,7 @@ class Chosen:
     rtol: float
     error: float
     numbers: Mapping[str, float]
+    largest: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -307,15 +311,19 @@ class Run:
         """
         return self._layout.centre_velocities(self._rows)
 
-    @property
+    @cached_property
     def parting(self) -> FloatArray:
         """`mean_velocities` at the end of the last contact, or of the record, shape (bodies,)."""
         ends = [events.contacts[-1][1] for events in self.events if events.contacts]
         end = max(ends, default=self.duration)
         if self.recorder.dense:
             at_end = self._recorded(np.array([min(end, self.duration)]), energies=False)
-            return self._layout.centre_velocities(at_end)[:, 0]
-        return self.mean_velocities[:, min(int(np.searchsorted(self.t, end)), len(self.t) - 1)]
+            speeds = self._layout.centre_velocities(at_end)[:, 0]
+        else:
+            at = min(int(np.searchsorted(self.t, end)), len(self.t) - 1)
+            speeds = self.mean_velocities[:, at]
+        speeds.flags.writeable = False
+        return speeds
 
     @cached_property
     def contacts(self) -> tuple[ContactResult, ...]:
@@ -393,6 +401,38 @@ class Run:
     def events(self) -> tuple[Events, ...]:
         """Of each contact: the solver's own where it locates them, else found between the steps."""
         return self.recorder.events
+
+    def value(self, name: str) -> float:
+        """Return a number that sums up the run, by its name.
+
+        Parameters
+        ----------
+        name : str
+            "restitution", of a scene of one contact, "contacts.0.peak_force" or any other number
+            of a contact, "bodies.0.rebound_velocity": the names of `ErrorEstimate.numbers`.
+
+        Returns
+        -------
+        float
+            NaN where there is no such number, such as the restitution of bodies that have not
+            parted.
+
+        Raises
+        ------
+        InputError, InputTypeError
+            If there is no number of that name.
+
+        Examples
+        --------
+        >>> scene = ao.Scene()
+        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+        >>> wall = scene.add(ao.rigid(mass=float("inf")))
+        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+        >>> run = scene.simulate(duration=1e-3)
+        >>> round(run.value("restitution"), 6), round(run.value("bodies.0.rebound_velocity"), 6)
+        (1.0, -1.0)
+        """
+        return named_number(self, name)
 
     @property
     def in_contact_at_end(self) -> bool:
@@ -574,10 +614,10 @@ class Run:
     def _lines(self) -> list[tuple[str, str]]:
         lines = [
             (self.names[i], f"{body.label}{support_words(body)}{_places(body)}")
-            for i, body in enumerate(self.plan.bodies[:_SHOWN])
+            for i, body in enumerate(self.plan.bodies[:SHOWN])
         ]
         told = self.error.told
-        for i, events in enumerate(self.events[:_SHOWN]):
+        for i, events in enumerate(self.events[:SHOWN]):
             within = told(f"contacts.{i}.peak_force", listed=True)
             peak = f"{quantity(events.peak_force, 'N', 5)}{within}"
             peak += f" at {quantity(events.peak_time, 's')}{told(f'contacts.{i}.peak_time')}"
@@ -587,8 +627,10 @@ class Run:
             times += ", more or less" if uncertain else ""
             lines.append((self.contact_names[i], f"{peak}, {times}" if count else "none"))
         bodies, contacts = len(self.plan.bodies), len(self.events)
-        if max(bodies, contacts) > _SHOWN:
+        if max(bodies, contacts) > SHOWN:
             lines.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
+        if self.chosen is not None:
+            lines.append(error_row(self))
         lines += [("solver", self.solver), ("cost", str(self.cost))]
         return lines
 
@@ -606,9 +648,6 @@ def _places(body: SceneBody) -> str:
 
 # Of each body so many places are told.
 _PLACES = 2
-
-# A summary of more bodies or contacts than these helps nobody.
-_SHOWN = 12
 
 
 def _energy(rows: FloatArray, layout: RecordLayout) -> Energy:

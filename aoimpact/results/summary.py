@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,15 +12,20 @@ import numpy as np
 from ..base import quantity
 from ..fem import ContactPoint
 from ..reduction import AOModel, touched
-from .motion import LEAST_REBOUND, in_words, percent
+from .motion import in_words, percent
+from .quantities import QUANTITIES, Quantity
 
 if TYPE_CHECKING:
     from ..scene import SceneBody
     from .motion import BodyResult
     from .result import Result
+    from .run import Run
 
 
 _RIGID = "rigid", "wall"
+
+# A summary of more bodies or contacts than these helps nobody.
+SHOWN = 12
 
 # Coordinates that are rounding, m.
 _NOTHING = 1e-12
@@ -42,9 +48,9 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
             ("impulse", quantity(result.impulse, "N s") + result.error.told("impulse")),
         ]
     rows += [
-        ("rebound velocity", _rebound(result, "rebound_velocity", " m/s")),
+        ("rebound velocity", _rebound(result, "rebound_velocity")),
         ("restitution", _rebound(result, "restitution")),
-        (_of_what(result), _error(result)),
+        error_row(result.run),
         ("solver", result.solver),
     ]
     chosen = [model for model in result.models or () if isinstance(model, AOModel)]
@@ -105,15 +111,12 @@ def place_words(tip: ContactPoint | None, *, rigid: bool = False) -> str:
     return f", {what} at ({point}) m along ({along})"
 
 
-def _rebound(result: Result, name: str, unit: str = "") -> str:
-    value = getattr(result, name)
-    if not math.isnan(value):
-        least = LEAST_REBOUND * (abs(result.velocity) if unit else 1.0)
-        error = result.error.of(name)
-        if abs(value) < least and error is not None and math.isfinite(error):
-            return f"{value:.5g}{unit} ± {error * least:.2g}{unit}"  # what `error` is relative to
-        return f"{value:.5g}{unit}{result.error.told(name)}"
-    return "none" if result.in_contact_at_end or not result.contacts else "not known"
+def _rebound(result: Result, name: str) -> str:
+    interest, value, error = QUANTITIES[name], result.value(name), result.error
+    if math.isnan(value):
+        return "none" if result.in_contact_at_end or not result.contacts else "not known"
+    absolute = _absolute(result.run, interest, value, error.of(name))
+    return f"{_number(interest, value)}{absolute or error.told(name)}"
 
 
 def _gap(result: Result) -> str:
@@ -140,47 +143,81 @@ def _contact(result: Result) -> str:
     return text
 
 
-def _of_what(result: Result) -> str:
-    known = result.error.quantity is not None or result.error.mesh is not None
-    return "error" if known else "error of the peak"
+def error_row(run: Run) -> tuple[str, str]:
+    """Return what is known of the error: of the quantity of interest, with its value and tolerance.
 
-
-def _error(result: Result) -> str:
-    """Of the quantity of interest: of a history, at its worst over the record."""
-    error = result.error
+    Of a history, at its worst over the record.
+    """
+    error = run.error
     parts = {
         "mesh": error.mesh,
         "contact": error.contact,
         "model": error.reduction,
         "time": error.time,
     }
-    if error.mesh is None and not any(body.model.contact_points for body in result.run.plan.bodies):
+    if error.mesh is None and not any(body.model.contact_points for body in run.plan.bodies):
         del parts["mesh"], parts["contact"]  # there is none
-    known = [part for part in parts.values() if part is not None]
     listed = in_words(parts)
     if error.quantity is None and error.mesh is None:
-        return f"{listed} %"
-    total = math.fsum(known)
-    within = f"± {percent(total)} %" if math.isfinite(total) else "not bounded"
-    interest = error.quantity or "force"
-    if interest == "contact_count":  # a share of a number of contacts is none
-        sure = not any(part for cause, part in parts.items() if cause != "time")
-        return f"contact count {'certain' if sure else 'more or less'} ({listed})"
-    name = interest.replace("_", " ")
-    if interest not in {*error.numbers, *error.left_out.mesh_numbers}:  # a history
-        name += f", at its worst over the record{_when(result)},"
+        return "error of the peak", f"{listed} %"
+    text = f"{_interest(run, parts)} ({listed})"
     if error.quantity is None:
-        return f"{name} {within} ({listed})"
+        return "error", text
     aim = f"{100.0 * (error.rtol or 0.0):.2g} %"
     missed = (error.reduction or 0.0) > (error.rtol or 0.0)
     chosen = f"no models tried meet {aim}" if missed else f"models and steps chosen for {aim}"
-    return f"{name} {within} ({listed}); {chosen}"
+    return "error", f"{text}; {chosen}"
 
 
-def _when(result: Result) -> str:
-    """In which contact the force is off most, where there are several: mostly by when it begins."""
-    when = result.error.left_out.worst_time
-    if when is None or len(result.contacts) < 2 or (result.error.quantity or "force") != "force":
+def _interest(run: Run, parts: Mapping[str, float | None]) -> str:
+    """The quantity of interest, its value and all of its error."""
+    name = run.error.quantity or "force"
+    words, interest = name.replace("_", " "), QUANTITIES.get(name)
+    total = math.fsum(part for part in parts.values() if part is not None)
+    within = f" ± {percent(total)} %" if math.isfinite(total) else " not bounded"
+    if interest is None or interest.is_history:
+        largest = f" up to {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
+        return f"{words}{largest}, at its worst over the record{_when(run)},{within}"
+    values = interest.named(run)
+    if interest.count:  # a share of a number of contacts is none
+        sure = not any(part for cause, part in parts.items() if cause != "time")
+        within = f", {'certain' if sure else 'more or less'}"
+    if len(values) == 1:
+        [value] = values.values()
+        absolute = _absolute(run, interest, value, total)
+        return f"{words} {_number(interest, value)}{absolute or within}"
+    called = run.contact_names if interest.each == "contacts" else run.names
+    told = [
+        f"{_number(interest, value)} of {of}"
+        for of, value in zip(called, values.values(), strict=True)
+        if not math.isnan(value)
+    ]
+    more = ["…"] if len(told) > SHOWN else []
+    return f"{words} {', '.join(told[:SHOWN] + more)}{within}"
+
+
+def _number(interest: Quantity, value: float) -> str:
+    """A number with its unit; velocities without a prefix, to be compared by eye."""
+    if math.isnan(value):
+        return "none"
+    if interest.count or not interest.unit or "/" in interest.unit:
+        return f"{value:.5g} {interest.unit}".rstrip()
+    return quantity(value, interest.unit, 5)
+
+
+def _absolute(run: Run, interest: Quantity, value: float, error: float | None) -> str:
+    """The error in the number's own unit, if the number is below what errors are relative to."""
+    least = 0.0 if interest.least is None else interest.least(run)
+    if error is None or not math.isfinite(error) or not abs(value) < least:
         return ""
-    away = [max(start - when, when - end) for start, end in result.contacts]
+    return f" ± {error * least:.2g} {interest.unit}".rstrip()
+
+
+def _when(run: Run) -> str:
+    """In which contact the force is off most, where there are several: mostly by when it begins."""
+    when = run.error.left_out.worst_time
+    several = len(run.events) == 1 and len(run.events[0].contacts) > 1
+    if when is None or not several or (run.error.quantity or "force") != "force":
+        return ""
+    away = [max(start - when, when - end) for start, end in run.events[0].contacts]
     return f" (in contact {away.index(min(away)) + 1} of {len(away)})"

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import SCENE_CHOICES
 from ..base import InputError, nearest
 from ..fem import (
     ContactPoint,
@@ -41,7 +40,7 @@ from ..reduction import (
     modal,
     rigid,
 )
-from ..results import Handle
+from ..results import SCENE_CHOICES, Handle
 from .names import LAWS, SOLVERS
 
 __all__ = ["Builder", "Kept", "member_name"]

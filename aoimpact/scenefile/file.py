@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..accuracy import COLUMNS, keeper
+from ..accuracy import keeper
 from ..base import (
     AOImpactError,
     InputError,
@@ -26,7 +26,7 @@ from ..base import (
     texts,
 )
 from ..impact import simulate
-from ..results import Result, Run
+from ..results import COLUMNS, Result, Run
 from .build import Builder, Kept, member_name
 from .names import SCENE_FILE
 from .ranges import at_place, check_apart, grid_of, sweep_problems

@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
-from ..accuracy import QUANTITIES, Hierarchy, first_guess, model_hierarchy
+from ..accuracy import Hierarchy, first_guess, model_hierarchy
 from ..base import AOImpactError, InputError, boolean, held_warnings, integer, sequence
 from ..impact import fitted_pair, meeting, plan_impact, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw
 from ..linalg import Solver, checked_solver
 from ..reduction import AOModel, BodyModel, FullModel, ModalModel, body_model, full, modal
-from ..results import Result
+from ..results import QUANTITIES, Result
 from .comparison import Compared, Comparison
 
 __all__ = ["compare"]
@@ -93,7 +93,9 @@ def compare(
         with held_warnings():
             return run(projectile=models[0], target=models[1], solver=Adaptive(rtol=_IN_TIME))
 
-    contact_time, span = first_guess(bodies, quick, QUANTITIES["target_displacement"])
+    contact_time, span = first_guess(
+        bodies, lambda models: quick(models).run, QUANTITIES["target_displacement"]
+    )
     linear = checked_solver(linear_solver, name="linear_solver")
     hierarchies = tuple(
         model_hierarchy(body, contact_time, max(span, duration), linear) for body in bodies

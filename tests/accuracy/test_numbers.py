@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.accuracy import COLUMNS, QUANTITIES
 from aoimpact.cli.files import as_json, numbers, rows
 from aoimpact.impact.scene import SceneCase
+from aoimpact.results import COLUMNS, QUANTITIES
 from aoimpact.results.motion import ErrorEstimate
 
 from twelve import IMPACTS
 
-NUMBERS = {name: one for name, one in QUANTITIES.items() if one.number is not None}
+NUMBERS = {name: one for name, one in QUANTITIES.items() if not one.is_history}
 STRUCK = ("tip of a cantilever, for long", "held plate", "rod on rod", "slow")
 
 
@@ -45,8 +45,8 @@ def test_the_error_said_of_every_number_is_true(name, rtol):
     assert set(hit.error.numbers) == {*NUMBERS, "contacts"}
     assert hit.error.numbers["peak_force"] == hit.error.reduction <= rtol
     for name, quantity in NUMBERS.items():
-        found, exact = quantity.number(hit), quantity.number(right)
-        scale = max(abs(exact), 0.0 if quantity.least is None else quantity.least(right))
+        found, exact = hit.value(name), right.value(name)
+        scale = max(abs(exact), 0.0 if quantity.least is None else quantity.least(right.run))
         assert abs(found - exact) <= (1.5 * hit.error.numbers[name] + 1e-3) * scale, name
     if len(hit.contacts) != len(right.contacts):
         assert hit.error.numbers["contacts"] == math.inf
@@ -59,7 +59,9 @@ def test_a_summary_tells_what_was_controlled():
     within = float(f"{100.0 * hit.error.of('restitution'):.2g}")
     assert lines["restitution"].endswith(f" ± {within:g} %")
     assert " ± " in lines["peak force"].partition(" at ")[2]
-    assert re.match(r"peak force ± .* %( \(.*model .*\))?; .* chosen for 1 %", lines["error"])
+    assert re.match(
+        r"peak force [\d.]+ N ± .* %( \(.*model .*\))?; .* chosen for 1 %", lines["error"]
+    )
     assert f"± {within:g} %" in hit._repr_html_()
     assert (hit.error.quantity, hit.error.rtol) == ("peak_force", 1e-2)
 

@@ -13,6 +13,7 @@ import aoimpact as ao
 from aoimpact import _core
 from aoimpact.batch.plain import PLAIN_NUMBERS, plain_numbers
 from aoimpact.reduction.modalbody import modal_body
+from aoimpact.results import COLUMNS
 from aoimpact.study.scenes import beam_star, pair
 
 NAMES = tuple(sorted(PLAIN_NUMBERS))
@@ -33,7 +34,7 @@ def case(**changes: Any) -> dict[str, Any]:
 
 
 def numbers_of(result: ao.Result) -> dict[str, float]:
-    own = {name: getattr(result, name) for name in NAMES if name != "error.time"}
+    own = {name: result.value(name) for name in NAMES if name != "error.time"}
     assert result.error.time is not None
     return own | {"error.time": result.error.time}
 
@@ -65,6 +66,11 @@ def test_every_plain_impact_has_the_numbers_of_simulate() -> None:
     together = plain_numbers(PLAIN, NAMES)
     for one, found in zip(PLAIN, together, strict=True):
         assert bits(found) == bits(numbers_of(ao.simulate(**one))), one
+
+
+def test_sweeps_that_are_not_told_what_to_keep_are_plain() -> None:
+    slow = set(COLUMNS) - PLAIN_NUMBERS
+    assert not slow, f"leave column=True out: {slow} take each impact of a sweep off the fast path"
 
 
 @pytest.mark.parametrize("name", sorted(LAWS))

@@ -283,4 +283,4 @@ def test_a_number_of_contacts_is_certain_or_not() -> None:
     block = ao.FEModel.from_mesh(ao.box_mesh((0.05, 0.05, 0.05), (4, 4, 4)), STEEL)
     tip = block.contact(point=(0.025, 0.025, 0.05))
     hit = ao.simulate(ao.ball(0.01, STEEL), tip, 1.0, quantity="contact_count")
-    assert "contact count certain (mesh 0, contact 0, model 0" in repr(hit)
+    assert "contact count 1, certain (mesh 0, contact 0, model 0" in repr(hit)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.accuracy import QUANTITIES
 from aoimpact.base import LawLimitError, units
 from aoimpact.batch.fingerprint import Fingerprints
 from aoimpact.laws import PatchLaw, effective_law, own_law
+from aoimpact.results import QUANTITIES
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800.0)
 LAW = ao.Hertz.between(STEEL, 0.01, STEEL, 0.01)

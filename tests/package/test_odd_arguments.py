@@ -408,6 +408,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         },
     ),
     "Result.at": (HIT.at, {"times": [1e-4]}),
+    "Result.value": (HIT.value, {"name": "restitution"}),
+    "Run.value": (HIT.run.value, {"name": "peak_force"}),
     "Result.to_csv": (HIT.to_csv, {"path": None}),
     "probe": (
         FIELDS.target.probe,

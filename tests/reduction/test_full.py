@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.accuracy import QUANTITIES
+from aoimpact.results import QUANTITIES
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 HERTZ = ao.Hertz(k=1e9)

@@ -1,0 +1,400 @@
+"""The quantities of interest: what an impact or a scene is summed up by.
+
+`QUANTITIES` is the only table of them. ``quantity=``, `Run.value`, summaries, the errors of a
+result, the names that ``keep=`` takes, the columns of a sweep with their units, the fast path of
+`simulate_many` and the comparison of models all read it. An impact is a scene of two bodies: of a
+number that each contact or each body has, it has the first. CONTRIBUTING.md says what goes with a
+new one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base import FloatArray, InputError, nearest, text
+from ..integrate import Events
+
+if TYPE_CHECKING:
+    from .result import Result
+    from .run import Run
+
+__all__ = [
+    "COLUMNS",
+    "IMPACT_CHOICES",
+    "QUANTITIES",
+    "SCENE_CHOICES",
+    "Quantity",
+    "Speeds",
+    "find_number",
+    "like_number",
+    "named_number",
+    "number_errors",
+    "quantity_unit",
+    "recorded",
+]
+
+# A run and times, s, to values of shape (rows, times).
+History = Callable[["Run", FloatArray], FloatArray]
+
+# The least scale of a relative error, as a share of the largest contact of a scene: one that only
+# grazes has no digits of its own.
+_LEAST_CONTACT = 0.1
+
+# The same, as a share of the largest initial velocity, or of a restitution of 1: a body that is all
+# but stopped has neither.
+_LEAST_REBOUND = 0.1
+
+
+def recorded(rows: Callable[[Run], FloatArray]) -> History:
+    """Return a history from rows that a run has at its own times, shape (rows, times)."""
+
+    def history(run: Run, times: FloatArray) -> FloatArray:
+        if run.t is times:
+            return rows(run)
+        try:
+            return rows(run.at(times))
+        except InputError:  # of a run with fixed steps, known at these only
+            return np.array([np.interp(times, run.t, row) for row in rows(run)])
+
+    return history
+
+
+@dataclass(frozen=True, eq=False)
+class Speeds:
+    """How bodies move before their contacts and after them.
+
+    Arrays of shape (bodies,), or (bodies, impacts) of many impacts at once.
+
+    Attributes
+    ----------
+    before, after : array
+        Velocities of the centres of mass along the direction of travel, m/s; `after` is NaN where
+        it is not known or contact has not ended.
+    fixed : array of bool
+        Whether a body is constrained, or a wall.
+    pair : (int, int) or None
+        The bodies of the contact, if there is only one.
+    """
+
+    before: FloatArray
+    after: FloatArray
+    fixed: Any
+    pair: tuple[int, int] | None = (0, 1)
+
+    @property
+    def still(self) -> Any:
+        """Which bodies are held at rest."""
+        return self.fixed & (self.before == 0.0)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Numbers or histories of a run, by one of four functions.
+
+    Attributes
+    ----------
+    name, unit : str
+    of_contact : callable, optional
+        Of the `Events` of a contact: its number.
+    of_speeds : callable, optional
+        Of `Speeds`: numbers, shape (k,) or (k, impacts). This and `of_contact` are all that the
+        fast path of `simulate_many` has; other numbers take an impact off it.
+    of_run : callable, optional
+        Of a `Run`: numbers, shape (k,).
+    history : callable, optional
+        Of a `Run` and times, s: shape (rows, times).
+    each : {"contacts", "bodies", ""}
+        What has the k numbers, or the histories: each contact, each body, or the run as a whole,
+        which has then one or, where there is no such number in its scene, none. A single number
+        that is not known is NaN.
+    scenes : bool
+        Whether scenes have it, or impacts of two bodies only.
+    column : bool
+        Whether a sweep keeps it if it is not told what to keep.
+    count : bool
+        Whether it counts something, so that it is right or wrong.
+    lasting : bool
+        Whether the motion after the last contact is part of it.
+    least : callable, optional
+        Of the more exact `Run`: errors are relative to no less.
+    local : callable, optional
+        Of a `Run`: what the elements leave out of it where it is taken, relative, though the force
+        be right.
+    """
+
+    name: str
+    unit: str
+    of_contact: Callable[[Events], Any] | None = None
+    of_speeds: Callable[[Speeds], FloatArray] | None = None
+    of_run: Callable[[Run], FloatArray] | None = None
+    history: History | None = None
+    each: str = "contacts"
+    scenes: bool = True
+    column: bool = False
+    count: bool = False
+    lasting: bool = False
+    least: Callable[[Run], float] | None = None
+    local: Callable[[Run], float] | None = None
+
+    @property
+    def is_history(self) -> bool:
+        """Whether it is a history, or several, rather than numbers."""
+        return self.history is not None
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the fast path of `simulate_many` has it."""
+        return self.of_contact is not None or self.of_speeds is not None
+
+    def of_plain(self, events: Events, speeds: Speeds) -> FloatArray:
+        """Return the number of many impacts, from arrays of shape (impacts,) in place of numbers.
+
+        Only if `is_plain`.
+        """
+        if self.of_contact is not None:
+            number = self.of_contact(events)
+        else:
+            assert self.of_speeds is not None
+            number = self.of_speeds(speeds)[0]
+        return np.broadcast_to(np.asarray(number, dtype=np.float64), speeds.before.shape[1:])
+
+    def named(self, run: Run) -> dict[str, float]:
+        """Return the numbers of a run by the names that they are kept by.
+
+        Such as "peak_force" of an impact, "contacts.0.peak_force" of a scene.
+        """
+        each = self.each if run.plan.scene else ""
+        return {
+            f"{each}.{i}.{self.name}" if each else self.name: value
+            for i, value in enumerate(self._values(run).tolist())
+        }
+
+    def difference(self, run: Run | Result, exact: Run | Result) -> float:
+        """Return how far a run is from a more exact one: the largest `deviation`."""
+        return float(np.abs(self.deviation(run, exact)).max(initial=0.0))
+
+    def deviation(self, run: Run | Result, exact: Run | Result) -> FloatArray:
+        """Return by how much a run gives more than a more exact one, relative.
+
+        Flat, contact by contact, of histories at the times of the more exact run. Relative to the
+        largest value of the history, or to the number; in a scene to no less than a tenth of the
+        largest of all contacts.
+        """
+        ours, theirs = _run_of(run), _run_of(exact)
+        if self.history is not None:
+            mine, right = (self.history(one, exact.t) for one in (ours, theirs))
+            size = np.abs(right).max(axis=1)
+        else:
+            mine, right = (self._values(one, known=False) for one in (ours, theirs))
+            there = ~(np.isnan(mine) & np.isnan(right))
+            if not there.any():  # nothing that would tell one from the other
+                return np.array([math.inf])
+            mine, right = mine[there], right[there]
+            size = np.abs(right)
+        scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
+        return _relative(mine - right, self._at_least(scales, theirs)).ravel()
+
+    def changes(self, run: Run, exact: Run) -> FloatArray:
+        """Return by how much each number of a run differs from that of a more exact one."""
+        ours, theirs = (self._values(one, known=False) for one in (run, exact))
+        return np.abs(_relative(ours - theirs, self._at_least(np.abs(theirs), exact)))
+
+    def span(self, run: Run | Result) -> float:
+        """Return how long, s, the motion must be right for this quantity to be so.
+
+        What nothing drives moves without deforming until the first contact.
+        """
+        run = _run_of(run)
+        touched = [of.contacts for of in run.events if of.contacts]
+        plan = run.plan
+        driven = plan.preload or plan.gravity or plan.loads
+        first = 0.0 if driven else min((each[0][0] for each in touched), default=0.0)
+        if self.lasting:
+            return run.duration - first
+        return max((each[-1][1] for each in touched), default=first) - first
+
+    def contact_time(self, run: Run | Result) -> float | None:
+        """Return the duration of the first contact, s, or None where none ends in the record.
+
+        Of a scene that of the shortest of the hard contacts, where its force is largest.
+        """
+        run = _run_of(run)
+        if not run.plan.scene:
+            return run.events[0].contact_duration or None
+        hardest = max((of.peak_force for of in run.events), default=0.0)
+        lasting = [
+            next(end - start for start, end in of.contacts if of.peak_time <= end)
+            for of in run.events
+            if of.contacts and of.peak_force >= _LEAST_CONTACT * hardest
+        ]
+        return min((time for time in lasting if time > 0.0), default=None)
+
+    def _values(self, run: Run, *, known: bool = True) -> FloatArray:
+        """The numbers; not known: those to compare runs by, where any motion will do."""
+        if self.of_contact is not None:
+            values = np.array([float(self.of_contact(events)) for events in run.events])
+        elif self.of_speeds is not None:
+            values = self.of_speeds(_speeds(run, known=known))
+        else:
+            assert self.of_run is not None
+            values = self.of_run(run)
+        return values if run.plan.scene else values[:1]
+
+    def _at_least(self, scales: FloatArray, exact: Run) -> FloatArray:
+        return scales if self.least is None else np.maximum(scales, self.least(exact))
+
+
+def find_number(run: Run, name: str) -> float | None:
+    """Return a number of a run by its name, as of `Quantity.named`; None where there is none."""
+    quantity = QUANTITIES.get(name.rpartition(".")[2])
+    if quantity is None or quantity.is_history:
+        return None
+    return quantity.named(run).get(name)
+
+
+def named_number(run: Run, name: str) -> float:
+    """Return a number of a run by its name.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        If the run has no such number.
+    """
+    if (found := find_number(run, text("name", name))) is not None:
+        return found
+    names = [one for of in QUANTITIES.values() if not of.is_history for one in of.named(run)]
+    cure = like_number(run, name) or nearest(name, names)
+    raise InputError(f"name: the run has no number {name!r}{cure}")
+
+
+def like_number(run: Run, name: str) -> str:
+    """Return which number of the same quantity a run has, for messages; empty if it has none."""
+    quantity = QUANTITIES.get(name.rpartition(".")[2])
+    names = [] if quantity is None or quantity.is_history else [*quantity.named(run)]
+    return f": take {names[0]!r}" if names else ""
+
+
+def number_errors(run: Run, larger: Sequence[Run], safety: float = 1.0) -> dict[str, float]:
+    """Return by how much each number that sums up a run may be wrong, relative.
+
+    The largest of its changes to more exact runs, times `safety`, by the names by which the numbers
+    are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of a number that
+    there is not. "contacts" ("contacts.0.intervals") is infinite where the runs have not as many of
+    them.
+    """
+    errors: dict[str, float] = {}
+    for quantity in QUANTITIES.values():
+        if quantity.is_history:
+            continue
+        changes = [quantity.changes(run, other) for other in larger]
+        for i, (name, value) in enumerate(quantity.named(run).items()):
+            most = float(np.max([change[i] for change in changes], initial=0.0))
+            errors[name] = math.nan if math.isnan(value) else safety * most
+    for i, events in enumerate(run.events):
+        as_many = all(len(other.events[i].contacts) == len(events.contacts) for other in larger)
+        name = f"contacts.{i}.intervals" if run.plan.scene else "contacts"
+        errors[name] = 0.0 if as_many else math.inf
+    return errors
+
+
+def _run_of(run: Run | Result) -> Run:
+    found: Any = run
+    whole: Run = getattr(found, "run", found)
+    return whole
+
+
+def _speeds(run: Run, *, known: bool) -> Speeds:
+    """Of a run; not known: after the contacts or at the record's end, of whatever is recorded."""
+    bodies, contacts, after = run.plan.bodies, run.plan.contacts, run.parting
+    if known:
+        parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
+        after = np.where([parted and body.centre_known for body in bodies], after, np.nan)
+    return Speeds(
+        np.array(run.plan.velocities, dtype=np.float64),
+        after,
+        np.array([body.fixed for body in bodies]),
+        (contacts[0].first, contacts[0].second) if len(contacts) == 1 else None,
+    )
+
+
+def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
+    """Rows over their scales; of a scale of 0 a difference is infinite."""
+    scales = scales.reshape(-1, *(1,) * (difference.ndim - 1))
+    relative = np.where(difference == 0.0, 0.0, np.copysign(np.inf, difference))
+    np.divide(difference, scales, out=relative, where=np.broadcast_to(scales > 0.0, relative.shape))
+    return relative
+
+
+def _rebounds(of: Speeds) -> FloatArray:
+    """Of every body but those that are held at rest, unless all are, m/s."""
+    return np.where(of.still & ~of.still.all(axis=0), np.nan, of.after)
+
+
+def _restitution(of: Speeds) -> FloatArray:
+    """How fast the two bodies part over how fast they came; what is held at rest stays so."""
+    if of.pair is None:
+        return np.empty(0)
+    first, second = of.pair
+    came = of.before[first] - of.before[second]
+    if not np.all(came):
+        return np.empty(0)
+    after = np.where(of.still, 0.0, of.after)
+    return np.array([(after[second] - after[first]) / came])
+
+
+def _of_events(name: str, unit: str, **options: Any) -> Quantity:
+    """A number that `Events` have by the same name."""
+    return Quantity(name, unit, of_contact=attrgetter(name), **options)
+
+
+def _displacement(name: str, body: int) -> Quantity:
+    """The displacement of the contact point of a body of an impact."""
+    history = recorded(lambda run: run.bodies[body].port_displacements)
+    return Quantity(name, "m", history=history, scenes=False, lasting=True)
+
+
+_ALL = (
+    Quantity("force", "N", history=recorded(lambda run: run.forces)),
+    _of_events("peak_force", "N", column=True),
+    _of_events("peak_time", "s", column=True),
+    _of_events("contact_duration", "s", column=True),
+    _of_events("contact_count", "", count=True),
+    _of_events("impulse", "N s", column=True),
+    Quantity(
+        "rebound_velocity",
+        "m/s",
+        of_speeds=_rebounds,
+        each="bodies",
+        least=lambda run: _LEAST_REBOUND * max(map(abs, run.plan.velocities)),
+        column=True,
+    ),
+    Quantity(
+        "restitution",
+        "",
+        of_speeds=_restitution,
+        each="",
+        least=lambda _: _LEAST_REBOUND,
+        column=True,
+    ),
+    _displacement("projectile_displacement", 0),
+    _displacement("target_displacement", 1),
+)
+
+QUANTITIES = {quantity.name: quantity for quantity in _ALL}
+
+# What ``quantity=`` may be in an impact and in a scene, and what a sweep keeps by default.
+IMPACT_CHOICES = tuple(QUANTITIES)
+SCENE_CHOICES = tuple(one.name for one in _ALL if one.scenes)
+COLUMNS = tuple(one.name for one in _ALL if one.column)
+
+
+def quantity_unit(name: str) -> str:
+    """Return the unit of a number by its name, dotted or not; "" where none is known."""
+    quantity = QUANTITIES.get(name.rpartition(".")[2])
+    return "" if quantity is None or quantity.is_history else quantity.unit
