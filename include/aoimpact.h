@@ -70,7 +70,7 @@ typedef enum aoi_status {
 /* A status in words: a constant string, never NULL. */
 AOI_API const char *aoi_status_text(int status);
 
-/* By which the caller is heard while work takes long: ask(data), at least every few milliseconds. Where it
+/* A callback during long computations: ask(data), at least every few milliseconds. Where it
  * returns anything but 0, the function returns AOI_ERROR_STOPPED. ask may be NULL, and so may a pointer to
  * a pause: then it is not called. */
 typedef struct aoi_pause {

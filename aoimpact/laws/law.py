@@ -12,7 +12,7 @@ import numpy.typing as npt
 import scipy
 
 from .. import _core
-from ..base import FloatArray, InputError, InputTypeError, finite_array, positive, quantity
+from ..base import FloatArray, InputError, InputTypeError, finite_array, positive, with_unit
 from .rebound import integrated_restitution
 
 __all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw"]
@@ -91,7 +91,7 @@ class ContactLaw:
             return repr(self)
         parts = [
             f"{_SYMBOLS.get(name, name)} = "
-            + (value if isinstance(value, str) else quantity(value, units[name], 3))
+            + (value if isinstance(value, str) else with_unit(value, units[name], 3))
             for name, value in given.items()
             if value is not None
         ]
@@ -402,7 +402,7 @@ class PatchLaw(ContactLaw):
         return self.law.has_memory
 
     def __str__(self) -> str:
-        return f"{self.law}, less {quantity(self.compliance, 'm/N', 3)} of the patches"
+        return f"{self.law}, less {with_unit(self.compliance, 'm/N', 3)} of the patches"
 
     @property
     def by_caller(self) -> bool:
