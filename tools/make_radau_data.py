@@ -286,8 +286,8 @@ def declare_edges(nodes: list[mp.mpf]) -> None:
         [[lagrange(ends, x) for x in points] for points in checks],
     )
     declare(
-        "Those of the nodes at what is left of the step there.",
-        "answer_at_check[2][AOI_EDGE_CHECKS][AOI_NODES]",
+        "Those of the nodes at the share of the step that is left there.",
+        "remainder_at_check[2][AOI_EDGE_CHECKS][AOI_NODES]",
         [[lagrange(ends, 1 - x)[1:] for x in points] for points in checks],
     )
 

@@ -27,12 +27,12 @@ __all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
 _RTOL, _TIGHTEST = 1e-2, 1e-8
 
 # Shares of the tolerance: of time integration (its tolerance is for peak forces and times; the
-# error of a ringing history is twenty times as much), of fixed steps, which cost more, and of all
-# errors together, since estimates are no bounds.
+# error of an oscillating history is twenty times as large), of fixed steps, which cost more, and of
+# all errors together, since estimates are no bounds.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _MARGIN = 0.005, 0.2, 0.95
 
-# Where no tolerance was given, models need be no better than this share of what the mesh leaves out
-# of the quantity, by which the total error grows; up to the loosest default tolerance.
+# Where no tolerance was given, the models' tolerance is this share of the mesh's error of the
+# quantity, by which the total error grows; up to the loosest default tolerance.
 _SHARE_OF_MESH, _LOOSEST = 0.2, 0.1
 
 
@@ -56,7 +56,7 @@ def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
 
 
 def checked_rtol(rtol: float | None) -> float:
-    """Return the tolerance that is meant, the default one if None.
+    """Return the checked tolerance, the default one if None.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def choose_models(
     Parameters
     ----------
     plan_of : callable
-        Of a model for each body, and whether to record energies.
+        Returns the plan for a model of each body, and whether to record energies.
     bodies : sequence
         As of `least_orders`.
     interest : callable
@@ -116,15 +116,15 @@ def choose_models(
         If neither the largest models tried nor the given solver meet the tolerance.
     """
     tolerance, quantity = checked_rtol(rtol), interest()
-    steps, asked = isinstance(solver, Newmark), rtol is not None
+    steps, given = isinstance(solver, Newmark), rtol is not None
     in_time = max((_SHARE_OF_STEPS if steps else _SHARE_OF_TIME) * tolerance, TIGHTEST)
-    rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time, asked)
+    rule = Adaptive(rtol=in_time) if solver is None else _rule(solver, in_time, given)
     timed = partial(solve, solver=rule)
     meshed = any(getattr(body, "given", body).contact_points for body in bodies)
     finder = LeftOutFinder(interest, rule, law_errors, meshed)
 
     def enough(run: Run) -> float:
-        """The models' tolerance, looser where the mesh leaves out much more of the run."""
+        """The models' tolerance, looser where the error by the mesh is much larger."""
         nonlocal tolerance
         mesh = finder(run).mesh or 0.0
         tolerance = max(_RTOL, min(_SHARE_OF_MESH * mesh, _LOOSEST))
@@ -142,13 +142,13 @@ def choose_models(
             solver=linear_solver,
             known=known,
             anew=None if record.given else record.reopen,
-            best=not asked,
-            enough=enough if meshed and not asked else None,
+            best=not given,
+            enough=enough if meshed and not given else None,
         )
         if found.error > tolerance:
             _warn_of_the_best(found, quantity, tolerance)
         run = record.run(plan_of(found.models, energies), timed)
-    if asked:
+    if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
     left_out = replace(finder, larger=_deforming(run, found))
     return replace(run, chosen=_chosen(run, found, quantity, tolerance), left_out=left_out)
@@ -161,7 +161,7 @@ def _trial(
 ) -> Callable[[Models], Run]:
     """The run of models that are tried.
 
-    run: of a plan, and whether its bodies tell when the record is over; see `Record.run`.
+    run: of a plan, and whether its bodies determine the length of the record; see `Record.run`.
     """
 
     def trial(models: Models) -> Run:
@@ -169,14 +169,14 @@ def _trial(
             _order(model) or _order(getattr(body, "given", body)) == 0
             for model, body in zip(models, bodies, strict=True)
         )
-        with held_warnings():  # those of the models taken come with the last run
+        with held_warnings():  # the last run repeats those of the chosen models
             return run(plan_of(models, False), flexible)
 
     return trial
 
 
 def _chosen(run: Run, found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
-    """What the run says of its models, and how wrong its numbers may be by them."""
+    """The record of the chosen models, and the errors of the run's numbers by them."""
     models = tuple(body.model for body in run.plan.bodies)
     numbers = number_errors(found.run, found.larger, found.safety)
     if not quantity.is_history:
@@ -194,7 +194,7 @@ def _largest(quantity: Quantity, run: Run) -> str:
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:
-    """Say what the largest models leave open, and why."""
+    """Warn that the largest models do not meet the default tolerance, and why."""
     count = max(len(events.contacts) for events in found.run.events)
     why = (
         f"of its {count} contacts each begins from the motion that those before have left, so that "
@@ -210,7 +210,7 @@ def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> No
 
 
 def _deforming(run: Run, found: Orders) -> Run | None:
-    """The run of the largest models, if one of them deforms where that of the run does not."""
+    """The run of the largest models, if a body deforms in it that is rigid in the run."""
     for larger in found.larger[-1:]:
         pairs = zip(run.plan.bodies, larger.plan.bodies, strict=True)
         if any(_order(one.model) == 0 < _order(other.model) for one, other in pairs):
@@ -219,20 +219,20 @@ def _deforming(run: Run, found: Orders) -> Run | None:
 
 
 def _order(model: Any) -> int:
-    """The number of a model's oscillators; of a full one, that leaves out nothing, 1."""
+    """The number of a model's oscillators; 1 for a full model, which is not reduced."""
     return getattr(model, "n", 1)
 
 
-def _rule(solver: Any, in_time: float, asked: bool) -> Any:
+def _rule(solver: Any, in_time: float, given: bool) -> Any:
     """Return the given solver, with a tolerance for its steps where it chooses them.
 
-    asked: whether a tolerance was given, that it must keep.
+    given: whether a tolerance was given, which it must keep.
     """
     if not isinstance(solver, Newmark):
         return solver
     if solver.dt is None:
         return replace(solver, rtol=min(solver.rtol, in_time))
-    if asked and not solver.estimate:
+    if given and not solver.estimate:
         raise InputError(
             f"solver=Newmark(dt={solver.dt:g}, estimate=False) leaves the error of its steps "
             "unknown, and rtol cannot be kept: leave estimate=False out, or give models and "

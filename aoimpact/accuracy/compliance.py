@@ -1,23 +1,24 @@
-"""What the compliance of a contact point leaves out: the mesh's error, and the half-space's.
+"""Errors of a contact point's compliance: by the mesh, and by the half-space of the contact law.
 
-The contact sees a body through G = bᵀx with x = (K + s²M)⁻¹ b, s = 10/T for a contact of duration
-T. Two things are wrong with it.
+The compliance of a body at its contact point is G = bᵀx with x = (K + s²M)⁻¹ b, s = 10/T for a
+contact of duration T. It has two errors.
 
-*Mesh.* Elements are too stiff: G is too small by the energy of the error of x, which the jumps of
-its stress between elements estimate (`energy_error`).
+*Mesh.* Elements are too stiff: G is too small by the energy of the error of x, which is estimated
+by the jumps of its stress between elements (`energy_error`).
 
-*Contact.* The law contains the deflection of a half-space under the contact, and that under the
-patch is taken out, c = 0.6/(r E*). What is left of the body, R(r) = G - c, should be the same for
-every r. It is not where the body about the patch is no half-space: R(r) - R(a) with a the radius of
-the contact itself is then wrong. It is seen in x. What the body adds to the half-space's
-displacement is smooth, w(ρ) = g₀ + g₁ (ρ² + ⟨ρ²⟩) around the point, with the mean ⟨ρ²⟩ = 0.4 r²
-under the pressure and, by reciprocity, with the same g₁ for both. So R(r) = g₀ + 0.8 g₁ r². On
-circles about the patch w hardly depends on how well the mesh resolves the patch. (A second
-solution, with another radius, is no better: its difference is mostly the mesh's error. Measured on
-plates, balls and blocks.)
+*Contact.* The law contains the deflection of a half-space under the contact, and the half-space's
+deflection under the patch is subtracted from it, c = 0.6/(r E*). The rest of the body's compliance,
+R(r) = G - c, should not depend on the radius r of the patch. Where the body about the patch is no
+half-space it does: then R(r) - R(a), with a the radius of the contact itself, is an error. It
+follows from x. The difference of the body's displacement from the half-space's is smooth, w(ρ) = g₀
++ g₁ (ρ² + ⟨ρ²⟩) around the point, with the mean ⟨ρ²⟩ = 0.4 r² under the pressure and, by
+reciprocity, with the same g₁ for both. So R(r) = g₀ + 0.8 g₁ r². On circles about the patch w
+hardly depends on how well the mesh resolves the patch. (A second solution, with another radius, is
+no better: its difference is mostly the mesh's error. Measured on plates, balls and blocks.)
 
-A node, or a point, of a mesh is indented the more the finer the mesh is, and the law contains all
-of that. On circles some elements away w is known there, too, and so are g₀ and g₁.
+The indentation by a point load at a node, or a point, grows without bound as the mesh is refined,
+and the law contains all of the real one. On circles some elements away w is known for such points,
+too, and with it g₀ and g₁.
 """
 
 from __future__ import annotations
@@ -38,52 +39,54 @@ from ..reduction import SHIFT_TIMES_DURATION, AOModel, InterfaceModel, unbalance
 __all__ = ["ComplianceError", "best_radius", "compliance_error"]
 
 
-# The mesh's error over what the stress shows of it, in the median, of linear and quadratic
-# elements; and by what the estimates are multiplied. Measured on 39 patches on plates, beams and
-# cylinders, free and held, at two frequencies, against meshes ten times finer at the contact: of
-# the best estimate the true error is .4 to 1.35 times, quadratic .6 to 1.65 (5 and 95 %). The sums
-# of both errors of 40 other patches are 1.1 to 12 times the true one, 1.7 in the median.
+# Median ratio of the mesh's error to its estimate by stress jumps, for linear and quadratic
+# elements; and safety factors on the estimates. Measured on 39 patches on plates, beams and
+# cylinders, free and constrained, at two frequencies, against meshes ten times finer at the
+# contact: the true error is .4 to 1.35 times the scaled estimate, quadratic .6 to 1.65 (5 and
+# 95 %). The sums of both errors of 40 other patches are 1.1 to 12 times the true one, 1.7 in the
+# median.
 _TYPICAL = {False: 0.75, True: 1.3}
 _SAFETY_MESH, _SAFETY_CONTACT = 1.6, 1.5
 
-# Circles on which the body is compared with a half-space, in radii of the patch, and shares of them
-# that are taken where the surface has no room. Farther out they miss what goes as r⁴ near edges,
-# and farther in the mesh disturbs them more.
+# Circles on which the body is compared with a half-space, in radii of the patch, and factors on
+# their radii where the surface has no room. Larger circles miss terms of r⁴ near edges, smaller
+# ones have a larger error by the mesh.
 _CIRCLES = np.array([0.85, 1.0, 1.25])
 _CIRCLES_WITHIN = (1.0, 0.8, 0.6)
 
-# Within so many radii the mesh's error is due to the patch. On the circles it looks like a slope of
-# R of so many times what the stress shows of it, over r².
+# Within this many radii the mesh's error is attributed to the patch. On the circles it changes the
+# slope of R by this multiple of its estimate by stress jumps, over r².
 _NEAR, _DISTURBS = 2.0, 1.2
 
-# From so many edges of elements on the mesh shows what a point does to a body.
+# Distance from a point, in edges of elements, beyond which the mesh resolves the field of its load.
 _AWAY_FROM_POINT = 1.5
 
-# A contact of unknown radius is taken to be half as wide as its patch.
+# Radius of a contact of unknown radius, as a share of its patch's.
 _CONTACT_WITHIN_PATCH = 0.5
 
-# A reduced model's own field serves if it leaves no more than this of b unbalanced. Measured on
+# A reduced model's own field is used if at most this share of b remains unbalanced. Measured on
 # plates, a beam, a block and a ball, with one to 16 oscillators fitted to the contact and to twice
 # its time: below it the mesh's error is that of the solution to 2.6 %, and the contact's to 10 % of
 # both; at .026 to .15 they are off by 5 to 120 %.
 _BALANCED = 0.02
 
-# A patch is so many times as wide as the contact at least. The law less the patch's part has the
-# compliance 0.5/(a E*) - 0.6/(r E*), which is 0 at r = 1.2 a: up to there it is right, but near it
-# hardly tells a deeper contact from a shallower one.
+# Least ratio of a patch's radius to the contact's. The law less the patch's part has the compliance
+# 0.5/(a E*) - 0.6/(r E*), which is 0 at r = 1.2 a: the law is correct above, but near that ratio
+# its force hardly determines the depth.
 _LEAST_OVER_CONTACT = 1.4
 
-# The surface ends a little before the ring of quadrature points on which that is noticed; and what
-# it does to a patch is known where there are circles about the patch.
+# Largest radius of a patch as a share of the free radius of the surface, whose edge is detected on
+# a ring of quadrature points; and the same where circles about the patch must fit as well.
 _WITHIN, _ROOMY = 0.95, 0.75
 
-# Powers of 1/r with which the mesh's error near a patch falls, of linear and quadratic elements.
+# Powers of 1/r with which the mesh's error near a patch decreases, for linear and quadratic
+# elements.
 _FALLS = {False: 3.0, True: 4.0}
 
-# The search for the best radius begins at so many edges of elements, but at no more than this share
-# of the body's thickness, beyond which R no longer goes as r². It looks at radii up to so many
-# times that, and ends when they are alike: about the least of A/r⁴ + B r² the sum is 1 + 4 ln²
-# times the least, 9 % more at that share. At .75 of the thickness a force is .3 to .7 % off.
+# The search for the best radius begins at _START edges of elements, but at no more than _DEPTH of
+# the body's thickness, beyond which R is no longer quadratic in r. It covers radii up to _MOST
+# times that, and ends when two radii agree to _ALIKE: near its minimum the sum A/r⁴ + B r² is 1 + 4
+# ln² times the least, 9 % more at that ratio. At .75 of the thickness a force is .3 to .7 % off.
 _START = {False: 2.5, True: 1.4}
 _DEPTH, _MOST, _RADII, _TRIES, _ALIKE = 0.5, 2.0, 40, 3, 0.15
 
@@ -125,7 +128,7 @@ def compliance_error(
     displacement: FloatArray | None = None,
     port: int = 0,
 ) -> ComplianceError | None:
-    """Return what the compliance of a contact point leaves out; None where that is not known.
+    """Return the errors of a contact point's compliance; None where they are not known.
 
     It is known of bodies made from a mesh, at places where the surface has a normal and goes on for
     three quarters of the patch's radius; not of a model without oscillators, which leaves out all.
@@ -184,13 +187,13 @@ def _own_deflection(model: Any, s: float, port: int) -> FloatArray | None:
 
 
 @dataclass(frozen=True)
-class _Seen:
-    """What one field x shows of the errors: the sum of energies, and what R goes as.
+class _Found:
+    """Estimates from one field x: errors by the mesh, and R as a function of the radius.
 
     Attributes
     ----------
     radius : float
-        Of the patch, m; of a point, from which on its field is looked at.
+        Of the patch, m; of a point, the least radius at which its field is evaluated.
     compliance : float
         bᵀx, m/N.
     near, far : float
@@ -207,14 +210,14 @@ class _Seen:
     slope: float
 
     def total(self, radii: FloatArray, contact: float, falls: float) -> FloatArray:
-        """The sum of both errors as it would be with patches of other radii, m/N."""
+        """Estimate the sum of both errors for patches of other radii, m/N."""
         mesh = self.far + self.near * (self.radius / radii) ** falls
         wide = np.abs(self.slope * (radii**2 - contact**2))
         return _SAFETY_MESH * mesh + _SAFETY_CONTACT * wide
 
 
-def _seen(tip: ContactPoint, x: FloatArray) -> _Seen | None:
-    """What x = (K + s²M)⁻¹ b shows; None on a sharp edge and where a patch has no room."""
+def _found(tip: ContactPoint, x: FloatArray) -> _Found | None:
+    """Estimates by x = (K + s²M)⁻¹ b; None on a sharp edge and where a patch has no room."""
     surface, patch, compliance = tip.body.surface, tip.patch, float(tip.b @ x)
     assert surface is not None
     assert tip.point is not None
@@ -222,13 +225,13 @@ def _seen(tip: ContactPoint, x: FloatArray) -> _Seen | None:
         if patch is None:
             radius = _AWAY_FROM_POINT * edge_length(surface, tip.point)
             level, slope = _image(tip, x, radius, 0.0)
-            return _Seen(radius, compliance, *_energies(tip, x, radius)[:2], level, slope)
+            return _Found(radius, compliance, *_energies(tip, x, radius)[:2], level, slope)
         level, slope = _image(tip, x, patch.radius, 0.4 * patch.radius**2)
     except InputError:
         return None
     near, far, shown = _energies(tip, x, patch.radius)
     slope -= _DISTURBS * shown / patch.radius**2
-    return _Seen(patch.radius, compliance, near, far, level, slope)
+    return _Found(patch.radius, compliance, near, far, level, slope)
 
 
 def _image(tip: ContactPoint, x: FloatArray, radius: float, second: float) -> tuple[float, float]:
@@ -237,12 +240,12 @@ def _image(tip: ContactPoint, x: FloatArray, radius: float, second: float) -> tu
         rho, field = image_field(tip, x, within * radius * _CIRCLES)
         if len(rho) == len(_CIRCLES):
             g1, g0 = np.polyfit(rho**2 + second, field, 1)
-            return float(g0), 0.8 * float(g1) / within**2  # farther in it is less certain
+            return float(g0), 0.8 * float(g1) / within**2  # smaller circles are less certain
     raise InputError(f"{tip!r}: the surface about it has no room for circles")
 
 
 def _energies(tip: ContactPoint, x: FloatArray, radius: float) -> tuple[float, float, float]:
-    """The energy that x lacks near a patch, and elsewhere, and what the stress shows near it, J."""
+    """The energy that x lacks near a patch and elsewhere, and the stress jumps' near it, J."""
     mesh = tip.body.mesh
     assert mesh is not None
     assert tip.point is not None
@@ -259,18 +262,18 @@ def _energies(tip: ContactPoint, x: FloatArray, radius: float) -> tuple[float, f
 def _error_of(
     tip: ContactPoint, x: FloatArray, contact_radius: float | None
 ) -> ComplianceError | None:
-    seen = _seen(tip, x)
-    if seen is None:
+    found = _found(tip, x)
+    if found is None:
         return None
     strain = float(x @ (tip.body.K @ x))
-    if tip.patch is None:  # what is near is the point's own, which a patch would not have
+    if tip.patch is None:  # the error near a point belongs to its own indentation
         contact = contact_radius or 0.0
-        local = seen.compliance - seen.level - seen.slope * contact**2
-        return ComplianceError(_SAFETY_MESH * seen.far, local, seen.compliance, strain)
-    contact = _CONTACT_WITHIN_PATCH * seen.radius if contact_radius is None else contact_radius
-    wide = seen.slope * (seen.radius**2 - contact**2)
-    mesh = _SAFETY_MESH * (seen.near + seen.far)
-    return ComplianceError(mesh, _SAFETY_CONTACT * wide, seen.compliance, strain)
+        local = found.compliance - found.level - found.slope * contact**2
+        return ComplianceError(_SAFETY_MESH * found.far, local, found.compliance, strain)
+    contact = _CONTACT_WITHIN_PATCH * found.radius if contact_radius is None else contact_radius
+    wide = found.slope * (found.radius**2 - contact**2)
+    mesh = _SAFETY_MESH * (found.near + found.far)
+    return ComplianceError(mesh, _SAFETY_CONTACT * wide, found.compliance, strain)
 
 
 def best_radius(
@@ -282,9 +285,9 @@ def best_radius(
 ) -> float:
     """Return the radius of the patch at a place for which both errors together are least, m.
 
-    One solution, with a patch that the mesh resolves, tells roughly of other radii; the best of
-    these is solved for next, three at most, and the best of them taken. Where the surface has no
-    room for a radius that the law stands for, it is the largest that fits.
+    One solution, with a patch that the mesh resolves, gives a rough estimate for other radii. The
+    best of these is solved for next, at most three in all, and the best of these is returned. Where
+    the surface has no room for a radius for which the law holds, it is the largest that fits.
 
     Parameters
     ----------
@@ -314,24 +317,24 @@ def best_radius(
     radii = np.geomspace(least, largest, _RADII)
     radius, found = min(radius, largest), {}
     for _ in range(_TRIES):
-        seen = _seen_with(tip, radius, solver)
-        if seen is None:  # no room after all: the patch stands on the mean normal
+        estimate = _found_with(tip, radius, solver)
+        if estimate is None:  # the surface has no room for this patch
             radii = radii[radii < _WITHIN * radius]
             if not len(radii):
                 break
             radius = float(radii[-1])
             continue
-        found[radius] = float(seen.total(np.array([radius]), contact_radius, falls)[0])
-        foreseen = float(radii[np.argmin(seen.total(radii, contact_radius, falls))])
+        found[radius] = float(estimate.total(np.array([radius]), contact_radius, falls)[0])
+        foreseen = float(radii[np.argmin(estimate.total(radii, contact_radius, falls))])
         if min(abs(math.log(foreseen / tried)) for tried in found) < _ALIKE:
             break
         radius = foreseen
     return min(found, key=lambda tried: found[tried], default=radius)
 
 
-def _seen_with(tip: ContactPoint, radius: float, solver: LinearSolver) -> _Seen | None:
+def _found_with(tip: ContactPoint, radius: float, solver: LinearSolver) -> _Found | None:
     try:
         one = contact_at(tip, radius)
     except InputError:
         return None
-    return _seen(one, solver.solve(one.b))
+    return _found(one, solver.solve(one.b))

@@ -42,12 +42,12 @@ __all__ = [
 Model = AOModel | InterfaceModel
 Models = tuple[Model, ...]
 
-# A body of no more dofs is its own reference where that would take more than this share of its dofs
-# as Krylov vectors: it is then quicker.
+# A body of at most this many dofs is its own reference where the reference would take more than
+# this share of its dofs as Krylov vectors: the full body is then faster.
 _SMALL_BODY = 1500
 _SHARE_OF_DOFS = 0.1
 
-# Oscillators that tell whether a body has any mode slower than the contact.
+# Oscillators of the model by which a body is checked for modes slower than the contact.
 _FEW = 6
 
 
@@ -61,10 +61,10 @@ class Hierarchy(ABC):
 
     @abstractmethod
     def model(self, order: int) -> Model:
-        """Return the model to run; what its body does need not be known yet."""
+        """Return the model to run; it need not give the body's own displacements."""
 
     def finished(self, order: int) -> Model:
-        """Return the model to hand out."""
+        """Return the model for the caller."""
         return self.model(order)
 
     @abstractmethod
@@ -76,7 +76,7 @@ class Hierarchy(ABC):
         return order
 
     def is_whole(self, order: int) -> bool:
-        """Whether the model of this order is the body itself, as seen from its contact."""
+        """Whether the model of this order has the body's exact response at its contact."""
         return self.at_most(order + 1) == self.at_most(order)
 
 
@@ -100,7 +100,7 @@ class AOHierarchy(Hierarchy):
         return 0 if math.isinf(self.whole.m0) else min(order, self.whole.n + self.first)
 
     def reference_order(self, order: int) -> int:
-        return self.at_most(self.whole.n + self.first)  # it is there already
+        return self.at_most(self.whole.n + self.first)  # it costs nothing
 
 
 @dataclass(eq=False)
@@ -189,13 +189,14 @@ class KrylovHierarchy(Hierarchy):
 
 
 def _rigid(model: AOModel) -> AOModel:
-    """A model without oscillators as a body that does not deform, not under a patch either."""
+    """A model without oscillators as a rigid body, which does not deform under a patch either."""
     if model.constrained:
         return rigid(mass=math.inf, name=model.name)
     if model.origin is None or model.origin.tip.patch is None:
         return model
-    tip = replace(model.origin.tip, patch=None)  # else its indentation is taken out of the law
-    return replace(model, origin=replace(model.origin, tip=tip))
+    # With a patch its indentation would be subtracted from the law's.
+    point = replace(model.origin.tip, patch=None)
+    return replace(model, origin=replace(model.origin, tip=point))
 
 
 @dataclass(eq=False)
@@ -277,9 +278,9 @@ def model_hierarchy(
 
 
 def only_models(bodies: Sequence[Any]) -> Models | None:
-    """Return the models of bodies that have but one each, such as rigid ones.
+    """Return the models of bodies that have only one each, such as rigid ones.
 
-    None where there is a choice, as of a contact point.
+    None where there is a choice, as for a contact point.
 
     Parameters
     ----------

@@ -1,12 +1,11 @@
-"""How wrong a run is by its meshes and its contact laws: from compliance to force by the model.
+"""Errors of a run by its meshes and its contact laws, from the errors of compliances.
 
-What a contact point's compliance leaves out (`compliance_error`) is given back to the reduced
-models, and one more run tells what it does to any quantity. Elements that are too stiff make the
-whole body so: all its springs are softened until they add the compliance that is missing at a
-frequency of the contact. In a plate this is bending: a spring in series at the contact would show a
-twentieth of it. What the half-space leaves out is near the contact, and acts as such a
-spring. The errors of two bodies, and of several contacts, are taken to act together. The altered
-run stands for the truth.
+The errors of a contact point's compliance (`compliance_error`) are corrected in the reduced models,
+and one more run gives the change of any quantity. Elements that are too stiff make the whole body
+too stiff: all its springs are softened until they add the missing compliance at a frequency of the
+contact. In a plate this is bending, of which a spring in series at the contact would give a
+twentieth. The half-space's error is local to the contact, and acts as such a spring. The errors of
+two bodies, and of several contacts, are corrected in the same run, which is the reference.
 """
 
 from __future__ import annotations
@@ -29,42 +28,42 @@ from .hierarchy import model_hierarchy
 __all__ = ["LeftOutFinder"]
 
 # A run is repeated with laws stiffer or softer by no more than this, and the change is scaled: peak
-# forces go with a power of the stiffness below 1, so this is linear to 5 %.
+# forces depend on a power of the stiffness below 1, so this is linear to 5 %.
 _SMALL = 0.1
 
-# Oscillators of a model that stands for the whole body where errors of mesh and contact are found.
-# They give forces to some percent, and the errors to some percent of themselves.
+# Oscillators of a model that replaces the full body where errors of mesh and contact are estimated.
+# Its forces have errors of some percent, and so have the estimates.
 _IN_PLACE_OF_ALL = 16
 
 # Slopes are taken over this share of the indentation.
 _DIFFERENCE = 1e-3
 
-# The mesh's error is found as for contacts that last so many times as long, at s = 6/T. Faster
-# motion shows more of what elements miss just under the contact, which matters less to the force.
+# The mesh's error is evaluated for a contact time longer by this factor, at s = 6/T. At higher
+# frequencies the error just under the contact has a larger share, which matters less to the force.
 # Measured on plates and beams of all kinds of elements: springs softened by the true error at 6/T
-# make up for .6 to 1.15 of what the peak force is too large; at 4/T for .4 to .9, at 10/T for .65
-# to 1.45. Hence the factor, with which the bounds hold of 95 of 100 (docs/calibration.md).
+# correct .6 to 1.15 of the error of the peak force; at 4/T .4 to .9, at 10/T .65 to 1.45. Hence the
+# safety factor, with which 95 of 100 errors are within the estimate (docs/calibration.md).
 _SLOWER, _SAFETY = 10.0 / 6.0, 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class LeftOutFinder:
-    """Finds what meshes and laws leave out of a run, when it is asked.
+    """Estimates the errors of a run by meshes and laws, when they are read.
 
     Attributes
     ----------
     interest : callable
-        Returns the quantity of interest, anew: what it keeps while runs are compared goes with it.
+        Returns a new quantity of interest, so that what it stores while runs are compared is freed.
     solver : Adaptive or Newmark, optional
         Of the run.
     law_errors : sequence of float
-        Relative error of each contact's stiffness, from the curvatures that it was found from.
+        Relative error of each contact's stiffness, by that of the curvatures.
     meshed : bool
-        Whether any body was given with a mesh, though its model may be a wall; of what is given by
-        numbers nothing is known.
+        Whether any body was given with a mesh, even if its model is a wall. Errors of models given
+        by numbers are not known.
     larger : Run, optional
-        With larger models, where the run's own leave out all that a body deforms: a mesh that locks
-        makes its body look rigid, so that the errors are of the models that prove it to be so.
+        With larger models, where a body is rigid in the run itself: a mesh that locks makes its
+        body look rigid, so that the errors are those of the models that showed it to be rigid.
     """
 
     interest: Callable[[], Quantity]
@@ -110,14 +109,14 @@ class LeftOutFinder:
     def _changes(
         self, quantity: Quantity, run: Run, altered: _Altered
     ) -> tuple[float, Mapping[str, float], float | None]:
-        """By how much the quantity and each number change, and when a history does most."""
+        """The change of the quantity and of each number, and the time of a history's largest."""
         names = [*number_errors(run, [run]), *(() if quantity.is_history else (quantity.name,))]
         if altered.plan is None:
             return 0.0, dict.fromkeys(names, 0.0), None
         try:
             with held_warnings():
                 other = solve(altered.plan, self.solver)
-        except AOImpactError:  # a contact that grows beyond what its law stands for
+        except AOImpactError:  # a contact beyond the range of its law
             return math.inf, dict.fromkeys(names, math.inf), None
         changes = np.abs(quantity.deviation(run, other))
         change = altered.scale * float(changes.max(initial=0.0))
@@ -130,9 +129,9 @@ class LeftOutFinder:
 
 
 def _with_models(run: Run) -> Run:
-    """The run with models in place of the full bodies, whose every run costs as much as the first.
+    """The run with models in place of the full bodies, of which every run is expensive.
 
-    Mesh and contact change what these do as they change what the bodies do.
+    Errors of mesh and contact change the models' motion as they change the bodies'.
     """
     times = [end - start for events in run.events for start, end in events.contacts]
     shortest = min((time for time in times if time > 0.0), default=run.duration)
@@ -152,16 +151,16 @@ def _with_models(run: Run) -> Run:
 
 @dataclass(frozen=True)
 class _End:
-    """What the compliance of a body at a contact leaves out.
+    """Errors of the compliance of a body at a contact.
 
     Attributes
     ----------
     body : int
         Its number in the plan.
     contact : float
-        Of what the body leaves out near the contact, m/N.
+        Error near the contact, m/N.
     softening : float
-        By how much farther its springs would move, relative.
+        Relative increase of the springs' compliances that corrects the mesh's error.
     """
 
     body: int
@@ -171,14 +170,14 @@ class _End:
 
 @dataclass(frozen=True, eq=False)
 class _Altered:
-    """A plan with other laws or bodies, and by what changes are multiplied; None: as it was."""
+    """A plan with changed laws or bodies, and the factor on changes; None: unchanged."""
 
     plan: Plan | None
     scale: float = 1.0
 
 
 def _of_contact(run: Run, number: int) -> list[_End] | None:
-    """What the compliances at a contact leave out; none of models given by numbers."""
+    """Errors of the compliances at a contact; none for models given by numbers."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return []
@@ -196,7 +195,7 @@ def _of_contact(run: Run, number: int) -> list[_End] | None:
         if not points:
             continue
         if points[port].patch is None and not isinstance(law, HertzianLaw):
-            continue  # such a law leaves the bodies' own indentation to them
+            continue  # such a law does not contain the bodies' indentation
         fast, slow = (
             compliance_error(
                 model,
@@ -215,7 +214,7 @@ def _of_contact(run: Run, number: int) -> list[_End] | None:
 def _with_springs(
     model: AOModel | InterfaceModel | FullModel, factor: float
 ) -> AOModel | InterfaceModel:
-    """A model of a body whose stiffness is so many times as much."""
+    """A model of a body whose stiffness is multiplied by a factor."""
     if isinstance(model, AOModel):
         return replace(model, k0=factor * model.k0, k=factor * model.k)
     assert isinstance(model, InterfaceModel)
@@ -223,7 +222,7 @@ def _with_springs(
 
 
 def _softer(run: Run, softening: Mapping[int, float]) -> _Altered:
-    """The bodies with springs that move as much more, by these shares."""
+    """The plan with springs more compliant by these shares."""
     if not any(softening.values()):
         return _Altered(None)
     bodies = list(run.plan.bodies)
@@ -234,7 +233,7 @@ def _softer(run: Run, softening: Mapping[int, float]) -> _Altered:
 
 
 def _depth(run: Run, number: int) -> float:
-    """The deepest indentation of a contact as its own law sees it, m."""
+    """The largest indentation in a contact's own law, m."""
     contact, deepest = run.plan.contacts[number], run.contacts[number].indentation.max()
     if not isinstance(contact.law, PatchLaw):
         return float(deepest)
@@ -242,13 +241,13 @@ def _depth(run: Run, number: int) -> float:
 
 
 def _contact_radius(run: Run, number: int) -> float | None:
-    """Of a contact at its deepest, m; None of a law that does not know how wide it is."""
+    """Radius of a contact at its largest indentation, m; None where the law gives none."""
     radius = own_law(run.plan.contacts[number].law).relative_radius
     return None if radius is None else math.sqrt(radius * _depth(run, number))
 
 
 def _in_series(run: Run, compliances: Sequence[float]) -> _Altered:
-    """The laws with so much compliance, m/N, more or less in series with each."""
+    """The plan with these compliances, m/N, in series with the laws."""
     largest = max(
         (_slope(run, i) * change for i, change in enumerate(compliances) if change), default=0.0
     )
@@ -263,7 +262,7 @@ def _in_series(run: Run, compliances: Sequence[float]) -> _Altered:
 
 
 def _slope(run: Run, number: int) -> float:
-    """dF/dδ of a contact's own law where it is deepest, N/m; from below, where the law may end."""
+    """dF/dδ of a contact's own law at its largest indentation, N/m, from below."""
     depth = _depth(run, number)
     low, high = own_law(run.plan.contacts[number].law).force(
         np.array([1.0 - _DIFFERENCE, 1.0 - 1e-12]) * depth
@@ -272,7 +271,7 @@ def _slope(run: Run, number: int) -> float:
 
 
 def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
-    """The law softer by a compliance in series, or, where it has none to give, stiffer."""
+    """The law with a compliance in series reduced by `change`, or, where it has less, increased."""
     if change == 0.0:
         return law
     if not isinstance(law, PatchLaw):
@@ -283,7 +282,7 @@ def _with_compliance(law: ContactLaw, change: float) -> ContactLaw:
 
 
 def _stiffer(run: Run, errors: Sequence[float]) -> _Altered:
-    """Hertz's laws with so much more stiffness, relative."""
+    """The plan with Hertz's laws stiffer by these shares."""
     scale = max(1.0, max(errors) / _SMALL)
     contacts = []
     for contact, error in zip(run.plan.contacts, errors, strict=True):

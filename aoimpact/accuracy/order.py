@@ -1,9 +1,9 @@
-"""How many anti-oscillators a scene needs: models grow until they are proven good, then shrink.
+"""The number of anti-oscillators that a scene needs for a tolerance.
 
-The error of models of n oscillators is known from a few vectors more: it is about the largest of
-the differences of the quantity of interest to the models of n + 2, n + 4, n + 6 and n + 8. The
-models of all bodies grow until that is within the tolerance. Then each is truncated as far as the
-same larger models allow, which takes no further linear solution.
+The error of models of n oscillators is estimated by the largest of the differences of the quantity
+of interest to the models of n + 2, n + 4, n + 6 and n + 8. The orders of all bodies are raised
+until this estimate is within the tolerance. Then each model is truncated as far as the same larger
+models allow, which takes no further linear solution.
 """
 
 from __future__ import annotations
@@ -21,36 +21,38 @@ from .hierarchy import Hierarchy, Models, model_hierarchy
 
 __all__ = ["Orders", "first_guess", "least_orders"]
 
-# Models of n oscillators are compared with so many larger ones, the farthest of which has so many
+# Models of n oscillators are compared with _COMPARED larger ones, the largest of which has _BEYOND
 # oscillators more, or half as many again: where errors fall slowly, 8 of 100 change little. One
-# difference may vanish by chance, .01 of the error was seen for numbers; the largest of four is
-# above .75 of it for histories and, in 99 of 100 cases, above .64 for peaks and .83 for other
-# numbers (1 763 errors below .1 on ten bodies: beams, plates, blocks, a bracket, a disc, spheres).
-# The medians are 1.2 … 2. But single numbers may fall as 1/n from one side, whose error is 3 times
-# its difference to 1.5 n: the peak force of two spheres that touch at a node does. So errors of
-# histories and of numbers are within so many times the largest difference.
+# difference may be small by chance: .01 of the error occurred for numbers. The largest of four is
+# above .75 of the error for histories and, in 99 of 100 cases, above .64 for peaks and .83 for
+# other numbers (1 763 errors below .1 on ten bodies: beams, plates, blocks, a bracket, a disc,
+# spheres). The medians are 1.2 … 2. But the error of a single number may fall monotonically as 1/n,
+# and is then 3 times the difference to 1.5 n: that of the peak force of two spheres that touch at a
+# node does. Errors of histories and of numbers are taken as these multiples of the largest
+# difference.
 _COMPARED, _BEYOND, _SHARE_BEYOND = 4, 8, 0.5
 _SAFETY, _SAFETY_OF_NUMBERS = 1.3, 3.0
 
-# Oscillators that models begin with for each digit of the tolerance, about the median of what these
-# bodies need; least and most growth from one to the next, by the error over the tolerance, with
-# which no more than 2 n + 8 vectors are made to return n, as a rule; and their end.
+# First order for each digit of the tolerance, about the median of what these bodies need; least and
+# largest factor from one order to the next, by the error over the tolerance, with which as a rule
+# at most 2 n + 8 vectors are made for a result of order n; and the largest order.
 _FIRST, _LEAST_GROWTH, _GROWTH, _MOST_ORDER = 2.0, 1.15, 1.5, 600
 
-# A message names a tolerance that can be met with this factor to spare.
+# The tolerance named in a message is this factor above the error found.
 _EASED = 1.1
 
-# Bases are fitted anew where the contact time that they were fitted to and the one found differ by
-# this factor; and how often.
+# Bases are fitted again where the contact time that they were fitted to and the one found differ by
+# more than this factor; and the largest number of fits.
 _REFIT, _MOST_FITS = 2.0, 4
 
-# Contacts that are wider than their patches with so many models, each larger, are so with all.
+# Where contacts exceed their patches with this many sets of models, each larger, the error is
+# raised: larger models would not help.
 _TOO_WIDE = 3
 
-# Oscillators of a model of one body that tells what its mesh leaves out without another solution.
+# Least order of a model with which the mesh's error is estimated without another linear solution.
 _TELLING = 16
 
-# Of each different hierarchy.
+# The order of each different hierarchy.
 _Orders = tuple[int, ...]
 
 # Where motion matters for longer than this many contact times, the bases hold slow motion as well.
@@ -85,7 +87,7 @@ class Orders:
 
 
 class TimeScales(NamedTuple):
-    """What models are fitted to, s: the contact's duration, and how long motion must be right."""
+    """Times that models are fitted to, s: the contact's, and how long motion matters."""
 
     contact_time: float
     span: float
@@ -96,7 +98,7 @@ class TimeScales(NamedTuple):
         return self.span if self.span > _LONG * self.contact_time else None
 
     def suit(self, others: TimeScales) -> bool:
-        """Whether models that are fitted to these do for the others, too."""
+        """Whether models fitted to these time scales are accurate for the others as well."""
         ratio = others.contact_time / self.contact_time
         alike = max(ratio, 1.0 / ratio) <= _REFIT
         return alike and (self.slow is not None or others.slow is None)
@@ -130,14 +132,15 @@ def least_orders(
     known : dict of body to LinearSolver, optional
         Those that have been set up, and can be taken from here.
     anew : callable, optional
-        Called before larger models are tried: what they find of the scene, such as when it is over,
-        holds for all that are compared with them.
+        Called before larger models are tried: properties of the scene that they determine, such as
+        the length of the record, hold for all models that are compared with them.
     best : bool, optional
         Whether, where no models tried meet the tolerance, those of the least error are returned,
         if it is below 1.
     enough : callable, optional
-        Returns, of a run with models of some size, the tolerance that is meant: larger than `rtol`
-        where more is lost elsewhere. Called where models of some size do not meet `rtol`.
+        Returns the tolerance that applies to a run: larger than `rtol` where other errors, such as
+        the mesh's, are larger. Called with a run of models of at least 16 oscillators that do not
+        meet `rtol`.
 
     Raises
     ------
@@ -146,7 +149,7 @@ def least_orders(
     """
     scales, fits = first_guess(bodies, run, quantity), 1
     while True:
-        # Equal bodies struck at the same place, as two like spheres are, share one basis.
+        # Equal bodies with the same contact point, such as two equal spheres, share one basis.
         made = {
             body: model_hierarchy(
                 body, scales.contact_time, scales.slow, solver, _taken(known, body, solver)
@@ -157,15 +160,15 @@ def least_orders(
         search = _Search(
             tuple(made.values()), places, run, quantity, rtol, anew, best=best, enough=enough
         )
-        seen = (_scales(quantity, larger, scales) for larger in search.grow())
-        misfit = next((one for one in seen if fits < _MOST_FITS and not scales.suit(one)), None)
+        found = (_scales(quantity, larger, scales) for larger in search.grow())
+        misfit = next((one for one in found if fits < _MOST_FITS and not scales.suit(one)), None)
         if misfit is None:
             return search.least()
         scales, fits = misfit, fits + 1
 
 
 def _taken(known: dict[Any, LinearSolver] | None, body: Any, solver: Solver) -> LinearSolver | None:
-    """The solver of a body that is there already; taken out, so that its memory can be freed."""
+    """The solver of a body that has been set up; removed, so that its memory can be freed."""
     if not known or solver != "auto" or not isinstance(body, FullModel):
         return None
     return known.pop(body.body, None)
@@ -176,7 +179,7 @@ def first_guess(
 ) -> TimeScales:
     """Estimate the time scales of a scene by rigid bodies."""
     meshed = (body for body in bodies if isinstance(body, FullModel))
-    own = [own_contact_time(tip) for body in meshed for tip in body.tips]
+    own = [own_contact_time(point) for body in meshed for point in body.tips]
     otherwise = TimeScales(min((time for time in own if math.isfinite(time)), default=1.0), 0.0)
     rigid = tuple(model_hierarchy(body, otherwise.contact_time, None).model(0) for body in bodies)
     try:
@@ -186,7 +189,7 @@ def first_guess(
 
 
 def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
-    """Those of a run; another contact time if no contact ends in it."""
+    """The time scales of a run; the contact time of `otherwise` if no contact ends in it."""
     return TimeScales(quantity.contact_time(run) or otherwise.contact_time, quantity.span(run))
 
 
@@ -223,11 +226,11 @@ class _Search:
         self.results: dict[_Orders, Run | None] = {}
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
-        # Proven to be good as soon as `grow` ends.
+        # Within the tolerance as soon as `grow` ends.
         self.orders = (max(1, round(-_FIRST * math.log10(rtol))),) * len(hierarchies)
 
     def grow(self) -> Iterator[Run]:
-        """Enlarge models until they are proven good; yield runs of larger ones on the way."""
+        """Raise the orders until the error estimate is within the tolerance; yield larger runs."""
         too_wide = 0
         while True:
             *_, largest = self._larger()
@@ -250,7 +253,7 @@ class _Search:
             self.orders = self._enlarged(largest)
 
     def _is_enough(self, run: Run | None, largest: _Orders) -> bool:
-        """Whether the models meet the tolerance, or the one that is meant where more is lost."""
+        """Whether the models meet the tolerance, or the looser one that `enough` returns."""
         self.rtol = self.least_rtol
         if self._error(self.orders) <= self.rtol:
             return True
@@ -260,17 +263,18 @@ class _Search:
         return self._error(self.orders) <= self.rtol
 
     def _begin(self) -> None:
-        """Forget the runs that are not of the same scene as those of the largest models to come."""
+        """Discard the runs of a record whose length the largest models are about to change."""
         if self.anew is not None:
             self.results.clear()
             self.differences.clear()
             self.anew()
 
     def least(self) -> Orders:
-        """Truncate the models that were made as far as the larger ones allow.
+        """Truncate the models as far as the error by the larger ones allows.
 
-        A body that can be rigid is. The others share the rest of the tolerance. Errors need not
-        fall with the order: where no body has fewer oscillators than were proven, it is those.
+        A body that can be rigid is made rigid. The others share the rest of the tolerance. The
+        error need not decrease with the order: where no order became smaller, the orders that were
+        proven are returned.
         """
         orders = self._at_most(_beyond(n, 1.0) for n in self.orders)
         for which in range(len(orders)):
@@ -289,7 +293,7 @@ class _Search:
         return Orders(found, models, self._error(orders), run, tuple(larger), self._safety())
 
     def _enlarged(self, largest: _Orders) -> _Orders:
-        """Larger orders of those bodies whose share in the error is too large, or of all."""
+        """Raise the orders of the bodies with too large a share of the error, or of all."""
         growth = min(max(_LEAST_GROWTH, self._error(self.orders) / self.rtol), _GROWTH)
         allowed = self.rtol / len(self.orders) / self._safety()
         poor = [
@@ -302,7 +306,7 @@ class _Search:
         )
 
     def _truncated(self, orders: _Orders, which: int, allowed: float) -> _Orders:
-        """Reduce one order by bisection: errors need not fall with each, but those taken do."""
+        """Reduce one order by bisection: each order accepted is within the tolerance."""
         low, high = -1, orders[which]
         while high - low > 1:
             middle = (low + high) // 2
@@ -313,7 +317,7 @@ class _Search:
         return _with(orders, which, high)
 
     def _larger(self) -> tuple[_Orders, ...]:
-        """Orders of the larger models that show errors, the largest last."""
+        """Orders of the larger models for the error estimate, the largest last."""
         *smaller, largest = (
             tuple(
                 one.reference_order(_beyond(n, (i + 1) / _COMPARED))
@@ -332,7 +336,7 @@ class _Search:
         return _SAFETY if self.quantity.is_history else _SAFETY_OF_NUMBERS
 
     def _error(self, orders: _Orders) -> float:
-        """The error that the larger models show; if it is above the tolerance, at least that."""
+        """The estimate by the larger models; above the tolerance, a lower bound of it."""
         error, safety = 0.0, self._safety()
         for larger in reversed(self._larger()):
             error = max(error, safety * self._difference(orders, larger))
@@ -341,7 +345,7 @@ class _Search:
         return error
 
     def _difference(self, orders: _Orders, larger: _Orders) -> float:
-        """Of the quantity, relative; infinite where there is no run, or no number of it."""
+        """Relative difference of the quantity; infinite where a run or its number is missing."""
         pair = orders, larger
         if pair not in self.differences:
             one, other, apart = self._at(orders), self._at(larger), math.inf
@@ -364,9 +368,10 @@ class _Search:
         return self.results[key]
 
     def _is_of_input(self, error: AOImpactError, orders: _Orders) -> bool:
-        """Whether what was given is wrong, so that larger models will not help.
+        """Whether an error is due to the caller's input, so that larger models will not help.
 
-        Few vectors make patches too stiff, and two bodies may be walls where both are rigid.
+        With few vectors patches are too stiff, and two rigid bodies may both be walls: such errors
+        may vanish with larger models.
         """
         deform = all(
             order > 0 or one.at_most(1) == 0
@@ -389,7 +394,7 @@ class _Search:
 
 
 def _beyond(order: int, share: float) -> int:
-    """The order that share of the way to the farthest to compare with."""
+    """The order at this share of the distance to the largest one for comparison."""
     return order + math.ceil(share * max(_BEYOND, _SHARE_BEYOND * order))
 
 

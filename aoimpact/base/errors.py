@@ -31,7 +31,7 @@ __all__ = [
     "WorkerError",
     "core_error",
     "held_warnings",
-    "law_answer_error",
+    "law_result_error",
     "warn",
 ]
 
@@ -232,7 +232,7 @@ def core_error(
     return error
 
 
-def law_answer_error(answer: object, indentation: float, rate: float) -> InputTypeError:
+def law_result_error(answer: object, indentation: float, rate: float) -> InputTypeError:
     """Return the exception for a law written in Python that does not answer with a number."""
     return InputTypeError(
         f"the contact law's function must return a real number, but at indentation = "

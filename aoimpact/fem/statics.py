@@ -98,7 +98,7 @@ def static_mode(
         across = scipy.linalg.qr(reach[:, None])[0][:, 1:]
         return StaticMode(phi, 0.0, tip.body.M @ phi, mass, rigid @ across)
     phi = np.ascontiguousarray(displacement(tip.body, b, invert or tip.body.inverse))
-    k0 = _core.static_held(b, phi)
+    k0 = _core.static_constrained(b, phi)
     m_phi = tip.body.M @ phi
     return StaticMode(phi, k0, m_phi, float(phi @ m_phi), rigid)
 

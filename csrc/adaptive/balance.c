@@ -1,10 +1,9 @@
-/* The forces on places without mass balance at every instant. Where a contact begins or ends there, those
- * beside it take up the change at once: rates jump, and with them the forces that depend on rates.
+/* The forces on massless contact points are in equilibrium at every instant. Where a contact begins or ends there, the
+ * forces of the contacts coupled to it change at once: rates jump, and with them the forces that depend on rates.
  *
- * With C the residual compliances, F the forces and z the indentations without them, d = z - C F. What the
- * forces hold is the state there: d stays as it is in an event where a law depends on the rate, and is
- * where forces balance where none does. The rates follow from the derivative of that, d' = z' - C F', with
- * F' = K d' for a law without rate; dashpots find theirs from the balance itself, F = f(d, d'). */
+ * With C the residual compliances, F the forces and z the indentations without them, d = z - C F. In an event d is
+ * continuous where a law depends on the rate, and follows from equilibrium where none does. The rates follow from the
+ * derivative, d' = z' - C F', with F' = K d' for a law without rate, and from F = f(d, d') for one with rate. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/work.h"
@@ -18,21 +17,21 @@
 #include <float.h>
 #include <math.h>
 
-/* Shares of the time that contacts take. What happens at once is an implicit step of the first: places change over it
- * by a thousandth of the least error that a step may make (rtol 1e-10), and rates by rounding / 1e-13, which no place
- * feels. Rates just after follow from steps of the second, whose length is extrapolated to zero: rounding / 1e-7. A
- * dashpot that comes to rest in less counts as none. */
+/* Shares of the contact time. A sudden change is an implicit step of the first length: over it indentations change by a
+ * thousandth of the least error allowed to a step (rtol 1e-10), and rates have errors of rounding / 1e-13, which do not
+ * affect the indentations. Rates after the change follow from steps of the second length, extrapolated to zero, with
+ * errors of rounding / 1e-7. A dashpot with a shorter relaxation time is neglected. */
 static const double AT_ONCE = 1e-13, SOON = 1e-7;
 
-/* A dashpot so much slower than such a step counts as no faster: its place moves by rounding alone. */
+/* Largest relaxation time of a dashpot in units of such a step: beyond, its indentation changes by rounding only. */
 static const double MUCH = 1e13;
 
-/* The error that leaves in rates, as a share of the largest; and Newton's method on them, of laws that are all but
- * linear in rates, has settled. Two steps bring places, which all but balance before, to rounding. */
+/* Error of the rates found, as a share of the largest; also the tolerance of Newton's method for them, of laws nearly
+ * linear in rates. For indentations two steps of Newton's method suffice, from values near equilibrium. */
 static const double RATE_ERROR = 1e-8;
 enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
 
-/* What the force of one contact takes from the indentation of another by the residual compliance, m/N. */
+/* Reduction of the indentation of one contact per unit force of another, by residual compliances, m/N. */
 static double compliance_between(const aoi_system *system, size_t c, size_t by)
 {
     const aoi_contact *of = &system->contact[c], *from = &system->contact[by];
@@ -47,7 +46,7 @@ static double compliance_between(const aoi_system *system, size_t c, size_t by)
     return sum;
 }
 
-/* In the work space of aoi_collocation_solve, which is larger. */
+/* Takes the arrays of the equations from the work space of aoi_collocation_solve, which is larger. */
 static aoi_coupled lay_out(const aoi_adaptive *run, size_t count)
 {
     aoi_coupled e = {.count = count, .band = run->span < count ? run->span : count - 1};
@@ -64,7 +63,7 @@ static aoi_coupled lay_out(const aoi_adaptive *run, size_t count)
     return e;
 }
 
-/* The equations of the listed contacts over a time, or at rest where it is zero. */
+/* Sets up the equations of the listed contacts for an implicit step of length time, or at rest where that is zero. */
 static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
 {
     const size_t width = 2 * e->band + 1;
@@ -87,7 +86,7 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
     }
 }
 
-/* Lists a contact where a place of its is without mass. */
+/* Adds a contact to the list if one of its contact points is massless. */
 static size_t list(aoi_adaptive *run, size_t c, size_t count)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
@@ -95,7 +94,7 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
     if (!(aoi_system_residual(run->system, c) > 0.0)) {
         return count;
     }
-    /* On its way to a contact that is open a place meets nothing. */
+    /* For an open contact dashpots act from the touch on, not from the open gap. */
     const double rest = aoi_law_rest(law, contact->memory);
     const double from = contact->closed ? contact->start : fmax(contact->start, rest);
     run->balanced[count] = (aoi_contact_state){.law = law,
@@ -110,7 +109,7 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
     return count + 1;
 }
 
-/* An indentation as the bodies were put, before the loads bend what is without mass. */
+/* A contact's initial indentation, without the deflection of residual compliances under loads. */
 static double placed(const aoi_adaptive *run, size_t c)
 {
     const aoi_contact *of = &run->system->contact[c];
@@ -151,7 +150,7 @@ int aoi_balance_at_start(aoi_adaptive *run)
     return status;
 }
 
-/* About the time that contacts take. */
+/* Estimate of the contact time: largest indentation over largest rate. */
 static double time_of_contacts(const aoi_adaptive *run, size_t count)
 {
     const double left = run->end - aoi_run_now(run);
@@ -164,11 +163,11 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
     return depth > 0.0 && depth < rate * left ? depth / rate : left;
 }
 
-/* What a law that may not pull is cut to. */
+/* A force cut at zero, for laws without adhesion. */
 static double cut(const aoi_law *law, double force) { return law->pulls ? force : fmax(force, 0.0); }
 
-/* The piece of the law that a contact is on; that of its place where it is slack, or something has moved it beyond an
- * end by more than events are off. */
+/* The piece of the law of a contact. For an open or slack one, or one beyond an end of its piece by more than the
+ * tolerance of events, it is found by indentation and rate. */
 static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate)
 {
     const aoi_adaptive_contact *contact = &run->contact[of->at[0]];
@@ -181,47 +180,49 @@ static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double
     return aoi_law_piece(of->law, of->memory, indentation, rate > 0.0, &low, &high);
 }
 
-/* The law's own force, which is not cut. */
-static void ask(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate,
+/* The law's force, not cut at zero. */
+static void uncut_force(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate,
                 aoi_law_value *value)
 {
     aoi_law_force(of->law, of->memory, piece_at(run, of, indentation, rate), indentation, rate, value);
 }
 
-/* at[1] of a contact that is listed: whether it presses, or pulls, when places are found. */
+/* at[1] of a listed contact: whether it has a force while indentations are found. */
 enum { IS_SLACK, ACTS };
 
-/* The force of a contact after a time at its bodies' own rate, and in place of the damping what it gains with its rate.
- * over: places are those after it, and roles are given; else those before, and a law that would pull does nothing. */
-static aoi_law_value answer(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int over)
+/* A contact's force after an implicit step of length time, linear in its rate: the force at its rate without changes of
+ * contact forces, and as damping its derivative by the rate. after: indentations are those at the end of the step, and
+ * at[1] decides which contacts have a force; otherwise those at its start, and laws without adhesion are cut at
+ * zero. */
+static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int after)
 {
     const aoi_contact_state *of = &run->balanced[i];
     const double own = e->compliance[i * (2 * e->band + 1) + e->band];
-    const double enough = MUCH * time / own; /* of a dashpot to keep the place where it is meanwhile */
+    const double enough = MUCH * time / own; /* damping that keeps the indentation constant over the step */
     aoi_law_value still, value;
-    ask(run, of, e->indentation[i], 0.0, &still);
-    ask(run, of, e->indentation[i], e->rate[i], &value);
-    if (over && of->at[1] == ACTS && value.damping > enough) {
+    uncut_force(run, of, e->indentation[i], 0.0, &still);
+    uncut_force(run, of, e->indentation[i], e->rate[i], &value);
+    if (after && of->at[1] == ACTS && value.damping > enough) {
         return (aoi_law_value){e->force[i] + enough * e->rate_free[i], 0.0, enough};
     }
     const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
-    const double way = over ? 0.0 : by_place * e->rate_free[i];
-    const double force = value.force + damping * (e->rate_free[i] - e->rate[i]) + way;
+    const double growth = after ? 0.0 : by_place * e->rate_free[i];
+    const double force = value.force + damping * (e->rate_free[i] - e->rate[i]) + growth;
     const int cuts = of->law->depends_on_rate && !of->law->pulls;
-    if (over ? of->at[1] == IS_SLACK
+    if (after ? of->at[1] == IS_SLACK
              : cuts && !(value.force + by_place * e->rate[i] > 0.0)) {
         return (aoi_law_value){0.0, 0.0, 0.0};
     }
     return (aoi_law_value){force, 0.0, damping + by_place};
 }
 
-/* The equations of the changes of forces in a short time, (1 + W C / time) change = force - held, with W by answer,
- * as the force is at the rates without changes. */
-static void set_changes(const aoi_adaptive *run, double time, int over, const aoi_coupled *e, double *change)
+/* The equations of the changes of forces in a short time, (1 + W C / time) change = force - present force, with force
+ * and W, the damping, by linear_force. */
+static void set_changes(const aoi_adaptive *run, double time, int after, const aoi_coupled *e, double *change)
 {
     const size_t width = 2 * e->band + 1;
     for (size_t i = 0; i < e->count; i++) {
-        const aoi_law_value value = answer(run, e, i, time, over);
+        const aoi_law_value value = linear_force(run, e, i, time, after);
         for (size_t k = 0; k < width; k++) {
             e->rate_compliance[i * width + k] = value.damping * e->compliance[i * width + k] / time;
         }
@@ -230,7 +231,7 @@ static void set_changes(const aoi_adaptive *run, double time, int over, const ao
     }
 }
 
-/* Rates by the changes of forces, and the largest. Returns the largest change of one. */
+/* Sets the rates by the changes of forces, and finds the largest rate. Returns the largest change of a rate. */
 static double set_rates(double time, const aoi_coupled *e, const double *change, double *largest)
 {
     double most = 0.0;
@@ -250,7 +251,7 @@ static double set_rates(double time, const aoi_coupled *e, const double *change,
     return most;
 }
 
-/* Places that the forces make, and the rates of the bodies alone. */
+/* Sets the indentations under the forces, and the rates at constant forces. */
 static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
 {
     const size_t width = 2 * e->band + 1;
@@ -266,8 +267,9 @@ static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
-/* Forces that balance, and places, by Newton's method from some that all but do: what dashpots hold stays where it
- * was, and laws without go on below the touch, which is hit to a tolerance. */
+/* Finds forces in equilibrium and their indentations, by Newton's method from forces near equilibrium. Dashpots keep
+ * their indentations. Laws without rate are continued below the touch, which is hit within a tolerance. Returns 0 where
+ * none are found. */
 static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double *change = e->free, largest = 0.0;
@@ -290,8 +292,8 @@ static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *
     return isfinite(largest);
 }
 
-/* Newton's method on rates a short time after what happens at once, from places and forces then. Returns the
- * largest, m/s; NaN where they are not found. */
+/* Newton's method for the rates a short time after a sudden change, from the indentations and forces just after it.
+ * Returns the largest rate, m/s; NaN where it does not converge. */
 static double rates_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double *change = e->free, largest;
@@ -307,7 +309,7 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
     return (double)NAN;
 }
 
-/* Rates at that time, which dashpots change on the way: by those after once and twice as long. Returns the largest. */
+/* Rates just after a sudden change, extrapolated from those after a short time and twice that. Returns the largest. */
 static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double largest = 0.0;
@@ -320,29 +322,29 @@ static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled
     return largest;
 }
 
-/* A force that comes or goes at once does so by more than this, as a share of rtol and of the largest force:
- * less is the error of the step before, in which events have been found. */
-static const double COMES = 10.0;
+/* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: smaller ones are
+ * errors of the last step, within which events have been located. */
+static const double LEAST_JUMP = 10.0;
 
-static double comes(const aoi_adaptive *run, size_t count)
+static double least_jump(const aoi_adaptive *run, size_t count)
 {
     double largest = run->force_scale;
     for (size_t i = 0; i < count; i++) {
         largest = fmax(largest, run->contact[run->balanced[i].at[0]].peak_force);
     }
-    return COMES * run->rtol * largest;
+    return LEAST_JUMP * run->rtol * largest;
 }
 
-/* Whether a law that may not pull lets go at once. */
+/* Whether a rate-dependent law without adhesion becomes slack at once. */
 static int lets_go(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
 {
     return contact->piece != AOI_SLACK && !contact->begins && law->depends_on_rate && !law->pulls &&
            force < -least;
 }
 
-/* Whether a contact that has just touched parts again, since others move what has no mass there. One that the step has
- * found comes on, if not at once. */
-static int is_drawn_away(const aoi_adaptive *run, const aoi_contact_state *from, double least, double error)
+/* Whether a contact that has just touched separates at once, since other contacts move its massless contact point. A
+ * touch that the step has located stays closed: its bodies approach each other. */
+static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, double least, double error)
 {
     const aoi_adaptive_contact *contact = &run->contact[from->at[0]];
     return contact->begins && contact->event != AOI_EVENT_TOUCH &&
@@ -350,7 +352,7 @@ static int is_drawn_away(const aoi_adaptive *run, const aoi_contact_state *from,
            from->rate < -error;
 }
 
-/* A law that remembers has turned, or turns now. */
+/* Updates a law with memory where the rate has changed its sign, at an event or in this sudden change. */
 static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contact)
 {
     if (contact->event == AOI_EVENT_TURN) {
@@ -362,7 +364,7 @@ static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contac
     }
 }
 
-/* A contact that had let go presses again. */
+/* Gives a slack contact a force again. */
 static void press_again(const aoi_law *law, double rate, aoi_adaptive_contact *contact)
 {
     contact->begins = 1;
@@ -372,8 +374,8 @@ static void press_again(const aoi_law *law, double rate, aoi_adaptive_contact *c
         aoi_law_piece(law, contact->memory, contact->start, rate > 0.0, &contact->low, &contact->high);
 }
 
-/* What a contact does from now on. */
-static void take(aoi_adaptive *run, const aoi_contact_state *from, double least)
+/* Sets a contact's rate, piece and force after a sudden change. */
+static void set_contact(aoi_adaptive *run, const aoi_contact_state *from, double least)
 {
     aoi_adaptive_contact *contact = &run->contact[from->at[0]];
     const aoi_law *law = from->law;
@@ -388,7 +390,7 @@ static void take(aoi_adaptive *run, const aoi_contact_state *from, double least)
                                        &contact->low, &contact->high);
         contact->last_length = 0.0;
     }
-    /* What the step has just found is not undone: it knows more digits. */
+    /* An event that the step has located is not revised: its rates have more digits. */
     const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
     if (!found && contact->piece == AOI_SLACK && from->force > least) {
         press_again(law, from->rate, contact);
@@ -398,8 +400,8 @@ static void take(aoi_adaptive *run, const aoi_contact_state *from, double least)
     contact->force = contact->piece != AOI_SLACK ? cut(law, from->force) : 0.0;
 }
 
-/* A contact opens; whatever was known of its touch no longer holds. */
-static void leave(aoi_adaptive *run, size_t c)
+/* Opens a contact and watches it, without a prediction of its next touch. */
+static void open_and_watch(aoi_adaptive *run, size_t c)
 {
     aoi_contact_open(run, c);
     run->contact[c].touches = 0;
@@ -407,8 +409,8 @@ static void leave(aoi_adaptive *run, size_t c)
     aoi_watch_add(run, c);
 }
 
-/* What snaps back is held by the forces found: it has left contacts behind, and met others. Rates are found when all
- * are listed. */
+/* After a pull-off: sets the forces in equilibrium, opens the contacts that the contact point has left, and closes
+ * those that it has reached. Rates are found later, when all closed contacts are listed. */
 static void meet(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
@@ -423,10 +425,10 @@ static void meet(aoi_adaptive *run, const aoi_coupled *e)
         const int acts = of->at[1] != IS_SLACK;
         const int touches = contact->start >= aoi_law_rest(of->law, of->memory) - tolerance;
         if (contact->closed && !touches && !acts) {
-            leave(run, c);
+            open_and_watch(run, c);
         } else if (contact->closed && contact->piece == AOI_SLACK && acts) {
-            press_again(of->law, contact->start_rate, contact); /* what has let go is met as what is open is */
-        } else if (!contact->closed && acts) { /* if only as far as bodies come at once */
+            press_again(of->law, contact->start_rate, contact); /* as an open contact that closes */
+        } else if (!contact->closed && acts) {
             aoi_contact_close(run, c);
         } else if (!contact->closed) {
             contact->bending = 0.0;
@@ -434,14 +436,14 @@ static void meet(aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
-/* Contacts that take part: closed ones; or with those beside them, which a place that snaps back may meet. */
-static size_t list_all(aoi_adaptive *run, int snaps)
+/* Lists the closed contacts. After a pull-off also the open ones of the step, which the contact point may reach. */
+static size_t list_all(aoi_adaptive *run, int pull_off)
 {
     size_t count = 0;
-    for (size_t i = 0; i < run->closed.count && !snaps; i++) {
+    for (size_t i = 0; i < run->closed.count && !pull_off; i++) {
         count = list(run, run->closed.at[i], count);
     }
-    for (size_t c = 0; c < run->system->contact_count && snaps; c++) {
+    for (size_t c = 0; c < run->system->contact_count && pull_off; c++) {
         const aoi_adaptive_contact *contact = &run->contact[c];
         if (contact->closed || (!aoi_watch_has(run, c) && contact->event != AOI_EVENT_OPEN)) {
             count = list(run, c, count);
@@ -450,8 +452,8 @@ static size_t list_all(aoi_adaptive *run, int snaps)
     return count;
 }
 
-/* Forces and what they hold, from now on. */
-static void hold(aoi_adaptive *run, const aoi_coupled *e)
+/* Sets the forces on residual compliances, and the indentations with them. */
+static void set_forces(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
         run->contact[run->balanced[i].at[0]].bending = e->force[i];
@@ -462,9 +464,9 @@ static void hold(aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
-/* Rates at those places, and what contacts do at them; all as it is where no rates are found: then the step begins with
- * a worse guess. Returns whether one has left. */
-static int go_on(aoi_adaptive *run, double time, double least, const aoi_coupled *e)
+/* Sets rates and states of the listed contacts after a sudden change. Where no rates are found all stay unchanged, and
+ * the next step begins with a worse guess. Returns whether a contact has opened. */
+static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_coupled *e)
 {
     aoi_contact_state *of = run->balanced;
     int some = 0;
@@ -474,53 +476,53 @@ static int go_on(aoi_adaptive *run, double time, double least, const aoi_coupled
     const double error = RATE_ERROR * find_rates(run, time, e);
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
-        ask(run, &of[i], e->indentation[i], of[i].rate, &value);
+        uncut_force(run, &of[i], e->indentation[i], of[i].rate, &value);
         of[i].force = value.force;
         const double certain = least + value.damping * error;
-        if (is_drawn_away(run, &of[i], certain, error)) {
-            leave(run, of[i].at[0]);
+        if (is_separated(run, &of[i], certain, error)) {
+            open_and_watch(run, of[i].at[0]);
             some = 1;
         } else {
-            take(run, &of[i], certain);
+            set_contact(run, &of[i], certain);
         }
     }
     return some;
 }
 
-/* Returns whether all is to be done again, without a contact that has left. */
-static int balance(aoi_adaptive *run, int snaps)
+/* One pass of aoi_balance_at_once. Returns whether a contact has opened, and another pass without it is due. */
+static int balance(aoi_adaptive *run, int pull_off)
 {
-    const size_t count = list_all(run, snaps);
+    const size_t count = list_all(run, pull_off);
     if (count == 0) {
         return 0;
     }
     const double time = time_of_contacts(run, count);
-    const double at_once = snaps ? aoi_event_tolerance(run, time) : AT_ONCE * time;
+    const double at_once = pull_off ? aoi_event_tolerance(run, time) : AT_ONCE * time;
     aoi_coupled e = lay_out(run, count);
     set_equations(run, at_once, &e);
-    if (snaps && aoi_coupled_solve(&e, run->balanced) != AOI_OK) {
+    if (pull_off && aoi_coupled_solve(&e, run->balanced) != AOI_OK) {
         return 0;
     }
     for (size_t i = 0; i < count; i++) {
         const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].at[0]];
-        const int acts = snaps ? e.force[i] != 0.0 : contact->piece != AOI_SLACK;
+        const int acts = pull_off ? e.force[i] != 0.0 : contact->piece != AOI_SLACK;
         run->balanced[i].at[1] = acts ? ACTS : IS_SLACK;
-        e.force[i] = snaps ? e.force[i] : contact->bending;
+        e.force[i] = pull_off ? e.force[i] : contact->bending;
     }
     if (!find_places(run, at_once, &e)) {
         return 0;
     }
-    if (snaps) {
+    if (pull_off) {
         meet(run, &e);
         return 0;
     }
-    hold(run, &e);
-    return go_on(run, SOON * time, comes(run, count), &e);
+    set_forces(run, &e);
+    return set_contacts(run, SOON * time, least_jump(run, count), &e);
 }
 
-void aoi_balance_at_once(aoi_adaptive *run, int snaps)
+void aoi_balance_at_once(aoi_adaptive *run, int pull_off)
 {
-    while (balance(run, snaps)) { /* fewer each time */
+    while (balance(run, pull_off)) { /* each pass has fewer closed contacts */
     }
 }
 

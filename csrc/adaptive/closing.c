@@ -1,4 +1,4 @@
-/* A contact that closes: the state that it begins with, and how large it will be, before it is known. */
+/* A contact that closes: its state at the start, and estimates of its indentation, rate and impulse. */
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "model/system.h"
@@ -8,21 +8,21 @@
 
 #include <math.h>
 
-/* How often a rising load and the time that it has are put into each other. */
+/* Fixed-point iterations for quantities that depend on the contact time, which depends on them. */
 enum { RISES = 4 };
 
-/* Work on a contact from the touch on, as a share of force times indentation: 1/(n+1) for a power n. */
+/* Work of a force d^n up to an indentation d, as a share of force times d: 1/(n+1), here for n = 3/2. */
 static const double HERTZ_SHARE = 0.4;
 
-/* The first step as a share of the time in and of a power of rtol, as far as the solution at an edge
- * reaches, or where there is none, with a residual compliance; and at most. */
+/* The first step's length over the compression time times rtol^(2/7): with an edge, and at a residual compliance, where
+ * there is none; and its largest share of the compression time. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
-/* Where the search for the deepest indentation begins, and how it goes on up, logarithms: a scale need not be
- * sharp. A caller's law may end not far beyond what it is for, so that nobody may ask there. */
+/* The search for the largest indentation, in logarithms: where it begins, its stride, and the tolerance where it
+ * bisects. A scale need not be accurate. The stride is short because a caller's law may fail far beyond its range. */
 static const double SHALLOW = -28.0, STRIDE = 0.35, SHARPNESS = 1e-3;
 
-/* The integral over a stretch of a force that goes from one value to another like a power of the indentation. */
+/* The integral of a force over an interval of indentation, in which it is a power of the indentation. */
 static double power_work(double here, double force, double next, double next_force)
 {
     const double power = force > 0.0 ? log(next_force / force) / log(next / here) : 0.0;
@@ -31,7 +31,8 @@ static double power_work(double here, double force, double next, double next_for
                : 0.5 * (force + next_force) * (next - here);
 }
 
-/* Where in a stretch from nothing a force that rises like Hertz's has taken an energy, and a steady force's work. */
+/* The indentation, below high, at which a force that rises like Hertz's has done the work of an energy and of a
+ * constant force. */
 static double shallow(const aoi_law *law, const double *memory, double energy, double force, double high)
 {
     double low = -700.0;
@@ -49,9 +50,9 @@ static double shallow(const aoi_law *law, const double *memory, double energy, d
     return exp(high);
 }
 
-/* About the indentation at which the law has taken an energy, and what a steady force has added to it on the way;
- * at most so far, to where the motion would lead without the law. By the law's force, since what a plastic law gives
- * back is only a part of its work; linear between the places where it is asked. */
+/* Estimate of the indentation at which the law has done the work of an energy and of a constant force; at most `most`,
+ * which the motion would reach without the law. By the integral of the law's force, since the potential of a plastic
+ * law is only the recoverable part of its work. The work is linear between the points where the law is evaluated. */
 static double deepest(const aoi_law *law, const double *memory, double energy, double force, double most)
 {
     double here = fmin(exp(SHALLOW), most);
@@ -75,7 +76,7 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
     return most;
 }
 
-/* The compliance of both ports to a sudden force, 1/kg. */
+/* The acceleration of both ports under a unit force, 1/kg. */
 static double mobility_of(const aoi_free_pair *pair)
 {
     double mobility = 0.0;
@@ -89,14 +90,15 @@ static double mobility_of(const aoi_free_pair *pair)
     return mobility;
 }
 
-/* How bodies approach each other without contact force: a rate and an acceleration that last, and how far and how fast
- * the modes that turn back meanwhile may swing besides. */
+/* How bodies approach each other without contact force: a mean rate and acceleration, and the amplitude and the
+ * velocity amplitude of the modes that oscillate within the contact time. */
 typedef struct approach {
-    double rate, acceleration, swing, swing_rate;
+    double rate, acceleration, amplitude, amplitude_rate;
 } approach;
 
-/* The same for a time, from the rate and the acceleration of the moment. */
-static approach lasting(const aoi_free_pair *pair, approach now, double time)
+/* The approach over a time, from the rate and acceleration at its start: modes that oscillate within the time
+ * contribute their amplitude only. */
+static approach mean_approach(const aoi_free_pair *pair, approach now, double time)
 {
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = pair->body[side];
@@ -107,8 +109,8 @@ static approach lasting(const aoi_free_pair *pair, approach now, double time)
             aoi_modes_drive(body, j, pair->time, &load, &slope);
             load -= omega * omega * x;
             const double amplitude = fabs(shape) * hypot(load / (omega * omega), v / omega);
-            now.swing += amplitude;
-            now.swing_rate += omega * amplitude;
+            now.amplitude += amplitude;
+            now.amplitude_rate += omega * amplitude;
             now.rate -= sign * shape * v;
             now.acceleration -= sign * shape * (load - 2.0 * (body->decay ? body->decay[j] : 0.0) * v);
         }
@@ -116,8 +118,8 @@ static approach lasting(const aoi_free_pair *pair, approach now, double time)
     return now;
 }
 
-/* What a load that rises from nothing comes to while the contact takes it, as an acceleration: it and the
- * time that the contact takes hang on each other, loosely. */
+/* The acceleration that a load, rising from zero, reaches within the contact time. That time depends on the load: a few
+ * fixed-point iterations suffice. */
 static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contact, const aoi_law *law,
                      const aoi_free_pair *pair)
 {
@@ -136,24 +138,25 @@ static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contac
     return fmax(jerk * time, 0.0);
 }
 
-/* How deep that leads in the time left, and how long it takes. */
+/* Estimate of the largest indentation that an approach leads to in the time left. */
 static double reach_of(const aoi_adaptive_contact *contact, const aoi_law *law, const approach *by, double left)
 {
     const double rate = fmax(by->rate, 0.0), acceleration = fmax(by->acceleration, 0.0);
     return rate + acceleration > 0.0
-               ? by->swing + deepest(law, contact->memory, 0.5 * rate * rate / contact->mobility,
+               ? by->amplitude + deepest(law, contact->memory, 0.5 * rate * rate / contact->mobility,
                                      acceleration / contact->mobility,
                                      left * (rate + 0.5 * acceleration * left))
-               : by->swing;
+               : by->amplitude;
 }
 
+/* Estimate of the compression time. */
 static double time_of(const approach *by, double reach)
 {
     return reach / (fmax(by->rate, 0.0) + sqrt(fmax(by->acceleration, 0.0) * reach));
 }
 
-/* The first step of a run, and what counts as fine enough for this contact: the motion starts like t + t^(7/2), which
- * the first step resolves to rtol. */
+/* Sets the base length of a run's steps, and refines the level for this contact: its motion starts like t + t^(7/2),
+ * which the first step resolves to rtol. */
 static void first_level(aoi_adaptive *run, size_t c, double time)
 {
     if (run->base == 0.0) {
@@ -169,9 +172,9 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
     }
 }
 
-/* Scales of the contact that begins, as if nothing but the touching parts took part: lower bounds, so
- * that the first steps are rather too careful. What rings meanwhile brings the bodies no nearer than it swings,
- * however fast it is now. None, where the contacts beside it decide what it will be. */
+/* Estimates scales of the contact that begins, with the mobility of its two ports only. They are lower bounds: the
+ * first steps are rather too short than too long. A mode that oscillates within the contact time contributes at most
+ * its amplitude, whatever its velocity. At a massless contact point without mobility there is no estimate. */
 static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate,
                             double acceleration)
 {
@@ -188,8 +191,8 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     approach by = now, slow = now;
     double reach = reach_of(contact, law, &by, left), time = time_of(&by, reach);
     for (int i = 0; i < RISES; i++) {
-        slow = lasting(pair, now, time);
-        const double less = slow.swing > 0.0 ? reach_of(contact, law, &slow, left) : reach;
+        slow = mean_approach(pair, now, time);
+        const double less = slow.amplitude > 0.0 ? reach_of(contact, law, &slow, left) : reach;
         if (!(less < reach)) {
             break;
         }
@@ -197,7 +200,7 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
         reach = less;
         time = fmax(time, time_of(&by, reach));
     }
-    if (now.acceleration < 0.0 && slow.swing_rate > slow.rate) { /* a crest that may be drawn back at once */
+    if (now.acceleration < 0.0 && slow.amplitude_rate > slow.rate) { /* it may separate them again at once */
         reach = fmin(reach, 0.5 * rate * rate / -now.acceleration);
         time = fmin(time, rate / -now.acceleration);
     }
@@ -209,12 +212,12 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     const double stop = pace / contact->mobility, push = value.force * time;
     contact->indentation_scale = fmax(contact->indentation_scale, reach);
     contact->rate_scale = fmax(contact->rate_scale, pace);
-    /* A force below all numbers (a high power, a short record) is no scale. */
+    /* A force that underflows to zero (a high power, a short record) gives no scale. */
     contact->impulse_scale = fmax(contact->impulse_scale, push > 0.0 ? fmin(stop, push) : stop);
     first_level(run, c, time);
 }
 
-/* Lists it among the closed ones, which stay in order. */
+/* Adds a contact to the closed ones, which are in ascending order. */
 static void list_closed(aoi_adaptive *run, size_t c)
 {
     size_t at = run->closed.count++;
@@ -246,7 +249,8 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     contact->begins = 1;
     contact->slack = 0.0;
 
-    /* Exactly: what is left off here would add up. What has no mass is where the forces say. */
+    /* The indentation is not reset to rest: such errors would add up. At a residual compliance it follows from
+     * forces. */
     contact->start = bends ? here : fmax(here, rest);
     contact->start_rate = contact->touch_rate = rate;
     contact->last_length = contact->since_touch = contact->edge = 0.0;
@@ -255,13 +259,13 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     aoi_law_force(of->law, contact->memory, contact->piece, fmax(here, rest), rate, &value);
     contact->force = value.force;
     if (value.damping > 0.0 && bends) {
-        contact->start_rate = contact->force = 0.0; /* a damper stops what has no mass */
+        contact->start_rate = contact->force = 0.0; /* a dashpot stops a massless contact point */
     }
-    if (contact->force < 0.0 && !of->law->pulls) { /* within rounding of a touch to come, but still parting */
+    if (contact->force < 0.0 && !of->law->pulls) { /* a touch within rounding, of bodies that still separate */
         contact->piece = AOI_SLACK;
         contact->force = 0.0;
     }
-    if (!bends) { /* else the step says what it begins with */
+    if (!bends) { /* else the step finds the force at its start */
         aoi_contact_note_peak(run, c);
     }
     estimate_scales(run, c, &pair, rate, acceleration);

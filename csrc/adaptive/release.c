@@ -1,4 +1,4 @@
-/* When a contact will let go, before it does: what is left of it is taken in steps that fit. */
+/* Predicts when a contact separates, so that its last steps end there and are of suitable lengths. */
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "motion/free.h"
@@ -8,15 +8,15 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Of a series whose last terms fall by the share of the energy that is still in the law. */
+/* The series of slowness(): most terms, and the factor below which a term is left out. */
 enum { MOST_TERMS = 60 };
 
 static const double NEGLIGIBLE = 1e-13;
 
-/* A step before the last may be so much of what is left; and is not worth less than that. */
+/* Largest and least length of a step before the last, as a share of the time to separation. */
 static const double MOST_OF_REST = 2.0 / 3.0, LEAST_OF_REST = 0.5;
 
-/* int_0^1 du / sqrt(1 - e u^power): how much longer the way out takes than at its last velocity. */
+/* int_0^1 du / sqrt(1 - e u^power): time to separation, relative to that at the velocity of separation. */
 static double slowness(double e, double power)
 {
     double factor = 1.0, sum = 1.0;
@@ -27,7 +27,7 @@ static double slowness(double e, double power)
     return sum;
 }
 
-/* With several contacts at once none ends as it would alone. */
+/* The closed contact if it is the only one: several closed contacts influence each other's separation. */
 static const aoi_adaptive_contact *only_contact(const aoi_adaptive *run)
 {
     return run->closed_count == 1 ? &run->contact[run->entry[0].contact] : NULL;
@@ -49,8 +49,8 @@ double aoi_release_after(const aoi_adaptive *run, double within)
     if (!(depth > 0.0) || !(value.force > 0.0)) {
         return HUGE_VAL;
     }
-    /* As if the force fell like a power of the depth. As long as most of the energy is to come from the
-     * law, what else there is in the bodies decides when. */
+    /* The force is taken as a power of the depth. While more energy is in the law than in the motion the prediction is
+     * too rough. */
     const double power = 1.0 + value.stiffness * depth / value.force;
     const double gain = 2.0 * contact->mobility * value.force * depth / power;
     const double squared = contact->start_rate * contact->start_rate;
@@ -71,7 +71,7 @@ double aoi_release_step(const aoi_adaptive *run, double h)
     }
     const double left = aoi_release_after(run, fmax(h / LEAST_OF_REST, contact->edge));
     if (left <= contact->edge) {
-        /* Not short of it by rounding: else it is found in the next step, that is a sliver. */
+        /* Slightly beyond separation: a step that ended before it by rounding would leave a very short last one. */
         const double beyond = 0.25 * aoi_event_tolerance(run, contact->indentation_scale) /
                               fabs(contact->start_rate);
         return fmin(h, left + fmax(beyond, 16.0 * DBL_EPSILON * run->elapsed));

@@ -1,21 +1,20 @@
-/* The rows of a track, as a run writes and its dense output reads them. */
+/* The layout of the rows of a track, which a run writes and its dense output reads. */
 #ifndef AOI_ADAPTIVE_ROW_H
 #define AOI_ADAPTIVE_ROW_H
 
 #include "law/law.h"
 
-/* A row of a track, the dense record of an adaptive run: a step of contact, or a moment from which bodies
- * move freely. First these five; then for each of its bodies its number the work done on it and lost in it
- * before (J), and x, v at the start (3 + 2 n);
- * then for each of its contacts an aoi_row_contact. A body moves freely from where its last row leaves it. */
+/* A row of a track, the dense record of an adaptive run: a step of contact, or the start of free motion of some bodies.
+ * First the five values of aoi_row; then for each of its bodies its number, the work done on it and the energy
+ * dissipated in it before (J), and x, v at the start (3 + 2 n); then for each of its contacts an aoi_row_contact. After
+ * its last row a body moves freely. */
 enum aoi_row { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRACK_CONTACTS,
                  AOI_TRACK_SIZE, AOI_TRACK_FIXED, AOI_TRACK_STATE = 3 };
 
-/* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0);
- * the edge it was solved with; piece, memory, work done on it before, and lost at the end of the row (J);
- * the rate at which its force began; the force at the nodes; the Legendre coefficients of the indentation.
- * One that is in no row any more without having ended, or goes on as AOI_SLACK, has ended where its last
- * row with force does. */
+/* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0); the edge it was
+ * solved with; piece, memory, work done on it before, and lost at the end of the row (J); the rate at which its force
+ * began; the force at the nodes; the Legendre coefficients of the indentation. A contact that is in no later row, or
+ * goes on as AOI_SLACK, without a row in which it ends, has ended where its last row with force does. */
 enum aoi_row_contact {
     AOI_TRACK_CONTACT = 0,
     AOI_TRACK_BEGINS,

@@ -1,5 +1,5 @@
-/* The adaptive run: contact by collocation in steps of base 2^(-level/8), free motion in closed form, and what
- * makes the one follow the other. */
+/* The adaptive run. Contact is integrated by collocation in steps of length base 2^(-level/8), free motion in closed
+ * form. This file decides which of the two comes next, and how long the next step is. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "linear/work.h"
@@ -20,26 +20,27 @@ enum {
     MOST_IDLE = 1000
 };
 
-/* An event closer to the start than this share of the step happens at the start. */
+/* An event closer to the start of a step than this share of its length is applied at the start. */
 static const double AT_START = 1e-9;
 
-/* Beside a contact, bodies that move freely and ring are looked at so many steps ahead. */
+/* While a contact is closed, pairs of bodies in free motion are searched for a touch this many steps ahead. */
 static const double STEPS_AHEAD = 64.0;
 
-/* A rest of a step shorter than this share of it is taken along: over it rates are noise. */
+/* Where less than this share of a step would remain before its end point, the step is lengthened to reach it: over so
+ * short a step rates are dominated by rounding. */
 static const double SLIVER = 1e-6;
 
-/* After a failure steps are shorter by this at most and at least. */
+/* Least and largest factor on the step length after a rejected step. */
 static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
 
-/* And by this at least where the event that a step was cut short for was none. */
+/* Largest factor on the step length after a step was cut short for an event that the shorter step did not confirm. */
 static const double NOT_THERE = 0.5;
 
-/* After a success they are longer by 2^(LEAST_RISE/AOI_LEVELS) at least. Tables of new lengths cost so many steps
- * for each mode of the largest body. */
+/* Least growth for which a longer step is considered: 2^(LEAST_RISE/AOI_LEVELS). Cost of the tables for a new step
+ * length, in steps for each mode of the largest body. */
 static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
 
-/* A step worse than this is so far off that its events are not to be trusted. */
+/* Events found in a step whose admissible growth is below this are ignored: its error is too large. */
 static const double TRUSTED = 0.1;
 
 int aoi_is_at_start(const aoi_adaptive *run, double after, double h)
@@ -78,7 +79,7 @@ size_t aoi_adaptive_room(const aoi_system *system)
            AOI_TRACK_STATE * system->body_count + 2 * system->first[system->body_count];
 }
 
-/* Deals out memory behind the run itself, which is only counted where block is NULL. */
+/* Distributes the memory after the run's own struct; with block NULL it only counts the bytes. */
 static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
 {
     const size_t bodies = system->body_count, contacts = system->contact_count;
@@ -96,8 +97,8 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     run->watched[1].at = aoi_memory_numbers(&memory, contacts);
     run->x = aoi_memory_doubles(&memory, system->first[bodies]);
     run->v = aoi_memory_doubles(&memory, system->first[bodies]);
-    run->flight[0] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
-    run->flight[1] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
+    run->free_state[0] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
+    run->free_state[1] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
     run->scratch = aoi_memory_doubles(&memory, 2 * aoi_system_most_modes(system));
     run->port_force = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
     run->port_slope = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
@@ -123,7 +124,7 @@ size_t aoi_adaptive_size(const aoi_system *system)
 
 /* -------------------------------------------------------------------------------- the start */
 
-/* Bodies that press on each other from the start. */
+/* Closes a contact whose bodies press on each other at the start. */
 static void start_closed(aoi_adaptive *run, size_t c)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
@@ -147,7 +148,7 @@ static void start_closed(aoi_adaptive *run, size_t c)
     run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
 }
 
-/* What loads and contacts that press from the start have bent already is no work of this run. */
+/* Work done before the start by loads and closed contacts on residual compliances is excluded from the ledger. */
 static void start_ledger(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
@@ -243,10 +244,10 @@ aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
 
 /* ---------------------------------------------------------------------------------- free motion */
 
-/* A body without oscillations: one look sees its free motion to the end. */
+/* Whether a body is rigid: its free motion is a polynomial, so that one search covers it to the end of the run. */
 static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
 
-/* Looks when the bodies of a watched contact touch, up to limit, on copies of their states. */
+/* Finds when the bodies of a watched contact touch, up to limit, on copies of their states. */
 static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
 {
     const aoi_system *system = run->system;
@@ -274,13 +275,13 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
     contact->free_until = pair.time;
     aoi_watch_add(run, c);
     if (status == AOI_ERROR_NO_CONVERGENCE && pair.time > now) {
-        return AOI_OK; /* so far at least */
+        return AOI_OK; /* no touch before pair.time; the search goes on from there later */
     }
     run->failed = status != AOI_OK ? c : run->failed;
     return status;
 }
 
-/* The bodies of a contact as look_ahead has left them, at the time now. */
+/* Sets the states of a contact's two bodies to those that look_ahead computed for the present time. */
 static void land(aoi_adaptive *run, size_t c, const double *copy)
 {
     const aoi_system *system = run->system;
@@ -297,8 +298,8 @@ static void land(aoi_adaptive *run, size_t c, const double *copy)
     }
 }
 
-/* Nothing touches: on to the first touch of all, or to the end; or, where that takes long to find, as far as it is
- * certain that nothing does. */
+/* No contact is closed: advances to the first touch of all, or to the end. Where the search for a touch is long, it
+ * advances to the latest time before which no touch is possible. */
 static int move_freely(aoi_adaptive *run)
 {
     size_t c, landed = run->system->contact_count;
@@ -306,14 +307,14 @@ static int move_freely(aoi_adaptive *run)
     double best = aoi_watch_first(run, 1, run->end, &c);
     for (aoi_watch_first(run, 0, best, &c); c < run->system->contact_count;
          aoi_watch_first(run, 0, best, &c)) {
-        const int status = look_ahead(run, c, best, run->flight[0]);
+        const int status = look_ahead(run, c, best, run->free_state[0]);
         if (status != AOI_OK) {
             return status;
         }
         if (run->contact[c].touches && run->contact[c].free_until < best) {
-            double *kept = run->flight[0];
-            run->flight[0] = run->flight[1];
-            run->flight[1] = kept;
+            double *kept = run->free_state[0];
+            run->free_state[0] = run->free_state[1];
+            run->free_state[1] = kept;
             landed = c;
             best = run->contact[c].free_until;
         } else if (!run->contact[c].touches) {
@@ -325,10 +326,10 @@ static int move_freely(aoi_adaptive *run)
     (void)aoi_watch_first(run, 1, run->end, &c);
     if (c < run->system->contact_count && run->contact[c].free_until <= best) {
         if (c == landed) {
-            land(run, c, run->flight[1]);
+            land(run, c, run->free_state[1]);
         }
         if (run->base > 0.0) {
-            run->level = AOI_HIGHEST_LEVEL; /* the contact itself says how fine */
+            run->level = AOI_HIGHEST_LEVEL; /* the estimate for the closing contact refines it */
         }
         run->indentation_scale = run->impulse_scale = 0.0;
         aoi_contact_close(run, c);
@@ -338,8 +339,7 @@ static int move_freely(aoi_adaptive *run)
 
 /* ------------------------------------------------------------------------- a step of contact */
 
-/* Closes contacts of bodies in free motion whose time has come, and finds out how long the others are
- * certain not to touch. */
+/* Closes the contacts of bodies in free motion that touch now, and finds a time before which no other one does. */
 static int watch_free_pairs(aoi_adaptive *run)
 {
     const size_t none = run->system->contact_count;
@@ -349,7 +349,7 @@ static int watch_free_pairs(aoi_adaptive *run)
     const double ahead = fmax(now + STEPS_AHEAD * step, now + 2.0 * rounding);
     size_t c;
     for (aoi_watch_first(run, 0, due, &c); c < none; aoi_watch_first(run, 0, due, &c)) {
-        const int status = look_ahead(run, c, fmin(run->end, ahead), run->flight[0]);
+        const int status = look_ahead(run, c, fmin(run->end, ahead), run->free_state[0]);
         if (status != AOI_OK) {
             return status;
         }
@@ -361,7 +361,7 @@ static int watch_free_pairs(aoi_adaptive *run)
     return AOI_OK;
 }
 
-/* Lists who takes part; how long the step may be at most. */
+/* Lists the contacts and bodies of the next step, and finds its largest length. */
 static int prepare(aoi_adaptive *run, double *limit)
 {
     do {
@@ -381,14 +381,14 @@ static int prepare(aoi_adaptive *run, double *limit)
         stop = fmin(stop, aoi_modes_next_bend(&run->system->body[run->engaged.at[i]], now));
     }
     if (stop < run->end && stop - now <= 4.0 * DBL_EPSILON * stop) {
-        run->elapsed += 8.0 * DBL_EPSILON * stop; /* as good as there */
+        run->elapsed += 8.0 * DBL_EPSILON * stop; /* the kink of a load is here within rounding */
         return prepare(run, limit);
     }
     *limit = stop - now;
     return AOI_OK;
 }
 
-/* Takes the level of a step at most so long; in any case a finer one. */
+/* Sets the level of a step of length h or less, at least one level finer than the present one. */
 static void refine(aoi_adaptive *run, double h)
 {
     const int level = aoi_level_from(run, AOI_LEVELS * log2(run->base / h));
@@ -396,8 +396,8 @@ static void refine(aoi_adaptive *run, double h)
     run->saved = 0.0;
 }
 
-/* Takes a coarser level where that is not likely to fail: at once where steps are to be twice as long, else
- * when it would have saved what its tables cost, since a contact may well go on for as long as it has. */
+/* Takes a coarser level where the error allows it. A step twice as long is taken at once. A smaller increase waits
+ * until the steps that it would have saved so far equal the cost of its tables. */
 static void coarsen(aoi_adaptive *run, double growth)
 {
     if (growth < WORTH_IT) {
@@ -415,7 +415,7 @@ static void coarsen(aoi_adaptive *run, double growth)
     }
 }
 
-/* What has been noted of the step happens later, if at all; but contacts have been closed. */
+/* Discards the events noted in a step that is tried again, except for the contacts that it has closed. */
 static void forget_events(aoi_adaptive *run)
 {
     for (size_t s = 0; s < run->entry_count; s++) {
@@ -424,7 +424,7 @@ static void forget_events(aoi_adaptive *run)
     }
 }
 
-/* What to do after a step that cannot be taken: events at its start, an earlier end, a finer level. */
+/* After a step that is not accepted: applies events at its start, or ends it earlier, or takes a finer level. */
 static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, int *trims,
                    double *limit)
 {
@@ -437,12 +437,12 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
         const double after = attempt->place * attempt->h;
         const double place = fmax(attempt->place, aoi_event_tolerance(run, 1.0));
         const int at_start = aoi_is_at_start(run, after, attempt->h);
-        const int snaps = at_start && aoi_step_snaps(run, place); /* which the end of a step lets happen */
-        if (at_start && !snaps && aoi_step_at_start(run, place)) {
+        const int pulls_off = at_start && aoi_step_pulls_off(run, place); /* applied at the end of a step */
+        if (at_start && !pulls_off && aoi_step_at_start(run, place)) {
             return prepare(run, limit);
         }
-        if ((!at_start || snaps) && (*trims)++ < MOST_TRIMS) {
-            *trim = snaps ? fmax(after, AT_START * attempt->h) : after;
+        if ((!at_start || pulls_off) && (*trims)++ < MOST_TRIMS) {
+            *trim = pulls_off ? fmax(after, AT_START * attempt->h) : after;
             return AOI_OK;
         }
         growth = 0.4;
@@ -453,7 +453,7 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
     return AOI_OK;
 }
 
-/* Whether a law gives no number where a closed contact is now. */
+/* Whether a law written by the caller has returned NaN. */
 static int law_fails(aoi_adaptive *run)
 {
     for (size_t c = 0; c < run->system->contact_count; c++) {
@@ -466,13 +466,13 @@ static int law_fails(aoi_adaptive *run)
     return 0;
 }
 
-/* The length of the next step, and its level if it has one: none if it ends where something happens. */
+/* The length of the next step, and its level. A step that ends at an event or a limit has no level. */
 static double step_length(const aoi_adaptive *run, double limit, double trim, int *level)
 {
     const double usual = step_of_level(run), stop = fmin(limit, trim);
     const double h = trim < HUGE_VAL ? usual : aoi_release_step(run, usual);
     *level = h < usual ? AOI_NO_LEVEL : run->level;
-    if (stop <= h * (1.0 + SLIVER)) { /* and no sliver is left over */
+    if (stop <= h * (1.0 + SLIVER)) {
         *level = AOI_NO_LEVEL;
         return stop;
     }
@@ -481,7 +481,7 @@ static double step_length(const aoi_adaptive *run, double limit, double trim, in
 
 static int contact_step(aoi_adaptive *run, double *row, size_t *size)
 {
-    double limit, trim = HUGE_VAL, doubted = 0.0;
+    double limit, trim = HUGE_VAL, unconfirmed = 0.0;
     int trims = 0, idle = 0;
     if (run->base == 0.0) {
         run->base = run->end - aoi_run_now(run);
@@ -496,7 +496,7 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
         int level;
         const double h = step_length(run, limit, trim, &level);
         if (!(run->elapsed + h > run->elapsed)) {
-            break; /* shorter than the clock can tell */
+            break; /* below the rounding of the time */
         }
         aoi_attempt attempt;
         aoi_step_try(run, h, level, &attempt);
@@ -504,8 +504,8 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             status = aoi_step_accept(run, &attempt, row, size);
             if (level != AOI_NO_LEVEL) {
                 coarsen(run, attempt.growth);
-            } else if (trim < HUGE_VAL && attempt.place > 1.0 && doubted > 0.0) {
-                refine(run, doubted); /* what it was cut short for was no event: nor is it to be again */
+            } else if (trim < HUGE_VAL && attempt.place > 1.0 && unconfirmed > 0.0) {
+                refine(run, unconfirmed); /* the step was cut short for an event that did not occur */
             }
             run->time = aoi_run_now(run);
             if (run->end - run->time <= 4.0 * DBL_EPSILON * run->end) {
@@ -513,14 +513,14 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             }
             return status;
         }
-        doubted = h * fmax(fmin(attempt.growth, NOT_THERE), LEAST_SHRINKAGE);
+        unconfirmed = h * fmax(fmin(attempt.growth, NOT_THERE), LEAST_SHRINKAGE);
         status = go_back(run, &attempt, &trim, &trims, &limit);
     }
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;
 }
 
-/* Bodies that have not been asked for since move on freely to the end. */
-static void bring_all_home(aoi_adaptive *run)
+/* Advances all bodies from their last state to the end of the run in free motion. */
+static void advance_all_to_end(aoi_adaptive *run)
 {
     for (size_t b = 0; b < run->system->body_count; b++) {
         const size_t at = run->system->first[b];
@@ -529,7 +529,7 @@ static void bring_all_home(aoi_adaptive *run)
     }
 }
 
-/* Goes on by one row at most. idle: how often in turn no time has passed. */
+/* Advances the run by at most one row. idle: number of successive calls in which the time has not advanced. */
 static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
 {
     double *row = track->values + track->used;
@@ -566,7 +566,7 @@ int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track)
         status = go_on(run, track, idle, &paused);
     }
     if (status == AOI_OK && !(run->time < run->end)) {
-        bring_all_home(run);
+        advance_all_to_end(run);
     }
     return status;
 }

@@ -1,5 +1,5 @@
-/* One step of an adaptive run, tried: the motion without contact forces, a first guess, the forces by
- * collocation, and what the other files say of them. */
+/* A trial step of an adaptive run: the motion without contact forces, a first guess, the forces by collocation, and
+ * then their errors (step_error.c) and events (step_events.c, step_open.c). */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -12,26 +12,26 @@
 
 #include <math.h>
 
-/* A step ends where a contact lets go if it does so to this share of its length. */
+/* A step ends at an edge if its contact separates within this share of the step's length from its end. */
 static const double EDGE_WIDTH = 0.1;
 
-/* It begins where it touches if it is no deeper there than this share of how far it could go in it. */
+/* A step begins at an edge if its contact's indentation there is below this share of rate times step length. */
 static const double EDGE_DEPTH = 1e-3;
 
-/* Newton's convergence is judged on no smaller indentation than this share of the largest. */
+/* Newton's convergence is measured against an indentation of at least this share of the largest. */
 static const double NEWTON_SHARE = 1e-6;
 
-/* Beside another contact at a massless place it has the rounding of that one's. */
+/* The same for contacts coupled by a residual compliance: each indentation has the rounding of the largest. */
 static const double SHARED_NEWTON_SHARE = 1e-3;
 
-/* Whether two bodies answer alike: often they are one model. */
+/* Whether two bodies have the same response: scenes often use one model several times. */
 static int are_alike(const aoi_modes *one, const aoi_modes *other)
 {
     return one->n == other->n && one->ports == other->ports && one->omega == other->omega &&
            one->decay == other->decay && one->shape == other->shape && one->push == other->push;
 }
 
-/* The tables of a body for this step: the one not used for longest makes room. */
+/* The tables of a body for this step; new ones replace those that were unused for longest. */
 static void make_response(aoi_adaptive *run, size_t b, double h, int level, int with_rates)
 {
     aoi_adaptive_body *body = &run->body[b];
@@ -53,7 +53,7 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
     run->response[b] = body->table[oldest];
 }
 
-/* The indentation at the start has it in it already; the motion without contact forces has not. */
+/* The indentation at the start includes this; the motion without contact forces does not. */
 double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
 {
     const aoi_contact *of = &run->system->contact[c];
@@ -74,7 +74,7 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
     return sum;
 }
 
-/* Takes off what the forces that places without mass follow do in the step if they stay as they are. */
+/* Subtracts the displacement in the step by the contact forces on residual compliances, held constant. */
 static void add_constant_forces(const aoi_adaptive *run, aoi_contact_step *entry, int with_rates)
 {
     const aoi_system *system = run->system;
@@ -124,8 +124,8 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
     add_constant_forces(run, entry, with_rates);
 }
 
-/* The last step's polynomial at the nodes of a step of length h behind it, and its slope there. */
-static void draw_on(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
+/* Extrapolates the last step's polynomial to the nodes of a step of length h, with its slope there. */
+static void extrapolate(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
     const double stretch = h / contact->last_length;
     if (stretch == 1.0 && !rate) {
@@ -143,8 +143,8 @@ static void draw_on(const aoi_adaptive_contact *contact, double h, double *inden
     }
 }
 
-/* The same of the motion at its start. */
-static void draw_line(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
+/* Extrapolates linearly from the indentation and rate at the start. */
+static void extrapolate_linearly(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {
         indentation[i] = contact->start + h * aoi_radau_node[i] * contact->start_rate;
@@ -152,18 +152,18 @@ static void draw_line(const aoi_adaptive_contact *contact, double h, double *ind
     }
 }
 
-/* A guess: the last step's polynomial drawn on, where it reaches, or the motion without force; never
- * deeper than that. Where other contacts press on the same massless place this bounds nothing: it would
- * leap away, at rates without limit. */
+/* A first guess: the last step's polynomial extrapolated, or the motion without contact force, which bounds the
+ * indentation from above. Where other contacts press on the same massless contact point that motion is no bound: the
+ * point would jump. */
 static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int shared,
                   aoi_contact_step *entry)
 {
     const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
     double drawn_on[AOI_NODES], rate[AOI_NODES], largest = 0.0;
     if (known) {
-        draw_on(contact, h, drawn_on, with_rates ? rate : NULL);
+        extrapolate(contact, h, drawn_on, with_rates ? rate : NULL);
     } else if (shared) {
-        draw_line(contact, h, drawn_on, rate);
+        extrapolate_linearly(contact, h, drawn_on, rate);
     }
     for (size_t i = 0; i < AOI_NODES; i++) {
         const int shallower = shared || (known && drawn_on[i] < entry->homogeneous[i]);
@@ -174,7 +174,7 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
     entry->scale = fmax(largest, (shared ? SHARED_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
-/* Which edge of a contact a step of length h has. */
+/* Whether a step of length h begins or ends at an edge of a contact. */
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
@@ -182,7 +182,7 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
     if (!contact->closed || contact->piece == AOI_SLACK || aoi_contact_has_residual(run, c)) {
         return AOI_EDGE_NONE;
     }
-    if (contact->begins) { /* from touch, not pressed together, and not with a force that jumps */
+    if (contact->begins) { /* an edge only if the force rises from zero at the touch */
         const double rest = aoi_law_rest(law, contact->memory);
         const double deep = EDGE_DEPTH * h * contact->start_rate;
         return contact->force == 0.0 && contact->start - rest <= deep ? AOI_EDGE_START : AOI_EDGE_NONE;
@@ -236,7 +236,7 @@ static void gather_forces(aoi_adaptive *run, double h)
     }
 }
 
-/* The largest force of contacts beside each other: seen, met in this step, or to be expected. */
+/* The largest force of several closed contacts: so far, in this step, or estimated by impulse and rate. */
 static double force_scale_of(const aoi_adaptive *run)
 {
     double largest = 0.0;
@@ -249,7 +249,7 @@ static double force_scale_of(const aoi_adaptive *run)
     return largest;
 }
 
-/* Contacts that share a body are at most so many entries apart. */
+/* Largest distance between the entries of two contacts that share a body. */
 static size_t span_of(const aoi_adaptive *run)
 {
     return run->closed_count < 2 ? 0

@@ -1,4 +1,4 @@
-/* What a step leaves behind: bodies and contacts at its end, peaks, and the events that end it. */
+/* The end of an accepted step: states of bodies and contacts, peaks, and the events there. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "adaptive/step.h"
@@ -12,8 +12,8 @@
 
 #include <math.h>
 
-/* Where in the step the force has its largest maximum: that of the indentation, or, under a law that
- * depends on the rate, before it. 1 where there is none inside. */
+/* Place of the force's largest maximum in the step: that of the indentation, or, for a rate-dependent law, of the
+ * force's own polynomial. 1 where there is none inside. */
 static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
     double place, value, by_force[AOI_NODES];
@@ -48,14 +48,14 @@ static void note_peak(const aoi_adaptive *run, const aoi_contact_step *entry, do
         return;
     }
     const double place = top_of(law, entry);
-    if (aoi_contact_has_residual(run, entry->contact)) { /* it may have come at once */
+    if (aoi_contact_has_residual(run, entry->contact)) { /* the force may begin with a jump */
         take_peak(run, aoi_nodes_at_start(entry->force), 0.0, contact);
     }
     if (law->depends_on_rate) {
         for (size_t i = 0; i < AOI_NODES; i++) {
             rates[i + 1] = entry->rate[i];
         }
-        aoi_legendre_fit(rates, by_rate); /* a slope over a very short step would be noise */
+        aoi_legendre_fit(rates, by_rate); /* the slope of the indentation's series would lose digits */
         rate = aoi_legendre_evaluate(AOI_NODES + 1, by_rate, place, &slope);
     }
     if (place < 1.0) {
@@ -68,14 +68,14 @@ static void note_peak(const aoi_adaptive *run, const aoi_contact_step *entry, do
     take_peak(run, value.force, h, contact);
 }
 
-/* Bodies under force to the end of the step. */
+/* Advances a body under force to the end of the step. */
 static void move_body(aoi_adaptive *run, size_t b, double h)
 {
     const aoi_modes *body = &run->system->body[b];
     const double *force = run->port_force + run->system->first_port[b] * AOI_NODES;
     double *x = run->x + run->system->first[b], *v = run->v + run->system->first[b];
     const double now = aoi_run_now(run);
-    double *before = run->flight[0], work, dissipated;
+    double *before = run->free_state[0], work, dissipated;
     const int booked = aoi_body_has_ledger(body);
     for (size_t j = 0; booked && j < body->n; j++) {
         before[j] = x[j];
@@ -111,7 +111,7 @@ static double deepest(const aoi_law *law, const aoi_contact_step *entry)
     return between ? fmax(at_nodes, value) : at_nodes;
 }
 
-/* Whether the forces at the nodes are the law's, or a line drawn on beyond it. */
+/* Whether all forces at the nodes are within the range for which the law is defined (aoi_law_stands). */
 static int stands(const aoi_law *law, const aoi_contact_step *entry)
 {
     int all = 1;
@@ -122,7 +122,7 @@ static int stands(const aoi_law *law, const aoi_contact_step *entry)
     return all;
 }
 
-/* At an edge the nodes' polynomial is right on the whole, but not at its end. */
+/* At an edge the force's polynomial is a least-squares fit, and is not used at its end. */
 static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
 {
     aoi_law_value value;
@@ -133,7 +133,7 @@ static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
     return value.force;
 }
 
-/* Where the slope of P_k is k (k + 1). */
+/* The slope of a Legendre series at its end, where that of the shifted P_k is k (k + 1). */
 static double end_slope(const double *legendre)
 {
     double sum = 0.0;
@@ -152,7 +152,7 @@ static double force_slope(const aoi_contact_step *entry)
     return end_slope(legendre);
 }
 
-/* What a contact has gone through in the step, and its state at the end. */
+/* Updates a contact's peak, impulse, work and scales, and sets its state at the end of the step. */
 static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double h, int with_rates)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -194,7 +194,7 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
     return AOI_OK;
 }
 
-/* On which piece of its law a closed contact goes on. */
+/* Sets the piece of its law on which a closed contact continues. */
 static void take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising)
 {
     aoi_law_value value;
@@ -241,7 +241,7 @@ static void apply_event(aoi_adaptive *run, size_t c, double now)
         take_piece(law, contact, contact->start, contact->start_rate > 0.0);
         break;
     case AOI_EVENT_TURN:
-        contact->start_rate = fmin(contact->start_rate, 0.0); /* or it would turn again, for ever */
+        contact->start_rate = fmin(contact->start_rate, 0.0); /* or the same event would repeat */
         take_piece(law, contact, contact->start, 0);
         contact->last_length = 0.0;
         break;
@@ -256,8 +256,8 @@ static void apply_event(aoi_adaptive *run, size_t c, double now)
     }
 }
 
-/* Whether an event at the very start is one only to a polynomial that is not good enough: a contact that
- * opens in the first look at it, or leaves its piece by the end that it moves away from. */
+/* Whether an event at the start of a step results from the error of its polynomial: a contact that opens just after it
+ * has closed, or leaves its piece at the end from which it moves away. */
 static int goes_back(const aoi_adaptive_contact *contact)
 {
     return (contact->event == AOI_EVENT_OPEN && contact->begins && contact->event_place > 0.0) ||
@@ -283,7 +283,7 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
     return some;
 }
 
-/* Many equal steps are rounded alike, which would add up to a phase: what is left off is added later. */
+/* Compensated (Kahan) summation of the time: the rounding of many equal steps would add up. */
 static void pass_time(aoi_adaptive *run, double h)
 {
     const double step = h + run->left_off, elapsed = run->elapsed + step;
@@ -291,9 +291,9 @@ static void pass_time(aoi_adaptive *run, double h)
     run->elapsed = elapsed;
 }
 
-/* The contact that ends with a pull at a place without mass by then, which snaps back: what it does to the others
- * there hangs on their laws. None: the number of entries. */
-static size_t snapping(const aoi_adaptive *run, double place)
+/* The first entry with a pull-off at a massless contact point up to a place of the step: the contact ends under
+ * tension, and the point jumps back. closed_count where there is none. */
+static size_t pull_off_entry(const aoi_adaptive *run, double place)
 {
     size_t s = 0;
     for (; s < run->closed_count; s++) {
@@ -308,10 +308,13 @@ static size_t snapping(const aoi_adaptive *run, double place)
     return s;
 }
 
-int aoi_step_snaps(const aoi_adaptive *run, double place) { return snapping(run, place) < run->closed_count; }
+int aoi_step_pulls_off(const aoi_adaptive *run, double place)
+{
+    return pull_off_entry(run, place) < run->closed_count;
+}
 
-/* Lets the events at the end of a step happen. */
-static void events(aoi_adaptive *run, double later)
+/* Applies the events at the end of a step. */
+static void apply_events(aoi_adaptive *run, double later)
 {
     run->indentation_scale = run->impulse_scale = 0.0;
     for (size_t s = 0; s < run->entry_count; s++) {
@@ -342,9 +345,9 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     }
     pass_time(run, h);
     run->steps++;
-    const size_t s = snapping(run, 1.0);
+    const size_t s = pull_off_entry(run, 1.0);
     if (s == run->closed_count) {
-        events(run, later);
+        apply_events(run, later);
         return AOI_OK;
     }
     for (size_t k = run->closed_count; k < run->entry_count; k++) {
@@ -354,7 +357,7 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
         run->contact[run->entry[k].contact].start = aoi_contact_place(run, run->entry[k].contact);
     }
     const double before = aoi_balance_book(run, -1.0);
-    events(run, later);
+    apply_events(run, later);
     aoi_balance_at_once(run, 1);
     const double lost = before - aoi_balance_book(run, 1.0);
     run->contact[run->entry[s].contact].work += lost;

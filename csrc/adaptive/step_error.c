@@ -1,11 +1,11 @@
 /* Whether a step meets the tolerance, and how long the next may be.
  *
- * Two errors are kept below rtol in each step. The tail of the indentation's Legendre series says how
- * well the polynomial follows the motion within the step, so the peak; the integrated defect of the
- * force between the nodes says what the step hands on, so impulse, velocities and later times. Radau
- * nodes make the second far smaller than the first, except at the beginning and end of a contact,
- * where the force starts like d^(3/2). Both are samples, which modes that turn many times in the step may
- * fool; what these make of the force is bounded in step_ring.c, and is kept below rtol, too. */
+ * Two errors are kept below rtol in each step. The tail of the indentation's Legendre series measures how well the
+ * polynomial follows the motion within the step, hence the peak. The integrated defect of the force between the nodes
+ * measures the error at the end of the step, hence impulse, velocities and later times. Radau nodes make the second far
+ * smaller than the first, except at the beginning and end of a contact, where the force starts like d^(3/2). Both are
+ * samples, and miss modes that oscillate many times within the step. The effect of these on the force is bounded in
+ * step_ring.c, and kept below rtol, too. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"
@@ -18,44 +18,43 @@
 #include <float.h>
 #include <math.h>
 
-/* Shares of rtol: of the polynomial's tail, and of what one step may hand on. Errors add up over some
- * twenty steps of a contact, and grow from one contact to the next. */
+/* Shares of rtol: of the polynomial's tail, and of the error at the end of one step. Errors add up over some twenty
+ * steps of a contact, and grow from one contact to the next. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
-/* At the ends of a contact the force is no smooth function of time, and the quadrature of its defect
- * misses part of it. */
+/* Share of these in the first and last step of a contact: there the force is no smooth function of time, and the
+ * quadrature of its defect misses part of it. */
 static const double END_SHARE = 0.03;
 
-/* Times no farther apart than so many roundings of the record's end are the same. */
+/* Times closer than this multiple of the rounding of the end time count as equal. */
 static const double ROUNDINGS = 16.0;
 
 /* A step is not tried at more than 1/0.9 of the length that its error allows. */
 static const double CAUTION = 0.9;
 
-/* Where a law that may not pull has let go of bodies that still overlap, steps grow, but not by leaps. */
+/* Largest growth while a contact is slack: the bodies still overlap, but the law's force is cut at zero. */
 static const double SLACK_GROWTH = 2.0;
 
-/* Beside an edge a step may be so much longer than the one with it; and how much longer than that one,
- * if its error says so, the other edge's may be. */
+/* Largest growth from a step with an edge to the next; and of the length allowed at the contact's end over that of the
+ * step with its beginning. */
 static const double EDGE_GROWTH = 2.0, EDGE_REACH = 1.4;
 
-/* A force that grows like t^(1/4) from the start is so much of its last value at the node before. */
+/* Ratio of the forces at the last two nodes where the force grows like t^(1/4) from the start. */
 static const double NEAR_TOP = 0.99;
 
-/* By how much more of the force an error of the indentation makes under this law than under Hertz's. */
+/* Relative error of the force for a relative error of the indentation, over that of Hertz's law; at least 1. */
 static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
     aoi_law_value value;
     aoi_law_push(aoi_step_law(run, entry), entry->memory, largest, entry->start_rate, &value);
-    /* Of the largest force: a small one at the end of a contact is not to be right to itself. */
+    /* Relative to the largest force: a small one at the end of a contact needs no relative accuracy of its own. */
     const double force = fmax(value.force, run->contact[entry->contact].peak_force);
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
 
-/* What the last coefficients of the force's polynomial hold. Under a law of the rate light contact masses
- * and stiff oscillators ring in the force long before they show in the indentation; a massless contact
- * follows its forces at once: they may run away from a smooth indentation, within the time that law and
- * compliance make together. */
+/* Size of the last coefficients of the force's polynomial. Under a rate-dependent law light contact masses and stiff
+ * oscillators appear in the force long before they appear in the indentation. At a massless contact point the force may
+ * change faster than the indentation, within the relaxation time of law and residual compliance. */
 static double force_tail(const aoi_contact_step *entry)
 {
     double c[4];
@@ -66,7 +65,7 @@ static double force_tail(const aoi_contact_step *entry)
     return last < before ? last * sqrt(last / before) : last;
 }
 
-/* What counts as large for its force, or what its impulse takes at the pace at which the bodies met. */
+/* Force scale of a contact, or its impulse over the time indentation / approach rate where that is larger. */
 static double force_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double impulse,
                           double indentation)
 {
@@ -74,17 +73,17 @@ static double force_scale(const aoi_adaptive *run, const aoi_contact_step *entry
                 impulse * run->contact[entry->contact].rate_scale / indentation);
 }
 
-/* What the last coefficients of the rate's series hold. From the nodes alone: where a force comes or goes, the
- * rate of what has no mass jumps. */
+/* Size of the last coefficients of the rate's series. It is fitted to the nodes without the start: where a force sets
+ * in or ends, the rate of a massless contact point jumps. */
 static double rate_tail(const aoi_contact_step *entry)
 {
     return fabs(aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[AOI_NODES - 1], entry->rate)) +
            fabs(aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[AOI_NODES - 2], entry->rate));
 }
 
-/* The error of a force that depends on the rate where it is largest inside a step with an edge, of which its
- * own series says nothing. The rate's coefficients fall slowly there, like a power: those to come hold more
- * than the last ones do. */
+/* The error of a rate-dependent force whose maximum lies inside a step with an edge, where its own series gives no
+ * estimate. The rate's coefficients decay slowly there, like a power: the sum of those left out exceeds the last
+ * ones. */
 static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry, double tail)
 {
     double largest = 0.0;
@@ -100,7 +99,7 @@ static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry
            fabs(value.damping) * rate_tail(entry) * AOI_NODES / 3.0;
 }
 
-/* Whether a load on one of the two bodies has just begun to change otherwise. */
+/* Whether a load on one of the two bodies has a kink or a jump now. */
 static int load_bent(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const aoi_contact *of = &run->system->contact[entry->contact];
@@ -109,8 +108,9 @@ static int load_bent(const aoi_adaptive *run, const aoi_contact_step *entry)
            aoi_modes_next_bend(&run->system->body[of->body[1]], now - slack) <= now + slack;
 }
 
-/* By how much a force jumps at the start of a step where it goes on though a load bends there: the nodes have not seen
- * it. Of what has no mass it may jump, but for what rests: that has the force of its rest when it sets off. */
+/* Jump of the step's force polynomial at the start of a step at which the force should be continuous: where a load has
+ * a kink there, which the nodes do not resolve. At a massless contact point the force may jump, except at the start of
+ * a run from rest, where it is the force at rest. */
 static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const int bent = aoi_contact_has_residual(run, entry->contact);
@@ -119,20 +119,21 @@ static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
     return goes_on ? fabs(aoi_nodes_at_start(entry->force) - entry->start_force) : 0.0;
 }
 
-/* Whether the largest force of all may lie inside the step. Else what counts is what a wrong force does within
- * the step: where one begins like t^(1/4) at a place without mass, it is wrong in the shortest one. */
+/* Whether the contact's largest force may lie inside the step. Otherwise the force's error is measured by its impulse
+ * in the step: at a massless contact point a force may begin like t^(1/4), with a relative error that does not decrease
+ * with the step length. */
 static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *entry, double wrong)
 {
     const double largest = aoi_step_force(entry);
     return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->peak_force;
 }
 
-/* The errors of a step as shares of what they may be, and what may be missed of a force that rings, N. */
+/* The errors of a step as shares of their tolerances; and the tolerance of the unresolved oscillation of a force, N. */
 typedef struct errors {
     double within, handed_on, ripple;
 } errors;
 
-/* No step can do better than rounding. */
+/* Tolerances are at least a few times the rounding. */
 static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, errors *of)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -162,7 +163,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
 
-/* What counts as fast for a contact: what it has seen, or a small share of what the others have. */
+/* Rate scale of a contact: its largest so far, or a small share of the other contacts' scale. */
 static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     double scale = run->contact[entry->contact].rate_scale;
@@ -172,19 +173,19 @@ static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
     return scale;
 }
 
-/* The same where a law has let go: the motion is exact, but is to be seen well enough to tell whether the
- * force comes back, which the rate decides. */
+/* The admissible growth while a contact is slack: the motion is exact, but the rate must be resolved well enough to
+ * find where the force rises above zero again. */
 static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double within)
 {
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, entry), scale / h);
-    const double unseen = fmax(within, rate_tail(entry) / fmax(slow, DBL_MIN));
-    const double growth = CAUTION * pow(unseen, -1.0 / AOI_NODES);
-    return unseen > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), SLACK_GROWTH);
+    const double unresolved = fmax(within, rate_tail(entry) / fmax(slow, DBL_MIN));
+    const double growth = CAUTION * pow(unresolved, -1.0 / AOI_NODES);
+    return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), SLACK_GROWTH);
 }
 
-/* At an edge errors grow like the powers of time that a polynomial misses: d^(3/2) makes t^(7/2) of the
- * motion, t^(5/2) of the impulse. */
+/* At an edge errors grow like the powers of time that a polynomial cannot represent: a force like d^(3/2) gives t^(7/2)
+ * in the motion and t^(5/2) in the impulse. */
 static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *entry, double h, const errors *of)
 {
     const int at_edge = entry->edge != AOI_EDGE_NONE;

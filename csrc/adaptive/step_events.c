@@ -1,4 +1,4 @@
-/* What happens to contacts within a step: they touch, let go, turn, or leave a piece of their law. */
+/* Events of closed contacts within a step: they separate, become slack, turn, or leave a piece of their law. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -11,15 +11,16 @@
 #include <float.h>
 #include <math.h>
 
-/* How well events are hit, as a share of rtol, and the rounding of an indentation from the bodies'
- * places. */
+/* Tolerance of an event's level, as a share of rtol; and rounding of an indentation, a difference of displacements, in
+ * units of their rounding. */
 static const double EVENT_SHARE = 0.01, PLACE_ROUNDING = 8.0;
 
-/* A contact is skipped within this share of what it counts again at. */
-static const double DOZING = 0.1;
+/* A contact with a negligible force is opened if its indentation is below this share of the tolerance at which it would
+ * touch again: it does not close at once. */
+static const double SKIP_SHARE = 0.1;
 
-/* In steps over which bodies come no further than this share of their deepest, what does not touch at once does not
- * touch. */
+/* In a step in which the approach is less than this share of the largest indentation, a contact that does not press at
+ * once counts as open. */
 static const double SHORTEST = 1e-2;
 
 double aoi_event_tolerance(const aoi_adaptive *run, double scale)
@@ -27,8 +28,8 @@ double aoi_event_tolerance(const aoi_adaptive *run, double scale)
     return fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) * scale;
 }
 
-/* Whether a quantity falls below zero, and where. Ending within tolerance below zero, without having been
- * lower before, it falls at the end; else the step is to end where it will be there. */
+/* Whether a function of time falls below zero in the step, and where. If it ends within the tolerance below zero, and
+ * was not lower before, the place is the end. Otherwise it is where the function is half the tolerance below zero. */
 static int falls_below(const double *values, double tolerance, double *place)
 {
     double coefficient[AOI_NODES + 1];
@@ -56,7 +57,7 @@ void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, 
     attempt->place = place < attempt->place ? place : attempt->place;
 }
 
-/* The same where a quantity falls. */
+/* Notes an event where a function of time falls below zero. */
 static void falls(const double *values, double tolerance, int kind, aoi_adaptive_contact *contact,
                   aoi_attempt *attempt)
 {
@@ -66,7 +67,8 @@ static void falls(const double *values, double tolerance, int kind, aoi_adaptive
     }
 }
 
-/* Whether a node is the lowest about, so that a dip beside it may be as deep as what it rises to a neighbour. */
+/* Whether a minimum beside a node may lie below -depth: the node is a local minimum, and the rise to a neighbour
+ * exceeds its distance from that. */
 static int may_dip(const double *values, double depth)
 {
     for (size_t i = 1; i <= AOI_NODES; i++) {
@@ -79,8 +81,8 @@ static int may_dip(const double *values, double depth)
     return 0;
 }
 
-/* The same for a distance from an end, or a force, that may have been passed and come back to between
- * two nodes. Only a step that is good enough says so. */
+/* Notes an event where a function of time falls below zero, also if it does so only between two nodes. The latter is
+ * looked for only in a step whose error is within the tolerance. */
 static void leaves(const double *values, double tolerance, int kind, aoi_adaptive_contact *contact,
                    aoi_attempt *attempt)
 {
@@ -135,8 +137,8 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
         line_up(fmax(entry->start_force, 0.0), force, 1.0, 0.0, values);
     }
     if (aoi_contact_has_residual(run, entry->contact)) {
-        /* A rate may jump there, and the force with it: it has fallen already, to the error of the step before, or
-         * the nodes say where it comes from. */
+        /* The rate may jump at the start, and the force with it. The force may have fallen to zero there, within the
+         * error of the last step. Otherwise its value at the start is extrapolated from the nodes. */
         if (values[1] < -tolerance && values[0] <= run->rtol * fmax(run->force_scale, largest)) {
             aoi_step_note_event(0.0, kind, contact, attempt);
             return;
@@ -146,8 +148,8 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
     leaves(values, tolerance, kind, contact, attempt);
 }
 
-/* What is left to rise before a turn is below the tolerance: it turns where it is, since steps as short as
- * that would see rates that are rounding. */
+/* Where the indentation would grow by less than the tolerance before its turn, the turn is applied at the start: in
+ * steps as short as that rates would be dominated by rounding. */
 static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adaptive_contact *contact,
                      aoi_attempt *attempt)
 {
@@ -157,8 +159,8 @@ static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adapti
     }
 }
 
-/* Whether a contact at a place without mass has let go but for rounding: steps as short as what is left of it would
- * see rates that are rounding. */
+/* Whether a contact at a massless contact point has separated within rounding: in steps as short as the rest of the
+ * contact rates would be dominated by rounding. */
 static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, double rest, double tolerance)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -168,8 +170,8 @@ static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, doubl
            fmax(fabs(entry->start_force), aoi_step_force(entry)) <= least;
 }
 
-/* Whether a contact that has just touched a place without mass is none: others move that away from the first, as the
- * shortest steps show. reach: how far the bodies come in the step. */
+/* Whether a contact that has just touched at a massless contact point opens at once, since other contacts move that
+ * point away. Only the shortest steps decide this. reach: the approach in the step, m. */
 static int is_none(const aoi_adaptive *run, const aoi_contact_step *entry, double reach, double scale)
 {
     return run->contact[entry->contact].begins && aoi_contact_has_residual(run, entry->contact) &&
@@ -217,7 +219,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
     }
 }
 
-/* The rounding of an indentation that is a difference of places. */
+/* The rounding of an indentation, which is a difference of modal sums, m. */
 static double rounding_of(const aoi_free_pair *pair)
 {
     double size = fabs(pair->gap);
@@ -237,9 +239,9 @@ double aoi_touch_tolerance(aoi_adaptive *run, const aoi_contact_step *entry)
     return fmax(EVENT_SHARE * run->rtol * aoi_step_scale(run, entry, 0.0), rounding_of(&pair));
 }
 
-/* Behind a wave bodies go on side by side, with overlaps and velocities that are rounding. A force that
- * would not change the last digit of the contact's impulse if it lasted to the end of the run has ended:
- * else all that has ever been passed would be solved for in every step. */
+/* After a wave has passed, bodies move on side by side, with overlaps and velocities at rounding. A contact whose force
+ * would not change the last digit of its impulse if it lasted to the end of the run is opened: otherwise every contact
+ * that the wave has passed would be solved for in every step. */
 void aoi_step_skip(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -254,7 +256,7 @@ void aoi_step_skip(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt
     }
     const double tolerance = aoi_touch_tolerance(run, entry);
     const double rest = aoi_law_rest(aoi_step_law(run, entry), entry->memory);
-    if (!(aoi_step_indentation(entry) - rest <= DOZING * tolerance)) {
+    if (!(aoi_step_indentation(entry) - rest <= SKIP_SHARE * tolerance)) {
         return;
     }
     contact->event = AOI_EVENT_OPEN;

@@ -1,6 +1,6 @@
-/* Open contacts beside closed ones: whether they touch within a step. What the contact forces make of their
- * indentation is split into a polynomial and free oscillations, so that the search of free.c, which steps over
- * no touch, sees all of it. */
+/* Open contacts of bodies under force: whether they touch within a step. The displacement by the contact forces is
+ * split into a polynomial and free oscillations, so that the search of free.c, which misses no touch, covers all of
+ * it. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -13,8 +13,8 @@
 
 #include <math.h>
 
-/* Takes the oscillations that the forces set off in fast modes out of the values of a displacement at the start
- * and the nodes, and adds them to the modes' free motion x, v. */
+/* Subtracts the oscillations that the forces excite in fast modes from a displacement at the start and the nodes, and
+ * adds them to the modes' free motion x, v. */
 static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sign, double h, double *x,
                       double *v, double *values)
 {
@@ -40,28 +40,28 @@ static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sig
     }
 }
 
-/* The displacement that the forces of the step add to a port at the nodes. */
+/* Adds the displacement of a port at the nodes under the forces of the step. */
 static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double sign, double *indentation)
 {
     const aoi_modes *body = &run->system->body[b];
     for (size_t q = 0; q < body->ports; q++) {
         const double *force = run->port_force + (run->system->first_port[b] + q) * AOI_NODES;
         const size_t pair = port * body->ports + q;
-        double answer[AOI_NODES];
-        aoi_nodes_multiply(run->response[b].influence + pair * AOI_NODES * AOI_NODES, force, answer);
-        aoi_nodes_add(sign, answer, indentation);
+        double displacement[AOI_NODES];
+        aoi_nodes_multiply(run->response[b].influence + pair * AOI_NODES * AOI_NODES, force, displacement);
+        aoi_nodes_add(sign, displacement, indentation);
         if (body->residual) {
             aoi_nodes_add(sign * body->residual[pair], force, indentation);
         }
     }
 }
 
-/* The bodies' motion over a step, on copies; forced: room for what contact forces add. */
+/* Copies the two bodies' states, and fits the indentation by contact forces over the step; forced: its memory. */
 static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair, aoi_forced *forced)
 {
     const aoi_contact *of = &run->system->contact[c];
     double values[AOI_NODES + 1] = {-aoi_contact_bent(run, c, 0)};
-    double *copy = run->flight[0];
+    double *copy = run->free_state[0];
     aoi_pair_now(run, c, pair);
     for (int side = 0; side < 2; side++) {
         const size_t b = of->body[side], n = run->system->body[b].n;
@@ -82,7 +82,7 @@ static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair
     pair->forced = forced;
 }
 
-/* An open contact takes no force as long as it stays within the tolerance. */
+/* A contact stays open as long as its indentation is within the tolerance. */
 void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attempt *attempt)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -98,7 +98,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
     aoi_free_pair_indentation(&pair, &start, &start_rate, &ignored);
     const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
     if (aoi_free_pair_next_touch(&pair, now + attempt->h, most, &touches) != AOI_OK) {
-        attempt->growth = fmin(attempt->growth, 0.5); /* it is as close as that for all of so long a step */
+        attempt->growth = fmin(attempt->growth, 0.5); /* the search took too many evaluations */
         return;
     }
     if (!touches) {

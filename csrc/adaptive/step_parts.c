@@ -1,4 +1,4 @@
-/* Which contacts and bodies take part in a step, and what a body needs for that: to be where the run is. */
+/* The contacts and bodies that take part in a step. Each body is first advanced to the time of the run. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "model/modes.h"
@@ -17,7 +17,7 @@ void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x,
     double work, dissipated;
     if (aoi_body_has_ledger(body)) {
         aoi_modes_free_work(body, run->body[b].time, time, run->x + at, run->v + at, x, v,
-                              run->flight[0], &work, &dissipated);
+                              run->free_state[0], &work, &dissipated);
         run->body[b].work += work;
         run->body[b].dissipated += dissipated;
     }
@@ -87,7 +87,7 @@ void aoi_step_release(aoi_adaptive *run)
     run->engaged.count = run->closed_count = run->entry_count = 0;
 }
 
-/* Open contacts of a body under force take part in the step: whatever was known of them no longer holds. */
+/* Adds the open contacts of a body under force to the step: their searches for a touch assumed free motion. */
 static void bring_along(aoi_adaptive *run, size_t b)
 {
     const aoi_system *system = run->system;
@@ -113,7 +113,7 @@ void aoi_step_prepare(aoi_adaptive *run)
         aoi_body_engage(run, run->system->contact[c].body[1], 2);
     }
     run->closed_count = run->entry_count = run->closed.count;
-    const size_t count = run->engaged.count; /* those brought along bring nobody */
+    const size_t count = run->engaged.count; /* only the bodies of closed contacts: bring_along adds others */
     for (size_t i = 0; i < count; i++) {
         if (run->body[run->engaged.at[i]].engaged == 2) {
             bring_along(run, run->engaged.at[i]);

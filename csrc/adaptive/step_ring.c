@@ -1,7 +1,6 @@
-/* Modes that turn many times within a step. The step's forces move such a mode along a polynomial, and it rings about
- * that from the state in which the step begins. Both are known from the state and the forces: nothing need be
- * sampled to tell what ringing between the nodes makes of a contact's force. */
-#include "adaptive/run.h"
+/* Modes that oscillate many times within a step. The motion of such a mode is a polynomial, driven by the step's
+ * forces, and a free oscillation about it from the state at the start. Both are known in closed form, so that the
+ * effect of the oscillation on a contact's force between the nodes is bounded without sampling. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -13,10 +12,10 @@
 
 #include <math.h>
 
-/* A mode that turns by more than this in a step (rad) is lost between its nodes: what they see of it may be anything
- * from nothing to all. Of one that turns less, the last coefficients of the series through start and nodes hold as
- * much as those left out: 3 |j_7(6)| for 19 |j_9(6)|, spherical Bessel functions of half the angle. */
-static const double LOST = 12.0;
+/* A mode whose phase advances by more than this in a step (rad) is not resolved by its nodes. Below, the last
+ * coefficients of the series through start and nodes are as large as those left out: 3 |j_7(6)| against 19 |j_9(6)|,
+ * spherical Bessel functions of half the angle. */
+static const double UNRESOLVED = 12.0;
 
 static double decay_of(const aoi_modes *body, size_t j) { return body->decay ? body->decay[j] : 0.0; }
 
@@ -50,7 +49,7 @@ int aoi_step_path(const aoi_adaptive *run, size_t b, size_t j, double h, int loa
     return moved;
 }
 
-/* The amplitude with which a mode rings at a port: damping only takes from its energy. */
+/* The amplitude of a mode's free oscillation at a port at the step's start: damping only reduces it. */
 static double amplitude_of(const aoi_adaptive *run, size_t b, size_t port, size_t j, double h)
 {
     const aoi_modes *body = &run->system->body[b];
@@ -66,8 +65,8 @@ static double amplitude_of(const aoi_adaptive *run, size_t b, size_t port, size_
     return share * sqrt(x * x + v * v);
 }
 
-/* What a small oscillation of the indentation makes of a contact's force, by its law at the deepest node; and how far
- * the fast modes of both bodies themselves give way to that, which makes it less. */
+/* Stiffness and damping of a contact's law at the deepest node, by which a small oscillation of the indentation changes
+ * its force; and the compliance of the fast modes of both bodies, which reduces that force. */
 typedef struct reaction {
     double stiffness, damping, compliance;
 } reaction;
@@ -92,12 +91,13 @@ static reaction reaction_of(const aoi_adaptive *run, const aoi_contact_step *ent
 /* The force that an oscillation of that amplitude and frequency makes. */
 static double force_of(const reaction *of, double amplitude, double omega)
 {
-    const double viscous = of->damping * omega, lag = viscous * of->compliance;
+    const double viscous = of->damping * omega, lossy = viscous * of->compliance;
     const double stiffer = 1.0 + fabs(of->stiffness) * of->compliance;
-    return amplitude * sqrt((of->stiffness * of->stiffness + viscous * viscous) / (stiffer * stiffer + lag * lag));
+    return amplitude * sqrt((of->stiffness * of->stiffness + viscous * viscous) / (stiffer * stiffer + lossy * lossy));
 }
 
-double aoi_step_ring_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double growth, double most)
+double aoi_step_ring_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double growth,
+                            double most)
 {
     const aoi_contact *contact = &run->system->contact[entry->contact];
     const double longest = h * fmin(growth, AOI_MOST_GROWTH);
@@ -106,12 +106,12 @@ double aoi_step_ring_growth(const aoi_adaptive *run, const aoi_contact_step *ent
         const size_t b = contact->body[side];
         const aoi_modes *body = &run->system->body[b];
         double sum = 0.0;
-        for (size_t j = body->n; j-- > 0 && body->omega[j] * longest > LOST;) {
+        for (size_t j = body->n; j-- > 0 && body->omega[j] * longest > UNRESOLVED;) {
             const double amplitude = amplitude_of(run, b, contact->port[side], j, h);
             of = of.compliance < 0.0 && amplitude > 0.0 ? reaction_of(run, entry, h) : of;
             sum += force_of(&of, amplitude, body->omega[j]);
             if (!(sum <= 0.5 * most)) {
-                growth = fmin(growth, LOST / (body->omega[j] * h));
+                growth = fmin(growth, UNRESOLVED / (body->omega[j] * h));
                 break;
             }
         }

@@ -1,10 +1,10 @@
-/* Open contacts between bodies in free motion, in two heaps: those that are certain not to touch before a time,
- * and those that touch at it. However many there are, only the first of each is ever looked at. */
+/* Open contacts between bodies in free motion, in two heaps by time: those that do not touch before their time, and
+ * those that touch at it. Only the first of each heap is read. */
 #include "adaptive/run.h"
 
 static const size_t NOWHERE = (size_t)-1;
 
-/* Of two contacts of a heap: at the same time the lower number comes first. */
+/* Whether one contact precedes another in a heap; at equal times the lower number does. */
 static int comes_first(const aoi_adaptive *run, size_t one, size_t other)
 {
     const double time = run->contact[one].free_until, its = run->contact[other].free_until;
@@ -17,7 +17,7 @@ static void put(aoi_adaptive *run, size_t *heap, size_t place, size_t c)
     run->contact[c].place = place;
 }
 
-/* Moves a contact from a place towards the top as far as it belongs. */
+/* Moves a contact up from a place until the heap is in order. */
 static void rise(aoi_adaptive *run, size_t *heap, size_t place)
 {
     const size_t c = heap[place];
@@ -28,7 +28,7 @@ static void rise(aoi_adaptive *run, size_t *heap, size_t place)
     put(run, heap, place, c);
 }
 
-/* And away from it. */
+/* Moves a contact down from a place until the heap is in order. */
 static void sink(aoi_adaptive *run, size_t *heap, size_t count, size_t place)
 {
     const size_t c = heap[place];

@@ -5,18 +5,18 @@
 #include "law/law.h"
 #include "motion/response.h"
 
-/* In place of a law's piece: bodies that overlap while the law, which may not pull, gives no force. */
+/* In place of a law's piece, a slack contact: its bodies overlap, but the law's force is cut at zero. */
 enum { AOI_SLACK = -1 };
 
-/* Where in a step a contact's force begins or ends, like t^(3/2): a polynomial through its values at the
- * nodes would miss part of its impulse, the nearest polynomial does not. */
+/* Edge: the end of a step at which a contact's force begins or ends, like t^(3/2). A polynomial through the force at
+ * the nodes would miss part of its impulse, the polynomial of least squares does not. */
 enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
 
-/* One contact during a step. The caller sets the first block: the piece of the law and its memory; which
- * edge of the contact the step has; indentation, rate and force at the start of the step; what counts as
- * large for the indentation; a constant force, the motion under that of every contact, and a guess of the
- * indentation and its rate. Where a place without mass follows the forces, that constant is the force at the
- * start: rates are then found from what forces change within the step, however short it is. */
+/* One contact during a step. The caller sets the first block: the piece of the law and its memory; which edge of the
+ * contact the step has; indentation, rate and force at the start of the step; the scale of the indentation; a constant
+ * force, the motion under the constant forces of all contacts, and a guess of the indentation and its rate. At a
+ * massless contact point the constant is the force at the start: rates then follow from changes of forces within the
+ * step without loss of digits, however short it is. */
 typedef struct aoi_contact_step {
     size_t contact;
     const double *memory;
@@ -35,28 +35,28 @@ typedef struct aoi_contact_step {
  * are at most span places apart. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
-/* Whether a law of these contacts depends on rates, or has to see them turn. */
+/* Whether rates are needed: a law of these contacts depends on them, or on their change of sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
 /* Solves F = law(indentation, rate) of all contacts together by Newton's method, to rounding of each one's
  * scale: F at all nodes, or, at an edge (of bodies without residual compliance), the polynomial nearest to
  * the law's force. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
- * body. AOI_ERROR_NO_CONVERGENCE where the guess was too far: take a shorter step. */
+ * body. AOI_ERROR_NO_CONVERGENCE where the guess is too far from the solution: take a shorter step. */
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work);
 
-/* What the solution leaves undone: the law's force minus the polynomial's between the nodes gives the
- * leading error of the impulse and of the indentation at the end of the step; tail says how much the
- * last Legendre coefficients still hold. Fills entry->legendre. */
+/* Errors of the solution. The law's force minus the polynomial's between the nodes gives the leading error of the
+ * impulse and of the indentation at the end of the step; tail is the size of the last Legendre coefficients of the
+ * indentation. Fills entry->legendre. */
 typedef struct aoi_collocation_error {
     double impulse, indentation, tail;
 } aoi_collocation_error;
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry, aoi_collocation_error *error);
 
-/* At the nodes of the part of a step up to place (0 .. 1): the polynomial nearest there to the law's force
- * along an indentation given by its Legendre coefficients. What the bodies do within a step with an edge
- * follows from that to the same digits as what they do over all of it. h: of the step. */
+/* At the nodes of the part of a step up to place (0 .. 1): the polynomial of least squares, on that part, for the law's
+ * force along an indentation given by its Legendre coefficients. The motion within a step with an edge follows from it
+ * with the accuracy of the motion at its end. h: of the step. */
 void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
                              double h, const double *legendre, double place, double *force);
 

@@ -177,7 +177,7 @@ void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const doubl
     aoi_edge_project(edge, force, force);
 }
 
-void aoi_collocation_ask(const aoi_law *law, const aoi_contact_step *entry, int with_rates,
+void aoi_collocation_evaluate(const aoi_law *law, const aoi_contact_step *entry, int with_rates,
                          aoi_law_values *of)
 {
     double at_points[AOI_NODES], rates_there[AOI_NODES];
@@ -259,7 +259,7 @@ static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t 
     }
 }
 
-/* Adds factor times what the values lack of their aim, where the law is asked. */
+/* Adds factor times (aim - values), interpolated to the points where the law is evaluated. */
 static void add_lack(const aoi_contact_step *entry, const double *aim, const double *values,
                      const double *factor, double *to)
 {
@@ -301,7 +301,7 @@ static void set_equations(const aoi_system *system, const couplings *of, const a
     }
     for (size_t s = 0; s < of->count; s++) {
         aoi_law_values law;
-        aoi_collocation_ask(system->contact[entry[s].contact].law, &entry[s], with_rates, &law);
+        aoi_collocation_evaluate(system->contact[entry[s].contact].law, &entry[s], with_rates, &law);
         if (newton->renew) {
             set_rows(of, entry, s, &law, to);
         }
@@ -312,8 +312,8 @@ static void set_equations(const aoi_system *system, const couplings *of, const a
     }
 }
 
-/* What forces of all contacts do to contact s at its nodes. */
-static void answer_of(const couplings *of, const double *values, size_t s, const double *force,
+/* Effect of the forces of all contacts on contact s at its nodes, by the influences `values`. */
+static void effect_of(const couplings *of, const double *values, size_t s, const double *force,
                       double *answer)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {
@@ -334,7 +334,7 @@ static double update(const couplings *of, const double *by, int first, aoi_conta
     for (size_t s = 0; s < of->count; s++) {
         aoi_contact_step *here = &entry[s];
         const double inverse = 1.0 / here->scale;
-        answer_of(of, of->displacement, s, by, answer);
+        effect_of(of, of->displacement, s, by, answer);
         for (size_t i = 0; i < AOI_NODES; i++) {
             const double next = (first ? here->homogeneous[i] : here->indentation[i]) - answer[i];
             const double change = fabs(next - here->indentation[i]) * inverse;
@@ -343,7 +343,7 @@ static double update(const couplings *of, const double *by, int first, aoi_conta
             here->force[i] = (first ? here->constant : here->force[i]) + by[s * AOI_NODES + i];
         }
         if (of->rate) {
-            answer_of(of, of->rate, s, by, answer);
+            effect_of(of, of->rate, s, by, answer);
             for (size_t i = 0; i < AOI_NODES; i++) {
                 here->rate[i] = (first ? here->homogeneous_rate[i] : here->rate[i]) - answer[i];
             }
@@ -394,17 +394,17 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
     return AOI_ERROR_NO_CONVERGENCE;
 }
 
-/* What a contact of both bodies answers to at the nodes after a unit impulse. */
-static void answers(const aoi_response *response, const aoi_contact *contact, double *answer)
+/* Displacement between both bodies of a contact, at the nodes after a unit impulse. */
+static void impulse_responses(const aoi_response *response, const aoi_contact *contact, double *answer)
 {
-    const double *first = response[contact->body[0]].answer + contact->port[0] * AOI_NODES;
-    const double *second = response[contact->body[1]].answer + contact->port[1] * AOI_NODES;
+    const double *first = response[contact->body[0]].impulse_response + contact->port[0] * AOI_NODES;
+    const double *second = response[contact->body[1]].impulse_response + contact->port[1] * AOI_NODES;
     for (size_t i = 0; i < AOI_NODES; i++) {
         answer[i] = first[i] + second[i];
     }
 }
 
-/* Between the nodes: the law's force minus the polynomial's. */
+/* Adds the errors by the law's force minus the polynomial's between the nodes. */
 static void defects(const aoi_law *law, const aoi_contact_step *entry, double h, const double *answer,
                     aoi_collocation_error *error)
 {
@@ -425,8 +425,8 @@ static void defects(const aoi_law *law, const aoi_contact_step *entry, double h,
     }
 }
 
-/* The same somewhere in the step; at: the cardinal polynomials of 0 and the nodes there, of: those of the
- * nodes. */
+/* The law's force minus the polynomial's at a place of the step; at: the values there of the cardinal polynomials of 0
+ * and the nodes, of: those of the cardinal polynomials of the nodes. */
 static double defect_at(const aoi_law *law, const aoi_contact_step *entry, const double *at, const double *of)
 {
     aoi_law_value value;
@@ -438,7 +438,7 @@ static double defect_at(const aoi_law *law, const aoi_contact_step *entry, const
     return value.force - aoi_nodes_dot(of, entry->force);
 }
 
-/* At an edge, by a finer rule. */
+/* Adds the errors in a step with an edge, by a finer quadrature rule. */
 static void edge_defects(const aoi_law *law, const aoi_contact_step *entry, double h, const double *answer,
                          aoi_collocation_error *error)
 {
@@ -448,7 +448,7 @@ static void edge_defects(const aoi_law *law, const aoi_contact_step *entry, doub
                                           aoi_radau_force_at_check[entry->edge][k]);
         error->impulse += weighted;
         error->indentation +=
-            weighted * aoi_nodes_dot(aoi_radau_answer_at_check[entry->edge][k], answer);
+            weighted * aoi_nodes_dot(aoi_radau_remainder_at_check[entry->edge][k], answer);
     }
 }
 
@@ -458,7 +458,7 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
     const aoi_contact *contact = &system->contact[entry->contact];
     double values[AOI_NODES + 1] = {entry->start}, answer[AOI_NODES];
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
-    answers(response, contact, answer);
+    impulse_responses(response, contact, answer);
     if (entry->piece != AOI_SLACK) {
         (entry->edge == AOI_EDGE_NONE ? defects : edge_defects)(contact->law, entry, h, answer, error);
     }
@@ -467,10 +467,10 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
     }
     aoi_legendre_fit(values, entry->legendre);
     const double *c = entry->legendre;
-    /* A term may vanish by chance, or by symmetry: its neighbour counts a fifth. */
+    /* A term may vanish by symmetry: its neighbour counts a fifth. */
     const double last = fabs(c[AOI_NODES]) + 0.2 * fabs(c[AOI_NODES - 1]);
     const double before = fabs(c[AOI_NODES - 2]) + 0.2 * fabs(c[AOI_NODES - 3]);
-    /* The terms left out go on falling as the last ones did. */
+    /* The terms left out are assumed to decrease at the rate of the last ones. */
     error->tail = last < before ? last * sqrt(last / before) : last;
 }
 

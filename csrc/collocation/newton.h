@@ -7,21 +7,21 @@
 #include "law/law.h"
 #include "motion/response.h"
 
-/* Where Newton's method is. */
+/* State of Newton's method. */
 typedef struct aoi_newton {
     int iteration;
-    int renew;     /* the matrix is to be made anew */
+    int renew;     /* the matrix is to be recomputed */
     double before; /* the last change */
 } aoi_newton;
 
-/* Takes note of a change of the indentation, relative to its scale. Returns whether that was the last. */
+/* Notes a change of the indentation, relative to its scale. Returns whether the iteration has converged. */
 int aoi_newton_done(aoi_newton *newton, double change);
 
-/* Whether it still can be. */
+/* Whether the iteration can still converge. */
 int aoi_newton_goes_on(const aoi_newton *newton, double change);
 
-/* The law where it is asked: at the nodes, or at the points of an edge. */
-void aoi_collocation_ask(const aoi_law *law, const aoi_contact_step *entry, int with_rates,
+/* Evaluates the law at the nodes, or at the points of an edge. */
+void aoi_collocation_evaluate(const aoi_law *law, const aoi_contact_step *entry, int with_rates,
                          aoi_law_values *of);
 
 /* From values at the start and the nodes to the points of an edge; from forces there to the polynomial
@@ -29,7 +29,7 @@ void aoi_collocation_ask(const aoi_law *law, const aoi_contact_step *entry, int 
 void aoi_edge_reach(enum aoi_edge edge, double start, const double *nodes, double *points);
 void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes);
 
-/* A column of a coupling, times a derivative of the law where that is asked. */
+/* A column of a coupling, times a derivative of the law at the points where that is evaluated. */
 void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *column, double *to);
 
 /* The right-hand side of the first iteration in place of the law's force, or of later ones. */

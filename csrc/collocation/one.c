@@ -1,5 +1,4 @@
-/* A step with one contact, the most common one: the equations of many.c, of a size that the compiler
- * knows, and by columns. */
+/* A step with one contact, the most common case: the equations of many.c, of constant size, and by columns. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
 #include "law/law.h"
@@ -11,14 +10,14 @@
 
 enum { SQUARE = AOI_NODES * AOI_NODES };
 
-/* What a force at node q does to indentation and rate at node i, at q * AOI_NODES + i; and the inverse of
- * Newton's matrix, likewise. */
+/* Influence of a force at node q on indentation and rate at node i, at q * AOI_NODES + i; and the inverse of Newton's
+ * matrix, likewise. */
 typedef struct single {
     int with_rates;
     double displacement[SQUARE], rate[SQUARE], inverse[SQUARE];
 } single;
 
-/* What lies between a contact and a body that has no mass of its own there. */
+/* Adds the residual compliance of the two bodies to the influences. */
 static void add_residual(double residual, double h, single *of)
 {
     for (size_t q = 0; q < AOI_NODES && residual != 0.0; q++) {
@@ -107,7 +106,7 @@ int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *resp
         const int first = newton.iteration == 0;
         double by[AOI_NODES];
         aoi_law_values values;
-        aoi_collocation_ask(law, entry, of.with_rates, &values);
+        aoi_collocation_evaluate(law, entry, of.with_rates, &values);
         if (newton.renew) {
             renew(entry, &values, &of);
         }

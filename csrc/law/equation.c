@@ -162,7 +162,7 @@ int aoi_contact_solve(const aoi_law *law, const double *memory,
             return status;
         }
     }
-    /* The last step of the search leads to where the law has not been asked yet. */
+    /* The law has not been evaluated yet at the end of the last step of the search. */
     if (isnan(*force)) {
         return AOI_ERROR_LAW;
     }

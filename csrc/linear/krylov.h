@@ -1,10 +1,10 @@
-/* A basis of a body that fits how it is struck. Dense matrices by columns. */
+/* A Krylov basis of a body for its contact functionals. Dense matrices by columns. */
 #ifndef AOI_LINEAR_KRYLOV_H
 #define AOI_LINEAR_KRYLOV_H
 
 #include "linear/sparse.h"
 
-/* A rational Krylov subspace of a body seen at port_count contact functionals: with A = K + s^2 M, the
+/* A rational Krylov subspace of a body for port_count contact functionals: with A = K + s^2 M, the
  * vectors A^-1 b, then A^-1 M v of each of them in turn, made M-orthonormal. Its Galerkin model has
  * the body's receptance at the frequency i s, and as many derivatives of it there as there were
  * solves, twice over where there is one port. s2 and solver (of A) may change between calls: several
@@ -22,7 +22,7 @@
  *   solver     of A; it leaves the products that its residual is made of: they are not made twice.
  *   load       n doubles, kept from call to call: with one port M times the last column, once solved.
  *   work       aoi_krylov_work_size doubles.
- *   pause      asked between two products of vectors, or NULL.
+ *   pause      called between two products of vectors, or NULL.
  */
 typedef struct aoi_krylov {
     aoi_sparse K, M;

@@ -251,10 +251,10 @@ static void strip_up(const strip *cut, const double *x, double *sum)
     sum[3] = s3;
 }
 
-/* Entries between which the caller is asked. */
+/* Entries between two calls of pause. */
 enum { UNASKED = 1 << 20 };
 
-/* Whether the caller, asked once in so many entries, wants the solution to end; entries: of a panel. */
+/* Whether pause, called once in that many entries, ends the solution; entries: of a panel. */
 static int stops(const aoi_factors *factors, size_t p, int64_t *left)
 {
     *left -= factors->start[factors->panel[p + 1]] - factors->start[factors->panel[p]] + 1;

@@ -26,7 +26,7 @@ void aoi_sparse_multiply_each(const aoi_sparse *matrix, size_t count, const doub
 /* x^T A x without work space. */
 double aoi_sparse_quadratic(const aoi_sparse *matrix, const double *x);
 
-/* A linear solver seen by the core: solve() overwrites x (n doubles: right-hand side in, solution
+/* A linear solver for the core: solve() overwrites x (n doubles: right-hand side in, solution
  * out) and returns 0, or anything else for a failure. data is passed through untouched. */
 typedef struct aoi_solver {
     int (*solve)(void *data, double *x);

@@ -1,10 +1,10 @@
-/* The caller's memory dealt out array by array, and the caller's pause. */
+/* Distribution of the caller's memory to arrays, and the caller's pause. */
 #ifndef AOI_LINEAR_WORK_H
 #define AOI_LINEAR_WORK_H
 
 #include "aoimpact.h"
 
-/* Whether the caller wants what takes long to end. */
+/* Whether the caller wants a long computation to end. */
 static inline int aoi_work_stops(const aoi_pause *pause)
 {
     return pause && pause->ask && pause->ask(pause->data) != 0;
@@ -17,7 +17,7 @@ static inline double *aoi_work_take(double **work, size_t count)
     return taken;
 }
 
-/* A block of memory, aligned as malloc's; NULL while only its size is asked for: then so are all arrays. */
+/* A block of memory, aligned as malloc's. NULL to compute its size only: then all arrays are NULL, too. */
 typedef struct aoi_memory {
     char *block;
     size_t used;

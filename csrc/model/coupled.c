@@ -1,15 +1,15 @@
 /* The contact equations of a scene, coupled through the bodies that contacts share.
  *
- * With the other contacts' forces given, each contact is an equation of its own: it sees its bodies
- * come to z = free - sum of the others' C F (and their rate w likewise), and equation.c finds its own
- * force F(z, w), whatever corners and jumps its law has. What is left,
+ * With the other contacts' forces given, each contact has a scalar equation: z = free - sum of the other contacts' C F
+ * is its indentation without its own force (w its rate likewise), and equation.c finds its force F(z, w), for laws with
+ * kinks and jumps, too. The remaining equations,
  *   z_i = free_i - sum_(j not i) C_ij F_j(z_j, w_j),
- * is solved by Newton's method on all contacts at once. Its functions are tame: F rises with z by no
- * more than 1/C_ii, however steep the law. With the stiffness k and the damping c of the laws,
+ * are solved by Newton's method for all contacts at once. Their functions are Lipschitz continuous: F rises with z by
+ * no more than 1/C_ii, however steep the law. With the stiffness k and the damping c of the laws,
  *   dF = a dz + b dw,  a = k/(1 + k C_ii + c Cr_ii),  b = c/(1 + k C_ii + c Cr_ii),
  * and a = 1/C_ii, b = 0 where a jump holds the bodies at rest. (1 + a C' + b Cr') dF = -(a R + b S),
- * C' and Cr' without their diagonals, needs no pivoting. A step is shortened until it leads nearer;
- * where none does, contacts are solved in turn, which always does, if slowly. */
+ * C' and Cr' without their diagonals, needs no pivoting. A step is shortened until the residual decreases. Where it
+ * does not, contacts are solved in turn (Gauss-Seidel), which always decreases it, if slowly. */
 #include "model/coupled.h"
 #include "linear/work.h"
 #include "law/equation.h"
@@ -21,19 +21,20 @@
 
 enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
 
-/* Rounding of a sum of a few terms; and what is left to be content with where rounding does more than
- * it should (dashpots too stiff for the step). */
+/* Relative tolerances: rounding of a sum of a few terms; and a larger one for equations whose rounding errors are
+ * amplified (dashpots too stiff for the step). */
 static const double ROUNDING = 16.0 * DBL_EPSILON, ROUGH = 1e-9;
 
-/* Digits beyond this share of the deepest contact's are of no use: bodies barely touch there. */
+/* Indentations are found relative to at least this share of the largest one. */
 static const double SHARE = 1e-6;
 
-/* A law's force has lost digits where its terms are so many times larger (a power law's are not). */
+/* A law's force has lost digits by cancellation where its terms are larger by this factor. */
 static const double CANCELS = 16.0;
 
-/* What each contact sees, and its answer; indentation and force are the solution in the end. */
+/* An iterate: for each contact the indentation and rate without its own force, its solution and the residuals. In the
+ * end indentation and force are the solution. */
 typedef struct iterate {
-    double *seen, *seen_rate; /* z, w */
+    double *unloaded, *unloaded_rate; /* z, w */
     double *indentation, *force;
     double *of_place, *of_rate; /* a, b */
     double *off, *rate_off;     /* R, S */
@@ -44,7 +45,7 @@ typedef struct newton {
     const aoi_contact_state *contact;
     size_t width;
     double deepest; /* without forces */
-    double ended;   /* contacts that pull let go that were no deeper before the step */
+    double ended;    /* adhesive contacts whose last indentation is at most this have separated */
     double rounding; /* relative error at which an equation counts as solved */
     iterate now, trial;
     double *size, *rate_size;
@@ -61,8 +62,8 @@ size_t aoi_coupled_size(size_t count, size_t band)
 
 static void iterate_lay_out(iterate *at, double **work, size_t n)
 {
-    at->seen = aoi_work_take(work, n);
-    at->seen_rate = aoi_work_take(work, n);
+    at->unloaded = aoi_work_take(work, n);
+    at->unloaded_rate = aoi_work_take(work, n);
     at->of_place = aoi_work_take(work, n);
     at->of_rate = aoi_work_take(work, n);
     at->off = aoi_work_take(work, n);
@@ -100,7 +101,7 @@ static const double *row_of(const aoi_coupled *e, const double *matrix, size_t i
     return matrix + (i * (2 * e->band + 1) + e->band) - i; /* to be indexed by the column */
 }
 
-/* Row i times x, but for the diagonal; size: the same with all terms positive. */
+/* Row i times x without the diagonal term; size: the sum of the terms' magnitudes. */
 static double neighbours(const aoi_coupled *e, const double *matrix, size_t i, const double *x,
                      double *size)
 {
@@ -128,7 +129,7 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
     const aoi_contact_state *contact = &s->contact[i];
     const double compliance = own(e, e->compliance, i), rate = own(e, e->rate_compliance, i);
     const double rest = aoi_law_rest(contact->law, contact->memory);
-    const double speed = at->seen_rate[i] - rate * at->force[i];
+    const double speed = at->unloaded_rate[i] - rate * at->force[i];
     aoi_law_value value = {0.0, 0.0, 0.0};
     if (at->indentation[i] == rest && at->force[i] != 0.0) {
         at->of_place[i] = 1.0 / compliance;
@@ -136,36 +137,36 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
         return;
     }
     if (at->force[i] != 0.0) {
-        /* Not cut at zero: a force that is there may be below its rate's rounding. */
+        /* The slopes are those of the uncut law: a positive force may be below the rounding of its damping term. */
         double low, high;
         const int piece = aoi_law_piece(contact->law, contact->memory, at->indentation[i],
                                         speed > 0.0, &low, &high);
         aoi_law_force(contact->law, contact->memory, piece, at->indentation[i], speed, &value);
-        /* Where a law falls, the matrix would need pivoting: there the steps are only nearly Newton's. */
+        /* With a negative slope the matrix would need pivoting: it is replaced by zero, an approximate Newton step. */
         value.stiffness = fmax(value.stiffness, 0.0);
         value.damping = fmax(value.damping, 0.0);
     }
     const double whole = 1.0 + value.stiffness * compliance + value.damping * rate;
     const double terms = value.stiffness * fabs(at->indentation[i]) +
-                         value.damping * (fabs(at->seen_rate[i]) + fabs(rate * at->force[i]));
+                         value.damping * (fabs(at->unloaded_rate[i]) + fabs(rate * at->force[i]));
     if (whole > 2.0 && terms > CANCELS * fabs(at->force[i])) {
-        /* The law's force is a small difference of large terms: the equation has more digits. */
-        at->force[i] = (at->seen[i] - at->indentation[i]) / compliance;
+        /* The law's force is a small difference of large terms; the force by the compliance has more digits. */
+        at->force[i] = (at->unloaded[i] - at->indentation[i]) / compliance;
     }
     at->of_place[i] = isfinite(whole) ? value.stiffness / whole : 1.0 / compliance;
     at->of_rate[i] = isfinite(whole) ? value.damping / whole : 0.0;
 }
 
-/* Contact i by itself, from the indentation it has. */
+/* Solves the equation of contact i alone, from its present indentation. */
 static int solve_one(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
     const aoi_contact_state *contact = &s->contact[i];
-    /* A law that pulls goes on until it ends: where both are solutions, by where it was. */
+    /* An adhesive contact may have two solutions, closed and open: it stays closed if it was. */
     const double pulled = contact->indentation > s->ended ? contact->indentation
                                                           : aoi_law_rest(contact->law, contact->memory);
     const aoi_contact_equation equation = {
-        at->seen[i], own(e, e->compliance, i), at->seen_rate[i], own(e, e->rate_compliance, i),
+        at->unloaded[i], own(e, e->compliance, i), at->unloaded_rate[i], own(e, e->rate_compliance, i),
         contact->law->pulls ? pulled : at->indentation[i]};
     const int status = aoi_contact_solve(contact->law, contact->memory, &equation, &at->force[i],
                                          &at->indentation[i]);
@@ -184,20 +185,19 @@ static int solve_each(const newton *s, iterate *at)
     return status;
 }
 
-/* R and S of contact i, and the sizes of their terms. */
+/* Residuals R and S of contact i, and the sizes of their terms. */
 static void find_off(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
     double size, rate_size;
-    at->off[i] = at->seen[i] - e->free[i] + neighbours(e, e->compliance, i, at->force, &size);
+    at->off[i] = at->unloaded[i] - e->free[i] + neighbours(e, e->compliance, i, at->force, &size);
     at->rate_off[i] =
-        at->seen_rate[i] - e->rate_free[i] + neighbours(e, e->rate_compliance, i, at->force, &rate_size);
+        at->unloaded_rate[i] - e->rate_free[i] + neighbours(e, e->rate_compliance, i, at->force, &rate_size);
     s->size[i] = fabs(e->free[i]) + size;
     s->rate_size[i] = fabs(e->rate_free[i]) + rate_size;
 }
 
-/* The rounding of rates makes the forces of damped laws uncertain, and with them, by the compliance
- * (or the other matrix), all indentations (or rates). */
+/* Rounding of the rates, propagated through the forces of damped laws and the matrix to indentation i (or rate i). */
 static double uncertainty(const newton *s, const iterate *at, const double *matrix, size_t i)
 {
     const double *row = row_of(s->e, matrix, i);
@@ -208,7 +208,7 @@ static double uncertainty(const newton *s, const iterate *at, const double *matr
     return sum;
 }
 
-/* How far off all equations are beyond rounding, in J; zero where they are solved. */
+/* Residual of all equations beyond rounding, as an energy, J; zero where they are solved. */
 static double find_merit(const newton *s, iterate *at)
 {
     const aoi_coupled *e = s->e;
@@ -292,8 +292,8 @@ static int find_trial(newton *s, double share, double *merit)
     const aoi_coupled *e = s->e;
     for (size_t i = 0; i < e->count; i++) {
         const double give = s->move[i] - own(e, e->compliance, i) * s->change[i];
-        s->trial.seen[i] = s->now.seen[i] + share * s->move[i];
-        s->trial.seen_rate[i] = s->now.seen_rate[i] + share * s->rate_move[i];
+        s->trial.unloaded[i] = s->now.unloaded[i] + share * s->move[i];
+        s->trial.unloaded_rate[i] = s->now.unloaded_rate[i] + share * s->rate_move[i];
         s->trial.indentation[i] = s->now.indentation[i] + share * give; /* a guess */
     }
     const int status = solve_each(s, &s->trial);
@@ -301,7 +301,7 @@ static int find_trial(newton *s, double share, double *merit)
     return status;
 }
 
-/* The trial becomes what is now; indentation and force stay in the caller's arrays. */
+/* Makes the trial the present iterate; indentation and force stay in the caller's arrays. */
 static void accept(newton *s)
 {
     const size_t bytes = s->e->count * sizeof(double);
@@ -317,7 +317,7 @@ static void accept(newton *s)
     s->trial.force = spare.force;
 }
 
-/* One of Newton's steps, shortened until it leads nearer; says whether it did. */
+/* One Newton step, shortened until the residual decreases; nearer: whether it did. */
 static int newton_step(newton *s, double *merit, int *nearer)
 {
     int status = AOI_OK;
@@ -339,7 +339,7 @@ static int newton_step(newton *s, double *merit, int *nearer)
     return status;
 }
 
-/* All contacts in turn, forwards and backwards, each with the newest forces of the others. */
+/* A symmetric Gauss-Seidel sweep: all contacts in turn, forwards and backwards. */
 static int sweep(newton *s, double *merit)
 {
     const aoi_coupled *e = s->e;
@@ -347,8 +347,8 @@ static int sweep(newton *s, double *merit)
     for (size_t k = 0; k < 2 * e->count && status == AOI_OK; k++) {
         const size_t i = k < e->count ? k : 2 * e->count - 1 - k;
         double size;
-        s->now.seen[i] = e->free[i] - neighbours(e, e->compliance, i, s->now.force, &size);
-        s->now.seen_rate[i] =
+        s->now.unloaded[i] = e->free[i] - neighbours(e, e->compliance, i, s->now.force, &size);
+        s->now.unloaded_rate[i] =
             e->rate_free[i] - neighbours(e, e->rate_compliance, i, s->now.force, &size);
         status = solve_one(s, &s->now, i);
     }
@@ -356,14 +356,14 @@ static int sweep(newton *s, double *merit)
     return status;
 }
 
-/* From forces and indentations as they are, at most so many steps. */
+/* Solves from the present forces and indentations, in at most most_steps steps. */
 static int solve_from_here(newton *s, int most_steps)
 {
     const aoi_coupled *e = s->e;
     double size;
     for (size_t i = 0; i < e->count; i++) {
-        s->now.seen[i] = e->free[i] - neighbours(e, e->compliance, i, e->force, &size);
-        s->now.seen_rate[i] = e->rate_free[i] - neighbours(e, e->rate_compliance, i, e->force, &size);
+        s->now.unloaded[i] = e->free[i] - neighbours(e, e->compliance, i, e->force, &size);
+        s->now.unloaded_rate[i] = e->rate_free[i] - neighbours(e, e->rate_compliance, i, e->force, &size);
     }
     int status = solve_each(s, &s->now);
     double merit = find_merit(s, &s->now);
@@ -380,8 +380,9 @@ static int solve_from_here(newton *s, int most_steps)
     return status == AOI_OK && !(merit == 0.0) ? AOI_ERROR_NOT_FINITE : status;
 }
 
-/* A contact that pulls ends by a jump of its force: next to others that answer to that, it may neither go on by itself
- * nor let go of what it sees then, though all together are at rest with it open. The next to end does; 0: none is left. */
+/* The force of an adhesive contact ends with a jump. Coupled to other contacts, its own equation may then have no
+ * consistent state, neither closed nor open, although all equations together have a solution with it open. This opens
+ * the adhesive contact with the least indentation; it returns 0 where none is left. */
 static int end_next(newton *s)
 {
     double next = HUGE_VAL;
@@ -398,7 +399,7 @@ static int end_next(newton *s)
 
 static int has_failed(int status) { return status == AOI_ERROR_NO_CONVERGENCE || status == AOI_ERROR_NOT_FINITE; }
 
-/* From bodies that do not touch, as well as rounding leaves it. */
+/* Solves from zero contact forces, to a relative tolerance. */
 static int solve_from_apart(newton *s, double rounding)
 {
     const aoi_coupled *e = s->e;
@@ -414,18 +415,18 @@ static int solve_all(newton *s)
 {
     const aoi_coupled *e = s->e;
     int status = solve_from_here(s, FIRST_STEPS);
-    status = has_failed(status) ? solve_from_apart(s, ROUNDING) : status; /* the guess has led astray */
+    status = has_failed(status) ? solve_from_apart(s, ROUNDING) : status; /* without the guess */
     status = has_failed(status) ? solve_from_apart(s, ROUGH) : status;
     while (has_failed(status) && end_next(s)) {
         status = solve_from_apart(s, ROUNDING);
     }
     for (size_t i = 0; i < e->count; i++) {
-        e->rate[i] = s->now.seen_rate[i] - own(e, e->rate_compliance, i) * e->force[i];
+        e->rate[i] = s->now.unloaded_rate[i] - own(e, e->rate_compliance, i) * e->force[i];
     }
     return status;
 }
 
-/* One contact: nothing is coupled. Most steps of most runs are without force; they leave at once. */
+/* Solves for one contact. Most steps of most runs are without contact and return early. */
 static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
 {
     const aoi_law *law = contact->law;
@@ -445,13 +446,13 @@ static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
     return status;
 }
 
-/* ------------------------------------------------ only those that touch: segments of contacts */
+/* -------------------------------------------- segments of neighbouring contacts that touch */
 
-/* How many places, in bands, a segment reaches beyond its contacts: pressed ones next to them, and
- * what those press. */
+/* A segment extends beyond its touching contacts by this many band widths, so that their neighbours may close, too. */
 enum { REACH = 4 };
 
-/* How deep contacts could be without forces, or are if they touch: the deepest. */
+/* The largest indentation of all contacts: for each, the one without contact forces, or its last one if it had a force
+ * and that is larger. */
 static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contact)
 {
     double deepest = 0.0;
@@ -463,14 +464,14 @@ static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contac
     return deepest;
 }
 
-/* What is less deep than this, or would be without its force, is as good as apart. */
-static double as_good_as_apart(double deepest) { return ROUNDING * SHARE * deepest; }
+/* Indentation up to which a contact counts as open. */
+static double open_tolerance(double deepest) { return ROUNDING * SHARE * deepest; }
 
-/* Says which contacts would touch, and guesses where all end: without forces, or for those by the
- * last two steps. */
+/* Marks the contacts that may touch, and sets a first guess: the last two steps extrapolated for these, no force for
+ * the others. */
 static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *active)
 {
-    const double least = as_good_as_apart(deepest);
+    const double least = open_tolerance(deepest);
     for (size_t i = 0; i < e->count; i++) {
         const aoi_contact_state *c = &contact[i];
         const double rest = aoi_law_rest(c->law, c->memory), free_end = e->free[i];
@@ -482,7 +483,7 @@ static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double
         e->rate[i] = e->rate_free[i];
         e->force[i] = 0.0;
         if (active[i] != 0.0 && ahead > rest && c->force != 0.0) {
-            /* No more than twice the last force, or what the bodies can bring up. */
+            /* At most twice the last force, or the force that would stop the bodies at rest. */
             const double most = fmax(2.0 * fabs(c->force), free_end / own(e, e->compliance, i));
             aoi_law_value value;
             aoi_law_push(c->law, c->memory, ahead, c->rate, &value);
@@ -492,8 +493,8 @@ static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double
     }
 }
 
-/* The next segment from `from` on: contacts that would touch, and some on both sides. No two segments
- * are coupled. Returns 0 where there is none. */
+/* Finds the next segment from `from` on: contacts that may touch, and their neighbours. No two segments are coupled.
+ * Returns 0 where there is none. */
 static int next_segment(const aoi_coupled *e, const double *active, size_t from, size_t *low,
                         size_t *high)
 {
@@ -536,7 +537,7 @@ static int solve_segment(const aoi_coupled *e, const aoi_contact_state *contact,
     return solve_all(&s);
 }
 
-/* Solves for all that are active; marks with 2 whatever was solved for. */
+/* Solves for all segments with active contacts, and marks their contacts with 2. */
 static int solve_active(const aoi_coupled *e, const aoi_contact_state *contact, double deepest,
                        double *active)
 {
@@ -551,7 +552,7 @@ static int solve_active(const aoi_coupled *e, const aoi_contact_state *contact, 
     return status;
 }
 
-/* Moves the contacts that were not solved for; returns whether any of them touches after all. */
+/* Updates the contacts outside the segments; returns whether one of them touches. */
 static int activate(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *active)
 {
     int changed = 0;
@@ -561,7 +562,7 @@ static int activate(const aoi_coupled *e, const aoi_contact_state *contact, doub
             double size; /* its own force is zero */
             e->indentation[i] = e->free[i] - neighbours(e, e->compliance, i, e->force, &size);
             e->rate[i] = e->rate_free[i] - neighbours(e, e->rate_compliance, i, e->force, &size);
-            active[i] = e->indentation[i] - rest > as_good_as_apart(deepest);
+            active[i] = e->indentation[i] - rest > open_tolerance(deepest);
             changed = changed || active[i] != 0.0;
         }
     }

@@ -1,10 +1,10 @@
-/* The contact equations of a step, of contacts that feel each other through bodies. */
+/* The contact equations of a step, of contacts that are coupled through bodies. */
 #ifndef AOI_MODEL_COUPLED_H
 #define AOI_MODEL_COUPLED_H
 
 #include "aoimpact.h"
 
-/* What the equations and who makes them know of a contact: its law, and how its last step ended. */
+/* A contact for these equations: its law, and its state at the end of the last step. */
 typedef struct aoi_contact_state {
     const aoi_law *law;
     size_t at[2];                    /* its ports among those of all, or what else its owner tells it by */
@@ -29,7 +29,7 @@ typedef struct aoi_coupled {
 size_t aoi_coupled_size(size_t count, size_t band);
 
 /* Solves them. contact: their laws, memories and last indentations. Newton's method on all of them at
- * once, with a banded elimination (cost linear in count); where that leaves the way, contact by
+ * once, with a banded elimination (cost linear in count); where that does not converge, contact by
  * contact with aoi_contact_solve. One contact is that alone. Errors as there. */
 int aoi_coupled_solve(aoi_coupled *equations, const aoi_contact_state *contact);
 

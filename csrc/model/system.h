@@ -1,4 +1,4 @@
-/* What the integrators ask of a system, beside what everybody may. */
+/* Properties of a system for the integrators, beside the public ones. */
 #ifndef AOI_MODEL_SYSTEM_H
 #define AOI_MODEL_SYSTEM_H
 
@@ -10,7 +10,7 @@ size_t aoi_system_most_modes(const aoi_system *system);
 /* The residual compliance between the bodies of a contact, m/N. */
 double aoi_system_residual(const aoi_system *system, size_t c);
 
-/* The largest distance between contacts (in their order) that feel each other through a body. */
+/* The largest distance between contacts (in their order) that share a body. */
 size_t aoi_system_span(const aoi_system *system);
 
 #endif

@@ -1,4 +1,4 @@
-/* Where the energy of a body in modes is, and what loads and damping have done to it. */
+/* Energies of a body in modes, and the work of loads and damping on it. */
 #ifndef AOI_MOTION_ENERGY_H
 #define AOI_MOTION_ENERGY_H
 
@@ -8,8 +8,8 @@
 void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, const double *force,
                       double *kinetic, double *elastic);
 
-/* Work of gravity and loads on a body that has gone from x0, v0 to x1, v1 without contact, and what its
- * damping has taken meanwhile, J. scratch: 2n doubles. */
+/* Work of gravity and loads on a body that has moved from x0, v0 to x1, v1 without contact, and the energy dissipated
+ * by its damping, J. scratch: 2n doubles. */
 void aoi_modes_free_work(const aoi_modes *body, double from, double to, const double *x0,
                            const double *v0, const double *x1, const double *v1, double *scratch,
                            double *work, double *dissipated);

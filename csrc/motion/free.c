@@ -209,7 +209,8 @@ static double safe_stride(const aoi_free_pair *pair, double level, double rate, 
 }
 
 /* The bound's level and drift with all modes taken as fast, and the size of what is summed there, or will be: bodies
- * may rest in their origin. In: the indentation and its rate, which gap and residual compliance have a share in, too. */
+ * may rest in their origin. In: the indentation and its rate, which gap and residual compliance have a share in,
+ * too. */
 static void all_fast(const aoi_free_pair *pair, double within, double *level, double *drift,
                      double *scale)
 {

@@ -17,7 +17,7 @@ typedef struct aoi_forced {
 void aoi_forced_fit(double from, double length, const double *values, aoi_forced *forced);
 
 /* Two bodies in free motion, x and v at the same time of their own (n each), and one contact of theirs. forced: NULL,
- * or what contact forces of a step make of its indentation; then nothing is asked beyond that step. */
+ * or the contribution of a step's contact forces to its indentation; then limit is at most the end of that step. */
 typedef struct aoi_free_pair {
     const aoi_modes *body[2];
     size_t port[2];
@@ -31,12 +31,12 @@ typedef struct aoi_free_pair {
 void aoi_free_pair_indentation(const aoi_free_pair *pair, double *indentation, double *rate,
                             double *acceleration);
 
-/* The third derivative of the indentation without contact force: what presses bodies together first that
- * touch at rest while a load rises from nothing. */
+/* The third derivative of the indentation without contact force: the leading term for bodies that touch at rest while a
+ * load rises from zero. */
 double aoi_free_pair_jerk(const aoi_free_pair *pair);
 
-/* Moves both freely (in place) until they touch, but not beyond limit; says whether they touch then
- * (indentation 0, about to rise). Never steps over a touch: each stride is the root of a quadratic
+/* Moves both freely (in place) until they touch, but not beyond limit; touches: whether they touch then
+ * (indentation 0, about to rise). It misses no touch: each stride is the root of a quadratic
  * that bounds the indentation from above, high frequencies by their amplitude, low ones by their
  * acceleration. AOI_ERROR_NO_CONVERGENCE after most strides (a gap that neither opens nor closes). */
 int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int *touches);

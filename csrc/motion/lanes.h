@@ -1,6 +1,5 @@
-/* Modes of a body, four at a time, in loops whose length the compiler knows, so that it takes two or four
- * of them at once. What comes of a mode does not depend on its neighbours, nor, undamped, on the
- * machine's own sine. */
+/* Modes of a body, four at a time, in loops of constant length, which compilers vectorise. The result for a mode
+ * does not depend on its neighbours, nor, undamped, on the C library's sine. */
 #ifndef AOI_LANES_H
 #define AOI_LANES_H
 
@@ -16,7 +15,7 @@ typedef struct aoi_turn {
     double time, half[AOI_LANES], sine[AOI_LANES], cosine[AOI_LANES];
 } aoi_turn;
 
-/* As aoi_motion; ramp only where it is asked for. */
+/* As aoi_motion; ramp only where it is requested. */
 typedef struct aoi_motions {
     double impulse[AOI_LANES], rate[AOI_LANES], step[AOI_LANES], ramp[AOI_LANES];
 } aoi_motions;
@@ -45,7 +44,7 @@ static inline size_t aoi_lanes_count(const aoi_modes *body, size_t first)
 /* Values of those modes; 0 for what is left of the lanes. */
 static inline void aoi_lanes_take(const double *values, size_t count, double *lanes)
 {
-    if (count == AOI_LANES) { /* a length that the compiler knows */
+    if (count == AOI_LANES) { /* constant, for the compiler */
         memcpy(lanes, values, AOI_LANES * sizeof *lanes);
         return;
     }

@@ -1,5 +1,5 @@
-/* Values at the nodes of a step, in loops whose length the compiler knows. Matrices
- * lie by columns, so that it takes two or four rows at once. */
+/* Values at the nodes of a step, in loops of constant length. Matrices are stored by columns, so that compilers
+ * vectorise over rows. */
 #ifndef AOI_NODES_H
 #define AOI_NODES_H
 
@@ -20,7 +20,7 @@ void aoi_nodes_multiply(const double *column, const double *x, double *y);
  * nodes. */
 void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y);
 
-/* What the polynomial through the nodes is at the start. */
+/* The polynomial through the nodes, extrapolated to the start. */
 double aoi_nodes_at_start(const double *nodes);
 
 /* The inverse in place of a matrix with pivots near or above one, by rows or by columns. */

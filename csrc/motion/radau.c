@@ -1081,8 +1081,8 @@ const double aoi_radau_indentation_at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1] =
     3.546931702731160383e-3, -1.998384176469592253e-3, 1.249476567919300701e-3,
     -7.863167566323248111e-4, 2.9553156604375207e-4}}};
 
-/* Those of the nodes at what is left of the step there. */
-const double aoi_radau_answer_at_check[2][AOI_EDGE_CHECKS][AOI_NODES] =
+/* Those of the nodes at the share of the step that is left there. */
+const double aoi_radau_remainder_at_check[2][AOI_EDGE_CHECKS][AOI_NODES] =
     {{{2.211316094588822279e-3, -1.596167875649053673e-3, 1.490592757036778271e-3,
     -1.627909261236241697e-3, 2.071979146058923432e-3, -3.239054639044937805e-3,
     7.56572516426721269e-3, 9.944779681093149901e-1}, {5.131390553683409274e-2,

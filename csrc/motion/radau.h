@@ -25,6 +25,6 @@ extern const double aoi_radau_edge_projection[2][AOI_NODES][AOI_NODES];
 extern const double aoi_radau_check_weight[AOI_EDGE_CHECKS];
 extern const double aoi_radau_force_at_check[2][AOI_EDGE_CHECKS][AOI_NODES];
 extern const double aoi_radau_indentation_at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1];
-extern const double aoi_radau_answer_at_check[2][AOI_EDGE_CHECKS][AOI_NODES];
+extern const double aoi_radau_remainder_at_check[2][AOI_EDGE_CHECKS][AOI_NODES];
 
 #endif

@@ -269,7 +269,7 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, 
     response->influence = block + 6 * size;
     response->influence_rate = response->influence + pairs * SQUARE;
     response->scratch = response->influence_rate + pairs * SQUARE;
-    response->answer = response->scratch + pairs * OF_PAIR;
+    response->impulse_response = response->scratch + pairs * OF_PAIR;
     if (is_free_mass(body)) {
         free_mass(response, body);
     } else {
@@ -277,9 +277,9 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, double h, 
     }
     for (size_t k = 0; k < body->ports * AOI_NODES; k++) {
         const size_t p = k / AOI_NODES * body->n, i = k % AOI_NODES;
-        response->answer[k] = 0.0;
+        response->impulse_response[k] = 0.0;
         for (size_t j = 0; j < body->n; j++) {
-            response->answer[k] +=
+            response->impulse_response[k] +=
                 body->shape[p + j] * body->push[p + j] * response->impulse[j * AOI_NODES + i];
         }
     }

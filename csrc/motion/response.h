@@ -1,11 +1,11 @@
-/* What a body does over one step under forces that are polynomials. */
+/* Response of a body over one step to polynomial forces. */
 #ifndef AOI_MOTION_RESPONSE_H
 #define AOI_MOTION_RESPONSE_H
 
 #include "aoimpact.h"
 
-/* What a body does over a step of length h under forces that are polynomials, given by their values at
- * the AOI_NODES Radau nodes: exact, whatever omega h. */
+/* Response of a body over a step of length h to polynomial forces, given by their values at the AOI_NODES Radau nodes:
+ * exact for any omega h. */
 typedef struct aoi_response {
     double h;
     int has_rates;                        /* influence_rate is filled                     */
@@ -13,7 +13,7 @@ typedef struct aoi_response {
     double *to_x, *to_v;                  /* [n][node]: integrals against l_node        */
     double *influence, *influence_rate;   /* [port][port][node][node]: at the first port and the
                                              second node, of a force at the others */
-    double *answer;                       /* [port][node]: displacement after a unit impulse */
+    double *impulse_response;             /* [port][node]: displacement after a unit impulse */
     double *scratch;
 } aoi_response;
 

@@ -68,7 +68,7 @@ int aoi_body_start_modal(aoi_body *body, const aoi_modes *modes, const aoi_rule 
                          const aoi_body_start *start, double *work);
 
 /* A finite-element body: K, M (n x n) and C by damping, contact functionals b ([ports][n]), and a
- * solver of (1 + alpha gamma dt) M + (beta' dt^2 + beta gamma dt) K, beta' being the rule's. pause: asked
+ * solver of (1 + alpha gamma dt) M + (beta' dt^2 + beta gamma dt) K, beta' being the rule's. pause: called
  * while begin() solves with M, or NULL. */
 typedef struct aoi_full {
     aoi_sparse K, M;

@@ -1,4 +1,4 @@
-/* Adaptive runs of scenes, and their dense output, seen from Python. */
+/* Adaptive runs of scenes, and their dense output, for Python. */
 #include "python/binding.h"
 #include "aoimpact.h"
 
@@ -29,12 +29,12 @@ static void free_system(taken *made)
 }
 
 /* An array that may be None. */
-static const double *maybe(held *buffers, PyObject *object, const char *name, size_t *count)
+static const double *maybe(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
 {
     return object == Py_None ? NULL : doubles(buffers, object, name, count);
 }
 
-void take_modes(held *buffers, PyObject *tuple, aoi_modes *body)
+void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body)
 {
     size_t n = (size_t)-1, shapes = (size_t)-1;
     need_tuple(buffers, tuple, 11);
@@ -68,7 +68,7 @@ void take_modes(held *buffers, PyObject *tuple, aoi_modes *body)
 }
 
 /* (first body, its port, second body, its port, gap, law) */
-static int take_contact(held *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
+static int take_contact(buffer_list *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
 {
     need_tuple(buffers, tuple, 6);
     if (buffers->failed) {
@@ -87,7 +87,7 @@ static int take_contact(held *buffers, PyObject *tuple, aoi_contact *contact, ao
     return take_law(buffers, PyTuple_GetItem(tuple, 5), law);
 }
 
-static int take_system(held *buffers, PyObject *bodies, PyObject *contacts, taken *made)
+static int take_system(buffer_list *buffers, PyObject *bodies, PyObject *contacts, taken *made)
 {
     const size_t nb = (size_t)PyTuple_Size(bodies), nc = (size_t)PyTuple_Size(contacts);
     int status = AOI_OK;
@@ -149,7 +149,7 @@ static int run_piece(aoi_adaptive *run, aoi_track *track, size_t rows)
     return status;
 }
 
-/* Runs in pieces between which signals are heard; no more steps, tried in vain or not, than about so many. */
+/* Runs in pieces, between which signals are checked, up to about most_steps steps, rejected ones included. */
 static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, aoi_track *track,
                       size_t most_steps)
 {
@@ -176,7 +176,7 @@ static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, a
 
 /* The start: bodies that move as a whole (moving: their rates at unit velocity) from modes x, or from
  * none of them where x is None. v: the rates, set here. */
-static void take_start(held *buffers, PyObject *x_in, PyObject *moving, PyObject *velocities,
+static void take_start(buffer_list *buffers, PyObject *x_in, PyObject *moving, PyObject *velocities,
                        const aoi_system *system, double *v, aoi_start *start)
 {
     size_t all = system->first[system->body_count];
@@ -252,7 +252,7 @@ static PyObject *contacts_of(const aoi_adaptive *run, const aoi_system *system, 
     return result;
 }
 
-/* A record may fill GiB: signals are heard while it is copied. */
+/* A record may fill GiB: signals are checked while it is copied. */
 static PyObject *bytes_of(const void *record, size_t size)
 {
     PyObject *bytes = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)size);
@@ -287,7 +287,7 @@ static PyObject *adaptive_result(const aoi_adaptive *run, const aoi_system *syst
 
 /* What one call of adaptive() has to release. */
 typedef struct running {
-    held buffers;
+    buffer_list buffers;
     taken made;
     aoi_adaptive *run;
     double *v;
@@ -309,7 +309,7 @@ static int allocate_run(running *all)
 
 static void release_run(running *all)
 {
-    held_release(&all->buffers);
+    buffers_release(&all->buffers);
     free(all->run);
     free(all->v);
     free(all->track.values);
@@ -355,7 +355,7 @@ PyObject *adaptive(PyObject *self, PyObject *args)
 
 /* A track opened to be sampled. */
 typedef struct opened {
-    held buffers;
+    buffer_list buffers;
     taken made;
     aoi_sampler *sampler;
     const double *times;
@@ -397,8 +397,8 @@ static PyObject *close_track(opened *all, int status)
     return done;
 }
 
-/* Whether there is time for one more column before signals are to be heard; started: the piece, s. */
-static int has_time(double started) { return seconds_now() - started < HEARD_EVERY; }
+/* Whether another column may be computed before the next check of signals; started: the time of the last one, s. */
+static int has_time(double started) { return seconds_now() - started < SIGNAL_INTERVAL; }
 
 PyObject *track_sample(PyObject *self, PyObject *args)
 {

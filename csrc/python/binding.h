@@ -1,8 +1,8 @@
-/* What the files of the binding share: buffers in, buffers out, nothing of the method. Only the files
+/* Declarations shared by the files of the binding, which only converts arguments and results. Only the files
  * of this folder include Python.h, through this header. Arrays come as C-contiguous
  * buffers of float64 or int32, made so by the Python side; results are written into buffers that the
  * caller made. The GIL is released in chunks of some milliseconds, so that other threads run and
- * Ctrl-C is heard. */
+ * Ctrl-C takes effect. */
 #ifndef AOIMPACT_BINDING_H
 #define AOIMPACT_BINDING_H
 
@@ -15,31 +15,31 @@
 
 enum { MOST_BUFFERS = 40 };
 
-typedef struct held_block {
+typedef struct buffer_block {
     Py_buffer view[MOST_BUFFERS];
     int count;
-    struct held_block *next;
-} held_block;
+    struct buffer_block *next;
+} buffer_block;
 
 /* The buffers that one call holds, as many as it takes; after the first failure the others are not
  * taken. Made as {.failed = 0}, it is empty. */
-typedef struct held {
+typedef struct buffer_list {
     int failed;
-    held_block block;
-} held;
+    buffer_block block;
+} buffer_list;
 
-void held_release(held *buffers);
+void buffers_release(buffer_list *buffers);
 
-/* type: 'd' for float64, 'f' for float32, 'i' for int32. In this and the next three, count is what the buffer must
- * hold; -1 takes what comes and says it. */
-void *held_take(held *buffers, PyObject *object, const char *name, char type, int writable,
+/* type: 'd' for float64, 'f' for float32, 'i' for int32. In this and the next three, count is the length that the
+ * buffer must have; with -1 any length is accepted, and returned. */
+void *buffers_take(buffer_list *buffers, PyObject *object, const char *name, char type, int writable,
                 size_t *count);
-const double *doubles(held *buffers, PyObject *object, const char *name, size_t *count);
-double *doubles_out(held *buffers, PyObject *object, const char *name, size_t *count);
-const int32_t *integers(held *buffers, PyObject *object, const char *name, size_t *count);
+const double *doubles(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
+double *doubles_out(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
+const int32_t *integers(buffer_list *buffers, PyObject *object, const char *name, size_t *count);
 
-/* Fails where tuple is none of that size. */
-void need_tuple(held *buffers, PyObject *tuple, Py_ssize_t size);
+/* Fails where the object is not a tuple of that size. */
+void need_tuple(buffer_list *buffers, PyObject *tuple, Py_ssize_t size);
 
 /* Whether a tuple, not empty, begins with that word. */
 int is_kind(PyObject *tuple, const char *kind);
@@ -47,37 +47,37 @@ int is_kind(PyObject *tuple, const char *kind);
 /* Raises what a function of aoimpact.base.errors returns for the arguments, a tuple, which it takes over. */
 PyObject *raise_made(const char *maker, PyObject *arguments);
 
-/* Raises what aoimpact.base.errors makes of a status: the one table of the core's codes stands there.
- * raise_at: with the state in which a law gave NaN; and the contact that is to blame, or -1. */
+/* Raises the error of aoimpact.base.errors for a status: the table of the core's codes is there. raise_at: with the
+ * state in which a law gave NaN, and the contact that failed, or -1. */
 PyObject *raise_status(int status, const char *what, double time);
 PyObject *raise_at(int status, const char *what, double time, double indentation, double rate,
                    Py_ssize_t contact);
 
 /* Releases the buffers; None, or NULL with an error raised. */
-PyObject *finish(held *buffers, int status, const char *what);
+PyObject *finish(buffer_list *buffers, int status, const char *what);
 
 /* ------------------------------------------------------------------ pause.c: signals */
 
-/* Seconds of a clock that only goes forward. */
+/* Seconds of a monotonic clock. */
 double seconds_now(void);
 
-/* What one call hears signals by: pause is for the core, and asks every HEARD_EVERY seconds, with the GIL or,
- * between release and regain, without. An error is set once it has said no. */
-#define HEARD_EVERY 0.02
-typedef struct listener {
+/* Checks for signals during one call. pause is for the core, and checks every SIGNAL_INTERVAL seconds, with the GIL or,
+ * between release and regain, without it. An error is set once it has ended the call. */
+#define SIGNAL_INTERVAL 0.02
+typedef struct signal_check {
     aoi_pause pause;
     double next;
     PyThreadState *thread; /* while the GIL is released */
-} listener;
+} signal_check;
 
-void listener_open(listener *ear);
-void listener_release(listener *ear);
-void listener_regain(listener *ear);
+void signal_check_open(signal_check *signals);
+void signal_check_release(signal_check *signals);
+void signal_check_regain(signal_check *signals);
 
-/* ------------------------------------------------------------------ what is made of tuples */
+/* ------------------------------------------------------------------ tuples to structs */
 
 /* (name, parameters, compliance, limit, note, data), made by ContactLaw.for_core and read only here. */
-int take_law(held *buffers, PyObject *tuple, aoi_law *law);
+int take_law(buffer_list *buffers, PyObject *tuple, aoi_law *law);
 
 /* raise_status for a run with count laws, any of which may have stopped it; what a law written in
  * Python has raised stays as it is. contact: which went deeper than its law holds, if that is the status.
@@ -86,14 +86,14 @@ PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law
                         Py_ssize_t contact);
 
 /* (start, indices, values) of a matrix of n rows. */
-int take_sparse(held *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix);
+int take_sparse(buffer_list *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix);
 
 /* (start, rows, values, pivots, place, panel); factors->work is there already. */
-int take_factors(held *buffers, PyObject *tuple, size_t n, aoi_factors *factors);
+int take_factors(buffer_list *buffers, PyObject *tuple, size_t n, aoi_factors *factors);
 
 /* (omega, decay, shape, push, residual, gravity, inertia, centre, centre_residual, load_time,
  * load_force); None for what there is not. */
-void take_modes(held *buffers, PyObject *tuple, aoi_modes *body);
+void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body);
 
 /* -------------------------------------- the module's functions, by file; module.c has their table */
 
@@ -102,7 +102,7 @@ PyObject *law_force(PyObject *self, PyObject *args);
 PyObject *law_potential(PyObject *self, PyObject *args);
 
 /* reduce.c */
-PyObject *static_held(PyObject *self, PyObject *args);
+PyObject *static_constrained(PyObject *self, PyObject *args);
 PyObject *static_free(PyObject *self, PyObject *args);
 PyObject *constraint_project(PyObject *self, PyObject *args);
 PyObject *constraint_reflector(PyObject *self, PyObject *args);

@@ -5,11 +5,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-void held_release(held *buffers)
+void buffers_release(buffer_list *buffers)
 {
-    held_block *block = &buffers->block;
+    buffer_block *block = &buffers->block;
     while (block) {
-        held_block *next = block->next;
+        buffer_block *next = block->next;
         for (int i = 0; i < block->count; i++) {
             PyBuffer_Release(&block->view[i]);
         }
@@ -23,9 +23,9 @@ void held_release(held *buffers)
 }
 
 /* A block with room for one more: the first, or the one behind it, where new ones are put in. */
-static held_block *with_room(held *buffers)
+static buffer_block *with_room(buffer_list *buffers)
 {
-    held_block *block = &buffers->block;
+    buffer_block *block = &buffers->block;
     if (block->count == MOST_BUFFERS && block->next) {
         block = block->next;
     }
@@ -42,7 +42,7 @@ static held_block *with_room(held *buffers)
     return block;
 }
 
-void *held_take(held *buffers, PyObject *object, const char *name, char type, int writable,
+void *buffers_take(buffer_list *buffers, PyObject *object, const char *name, char type, int writable,
                 size_t *count)
 {
     const Py_ssize_t size = type == 'd' ? (Py_ssize_t)sizeof(double) : 4;
@@ -52,7 +52,7 @@ void *held_take(held *buffers, PyObject *object, const char *name, char type, in
     }
     buffers->failed = 1;
     /* An error may be there from the conversion of a number before. */
-    held_block *block = PyErr_Occurred() ? NULL : with_room(buffers);
+    buffer_block *block = PyErr_Occurred() ? NULL : with_room(buffers);
     if (!block || PyObject_GetBuffer(object, &block->view[block->count], flags) != 0) {
         return NULL;
     }
@@ -76,19 +76,19 @@ void *held_take(held *buffers, PyObject *object, const char *name, char type, in
     return view->buf;
 }
 
-const double *doubles(held *buffers, PyObject *object, const char *name, size_t *count)
+const double *doubles(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
 {
-    return held_take(buffers, object, name, 'd', 0, count);
+    return buffers_take(buffers, object, name, 'd', 0, count);
 }
 
-double *doubles_out(held *buffers, PyObject *object, const char *name, size_t *count)
+double *doubles_out(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
 {
-    return held_take(buffers, object, name, 'd', 1, count);
+    return buffers_take(buffers, object, name, 'd', 1, count);
 }
 
-const int32_t *integers(held *buffers, PyObject *object, const char *name, size_t *count)
+const int32_t *integers(buffer_list *buffers, PyObject *object, const char *name, size_t *count)
 {
-    return held_take(buffers, object, name, 'i', 0, count);
+    return buffers_take(buffers, object, name, 'i', 0, count);
 }
 
 PyObject *raise_made(const char *maker, PyObject *arguments)
@@ -118,9 +118,9 @@ PyObject *raise_status(int status, const char *what, double time)
     return raise_at(status, what, time, (double)NAN, (double)NAN, -1);
 }
 
-PyObject *finish(held *buffers, int status, const char *what)
+PyObject *finish(buffer_list *buffers, int status, const char *what)
 {
-    held_release(buffers);
+    buffers_release(buffers);
     if (buffers->failed || PyErr_Occurred()) { /* a signal, or what was called back */
         return NULL;
     }
@@ -130,7 +130,7 @@ PyObject *finish(held *buffers, int status, const char *what)
     Py_RETURN_NONE;
 }
 
-void need_tuple(held *buffers, PyObject *tuple, Py_ssize_t size)
+void need_tuple(buffer_list *buffers, PyObject *tuple, Py_ssize_t size)
 {
     if (!buffers->failed && (!PyTuple_Check(tuple) || PyTuple_Size(tuple) != size)) {
         buffers->failed = 1;

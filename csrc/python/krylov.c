@@ -1,4 +1,4 @@
-/* The Krylov subspace seen from Python: its linear solver is a Python callable. */
+/* The Krylov subspace, for Python: its linear solver is a Python callable. */
 #include "python/binding.h"
 #include "linear/krylov.h"
 #include "linear/sparse.h"
@@ -15,14 +15,14 @@ typedef struct callable {
     PyObject *solve;
     PyObject *memory, *view[VECTORS];
     size_t bytes; /* of a vector */
-    listener ear;
+    signal_check signals;
 } callable;
 
 static int call_back(void *data, double *x, double *kx, double *mx)
 {
     callable *solver = data;
     double *arrays[VECTORS] = {x, kx, mx};
-    listener_regain(&solver->ear);
+    signal_check_regain(&solver->signals);
     char *memory = PyByteArray_AsString(solver->memory);
     memcpy(memory, x, solver->bytes);
     PyObject *done = PyObject_CallFunctionObjArgs(solver->solve, solver->view[0], solver->view[1],
@@ -31,7 +31,7 @@ static int call_back(void *data, double *x, double *kx, double *mx)
         memcpy(arrays[i], memory + i * solver->bytes, solver->bytes);
     }
     Py_XDECREF(done);
-    listener_release(&solver->ear);
+    signal_check_release(&solver->signals);
     return done == NULL;
 }
 
@@ -55,7 +55,7 @@ static void drop_views(callable *solver)
 }
 
 /* progress: the columns there are and the solves so far, written back whatever happens. */
-static int take_space(held *buffers, PyObject *args, aoi_krylov *space, callable *solver,
+static int take_space(buffer_list *buffers, PyObject *args, aoi_krylov *space, callable *solver,
                       int32_t **progress, size_t *wanted)
 {
     PyObject *K, *M, *b, *basis, *stiffness, *load, *reached;
@@ -68,7 +68,7 @@ static int take_space(held *buffers, PyObject *args, aoi_krylov *space, callable
         return AOI_OK;
     }
     need_tuple(buffers, K, 3);
-    *progress = held_take(buffers, reached, "progress", 'i', 1, &two);
+    *progress = buffers_take(buffers, reached, "progress", 'i', 1, &two);
     const Py_ssize_t rows = buffers->failed ? 0 : PyObject_Length(PyTuple_GetItem(K, 0));
     if (rows < 2 || rigid < 0 || given < rigid || last < 0 || (*progress)[0] < given ||
         (*progress)[1] < 0) {
@@ -98,7 +98,7 @@ static int take_space(held *buffers, PyObject *args, aoi_krylov *space, callable
 
 PyObject *krylov_extend(PyObject *self, PyObject *args)
 {
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     aoi_krylov space = {.s2 = 0.0};
     callable solver = {.solve = NULL};
     int32_t *progress = NULL;
@@ -110,11 +110,11 @@ PyObject *krylov_extend(PyObject *self, PyObject *args)
         make_views(&solver);
         space.work = malloc(aoi_krylov_work_size(space.K.n, space.capacity) * sizeof(double));
         if (!PyErr_Occurred() && space.work) {
-            listener_open(&solver.ear);
-            space.pause = &solver.ear.pause;
-            listener_release(&solver.ear);
+            signal_check_open(&solver.signals);
+            space.pause = &solver.signals.pause;
+            signal_check_release(&solver.signals);
             status = aoi_krylov_extend(&space, wanted);
-            listener_regain(&solver.ear);
+            signal_check_regain(&solver.signals);
         } else if (!PyErr_Occurred()) {
             PyErr_NoMemory();
         }

@@ -1,4 +1,4 @@
-/* The contact laws seen from Python. */
+/* The contact laws, for Python. */
 #include "python/binding.h"
 #include "law/law.h"
 
@@ -18,14 +18,14 @@ static Py_ssize_t take_parameters(PyObject *tuple, double *parameter)
     return PyErr_Occurred() ? -1 : count;
 }
 
-/* What a function of a law written in Python has to answer: a number, not an array or a text. */
-static double number_of(PyObject *answer, double indentation, double rate)
+/* The value returned by a function of a law written in Python: a number, not an array or a text. */
+static double number_of(PyObject *returned, double indentation, double rate)
 {
-    if (PyFloat_Check(answer) || (PyNumber_Check(answer) && !PySequence_Check(answer) &&
-                                  !PyComplex_Check(answer))) {
-        return PyFloat_AsDouble(answer);
+    if (PyFloat_Check(returned) || (PyNumber_Check(returned) && !PySequence_Check(returned) &&
+                                    !PyComplex_Check(returned))) {
+        return PyFloat_AsDouble(returned);
     }
-    (void)raise_made("law_answer_error", Py_BuildValue("(Odd)", answer, indentation, rate));
+    (void)raise_made("law_result_error", Py_BuildValue("(Odd)", returned, indentation, rate));
     return (double)NAN;
 }
 
@@ -49,7 +49,7 @@ static double call_python(void *data, int which, double indentation, double rate
 
 /* data: (functions, depends_on_rate, pulls, what to hold on to), functions a tuple of AOI_USER_FUNCTIONS callables or
  * addresses, None where there is none. */
-static int take_user_law(held *buffers, PyObject *data, aoi_law *law)
+static int take_user_law(buffer_list *buffers, PyObject *data, aoi_law *law)
 {
     aoi_user_law user = {.call = NULL};
     need_tuple(buffers, data, 4);
@@ -74,7 +74,7 @@ static int take_user_law(held *buffers, PyObject *data, aoi_law *law)
     return aoi_law_create_user(law, &user, depends != 0, pulls != 0);
 }
 
-static int take_named_law(held *buffers, PyObject *name, PyObject *parameters, aoi_law *law)
+static int take_named_law(buffer_list *buffers, PyObject *name, PyObject *parameters, aoi_law *law)
 {
     double parameter[AOI_LAW_PARAMETERS];
     const Py_ssize_t count = take_parameters(parameters, parameter);
@@ -86,7 +86,7 @@ static int take_named_law(held *buffers, PyObject *name, PyObject *parameters, a
     return aoi_law_create(law, text, (size_t)count, parameter);
 }
 
-int take_law(held *buffers, PyObject *tuple, aoi_law *law)
+int take_law(buffer_list *buffers, PyObject *tuple, aoi_law *law)
 {
     size_t entries = AOI_LAW_NOTE, values = (size_t)-1;
     int status;
@@ -140,11 +140,11 @@ PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law
                     status == AOI_ERROR_PATCH ? contact : -1);
 }
 
-/* Looks at signals now and then; 0 where one has raised. */
-static int heard(size_t i) { return i % 4096 != 0 || PyErr_CheckSignals() == 0; }
+/* Checks signals in every 4096th call; 0 where one has raised. */
+static int no_signal(size_t i) { return i % 4096 != 0 || PyErr_CheckSignals() == 0; }
 
 /* finish() for a status that may be the law's. */
-static PyObject *finish_law(held *buffers, int status, const aoi_law *law)
+static PyObject *finish_law(buffer_list *buffers, int status, const aoi_law *law)
 {
     if (!buffers->failed && status != AOI_OK && status != AOI_ERROR_ARGUMENT) {
         (void)raise_of_laws(status, "contact law", -1.0, law, 1, -1);
@@ -156,7 +156,7 @@ static PyObject *finish_law(held *buffers, int status, const aoi_law *law)
 PyObject *law_force(PyObject *self, PyObject *args)
 {
     PyObject *law_in, *indentation_in, *rate_in, *force_out, *stiffness_out, *damping_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t n = (size_t)-1;
     const double untouched[AOI_LAW_MEMORY] = {0.0};
     aoi_law law;
@@ -171,7 +171,7 @@ PyObject *law_force(PyObject *self, PyObject *args)
     double *force = doubles_out(&buffers, force_out, "force", &n);
     double *stiffness = doubles_out(&buffers, stiffness_out, "stiffness", &n);
     double *damping = doubles_out(&buffers, damping_out, "damping", &n);
-    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && heard(i); i++) {
+    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && no_signal(i); i++) {
         aoi_law_value value;
         aoi_law_push(&law, untouched, indentation[i], rate[i], &value);
         force[i] = value.force;
@@ -189,7 +189,7 @@ PyObject *law_force(PyObject *self, PyObject *args)
 PyObject *law_potential(PyObject *self, PyObject *args)
 {
     PyObject *law_in, *indentation_in, *energy_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t n = (size_t)-1;
     const double untouched[AOI_LAW_MEMORY] = {0.0};
     aoi_law law;
@@ -200,7 +200,7 @@ PyObject *law_potential(PyObject *self, PyObject *args)
     int status = take_law(&buffers, law_in, &law);
     const double *indentation = doubles(&buffers, indentation_in, "indentation", &n);
     double *energy = doubles_out(&buffers, energy_out, "energy", &n);
-    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && heard(i); i++) {
+    for (size_t i = 0; !buffers.failed && status == AOI_OK && i < n && no_signal(i); i++) {
         energy[i] = aoi_law_potential(&law, untouched, indentation[i]);
         status = isnan(energy[i]) ? AOI_ERROR_LAW : AOI_OK;
     }

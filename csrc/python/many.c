@@ -41,7 +41,7 @@ typedef struct work {
     size_t v_count, memory_size;
 } work;
 
-static int take_cases(held *buffers, PyObject *bodies, PyObject *moving, PyObject *laws, cases *of)
+static int take_cases(buffer_list *buffers, PyObject *bodies, PyObject *moving, PyObject *laws, cases *of)
 {
     int status = AOI_OK;
     of->body_count = (size_t)PyTuple_Size(bodies);
@@ -156,7 +156,7 @@ static int make_all(const cases *of, size_t count, const int32_t *which, const d
     work *on = calloc(1, sizeof *on);
     int fine = on != NULL;
     for (size_t i = 0; fine && i < count && !PyErr_Occurred() && PyErr_CheckSignals() == 0;) {
-        const double until = seconds_now() + HEARD_EVERY;
+        const double until = seconds_now() + SIGNAL_INTERVAL;
         Py_BEGIN_ALLOW_THREADS
         for (; fine && i < count && seconds_now() < until; i++) {
             fine = make_case(on, of, which + 3 * i, numbers + CASE_COLUMNS * i,
@@ -175,7 +175,7 @@ static int make_all(const cases *of, size_t count, const int32_t *which, const d
 PyObject *briefs(PyObject *self, PyObject *args)
 {
     PyObject *bodies, *moving, *laws, *which_in, *numbers_in, *answers_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     cases of = {.body = NULL};
     (void)self;
     if (!PyArg_ParseTuple(args, "O!O!O!OOO", &PyTuple_Type, &bodies, &PyTuple_Type, &moving,

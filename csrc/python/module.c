@@ -4,7 +4,7 @@
 #include <fenv.h>
 
 #define FUNCTIONS(X)                                                                              \
-    X(law_force) X(law_potential) X(static_held) X(static_free) X(constraint_project)             \
+    X(law_force) X(law_potential) X(static_constrained) X(static_free) X(constraint_project)             \
     X(constraint_reflector) X(constraint_congruence) X(oscillators_project) X(krylov_extend)      \
     X(star_receptance) X(modal_receptance) X(star_to_modal) X(star_from_modal)                    \
     X(factors_find_panels) X(factors_solve) X(newmark_scene) X(blocks_multiply) X(blocks_subtract) \

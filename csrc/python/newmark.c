@@ -1,4 +1,4 @@
-/* Scenes by Newmark's rule seen from Python. */
+/* Scenes by Newmark's rule, for Python. */
 #include "python/binding.h"
 #include "linear/sparse.h"
 #include "newmark/body.h"
@@ -16,13 +16,13 @@ typedef struct scene_body {
     double *u, *v; /* initial values in, final values out */
     double *work;
     double step_cost; /* rough nanoseconds */
-    listener *ear;    /* of the scene */
+    signal_check *signals;    /* of the scene */
 } scene_body;
 
 static PyObject *item(PyObject *tuple, Py_ssize_t i) { return PyTuple_GetItem(tuple, i); }
 
 /* The last four of a body's tuple: gravity (or None), centre, u, v, of n coordinates each. */
-static aoi_body_start take_start(held *buffers, PyObject *tuple, size_t n, scene_body *one)
+static aoi_body_start take_start(buffer_list *buffers, PyObject *tuple, size_t n, scene_body *one)
 {
     const Py_ssize_t at = PyTuple_Size(tuple) - 4;
     aoi_body_start start = {NULL, NULL, NULL, NULL, NULL};
@@ -35,7 +35,7 @@ static aoi_body_start take_start(held *buffers, PyObject *tuple, size_t n, scene
     return start;
 }
 
-static void *take_memory(held *buffers, size_t bytes)
+static void *take_memory(buffer_list *buffers, size_t bytes)
 {
     void *memory = buffers->failed ? NULL : malloc(bytes + 1);
     if (!buffers->failed && !memory) {
@@ -46,7 +46,7 @@ static void *take_memory(held *buffers, size_t bytes)
 }
 
 /* ("star", m0, k0, m, k, alpha, beta, gravity, centre, u, v) */
-static int take_star(held *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
+static int take_star(buffer_list *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
 {
     size_t n = (size_t)-1;
     aoi_star *star = &one->star;
@@ -66,7 +66,7 @@ static int take_star(held *buffers, PyObject *tuple, scene_body *one, const aoi_
 }
 
 /* ("modal", omega, decay, participation, residual, force or None, gravity, centre, u, v) */
-static int take_modal(held *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
+static int take_modal(buffer_list *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
 {
     size_t n = (size_t)-1, square = (size_t)-1, ports = 0;
     aoi_modes *modes = &one->modes;
@@ -96,7 +96,7 @@ static int take_modal(held *buffers, PyObject *tuple, scene_body *one, const aoi
 }
 
 /* ("full", K, M, b, alpha, beta, factors, gravity, centre, u, v) */
-static int take_full(held *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
+static int take_full(buffer_list *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
 {
     aoi_full *full = &one->full;
     size_t rows = (size_t)-1, all = (size_t)-1;
@@ -128,19 +128,19 @@ static int take_full(held *buffers, PyObject *tuple, scene_body *one, const aoi_
     }
     full->solver = (aoi_solver){aoi_factors_solve, &one->factors};
     one->step_cost = 2.0 * (3.0 * full->K.start[rows] + 2.0 * one->factors.start[rows]);
-    full->pause = one->factors.pause = &one->ear->pause;
-    listener_release(one->ear);
+    full->pause = one->factors.pause = &one->signals->pause;
+    signal_check_release(one->signals);
     status = aoi_body_start_full(&one->body, full, rule, &start, one->work);
-    listener_regain(one->ear);
+    signal_check_regain(one->signals);
     return status;
 }
 
-static int take_body(held *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
+static int take_body(buffer_list *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
 {
     static const struct {
         const char *kind;
         Py_ssize_t size;
-        int (*take)(held *, PyObject *, scene_body *, const aoi_rule *);
+        int (*take)(buffer_list *, PyObject *, scene_body *, const aoi_rule *);
     } kinds[] = {{"star", 11, take_star}, {"modal", 10, take_modal}, {"full", 11, take_full}};
     PyObject *first = PyTuple_Check(tuple) && PyTuple_Size(tuple) > 0 ? item(tuple, 0) : Py_None;
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
@@ -158,7 +158,7 @@ static int take_body(held *buffers, PyObject *tuple, scene_body *one, const aoi_
 }
 
 /* (body, port, body, port, law, gap) */
-static int take_contact(held *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
+static int take_contact(buffer_list *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
 {
     need_tuple(buffers, tuple, 6);
     if (buffers->failed) {
@@ -175,7 +175,7 @@ static int take_contact(held *buffers, PyObject *tuple, aoi_contact *contact, ao
 }
 
 /* (body, port, times, forces) */
-static void take_load(held *buffers, PyObject *tuple, aoi_scene_load *load)
+static void take_load(buffer_list *buffers, PyObject *tuple, aoi_scene_load *load)
 {
     size_t count = (size_t)-1;
     need_tuple(buffers, tuple, 4);
@@ -199,7 +199,7 @@ typedef struct scene_parts {
     aoi_scene_load *load;
     aoi_scene scene;
     double step_cost;
-    listener ear;
+    signal_check signals;
 } scene_parts;
 
 static void parts_release(scene_parts *all, int copy)
@@ -238,15 +238,15 @@ static int parts_allocate(scene_parts *all)
 }
 
 /* Bodies, contacts and loads from their tuples. */
-static int parts_take(held *buffers, scene_parts *all, PyObject *bodies, PyObject *contacts,
+static int parts_take(buffer_list *buffers, scene_parts *all, PyObject *bodies, PyObject *contacts,
                      PyObject *loads, const aoi_rule *rule)
 {
     aoi_scene *scene = &all->scene;
     int status = AOI_OK;
-    listener_open(&all->ear);
+    signal_check_open(&all->signals);
     for (size_t b = 0; b < scene->body_count && status == AOI_OK && !buffers->failed; b++) {
         scene_body *one = &all->body_of[b];
-        one->ear = &all->ear;
+        one->signals = &all->signals;
         status = take_body(buffers, item(bodies, (Py_ssize_t)b), one, rule);
         all->body[b] = &one->body;
         all->step_cost += one->step_cost;
@@ -272,21 +272,21 @@ static int parts_take(held *buffers, scene_parts *all, PyObject *bodies, PyObjec
     return status;
 }
 
-/* Runs the steps in chunks without the GIL; between them signals are heard. */
+/* Runs the steps in chunks without the GIL; between them signals are checked. */
 static int run_in_chunks(scene_parts *all, double *record, size_t columns, size_t *done)
 {
     const double in_20_ms = 2e7 / all->step_cost;
     const size_t chunk = in_20_ms < 1.0 ? 1 : (size_t)in_20_ms, steps = columns - 1;
     *done = 0;
-    listener_release(&all->ear);
+    signal_check_release(&all->signals);
     int status = aoi_scene_start(&all->scene, record, columns);
-    listener_regain(&all->ear);
+    signal_check_regain(&all->signals);
     while (status == AOI_OK && *done < steps) {
         const size_t first = *done + 1;
         const size_t last = steps - *done < chunk ? steps : *done + chunk;
-        listener_release(&all->ear);
+        signal_check_release(&all->signals);
         status = aoi_scene_run(&all->scene, record, columns, first, last, done);
-        listener_regain(&all->ear);
+        signal_check_regain(&all->signals);
         if (PyErr_CheckSignals() != 0) {
             break;
         }
@@ -297,7 +297,7 @@ static int run_in_chunks(scene_parts *all, double *record, size_t columns, size_
 PyObject *newmark_scene(PyObject *self, PyObject *args)
 {
     PyObject *bodies, *contacts, *loads, *record_out, *start_force;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     scene_parts all = {.step_cost = 40.0};
     aoi_rule rule;
     (void)self;
@@ -333,7 +333,7 @@ PyObject *newmark_scene(PyObject *self, PyObject *args)
                       scene->contact_count, (Py_ssize_t)scene->failed);
     }
     parts_release(&all, !buffers.failed && !PyErr_Occurred());
-    held_release(&buffers);
+    buffers_release(&buffers);
     if (buffers.failed || PyErr_Occurred()) {
         return NULL;
     }

@@ -1,4 +1,4 @@
-/* Signals are heard while the core works: Ctrl-C within some hundredths of a second. */
+/* Signals are checked while the core runs: Ctrl-C ends a call within some hundredths of a second. */
 #include "python/binding.h"
 
 #include <time.h>
@@ -14,33 +14,33 @@ double seconds_now(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static int ask(void *data)
+static int check(void *data)
 {
-    listener *ear = data;
-    if (seconds_now() < ear->next) {
+    signal_check *signals = data;
+    if (seconds_now() < signals->next) {
         return 0;
     }
-    const int released = ear->thread != NULL;
+    const int released = signals->thread != NULL;
     if (released) {
-        listener_regain(ear);
+        signal_check_regain(signals);
     }
     const int stop = PyErr_Occurred() || PyErr_CheckSignals() != 0;
     if (released) {
-        listener_release(ear);
+        signal_check_release(signals);
     }
-    ear->next = seconds_now() + HEARD_EVERY;
+    signals->next = seconds_now() + SIGNAL_INTERVAL;
     return stop;
 }
 
-void listener_open(listener *ear)
+void signal_check_open(signal_check *signals)
 {
-    *ear = (listener){{ask, ear}, seconds_now() + HEARD_EVERY, NULL};
+    *signals = (signal_check){{check, signals}, seconds_now() + SIGNAL_INTERVAL, NULL};
 }
 
-void listener_release(listener *ear) { ear->thread = PyEval_SaveThread(); }
+void signal_check_release(signal_check *signals) { signals->thread = PyEval_SaveThread(); }
 
-void listener_regain(listener *ear)
+void signal_check_regain(signal_check *signals)
 {
-    PyEval_RestoreThread(ear->thread);
-    ear->thread = NULL;
+    PyEval_RestoreThread(signals->thread);
+    signals->thread = NULL;
 }

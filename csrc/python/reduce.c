@@ -1,11 +1,11 @@
-/* From matrices to a star (star/reduce.c) seen from Python. */
+/* From matrices to a star (star/reduce.c), for Python. */
 #include "python/binding.h"
 #include "star/reduce.h"
 
-PyObject *static_held(PyObject *self, PyObject *args)
+PyObject *static_constrained(PyObject *self, PyObject *args)
 {
     PyObject *b_in, *x_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t n = (size_t)-1;
     double stiffness = 0.0;
     (void)self;
@@ -23,7 +23,7 @@ PyObject *static_held(PyObject *self, PyObject *args)
 PyObject *static_free(PyObject *self, PyObject *args)
 {
     PyObject *rigid_in, *b_in, *phi_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t n = (size_t)-1, all = (size_t)-1;
     double mass = 0.0;
     int status = AOI_OK;
@@ -46,7 +46,7 @@ PyObject *static_free(PyObject *self, PyObject *args)
 PyObject *constraint_project(PyObject *self, PyObject *args)
 {
     PyObject *b_in, *z_in, *x_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t n = (size_t)-1;
     (void)self;
     if (!PyArg_ParseTuple(args, "OOO", &b_in, &z_in, &x_out)) {
@@ -62,7 +62,7 @@ PyObject *constraint_project(PyObject *self, PyObject *args)
 PyObject *constraint_reflector(PyObject *self, PyObject *args)
 {
     PyObject *b_in, *h_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t n = (size_t)-1;
     (void)self;
     if (!PyArg_ParseTuple(args, "OO", &b_in, &h_out)) {
@@ -77,7 +77,7 @@ PyObject *constraint_reflector(PyObject *self, PyObject *args)
 PyObject *constraint_congruence(PyObject *self, PyObject *args)
 {
     PyObject *h_in, *a_out, *work_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t n = (size_t)-1;
     (void)self;
     if (!PyArg_ParseTuple(args, "OOO", &h_in, &a_out, &work_out)) {
@@ -98,7 +98,7 @@ PyObject *constraint_congruence(PyObject *self, PyObject *args)
 PyObject *oscillators_project(PyObject *self, PyObject *args)
 {
     PyObject *phi_in, *modal_in, *omega2_in, *static_in, *c_out, *m_out, *k_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t count = (size_t)-1, n = (size_t)-1;
     (void)self;
     if (!PyArg_ParseTuple(args, "OOOOOOO", &phi_in, &modal_in, &omega2_in, &static_in, &c_out, &m_out,

@@ -1,8 +1,8 @@
-/* Sparse matrices and factors seen from Python. */
+/* Sparse matrices and factors, for Python. */
 #include "python/binding.h"
 #include "linear/sparse.h"
 
-int take_sparse(held *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix)
+int take_sparse(buffer_list *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix)
 {
     size_t rows = n + 1, stored = (size_t)-1;
     need_tuple(buffers, tuple, 3);
@@ -16,7 +16,7 @@ int take_sparse(held *buffers, PyObject *tuple, size_t n, aoi_sparse *matrix)
     return buffers->failed ? AOI_OK : aoi_sparse_check(matrix, stored);
 }
 
-int take_factors(held *buffers, PyObject *tuple, size_t n, aoi_factors *factors)
+int take_factors(buffer_list *buffers, PyObject *tuple, size_t n, aoi_factors *factors)
 {
     size_t columns = n + 1, stored = (size_t)-1, panels = (size_t)-1;
     need_tuple(buffers, tuple, 6);
@@ -40,7 +40,7 @@ int take_factors(held *buffers, PyObject *tuple, size_t n, aoi_factors *factors)
 PyObject *factors_find_panels(PyObject *self, PyObject *args)
 {
     PyObject *start_in, *rows_in, *panel_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t columns = (size_t)-1, stored = (size_t)-1, count = 0;
     (void)self;
     if (!PyArg_ParseTuple(args, "OOO", &start_in, &rows_in, &panel_out)) {
@@ -48,7 +48,7 @@ PyObject *factors_find_panels(PyObject *self, PyObject *args)
     }
     const int32_t *start = integers(&buffers, start_in, "column starts", &columns);
     const int32_t *rows = integers(&buffers, rows_in, "factor rows", &stored);
-    int32_t *panel = held_take(&buffers, panel_out, "panels", 'i', 1, &columns);
+    int32_t *panel = buffers_take(&buffers, panel_out, "panels", 'i', 1, &columns);
     int status = AOI_OK;
     if (!buffers.failed) {
         const aoi_sparse pattern = {columns > 0 ? columns - 1 : 0, start, rows, NULL};
@@ -63,7 +63,7 @@ PyObject *factors_find_panels(PyObject *self, PyObject *args)
 PyObject *factors_solve(PyObject *self, PyObject *args)
 {
     PyObject *factors_in, *work_out, *x_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     aoi_factors factors = {.n = 0};
     size_t n = (size_t)-1;
     (void)self;
@@ -74,12 +74,12 @@ PyObject *factors_solve(PyObject *self, PyObject *args)
     factors.work = doubles_out(&buffers, work_out, "work", &n);
     int status = take_factors(&buffers, factors_in, n, &factors);
     if (!buffers.failed && status == AOI_OK) {
-        listener ear;
-        listener_open(&ear);
-        factors.pause = &ear.pause;
-        listener_release(&ear);
+        signal_check signals;
+        signal_check_open(&signals);
+        factors.pause = &signals.pause;
+        signal_check_release(&signals);
         status = aoi_factors_solve(&factors, x);
-        listener_regain(&ear);
+        signal_check_regain(&signals);
     }
     return finish(&buffers, status, "back-substitution");
 }

@@ -1,17 +1,17 @@
-/* The star and its modes seen from Python. */
+/* The star and its modes, for Python. */
 #include "python/binding.h"
 #include "star/receptance.h"
 
 /* A term of one frequency costs some ten nanoseconds at most. */
 static size_t frequencies_a_piece(size_t n)
 {
-    return 1 + (size_t)(1e8 * HEARD_EVERY / ((double)n + 1.0));
+    return 1 + (size_t)(1e8 * SIGNAL_INTERVAL / ((double)n + 1.0));
 }
 
 PyObject *star_receptance(PyObject *self, PyObject *args)
 {
     PyObject *m_in, *k_in, *omega_in, *out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     aoi_star star = {.n = (size_t)-1};
     size_t count = (size_t)-1;
     (void)self;
@@ -35,7 +35,7 @@ PyObject *star_receptance(PyObject *self, PyObject *args)
 PyObject *modal_receptance(PyObject *self, PyObject *args)
 {
     PyObject *omega_in, *decay_in, *weight_in, *frequency_in, *real_out, *imaginary_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     double residual;
     size_t n = (size_t)-1, count = (size_t)-1;
     (void)self;
@@ -63,7 +63,7 @@ PyObject *modal_receptance(PyObject *self, PyObject *args)
 PyObject *star_to_modal(PyObject *self, PyObject *args)
 {
     PyObject *m_in, *k_in, *omega2_out, *r_out, *work_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     aoi_star star = {.n = (size_t)-1};
     size_t modes = 0;
     (void)self;
@@ -79,11 +79,11 @@ PyObject *star_to_modal(PyObject *self, PyObject *args)
     double *work = doubles_out(&buffers, work_out, "work", &star.n);
     int status = AOI_OK;
     if (!buffers.failed) {
-        listener ear;
-        listener_open(&ear);
-        listener_release(&ear);
-        status = aoi_star_to_modal(&star, omega2, r, &modes, work, &ear.pause);
-        listener_regain(&ear);
+        signal_check signals;
+        signal_check_open(&signals);
+        signal_check_release(&signals);
+        status = aoi_star_to_modal(&star, omega2, r, &modes, work, &signals.pause);
+        signal_check_regain(&signals);
     }
     PyObject *done = finish(&buffers, status, "natural modes of a star");
     Py_XDECREF(done);
@@ -93,7 +93,7 @@ PyObject *star_to_modal(PyObject *self, PyObject *args)
 PyObject *star_from_modal(PyObject *self, PyObject *args)
 {
     PyObject *omega2_in, *weight_in, *m_out, *k_out;
-    held buffers = {.failed = 0};
+    buffer_list buffers = {.failed = 0};
     size_t count = (size_t)-1;
     double m0 = 0.0, k0 = 0.0;
     (void)self;
@@ -107,11 +107,11 @@ PyObject *star_from_modal(PyObject *self, PyObject *args)
     double *k = doubles_out(&buffers, k_out, "k", &oscillators);
     int status = AOI_OK;
     if (!buffers.failed) {
-        listener ear;
-        listener_open(&ear);
-        listener_release(&ear);
-        status = aoi_star_from_modal(count, omega2, weight, &m0, &k0, m, k, &ear.pause);
-        listener_regain(&ear);
+        signal_check signals;
+        signal_check_open(&signals);
+        signal_check_release(&signals);
+        status = aoi_star_from_modal(count, omega2, weight, &m0, &k0, m, k, &signals.pause);
+        signal_check_regain(&signals);
     }
     PyObject *done = finish(&buffers, status, "star of a modal model");
     Py_XDECREF(done);

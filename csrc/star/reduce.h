@@ -13,8 +13,8 @@ int aoi_static_constrained(size_t n, const double *b, double *x, double *stiffne
 
 /* Static mode of a free body: the rigid-body motion that b excites, phi_st = R r / (r^T r) with
  * R (n x rigid_count, M-orthonormal) and r = R^T b. Its mass is 1 / (r^T r) and its k0 is zero. The
- * rest of the rigid motion is M-orthogonal to it and never feels the contact.
- * AOI_ERROR_UNREACHED if r is zero to rounding: seen from b the body is then held. */
+ * rest of the rigid motion is M-orthogonal to it, and the contact does not excite it.
+ * AOI_ERROR_UNREACHED if r is zero to rounding: b then excites no rigid motion. */
 int aoi_static_free(size_t n, size_t rigid_count, const double *rigid, const double *b,
                     double *phi_st, double *mass);
 

@@ -174,7 +174,7 @@ static void the_answer_is_that_to_an_impulse(void)
                 aoi_oscillator_motion(of->omega[j], of->decay[j], 0.4 * aoi_radau_node[i], &m);
                 sum += of->shape[port * of->n + j] * of->push[port * of->n + j] * m.impulse;
             }
-            CHECK(fabs(response.answer[port * AOI_NODES + i] - sum) < 1e-15, "port %zu, node %zu", port, i);
+            CHECK(fabs(response.impulse_response[port * AOI_NODES + i] - sum) < 1e-15, "port %zu, node %zu", port, i);
         }
     }
     free(block);

@@ -183,7 +183,7 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
         {3, 4, 5},
     ),
     "law_potential": (lambda: [law("linear"), np.ones(4), np.zeros(4)], {2}),
-    "static_held": (lambda: [np.ones(4), np.ones(4)], {1}),
+    "static_constrained": (lambda: [np.ones(4), np.ones(4)], {1}),
     "static_free": (lambda: [np.eye(2, 4), np.ones(4), np.zeros(4)], {2}),
     "constraint_project": (lambda: [np.ones(4), np.ones(4), np.arange(4.0)], {2}),
     "constraint_reflector": (lambda: [np.ones(4), np.zeros(4)], {1}),
@@ -640,11 +640,11 @@ def test_the_core_s_laws_are_in_the_header_and_in_the_fuzzer() -> None:
 def test_statuses_arrive_as_their_exceptions() -> None:
     four = np.zeros(4)
     with pytest.raises(ao.InputError, match="contact functional"):
-        _core.static_held(four, np.ones(4))
+        _core.static_constrained(four, np.ones(4))
     with pytest.raises(ao.SingularError):
-        _core.static_held(np.ones(4), -np.ones(4))
+        _core.static_constrained(np.ones(4), -np.ones(4))
     with pytest.raises(ao.ConvergenceError, match="NaN"):
-        _core.static_held(np.ones(4), np.full(4, np.nan))
+        _core.static_constrained(np.ones(4), np.full(4, np.nan))
     with pytest.raises(ao.InputError):
         _core.law_potential(law("rubber"), four, np.zeros(4))
 
