@@ -43,6 +43,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | N
     touches = most_touches(run)
     if touches > 1:
         run, error = _confirmed(plan, run, rule.rtol, touches)
+        _refuse_gain(plan, run)
     return run if run.rtol == rule.rtol else replace(run, rtol=rule.rtol), error
 
 

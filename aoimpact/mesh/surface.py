@@ -297,14 +297,14 @@ class Surface:
         near &= np.abs(offset @ axis) <= reach + radius + np.linalg.norm(spread)
         face = np.flatnonzero(near)
         frame = np.vstack([across, axis])
-        low, high = self._bounds(face, frame)
+        low, high = self.bounds(face, frame)
         margin = _BESIDE * radius[face] + np.array([[0.0], [0.0], [reach]])
         at = (frame @ points.T)[:, :, None]
         within = (at >= (low - margin)[:, None]) & (at <= (high + margin)[:, None])
         point, candidate = np.nonzero(within.all(axis=0))
         return self._first(points, axis, reach, outward, point, face[candidate])
 
-    def _bounds(self, face: IntArray, frame: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def bounds(self, face: IntArray, frame: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return between which coordinates along three axes the faces lie, shapes (3, n)."""
         low, high = np.empty((2, 3, len(face)))
         for triangle, (places, coefficients) in ((False, _OF_SQUARE), (True, _OF_TRIANGLE)):

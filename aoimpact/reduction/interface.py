@@ -41,6 +41,25 @@ __all__ = [
 ]
 
 
+# Share of the ports' own compliances that the rounding of a reduction may cost: as the core has it.
+_ROUNDED = 1e-6
+
+
+def _compliance(name: str, value: Any, *, ports: int) -> FloatArray:
+    """Check that forces on the ports do no negative work."""
+    matrix = finite_array(name, value, shape=(ports, ports))
+    own = np.sqrt(np.maximum(matrix.diagonal(), 0.0))
+    slack = _ROUNDED * np.outer(own, own)
+    if (np.abs(matrix - matrix.T) > slack).any() or (
+        np.linalg.eigvalsh(matrix)[0] < -_ROUNDED * float(own @ own)
+    ):
+        raise InputError(
+            f"{name} must be symmetric and positive semidefinite, as compliances are: "
+            f"forces do no negative work on them; got {matrix.tolist()}"
+        )
+    return matrix
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class InterfaceModel(Frozen):
     """A body with p places of contact: q̈_j + ω_j² q_j = Σ_p r_pj f_p, u_p = Σ_j r_pj q_j.
@@ -89,7 +108,7 @@ class InterfaceModel(Frozen):
             self,
             participation=partial(finite_array, shape=(ports, n), most=LARGEST, order="K"),
             modes=partial(finite_array, shape=(self.body.n_dofs, n), most=LARGEST, order="K"),
-            residual=partial(finite_array, shape=(ports, ports)),
+            residual=partial(_compliance, ports=ports),
         )
         if self.contact_time is not None:
             checked(self, contact_time=partial(positive, unit="s"))

@@ -41,6 +41,10 @@ _ROUNDING = 1e-12
 # An oscillator with less than this share of the static mass carries none: it is rounding.
 _NO_MASS = 1e-13
 
+# Eigenvalues of LAPACK are known to the largest one's rounding times a modest number (LAPACK Users'
+# Guide, 4.10).
+_LOST = 10.0
+
 # A residual mass below 0 by no more than this share of the static mass is none: the rounding of
 # thousands of masses.
 _ROUNDING_OF_MASS = 1e-11
@@ -65,7 +69,7 @@ def _oscillators(
     """Eqs. (6), (9), (12) for M-orthonormal constraint modes; multiple ones are joined."""
     modal_mass = np.einsum("ij,ij->j", phi, tip.body.M @ phi)
     coupling = phi.T @ static.m_phi
-    carries = coupling**2 > _NO_MASS * static.mass * modal_mass
+    carries = coupling**2 > _least_share(omega2) * static.mass * modal_mass
     if (omega2[carries] <= 0.0).any():
         raise SingularError(
             "a constraint mode that carries mass has no stiffness: part of the body is a mechanism"
@@ -83,6 +87,18 @@ def _oscillators(
         shapes = np.add.reduceat(shapes, starts, axis=1)
         omega2 = k / m
     return _Oscillators(omega2, m, k, shapes)
+
+
+def _least_share(omega2: FloatArray) -> FloatArray:
+    """Of the static mass, what each of the modes must have to count as an oscillator.
+
+    Eigenvalues are known to ε of the largest. A mode below that is a mixture: of the lowest mode
+    above it has the part that first-order perturbation gives, that error over their distance.
+    """
+    lost = _LOST * np.finfo(float).eps * float(omega2.max(initial=0.0))
+    above = omega2[omega2 > lost]
+    mixed = lost / float(above.min()) if len(above) else 0.0
+    return np.where(omega2 > lost, _NO_MASS, max(_NO_MASS, mixed**2))
 
 
 def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:

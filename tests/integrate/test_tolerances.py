@@ -77,3 +77,30 @@ def test_starts_of_touches_from_rest_are_not_compared(
         warnings.simplefilter("always")
         scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=1e-8), energies=False)
     assert (not said) == quiet
+
+
+def end_speed(stiffness: float) -> float:
+    """Of a ball of 1 m/s after four touches of two walls; 0 where that is refused."""
+    scene = ao.Scene()
+    ball = scene.add(ao.rigid(mass=MASS), velocity=1.0)
+    left, right = (scene.add(ao.rigid(mass=math.inf)) for _ in range(2))
+    scene.connect(ball, right, ao.Linear(stiffness), gap=0.1)
+    scene.connect(left, ball, ao.Linear(stiffness), gap=0.1)
+    try:
+        return abs(scene.simulate(duration=0.75, energies=False)[ball].velocity[-1])
+    except ao.ConvergenceError:
+        return 0.0
+
+
+@pytest.mark.filterwarnings("ignore:rtol=1e-08 cannot be met")
+def test_energy_that_nothing_gave_is_refused_and_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some walls are so stiff that a contact is over within the last digits of its time."""
+    found = []
+    for gain in np.array([1.0 / 3.0, 1.0, 3.0]) * to_tolerance.GAIN:
+        monkeypatch.setattr(to_tolerance, "GAIN", gain)
+        fastest = max(map(end_speed, np.geomspace(1e31, 4e32, 12)))
+        found.append((end_speed(1e10), fastest))
+    (refused, _), (sound, little), (_, much) = found
+    assert refused == 0.0
+    assert sound == pytest.approx(1.0, rel=1e-7)
+    assert little < 1.25 < 1.5 < much  # the root of the energy

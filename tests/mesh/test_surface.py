@@ -107,7 +107,7 @@ def test_faces_lie_within_their_bounds(kind: str) -> None:
     ):
         surface = boundary(mesh)
         face = np.arange(len(surface.cell))
-        low, high = surface._bounds(face, axes)
+        low, high = surface.bounds(face, axes)
         corners = axes @ mesh.nodes[surface.corners(face)].swapaxes(1, 2)
         x = np.stack([axes @ surface.at(face, np.tile(place, (len(face), 1)))[0].T for place in uv])
         assert (x >= low - 1e-12).all()

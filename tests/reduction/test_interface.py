@@ -1,5 +1,7 @@
 """Bodies touched in several places: their modes give the full receptance between the ports."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import scipy.linalg as la
@@ -154,3 +156,13 @@ def test_without_nodes_the_centre_of_mass_is_not_known():
         _ = model.centre_weights
     with pytest.raises(ao.InputError, match="coordinates must have shape"):
         model.expand(np.ones(4))
+
+
+@pytest.mark.parametrize(
+    "residual",
+    [[[-1e-9, 0.0], [0.0, 1e-9]], [[1e-9, 2e-10], [0.0, 1e-9]], [[1e-9, 2e-9], [2e-9, 1e-9]]],
+)
+def test_a_residual_on_which_forces_do_negative_work_is_refused(free, residual):
+    model = ao.interface(free, 8, contact_time=T)
+    with pytest.raises(ao.InputError, match="residual must be symmetric and positive semidefinite"):
+        dataclasses.replace(model, residual=np.array(residual))
