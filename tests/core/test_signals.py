@@ -93,7 +93,7 @@ def krylov() -> Call:
 
 
 def track(count: int) -> tuple[tuple[object, ...], Array]:
-    """Bodies, contacts, track and index of free motion in so many modes, and times to sample it at."""
+    """Bodies, contacts, track and index of free motion in so many modes, and sample times."""
     bodies = body(np.linspace(0.0, 1e4, count)), body(np.zeros(1))
     contacts = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
     moving = np.zeros(count), np.zeros(1)
