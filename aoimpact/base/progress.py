@@ -14,12 +14,12 @@ __all__ = ["Progress", "advance", "bar"]
 # a factorisation says nothing until it is done.
 _DELAY, _CLOCK = 1.0, 0.5
 
-# The outermost bar of each thread. What is done within it is told beside it.
+# The outermost bar of each thread. Work within it is shown beside it.
 _open = threading.local()
 
 
 class Progress:
-    """What is under way, told to nobody.
+    """Progress that is not shown.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class _Part(Progress):
 def bar(what: str, total: float | None = None, unit: str = "step") -> Iterator[Progress]:
     """Show how far something has come, if it takes longer than a second.
 
-    A bar within another one is told beside that. In logs, files and tests there is none.
+    A bar within another one is shown beside that. In logs, files and tests there is none.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ from ..base import AOImpactError, FloatArray, held_warnings
 from ..impact import checked_numbers, plan_impact
 from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
-from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, knows
+from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, is_valid_for
 from ..results import QUANTITIES, Speeds, warning_limits
 from ..scene import normal_gap
 
@@ -80,7 +80,7 @@ class _Pair:
         """Whether the models are valid for a contact that long, s."""
         least, most = self.fits
         return least <= contact_duration <= most or all(
-            knows(model, contact_duration) for model in self.models
+            is_valid_for(model, contact_duration) for model in self.models
         )
 
 

@@ -33,7 +33,7 @@ _UNKNOWN = 1e-5
 # The mass of a rigid attachment couples all of its nodes: a matrix of (3 · nodes)².
 _MOST_NODES = 500
 
-# Sizes of the body beyond which a rigid mass is told in millimetres.
+# Sizes of the body beyond which a rigid mass is given in millimetres in messages.
 _FAR = 50.0
 
 # Entries of an inertia that are rounding, relative.

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["outlines", "plot_deformed"]
 
 
-# Unless told otherwise, the largest displacement is drawn as this share of the body's size.
+# By default the largest displacement is drawn as this share of the body's size.
 _SHOWN = 0.1
 
 # A plate's box is drawn at least this thick, as a share of its length; ticks along the length.

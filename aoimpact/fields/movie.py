@@ -44,7 +44,7 @@ _COLOURED = 98.0
 _WIDE, _HIGH = 960, 720
 
 # Where the time stands, and how far the bodies are moved to the left to make room for the colours.
-_TOLD, _LEFT = (16, 676), 0.1
+_CORNER, _LEFT = (16, 676), 0.1
 
 # How long a trial picture may take on a busy machine, s.
 _PATIENCE = 300.0
@@ -234,8 +234,8 @@ def _frames(
                 mesh.points = body.points + factor * body.displacement[i]
                 if body.von_mises is not None:
                     mesh.point_data["stress"] = pressure.factor * body.von_mises[i]
-            told = f"t = {with_unit(float(time), 's', 3)}     displacement × {factor:g}"
-            plotter.add_text(told, position=_TOLD, font_size=12, color="black", name="told")
+            caption = f"t = {with_unit(float(time), 's', 3)}     displacement × {factor:g}"
+            plotter.add_text(caption, position=_CORNER, font_size=12, color="black", name="text")
             yield np.array(plotter.screenshot(return_img=True))
     finally:
         plotter.close()

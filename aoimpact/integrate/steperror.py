@@ -90,7 +90,7 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
 def _touch_error(plan: Plan, record: Record, contact: int) -> float:
     """Bound the relative error of a peak force from touches at which the force jumps.
 
-    A step knows of a touch only at its end. Up to one step of the jump is then missing: as momentum
+    A step detects a touch only at its end. Up to one step of the jump is then missing: as momentum
     of the touch, and, where the jump is the peak, as what the force has lost since. Two runs may
     miss the same, so their difference does not show it.
     """

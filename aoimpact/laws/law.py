@@ -67,7 +67,7 @@ class ContactLaw:
     # Of the indentation, where no parameter n says so.
     _power: ClassVar[float] = 1.5
 
-    # R, m, of a law that knows how wide its contact is, √(R δ).
+    # R, m, of a law with a contact radius, √(R δ).
     relative_radius: float | None = None
 
     @property

@@ -35,7 +35,7 @@ _LEAST_SHIFT = 1e-30
 _RIGID = 1e-12
 
 # The first guess of s², as a share of the mean of K_ii over that of M_ii, which is near the highest
-# ω²: K + s²M is definite to rounding, and the lowest ω² are still told apart.
+# ω²: K + s²M is definite to rounding, and the lowest ω² are still distinct.
 _FIRST_SHIFT = 1e-4
 
 # ω²/s² of the first elastic mode where s² is kept. Below, K would be lost beside s²M; above, s²M
@@ -69,7 +69,7 @@ def shifted(
     rigid : ndarray, shape (n, r), optional
         M-orthonormal basis of the null space of K; without it s² stays at its first guess.
     invert : callable, optional
-        s² ↦ the solver of K + s²M, such as `FEModel.inverse`, which knows more of the body.
+        s² ↦ the solver of K + s²M, such as `FEModel.inverse`, which uses the body's mesh.
     first : LinearSolver, optional
         The solver at the first guess of s², if it exists already.
     """

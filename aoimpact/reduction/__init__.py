@@ -16,7 +16,7 @@ from .origin import Origin
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid
 from .starmodes import StarModes, star_modes
-from .validity import fitted_time, fitted_times, knows, unbalanced
+from .validity import fitted_time, fitted_times, is_valid_for, unbalanced
 
 __all__ = [
     "SHIFT_TIMES_DURATION",
@@ -37,7 +37,7 @@ __all__ = [
     "fitted_times",
     "full",
     "interface",
-    "knows",
+    "is_valid_for",
     "modal",
     "modal_body",
     "own_contact_time",

@@ -573,7 +573,7 @@ def rigid(mass: float, *, name: str = "") -> AOModel:
 
 
 def ball(radius: float, material: Material, *, name: str = "") -> AOModel:
-    """Return a rigid ball that knows its surface, so that a contact law can be had from it.
+    """Return a rigid ball with its surface, from which a contact law can be derived.
 
     Parameters
     ----------

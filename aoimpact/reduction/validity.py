@@ -10,7 +10,7 @@ from .contacttime import SHIFT_TIMES_DURATION
 from .interface import InterfaceModel
 from .star import AOModel
 
-__all__ = ["fitted_time", "fitted_times", "knows", "unbalanced"]
+__all__ = ["fitted_time", "fitted_times", "is_valid_for", "unbalanced"]
 
 
 # Factor by which a contact may be shorter than what was fitted before it is checked: measured on
@@ -33,8 +33,8 @@ def fitted_times(models: Sequence[Any]) -> tuple[float, float]:
     return max(fitted, default=0.0) / _SHORTER, min(fitted, default=math.inf)
 
 
-def knows(model: Any, lasted: float, port: int = 0, most: float = _BALANCED) -> bool:
-    """Return whether a model knows enough of its body for forces that act for so long, s.
+def is_valid_for(model: Any, lasted: float, port: int = 0, most: float = _BALANCED) -> bool:
+    """Return whether a model is accurate enough for forces that act for a time, s.
 
     It leaves no more than `most` unbalanced at any time from the one fitted to up to this; what was
     found is kept with the model.

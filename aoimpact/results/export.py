@@ -45,8 +45,8 @@ def as_dataset(run: Run, names: Sequence[str]) -> Any:
     data: dict[str, Any] = {}
 
     def add(name: str, dims: tuple[str, ...], values: Any) -> None:
-        unit, told = _UNITS[name]
-        data[name] = (dims, np.array(values), {"units": unit, "long_name": told})
+        unit, meaning = _UNITS[name]
+        data[name] = (dims, np.array(values), {"units": unit, "long_name": meaning})
 
     for name in ("force", "indentation"):
         rows = [getattr(contact, name) for contact in run.contacts]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ..base import warn, with_unit
 from ..fem import Rayleigh
 from ..integrate import Events
-from ..reduction import AOModel, fitted_time, knows
+from ..reduction import AOModel, fitted_time, is_valid_for
 
 if TYPE_CHECKING:
     from ..scene import Plan
@@ -96,7 +96,7 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
                 continue
             contact_time = _contact_time(events, run.duration, fitted)
             touched_for = _time_touched(plan, run, body)
-            if not knows(models[body], contact_time, port):
+            if not is_valid_for(models[body], contact_time, port):
                 said.add(body)
                 warn(
                     f"{names[body]} was fitted to a contact of {with_unit(fitted, 's')}, but the "
@@ -105,7 +105,7 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
                     f"contact_time={contact_time:.2g}, or give the finite-element body itself and "
                     "rtol"
                 )
-            elif not knows(models[body], touched_for, port, _BALANCED_AGAIN):
+            elif not is_valid_for(models[body], touched_for, port, _BALANCED_AGAIN):
                 said.add(body)
                 warn(
                     f"{names[body]} was fitted to a contact of {with_unit(fitted, 's')}, but is "
@@ -134,7 +134,9 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
     start = min(touches)[0]
     since = float(run.t[-1]) - start
     ports = {contact.port_of(body) for contact in plan.contacts if contact.touches(body)}
-    if since > fitted and not all(knows(model, since, port, _BALANCED_AFTER) for port in ports):
+    if since > fitted and not all(
+        is_valid_for(model, since, port, _BALANCED_AFTER) for port in ports
+    ):
         warn(
             f"displacement and velocity of {run.names[body]}, fitted to a contact of "
             f"{with_unit(fitted, 's')} may be wrong by tens of percent until t = "

@@ -467,7 +467,7 @@ class ErrorEstimate:
         Returns
         -------
         float or None
-            Relative: the sum of what `parts` knows; NaN of a number that there is not.
+            Relative: the sum of the known `parts`; NaN of a number that there is not.
 
         Examples
         --------
@@ -501,7 +501,7 @@ class ErrorEstimate:
         """
         return self.rtol is not None and self.numbers.get(name, math.nan) <= self.rtol
 
-    def told(self, name: str, *, listed: bool = False) -> str:
+    def within(self, name: str, *, listed: bool = False) -> str:
         """Return a number's error in words, for summaries; empty where it is not known.
 
         listed: with what it comes from, known as soon as that of the mesh is.
@@ -523,11 +523,11 @@ class ErrorEstimate:
 
     def __repr__(self) -> str:
         parts = {"total": self.total, **self._of_quantity, "energy": self.energy}
-        told = ", ".join(
+        shown = ", ".join(
             f"{name}={'None' if part is None else f'{part:.3g}'}" for name, part in parts.items()
         )
         of = f" of {self.quantity}" if self.quantity else ""
-        return f"ErrorEstimate({told}){of}; .numbers, .parts(name) and .of(name) of each number"
+        return f"ErrorEstimate({shown}){of}; .numbers, .parts(name) and .of(name) of each number"
 
     @property
     def _of_quantity(self) -> dict[str, float | None]:

@@ -150,8 +150,8 @@ def plot_energy(
     if body is None:
         styles.append((energy.total, "total", "-", "0.5"))
     curves: list[Curve] = [
-        (values[which], {"label": told, "linestyle": dashes, "color": colour})
-        for values, told, dashes, colour in styles
+        (values[which], {"label": name, "linestyle": dashes, "color": colour})
+        for values, name, dashes, colour in styles
     ]
     return draw_curves(ax, (run.t[which], "time", "s"), "energy", "J", curves, kwargs)
 
@@ -168,8 +168,8 @@ def plot_displacement(
     for colour, body in zip(COLOURS, run.bodies, strict=False):
         place, centre = body.displacement[which], body.centre_displacement[which]
         rigid = bool(np.array_equal(place, centre))
-        told = body.name if rigid else f"{body.name}, contact point"
-        curves.append((place, {"label": told, "color": colour, "linestyle": "-"}))
+        name = body.name if rigid else f"{body.name}, contact point"
+        curves.append((place, {"label": name, "color": colour, "linestyle": "-"}))
         if not rigid and np.isfinite(centre).all():
             dashed = {"label": f"{body.name}, centre of mass", "color": colour, "linestyle": "--"}
             curves.append((centre, dashed))

@@ -116,7 +116,7 @@ class Quantity:
     scenes : bool
         Whether scenes have it, or impacts of two bodies only.
     column : bool
-        Whether a sweep keeps it if it is not told what to keep.
+        Whether a sweep keeps it by default.
     count : bool
         Whether it counts something, so that it is right or wrong.
     lasting : bool

@@ -616,11 +616,11 @@ class Run:
             (self.names[i], f"{body.label}{support_words(body)}{_places(body)}")
             for i, body in enumerate(self.plan.bodies[:SHOWN])
         ]
-        told = self.error.told
+        within_of = self.error.within
         for i, events in enumerate(self.events[:SHOWN]):
-            within = told(f"contacts.{i}.peak_force", listed=True)
+            within = within_of(f"contacts.{i}.peak_force", listed=True)
             peak = f"{with_unit(events.peak_force, 'N', 5)}{within}"
-            peak += f" at {with_unit(events.peak_time, 's')}{told(f'contacts.{i}.peak_time')}"
+            peak += f" at {with_unit(events.peak_time, 's')}{within_of(f'contacts.{i}.peak_time')}"
             count = len(events.contacts)
             uncertain = self.error.of(f"contacts.{i}.intervals") == math.inf
             times = f"{count} contact{'s' if count > 1 else ''}"
@@ -646,7 +646,7 @@ def _places(body: SceneBody) -> str:
     return "".join(place_words(tip, rigid=body.label == "rigid") for tip in tips[:_PLACES])
 
 
-# Of each body so many places are told.
+# Number of a body's contact points that are listed.
 _PLACES = 2
 
 

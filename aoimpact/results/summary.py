@@ -45,7 +45,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
         rows += [
             ("peak force", _force(result)),
             ("contact", _contact(result)),
-            ("impulse", with_unit(result.impulse, "N s") + result.error.told("impulse")),
+            ("impulse", with_unit(result.impulse, "N s") + result.error.within("impulse")),
         ]
     rows += [
         ("rebound velocity", _rebound(result, "rebound_velocity")),
@@ -116,7 +116,7 @@ def _rebound(result: Result, name: str) -> str:
     if math.isnan(value):
         return "none" if result.in_contact_at_end or not result.contacts else "not known"
     absolute = _absolute(result.run, interest, value, error.of(name))
-    return f"{_number(interest, value)}{absolute or error.told(name)}"
+    return f"{_number(interest, value)}{absolute or error.within(name)}"
 
 
 def _gap(result: Result) -> str:
@@ -124,15 +124,15 @@ def _gap(result: Result) -> str:
 
 
 def _force(result: Result) -> str:
-    told = result.error.told
-    force = f"{with_unit(result.peak_force, 'N', 5)}{told('peak_force', listed=True)}"
-    return f"{force} at {with_unit(result.peak_time, 's')}{told('peak_time')}"
+    within_of = result.error.within
+    force = f"{with_unit(result.peak_force, 'N', 5)}{within_of('peak_force', listed=True)}"
+    return f"{force} at {with_unit(result.peak_time, 's')}{within_of('peak_time')}"
 
 
 def _contact(result: Result) -> str:
     start = result.contacts[0][0]
-    told = result.error.told
-    text = f"{with_unit(result.contact_duration, 's')}{told('contact_duration')}"
+    within_of = result.error.within
+    text = f"{with_unit(result.contact_duration, 's')}{within_of('contact_duration')}"
     text += f" from {with_unit(start, 's')}"
     uncertain = result.error.of("contacts") == math.inf
     if len(result.contacts) > 1 or uncertain:
@@ -187,13 +187,13 @@ def _interest(run: Run, parts: Mapping[str, float | None]) -> str:
         absolute = _absolute(run, interest, value, total)
         return f"{words} {_number(interest, value)}{absolute or within}"
     called = run.contact_names if interest.each == "contacts" else run.names
-    told = [
+    each = [
         f"{_number(interest, value)} of {of}"
         for of, value in zip(called, values.values(), strict=True)
         if not math.isnan(value)
     ]
-    more = ["…"] if len(told) > SHOWN else []
-    return f"{words} {', '.join(told[:SHOWN] + more)}{within}"
+    more = ["…"] if len(each) > SHOWN else []
+    return f"{words} {', '.join(each[:SHOWN] + more)}{within}"
 
 
 def _number(interest: Quantity, value: float) -> str:

@@ -260,7 +260,7 @@ class Table(_OfTable):
 
 @dataclass(frozen=True)
 class Variants(_OfTable):
-    """A table of one of several sorts, told apart by a key of which each has its own."""
+    """A table of one of several sorts, distinguished by a key of which each has its own."""
 
     tables: Mapping[str, Table]
 
@@ -278,7 +278,7 @@ class Variants(_OfTable):
 
 @dataclass(frozen=True)
 class Tagged(_OfTable):
-    """A table of one of several sorts, told apart by the word under one key."""
+    """A table of one of several sorts, distinguished by the word under one key."""
 
     key: str
     tables: Mapping[str, Kind]

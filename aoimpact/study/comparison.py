@@ -184,8 +184,8 @@ class Comparison:
     def __repr__(self) -> str:
         lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0})
         failures = ["", *(row.failure for row in self.rows)]
-        told = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
-        return "\n".join([self.scene, self._reference(), *told])
+        rows = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
+        return "\n".join([self.scene, self._reference(), *rows])
 
     def _repr_html_(self) -> str:
         rows = [(*_cells(row), row.failure) for row in self.rows]

@@ -183,8 +183,8 @@ class WorkPrecision:
             ax.plot([1e3 * row.seconds for row in rows], errors, **style)
         ax.set_title(self.scene, fontsize="medium", wrap=True)
         if known:
-            told = f"reference known to {known:.0e}"
-            ax.axhspan(0.1 * least, known, color="0.9", zorder=0, label=told)
+            name = f"reference known to {known:.0e}"
+            ax.axhspan(0.1 * least, known, color="0.9", zorder=0, label=name)
         errors_of = "largest relative error of\npeak, duration and rebound"
         return error_axes(ax, "time of the call (ms)", errors_of)
 
@@ -217,8 +217,8 @@ class WorkPrecision:
     def __repr__(self) -> str:
         lines = aligned([_HEADINGS, *(_cells(row) for row in self.rows)], left={0, 1})
         failures = ["", *(row.failure for row in self.rows)]
-        told = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
-        return "\n".join([self.scene, str(self.reference), *told, *self._comparisons()])
+        rows = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
+        return "\n".join([self.scene, str(self.reference), *rows, *self._comparisons()])
 
     def _repr_html_(self) -> str:
         rows = [(*_cells(row), row.failure) for row in self.rows]

@@ -265,7 +265,7 @@ class DropWeight(Frozen):
             writer.writerows(rows.tolist())
 
     def __repr__(self) -> str:
-        def told(point: Point) -> str:
+        def described(point: Point) -> str:
             return (
                 f"{with_unit(point.force, 'N')}, {with_unit(point.deflection, 'm')}, "
                 f"{with_unit(point.energy, 'J')} at {with_unit(point.time - self.start, 's')}"
@@ -274,9 +274,9 @@ class DropWeight(Frozen):
         impactor = f"{with_unit(self.mass, 'kg')} at {self.impact_velocity:.4g} m/s"
         rows = [
             ("impactor", f"{impactor}, {with_unit(self.impact_energy, 'J')}"),
-            ("peak", told(self.peak)),
-            ("turn", told(self.turn) if self.turn else "none"),
-            ("puncture", told(self.puncture) if self.puncture else "none"),
+            ("peak", described(self.peak)),
+            ("turn", described(self.turn) if self.turn else "none"),
+            ("puncture", described(self.puncture) if self.puncture else "none"),
             ("contact", with_unit(self.end - self.start, "s")),
             ("rebound velocity", f"{self.rebound_velocity:.4g} m/s"),
             ("absorbed energy", with_unit(self.absorbed_energy, "J")),
@@ -449,7 +449,7 @@ def _force(source: Any, cfc: float | None) -> Signal:
 
 
 def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:
-    """First and last touch: of a simulation, as told, or where a share of the peak is passed.
+    """First and last touch: of a simulation, as given, or where a share of the peak is passed.
 
     A filter smears the force ahead, so the first is sought before it; a load cell rings on, so the
     last is sought after it.

@@ -217,8 +217,8 @@ class LoadCell:
     def _compare_mass(self, hit: Result) -> None:
         mass = hit.projectile.mass
         if mass is None or abs(mass - self.mass) > _SAME_MASS * self.mass:
-            told = "not known" if mass is None else f"{mass:g} kg"
+            given = "not known" if mass is None else f"{mass:g} kg"
             warn(
-                f"the projectile's mass, {told}, is not that of nose and carriage, {self.mass:g} "
+                f"the projectile's mass, {given}, is not that of nose and carriage, {self.mass:g} "
                 "kg: the force is that of another impact; strike with cell.tup()"
             )

@@ -283,7 +283,7 @@ def test_a_compact_block_may_be_a_rigid_wall():
 
 
 def test_a_named_point():
-    """A quarter of the beam's length from the blow, for five contact times."""
+    """A quarter of the beam's length from the contact point, for five contact times."""
     target = beam(ENDS)
     point = target.body.contact(point=(0.15 / 2, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     run = functools.partial(
@@ -362,7 +362,7 @@ def test_a_point_of_another_body_is_refused(paper):
 
 
 def test_a_point_of_a_model_that_is_both_bodies_is_refused_and_a_copy_tells_them_apart():
-    """Of two cubes that collide the struck one's back stays behind the point of the blow."""
+    """Of two cubes that collide, the struck one's back stays behind the contact point."""
     tip = cube(STEEL, 0.02)
     point = tip.body.contact(point=(0.01, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     run = functools.partial(

@@ -53,7 +53,7 @@ def test_hierarchy_of_a_body_is_nested_and_ends():
 
 
 def test_slow_motion_is_fitted_where_the_body_has_any():
-    """A held rod's second natural mode, 3/4 Hz, after a blow of a fortieth of its period."""
+    """A constrained rod's second natural mode, 3/4 Hz, after an impact of 1/40 period."""
     K, M = rod(200, fixed=[0])
     tip = ao.FEModel(K=K, M=M).contact(dof=199)
     for duration, near in ((None, False), (1e3, True)):

@@ -404,12 +404,12 @@ def test_a_free_mass_under_a_force_of_straight_pieces():
         assert run.error.energy < 1e-9
 
 
-def test_a_held_body_sags_under_gravity_and_a_free_one_falls():
+def test_a_constrained_body_deflects_under_gravity_and_a_free_one_falls():
     held, free = slender_body(("xmin",)), slender_body(())
     tip = held.contact(point=(0.3, 0.01, 0.02), direction=(0.0, 0.0, 1.0), radius=0)
     weight = free.M @ free.translation((0.0, 0.0, 1.0)) * -EARTH
     pull = weight[np.repeat(free.nodes[:, 0] > 0.0, 3)]
-    sag = tip.b @ scipy.sparse.linalg.spsolve(held.K.tocsc(), pull)
+    deflection = tip.b @ scipy.sparse.linalg.spsolve(held.K.tocsc(), pull)
     scene = ao.Scene(gravity=-EARTH)
     beam = scene.add(ao.antioscillators(tip))
     loose = scene.add(
@@ -418,21 +418,21 @@ def test_a_held_body_sags_under_gravity_and_a_free_one_falls():
     run = scene.simulate(duration=1e-2, solver=ao.Adaptive(rtol=1e-9))
     assert run[loose].centre_velocity[-1] == pytest.approx(-EARTH * 1e-2, rel=1e-9)
     # Let go from straight, the beam swings about where it would hang.
-    assert run[beam].displacement.min() == pytest.approx(2.0 * sag, rel=0.1)
+    assert run[beam].displacement.min() == pytest.approx(2.0 * deflection, rel=0.1)
     still = ao.Scene(gravity=-EARTH)
     hung = still.add(ao.antioscillators(tip))
     rest = still.simulate(duration=1e-2, solver=ao.Adaptive(rtol=1e-9), preload=True)
-    np.testing.assert_allclose(rest[hung].displacement, sag, rtol=1e-8)
+    np.testing.assert_allclose(rest[hung].displacement, deflection, rtol=1e-8)
     by_newmark = still.simulate(duration=1e-3, solver=ao.Newmark(dt=1e-5), preload=True)
-    np.testing.assert_allclose(by_newmark[hung].displacement, sag, rtol=1e-8)
+    np.testing.assert_allclose(by_newmark[hung].displacement, deflection, rtol=1e-8)
 
 
-def test_a_pile_at_rest_stays_at_rest():
+def test_a_stack_at_rest_stays_at_rest():
     """Every contact carries the weight above it."""
     scene = ao.Scene(gravity=EARTH)
-    pile = [scene.add(ao.rigid(mass=mass)) for mass in (0.1, 0.2, 0.4)]
+    stack = [scene.add(ao.rigid(mass=mass)) for mass in (0.1, 0.2, 0.4)]
     beam = scene.add(ao.antioscillators(midspan(slender_body()), n=4))
-    for one, other in itertools.pairwise([*pile, beam]):
+    for one, other in itertools.pairwise([*stack, beam]):
         scene.connect(one, other, HERTZ)
     for solver in (ao.Adaptive(rtol=1e-9), ao.Newmark(dt=1e-6)):
         run = scene.simulate(duration=1e-3, solver=solver, preload=True)

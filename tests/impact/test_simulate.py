@@ -68,7 +68,7 @@ def test_a_projectile_on_a_spring_swings_back(solver):
     assert swing.contacts[0][0] == pytest.approx(math.pi * math.sqrt(mass / spring), rel=1e-5)
     assert swing.peak_force == pytest.approx(
         (1.25 * mass * speed**2) ** 0.6 * 1e10**0.4, rel=1e-2
-    )  # of the mass alone: the blow is short for the spring
+    )  # of the mass alone: the impact is short for the spring
 
 
 def test_a_record_that_ends_in_contact_says_so():

@@ -19,7 +19,7 @@ WALL = ao.rigid(mass=math.inf)
 
 
 def bounce(stiffness=STIFFNESS):
-    """Peak force, time in contact and in flight of a ball that meets the floor at 1 m/s."""
+    """Peak force, time in contact and in free motion of a ball that meets the floor at 1 m/s."""
 
     def surplus(depth):
         return 0.4 * stiffness * depth**2.5 - 0.5 * MASS - MASS * GRAVITY * depth
@@ -41,17 +41,17 @@ def bouncing(count, rtol, stiffness=STIFFNESS):
     scene = ao.Scene(gravity=GRAVITY)
     ball, floor = scene.add(ao.rigid(mass=MASS), velocity=1.0), scene.add(WALL)
     scene.connect(ball, floor, ao.Hertz(k=stiffness))
-    _, touch, flight = bounce(stiffness)
-    duration = (count - 0.5) * (touch + flight)
+    _, touch, free_time = bounce(stiffness)
+    duration = (count - 0.5) * (touch + free_time)
     run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=rtol), energies=False)
     return run, ball
 
 
 def largest_error(run, ball, stiffness=STIFFNESS):
     """Of peak force, starts and ends of contacts, impulse and rebound, by the closed form."""
-    peak, touch, flight = bounce(stiffness)
+    peak, touch, free_time = bounce(stiffness)
     spans = np.array(run.contacts[0].intervals)
-    starts = (touch + flight) * np.arange(len(spans))
+    starts = (touch + free_time) * np.arange(len(spans))
     impulse = len(spans) * MASS * (2.0 + GRAVITY * touch)
     rebound = run.at([spans[-1, 1]])[ball].velocity[0]
     return max(

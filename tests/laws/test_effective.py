@@ -179,7 +179,7 @@ BALL = ao.rigid(mass=0.1)
 
 @cache
 def block(divisions: tuple[int, int, int], radius: float) -> ao.AOModel:
-    """A block of 100 by 100 by 50 mm, fitted to a blow in the middle of its top."""
+    """A block of 100 by 100 by 50 mm, fitted to an impact in the middle of its top."""
     mesh = ao.box_mesh((0.1, 0.1, 0.05), divisions, kind="hexahedron20")
     place = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.05, 0.05, 0.05), radius=radius)
     return ao.antioscillators(place, n=5, method="krylov", contact_time=30e-6)
@@ -252,7 +252,7 @@ def test_a_contact_that_yields_only_beyond_the_patch_is_hertzs():
 @pytest.mark.filterwarnings("ignore:.*too coarse")
 @pytest.mark.parametrize("solver", [ao.Adaptive(rtol=1e-6), ao.Newmark(dt=1e-7)])
 def test_a_damped_law_that_is_too_steep_for_its_patch_is_refused(solver):
-    """Where c dF/dδ would pass 1 at the rate of the blow nothing is left of the law."""
+    """Where c dF/dδ would pass 1 at the rate of the impact no law is left."""
     law = ao.HuntCrossley.from_restitution(LAW.k, 0.03, 1.0)
     body = sphere("paper", 0.0015)
     with pytest.raises(LawLimitError, match="less for a damped law at this velocity"):

@@ -166,7 +166,7 @@ def test_oscillators_by_multigrid_are_those_of_factors():
     direct = ao.antioscillators(tip, 3, order="frequency", solver="superlu")
     star = ao.antioscillators(tip, 3, order="frequency", solver="multigrid")
     assert star.origin.solver == "multigrid"
-    # The blow hardly moves two of the three modes: their masses are known relative to the body's.
+    # The impact hardly excites two of the three modes: masses are known relative to the body's.
     np.testing.assert_allclose(star.m, direct.m, rtol=0.0, atol=1e-10 * direct.m.sum())
     np.testing.assert_allclose(star.frequencies, direct.frequencies, rtol=1e-9)
 

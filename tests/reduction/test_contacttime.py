@@ -1,4 +1,4 @@
-"""How long a blow lasts if nothing is said: by shear, where a material hardly compresses."""
+"""The default contact time: by shear, where a material hardly compresses."""
 
 from __future__ import annotations
 

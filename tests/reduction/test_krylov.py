@@ -26,7 +26,7 @@ def fitted(K, M, dof, n, **options):
 
 
 def laplace_receptance(body, b, s):
-    """U = bᵀX for F = 1 at the frequency i s: real, smooth, and what a blow of some 10/s sees."""
+    """U = bᵀX for F = 1 at the frequency i s: real, smooth, as in an impact of 10/s."""
     dense = body.K.toarray(), body.M.toarray()
     return np.array([b @ la.solve(dense[0] + x**2 * dense[1], b, assume_a="pos") for x in s])
 
@@ -136,7 +136,7 @@ def test_momentum_of_a_free_body_is_the_impulse(block):
 
 
 def test_receptance_is_right_over_the_band(block):
-    """Real frequencies up to 1/s T = 1, and the imaginary ones of a blow, from 1/T to 30/T."""
+    """Real frequencies up to 1/s T = 1, and the imaginary ones of an impact, from 1/T to 30/T."""
     T = 20e-6
     star = ao.antioscillators(block, 12, method="krylov", contact_time=T)
     s = np.geomspace(1.0, 30.0, 9) / T
@@ -241,7 +241,7 @@ def test_expand_gives_back_the_full_displacement(block):
 
 @pytest.mark.parametrize("contact_time", [0.06, 1.0, 1e3])
 def test_a_held_body_keeps_its_static_mode(contact_time):
-    """However short the blow, φ_st = x/L of a clamped rod: k0 = EA/L = 1, m_st = M/3."""
+    """However short the impact, φ_st = x/L of a clamped rod: k0 = EA/L = 1, m_st = M/3."""
     K, M = rod(100, fixed=[0])
     for n in (0, 1, 4):
         star = fitted(K, M, 99, n, contact_time=contact_time)
@@ -252,7 +252,7 @@ def test_a_held_body_keeps_its_static_mode(contact_time):
 
 
 def test_a_slender_body_keeps_its_static_mode(paper_beam):
-    """A blow of 90 µs sees less than a thousandth of its compliance: F/u = 48 EI/L³ and shear."""
+    """In 90 µs less than a thousandth of its compliance acts: F/u = 48 EI/L³ and shear."""
     tip, _, exact = paper_beam
     star = ao.antioscillators(tip, 3, method="krylov", contact_time=90e-6)
     assert star.k0 == pytest.approx(exact.k0, rel=1e-7)
@@ -273,7 +273,7 @@ def test_a_partly_free_body_keeps_its_static_mode():
 
 
 def test_a_slowly_changing_force_meets_the_full_bodys_compliance(paper_beam):
-    """Pushed up to 1 N in 20 ms, though fitted to a blow of 90 µs: it moves as the whole star."""
+    """Pushed up to 1 N in 20 ms, though fitted to an impact of 90 µs: as the whole star."""
     tip, _, whole = paper_beam
     few = ao.antioscillators(tip, 3, method="krylov", contact_time=90e-6)
     times = np.linspace(0, 20e-3, 41)
