@@ -41,7 +41,7 @@ from peers import (
 
 import aoimpact as ao
 from aoimpact import _core
-from aoimpact.base.units import quantity
+from aoimpact.base.units import with_unit
 from aoimpact.integrate.dense import adaptive_run
 from aoimpact.integrate.newmark import newmark_scene
 from aoimpact.scene import Contact, Plan, StarBody, scene_body
@@ -188,7 +188,7 @@ def print_run(
         words = f"{aim:g}: " + ", ".join(
             f"{which} {verdict}" for which, verdict in zip(("call", "core"), reached, strict=True)
         )
-    time_taken = quantity(run.seconds, "s", 3)
+    time_taken = with_unit(run.seconds, "s", 3)
     print(
         f"  {name:<15}{run.setting:<34}{time_taken:>9}  {run.error:7.1e}"
         f"{ratio_text(ratios[0]):>9}{ratio_text(ratios[1]):>9}  {words}".rstrip()
@@ -207,7 +207,7 @@ def print_fixed_cost() -> None:
     verdict = "reached" if whole <= 30e-6 else "short"
     print("\nA call without contact (two rigid bodies, a gap too wide)")
     print(
-        f"  {quantity(whole, 's', 3)}, with its curves {quantity(drawn, 's', 3)}; "
+        f"  {with_unit(whole, 's', 3)}, with its curves {with_unit(drawn, 's', 3)}; "
         f"aim: 30 µs, {verdict}"
     )
 
@@ -227,9 +227,9 @@ def print_parts(case: Case) -> None:
             ),
             f"{len(even)} even samples": best_time(lambda r=run, t=even: r.rows(t, True)),
         }
-        words = ", ".join(f"{name} {quantity(value, 's', 3)}" for name, value in parts.items())
+        words = ", ".join(f"{name} {with_unit(value, 's', 3)}" for name, value in parts.items())
         steps = f"{run.steps} steps and {run.rejected} in vain"
-        print(f"  rtol={rtol:g}: call {quantity(whole, 's', 3)}, of which {words}; {steps}")
+        print(f"  rtol={rtol:g}: call {with_unit(whole, 's', 3)}, of which {words}; {steps}")
 
 
 def main() -> None:

@@ -34,7 +34,7 @@ typedef struct scene {
     double velocity, gap, duration, length, k, exponent;
     star body[2];
     int first[2], coordinates; /* y: all displacements, then all velocities */
-    double give_up;
+    double deadline;
 } scene;
 
 static double now(void)
@@ -149,7 +149,7 @@ static int walk(const scene *s, void *cvode, N_Vector y, found *out)
     *out = (found){0.0, 0.0, -1.0, centre_velocity(s, NV_DATA_S(y)), 0, 0};
     while (t < s->duration) {
         const int status = CVode(cvode, s->duration, y, &t, CV_NORMAL);
-        if (status < 0 || now() > s->give_up) {
+        if (status < 0 || now() > s->deadline) {
             return -1;
         }
         const double *u = NV_DATA_S(y);
@@ -252,7 +252,7 @@ int main(void)
         found out;
         int status = 0;
         const double begin = now();
-        s.give_up = begin + limit;
+        s.deadline = begin + limit;
         for (int i = 0; i < repeats && status == 0 && (i == 0 || now() < begin + 1.0); i++) {
             const double start = now();
             status = run(&s, context, method, newton, rtol, &out);

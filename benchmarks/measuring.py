@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from aoimpact.base.units import quantity
+from aoimpact.base.units import with_unit
 
 
 def best_times(
@@ -48,6 +48,6 @@ def print_table(title: str, lines: list[Line]) -> None:
         if line.yardstick:
             times = line.seconds / line.yardstick_seconds
             ratio = (
-                f" = {times:.3g} x {line.yardstick} ({quantity(line.yardstick_seconds, 's', 3)})"
+                f" = {times:.3g} x {line.yardstick} ({with_unit(line.yardstick_seconds, 's', 3)})"
             )
-        print(f"  {line.what:<{width}}  {quantity(line.seconds, 's', 3):>9}{ratio}")
+        print(f"  {line.what:<{width}}  {with_unit(line.seconds, 's', 3):>9}{ratio}")

@@ -70,9 +70,9 @@ typedef enum aoi_status {
 /* A status in words: a constant string, never NULL. */
 AOI_API const char *aoi_status_text(int status);
 
-/* By which the caller is heard while work takes long: ask(data), at least every few milliseconds. Where it
+/* A callback during long computations: ask(data), at least every few milliseconds. Where it
  * returns anything but 0, the function returns AOI_ERROR_STOPPED. ask may be NULL, and so may a pointer to
- * a pause: then nobody is asked. */
+ * a pause: then it is not called. */
 typedef struct aoi_pause {
     int (*ask)(void *data);
     void *data;
@@ -242,7 +242,7 @@ typedef struct aoi_load {
  * = gravity_j + sum_p push[p][j] f_p, u_p = sum_j shape[p][j] x_j + sum_q residual[p][q] f_q, with f_p the
  * contact forces plus the load. The scale of x_j is free; for mass-normalised modes shape = push =
  * participation, and inertia may be NULL. A wall has one mode with shape 1, push 0 and inertia 0, which
- * moves on whatever happens. decay, residual, gravity and centre_residual may be NULL (zero). */
+ * moves without being affected. decay, residual, gravity and centre_residual may be NULL (zero). */
 typedef struct aoi_modes {
     size_t n, ports;
     const double *omega;           /* [n], ascending, rad/s                          */

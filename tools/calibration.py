@@ -337,7 +337,7 @@ def compared(setup: Setup, kind: str, size: float, known: dict[str, Any]) -> dic
     """Return a row of the table: true errors and their estimates."""
     body = setup.body(kind, size * setup.size)
     start = time.perf_counter()
-    with warnings.catch_warnings(record=True) as heard:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         hit = setup.strike(body)
         error = hit.error
@@ -364,7 +364,7 @@ def compared(setup: Setup, kind: str, size: float, known: dict[str, Any]) -> dic
         "peak_model": estimate["model"],
         "truth": peak,
         "truth_total": float(known["total"]),
-        "warnings": len(heard),
+        "warnings": len(caught),
         "seconds": round(seconds, 1),
     }
 

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import ConvergenceError, InputError, held_warnings, positive, warn
-from ..base import quantity as told
+from ..base import ConvergenceError, InputError, held_warnings, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
 from ..results import Chosen, Quantity, Record, Run, number_errors, solve
@@ -190,7 +189,7 @@ def _largest(quantity: Quantity, run: Run) -> str:
     if quantity.history is None:
         return ""
     largest = float(np.abs(quantity.history(run, run.t)).max(initial=0.0))
-    return "" if math.isnan(largest) else told(largest, quantity.unit, 5)
+    return "" if math.isnan(largest) else with_unit(largest, quantity.unit, 5)
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:

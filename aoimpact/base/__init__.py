@@ -43,7 +43,7 @@ from .errors import (
     warn,
 )
 from .frozen import Frozen, checked
-from .heard import OFTEN, heard
+from .interruptible import SIGNAL_INTERVAL, interruptible
 from .memory import available, require
 from .packages import optional_package
 from .progress import advance, bar
@@ -58,12 +58,12 @@ from .style import (
     new_axes,
     styled,
 )
-from .units import Scale, quantity, scale_for, scale_of
+from .units import Scale, scale_for, scale_of, with_unit
 
 __all__ = [
     "COLOURS",
     "FARTHEST",
-    "OFTEN",
+    "SIGNAL_INTERVAL",
     "AOImpactError",
     "AOImpactWarning",
     "ConvergenceError",
@@ -95,12 +95,12 @@ __all__ = [
     "file_path",
     "finite_array",
     "given_axes",
-    "heard",
     "held_warnings",
     "html_table",
     "instance",
     "instances",
     "integer",
+    "interruptible",
     "label",
     "legend",
     "nearest",
@@ -111,7 +111,6 @@ __all__ = [
     "place",
     "plain",
     "positive",
-    "quantity",
     "real",
     "require",
     "scale_for",
@@ -122,5 +121,6 @@ __all__ = [
     "texts",
     "unit_vector",
     "warn",
+    "with_unit",
     "writable_folder",
 ]

@@ -47,7 +47,7 @@ def scale_of(label: str, unit: str) -> Scale | None:
     return None
 
 
-def quantity(value: float, unit: str, digits: int = 4) -> str:
+def with_unit(value: float, unit: str, digits: int = 4) -> str:
     """Return e.g. "814.4 N" for 814.369 and "70.74 µs" for 7.0743e-5 s; below 1 kg in grams."""
     if unit == "kg" and 0.0 < abs(value) < 1.0:
         value, unit = 1e3 * value, "g"

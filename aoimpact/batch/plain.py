@@ -21,7 +21,7 @@ from ..impact import checked_numbers, plan_impact
 from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
 from ..reduction import AOModel, ModalBody, ModalModel, fitted_times, knows
-from ..results import QUANTITIES, Speeds, least_said
+from ..results import QUANTITIES, Speeds, warning_limits
 from ..scene import normal_gap
 
 __all__ = ["PLAIN_NUMBERS", "plain_numbers"]
@@ -65,7 +65,7 @@ class _Pair:
     fits : tuple of float
         Durations of the contact, s, between which the models are valid without a further check.
     models : tuple
-    least_said : tuple of float
+    warning_limits : tuple of float
         Force, N, and velocity, m/s, up to which no warning is due.
     """
 
@@ -74,7 +74,7 @@ class _Pair:
     fixed: tuple[bool, bool]
     fits: tuple[float, float]
     models: tuple[Any, ...]
-    least_said: tuple[float, float]
+    warning_limits: tuple[float, float]
 
     def valid(self, contact_duration: float) -> bool:
         """Whether the models are valid for a contact that long, s."""
@@ -127,7 +127,7 @@ class _Parts:
             (plan.bodies[0].fixed, plan.bodies[1].fixed),
             fitted_times(run),
             run,
-            least_said(plan),
+            warning_limits(plan),
         )
 
     def _place(self, body: ModalBody) -> int:
@@ -228,7 +228,7 @@ def _once_and_parted(given: FloatArray, returned: FloatArray) -> Any:
 
 def _plausible(given: FloatArray, returned: FloatArray, pairs: Sequence[_Pair], of: Any) -> Any:
     """Whether force and speed need no warning, shape (cases,)."""
-    force, speed = np.array([pair.least_said for pair in pairs])[of].T
+    force, speed = np.array([pair.warning_limits for pair in pairs])[of].T
     return (returned[:, _PEAK_FORCE] <= force) & (given[:, _VELOCITY] <= speed)
 
 

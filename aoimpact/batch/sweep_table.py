@@ -30,10 +30,10 @@ from ..base import (
     legend,
     optional_package,
     plain,
-    quantity,
     scale_for,
     sequence,
     texts,
+    with_unit,
 )
 from ..fem import ContactPoint
 from ..results import quantity_unit
@@ -347,7 +347,7 @@ def _text(value: Any) -> str:
 def _setting(name: str, value: Any) -> str:
     """A parameter's value as a legend says it."""
     unit = _PARAMETERS.get(name)
-    return f"{name} = {quantity(float(value), unit) if unit else _text(value)}"
+    return f"{name} = {with_unit(float(value), unit) if unit else _text(value)}"
 
 
 def _cell(value: Any) -> str:

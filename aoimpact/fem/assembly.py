@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, bar, heard
+from ..base import FloatArray, bar, interruptible
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
 from .composition import AnyMaterial, Piece, pieces
 from .material import Material
@@ -72,7 +72,7 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
     K, M : scipy.sparse.csr_array, shape (3 n_nodes, 3 n_nodes)
         N/m and kg. Exactly symmetric, column indices sorted.
     """
-    pattern = heard(lambda: _pattern(mesh))
+    pattern = interruptible(lambda: _pattern(mesh))
     stiffness = np.zeros((len(_PAIRS), pattern.n_pairs))
     mass = np.zeros(pattern.n_pairs)
     with bar("assembly", mesh.n_cells, unit="element") as progress:
@@ -86,7 +86,9 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
                 values = piece.material.rho * _mass(piece.element, nodes)
                 np.add.at(mass, places, values.reshape(-1))
                 progress.update(len(nodes))
-    return heard(lambda: (_expand_stiffness(pattern, stiffness), _expand_mass(pattern, mass)))
+    return interruptible(
+        lambda: (_expand_stiffness(pattern, stiffness), _expand_mass(pattern, mass))
+    )
 
 
 def _batch(element: ReferenceElement) -> int:

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, aligned, quantity
+from ..base import FloatArray, aligned, with_unit
 
 __all__ = ["Audit", "audited"]
 
@@ -89,7 +89,7 @@ class Audit:
         rows = [("dofs", str(self.n_dofs))]
         if self.n_nodes is not None:
             rows.append(("nodes", str(self.n_nodes)))
-        rows.append(("mass", "not known" if self.mass is None else quantity(self.mass, "kg")))
+        rows.append(("mass", "not known" if self.mass is None else with_unit(self.mass, "kg")))
         for name, place in (("centre of mass", self.centre), ("extent", self.extent)):
             if place is not None:
                 rows.append((name, ", ".join(f"{x:.4g}" for x in place) + " m"))

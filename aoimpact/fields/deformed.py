@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputTypeError, IntArray, nonnegative, quantity, scale_for
+from ..base import FloatArray, InputTypeError, IntArray, nonnegative, scale_for, with_unit
 from ..mesh import Mesh, boundary
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def plot_deformed(
     _frame(ax, places, length.unit)
     times = f"{float(f'{factor:.3g}'):g}"
     ax.set_title(
-        f"t = {quantity(time, 's')}; axes: position + {times} × displacement", fontsize="medium"
+        f"t = {with_unit(time, 's')}; axes: position + {times} × displacement", fontsize="medium"
     )
     label = f"von Mises stress ({pressure.unit}), {_largest(drawn.get_array(), faces, mesh)}"
     ax.figure.colorbar(drawn, ax=ax, label=label, shrink=0.7, pad=0.12)

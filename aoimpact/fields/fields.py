@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, choice, heard, integer, warn
+from ..base import FloatArray, InputError, choice, integer, interruptible, warn
 from ..fem import AnyMaterial, Body
 from ..mesh import Mesh
 from . import deformed, movie, vtu
@@ -142,7 +142,7 @@ class Field:
         place = choice("at", at, ("nodes", "gauss"))
         mesh, material = solid(self.body, "stress")
         evaluate = nodal_stress if place == "nodes" else gauss_stress
-        return heard(lambda: evaluate(mesh, material, self.displacement))
+        return interruptible(lambda: evaluate(mesh, material, self.displacement))
 
     def to_vtu(self, path: str | os.PathLike[str]) -> Path:
         """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.

@@ -25,8 +25,8 @@ from ..base import (
     nonnegative,
     optional_package,
     positive,
-    quantity,
     scale_for,
+    with_unit,
 )
 from ..mesh import Mesh
 from .deformed import outlines
@@ -234,7 +234,7 @@ def _frames(
                 mesh.points = body.points + factor * body.displacement[i]
                 if body.von_mises is not None:
                     mesh.point_data["stress"] = pressure.factor * body.von_mises[i]
-            told = f"t = {quantity(float(time), 's', 3)}     displacement × {factor:g}"
+            told = f"t = {with_unit(float(time), 's', 3)}     displacement × {factor:g}"
             plotter.add_text(told, position=_TOLD, font_size=12, color="black", name="told")
             yield np.array(plotter.screenshot(return_img=True))
     finally:

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..base import InputError, plain, positive, quantity, real, warn
+from ..base import InputError, plain, positive, real, warn, with_unit
 from ..fem import ContactPoint
 from ..laws import HertzianLaw, own_law
 from ..reduction import AOModel, touched
@@ -137,9 +137,9 @@ def warn_of_places(run: Run, names: Sequence[str]) -> None:
             elif tip.patch.radius > _WIDE * tip.depth:
                 warn(
                     f"{names[body]}: the patch has a radius of "
-                    f"{quantity(tip.patch.radius, 'm', 3)} where the body is "
-                    f"{quantity(tip.depth, 'm', 3)} thick, and the law contains the indentation of "
-                    "a half-space: by that alone the force is too large, by some 2 % where both "
+                    f"{with_unit(tip.patch.radius, 'm', 3)} where the body is "
+                    f"{with_unit(tip.depth, 'm', 3)} thick, and the law contains the indentation "
+                    "of a half-space: by that alone the force is too large, by some 2 % where both "
                     "are alike and 15 to 30 % at three times that, and what the mesh adds is in "
                     f"the error; {_narrower(tip)}"
                 )

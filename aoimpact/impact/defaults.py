@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..accuracy import best_radius
-from ..base import AOImpactError, InputError, plain, quantity, warn
+from ..base import AOImpactError, InputError, plain, warn, with_unit
 from ..fem import ContactPoint, contact_within
 from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
@@ -133,8 +133,8 @@ def _warn_of_size(body: BodyModel, other: ContactPoint | None, name: str, other_
     radius, size = abs(surface.radii[0]), other.body.mesh.size
     if _FAR_LARGER * size < radius < math.inf:
         warn(
-            f"{name} is a ball with a radius of {quantity(radius, 'm', 3)}, and {other_name} is "
-            f"{quantity(size, 'm', 3)} long: is the radius in metres?"
+            f"{name} is a ball with a radius of {with_unit(radius, 'm', 3)}, and {other_name} is "
+            f"{with_unit(size, 'm', 3)} long: is the radius in metres?"
         )
 
 

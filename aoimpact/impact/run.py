@@ -49,22 +49,22 @@ class RunOptions(NamedTuple):
     linear_solver: Solver | None
 
     @property
-    def asked(self) -> bool:
+    def controlled(self) -> bool:
         """Whether a quantity or a tolerance was given: then given models are truncated, too."""
         return self.quantity is not None or self.rtol is not None
 
     def chooses(self, bodies: Sequence[BodyModel]) -> bool:
         """Whether models are to be chosen: for contact points always."""
-        return self.asked or any(map(_is_open, bodies))
+        return self.controlled or any(map(_is_open, bodies))
 
 
 def _is_open(body: BodyModel) -> bool:
     return isinstance(body, FullModel) and body.reducible
 
 
-def _kept(body: BodyModel, asked: bool) -> BodyModel | FixedModel:
+def _kept(body: BodyModel, controlled: bool) -> BodyModel | FixedModel:
     """A body as models of it are looked for: as it is, if it was given as it is meant."""
-    if _is_open(body) or (asked and isinstance(body, AOModel)):
+    if _is_open(body) or (controlled and isinstance(body, AOModel)):
         return body
     return FixedModel(body)
 
@@ -109,7 +109,7 @@ def run_models(
         with bar("models", unit="solution"):
             run = choose_models(
                 plan_of,
-                [_kept(body, options.asked) for body in bodies],
+                [_kept(body, options.controlled) for body in bodies],
                 interest,
                 options.rtol,
                 options.solver,

@@ -124,7 +124,7 @@ def simulate(
     pair = _pair(*bodies, numbers.velocity)
     warn_of_exchange(*pair)
     interest = partial(impact_quantity, quantity, *bodies)
-    if options.asked:  # bad input is refused before any work is done
+    if options.controlled:  # bad input is refused before any work is done
         checked_rtol(rtol)
         interest()
     impact = _complete(*bodies, law, numbers)

@@ -19,7 +19,7 @@ from ..base import (
     InputTypeError,
     finite_array,
     positive,
-    quantity,
+    with_unit,
 )
 from .rebound import integrated_restitution
 
@@ -99,7 +99,7 @@ class ContactLaw:
             return repr(self)
         parts = [
             f"{_SYMBOLS.get(name, name)} = "
-            + (value if isinstance(value, str) else quantity(value, units[name], 3))
+            + (value if isinstance(value, str) else with_unit(value, units[name], 3))
             for name, value in given.items()
             if value is not None
         ]
@@ -414,7 +414,7 @@ class PatchLaw(ContactLaw):
         return self.law.has_memory
 
     def __str__(self) -> str:
-        return f"{self.law}, less {quantity(self.compliance, 'm/N', 3)} of the patches"
+        return f"{self.law}, less {with_unit(self.compliance, 'm/N', 3)} of the patches"
 
     @property
     def by_caller(self) -> bool:

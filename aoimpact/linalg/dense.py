@@ -1,7 +1,7 @@
 """Eigenpairs of dense symmetric pencils by LAPACK, during which other threads may run.
 
 `scipy.linalg.eigh` calls the same functions, with the same results bit for bit, but lets no other
-thread run meanwhile: for a body of some thousand dofs Ctrl-C would not be heard for minutes.
+thread run meanwhile: for a body of some thousand dofs Ctrl-C would have no effect for minutes.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import FloatArray, SingularError, heard
+from ..base import FloatArray, SingularError, interruptible
 
 __all__ = ["dense_modes"]
 
@@ -60,7 +60,7 @@ def dense_modes(
 
 def _has_light_motions(mass: FloatArray) -> bool:
     """Whether some motion has next to no mass, as where elements integrate it at few points."""
-    factor, failed = heard(lambda: scipy.linalg.lapack.dpotrf(mass, lower=1))
+    factor, failed = interruptible(lambda: scipy.linalg.lapack.dpotrf(mass, lower=1))
     pivots = np.diagonal(factor) ** 2
     return bool(failed or (pivots < _LIGHT * np.diagonal(mass)).any())
 
@@ -91,7 +91,7 @@ def _solved(
         )
         return found
     a, b = (np.asarray_chkfinite(matrix, order="F") for matrix in (stiffness, mass))
-    return heard(lambda: _all(a, b) if n is None else _lowest(a, b, n))
+    return interruptible(lambda: _all(a, b) if n is None else _lowest(a, b, n))
 
 
 def _all(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import ConvergenceError, FloatArray, SingularError, bar, heard
+from ..base import ConvergenceError, FloatArray, SingularError, bar, interruptible
 from ..mesh import rigid_motions
 from .coarsening import aggregated, corner_interpolation
 from .matrices import check_entries
@@ -110,21 +110,21 @@ class Multigrid:
         self.pencil, self.tolerance, self.iterations = pencil, tolerance, 0
         self._levels: list[_Level] = []
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
-            A, candidates, self._place = heard(lambda: _finest(pencil))
+            A, candidates, self._place = interruptible(lambda: _finest(pencil))
             finest = A
             self._scale = float(A.diagonal().max())
             self._length = A.shape[0]
             self.sizes = [self._length]
             if pencil.mesh is not None and pencil.mesh.quadratic:
-                A, candidates = heard(partial(self._to_corners, A))
+                A, candidates = interruptible(partial(self._to_corners, A))
                 progress.update()
             affordable = _most_in_coarsest(pencil.K.nnz)
             while A.shape[0] > _DENSE and estimated_entries(A) > affordable:
-                A, candidates = heard(partial(self._to_aggregates, A, candidates))
+                A, candidates = interruptible(partial(self._to_aggregates, A, candidates))
                 progress.update()
             self._coarsest = factorize(A / self._scale, what=pencil.what)
             # In blocks one matrix is read in a sixth of the time that K and M take.
-            self._blocks = heard(lambda: upper_blocks(finest))
+            self._blocks = interruptible(lambda: upper_blocks(finest))
             self._work = np.empty(work_length(finest))
 
     def _to_corners(self, A: Any) -> tuple[Any, FloatArray]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ConvergenceError, FloatArray, SingularError, heard
+from ..base import ConvergenceError, FloatArray, SingularError, interruptible
 from .davidson import davidson
 from .dense import dense_modes
 from .pencil import Pencil
@@ -197,7 +197,9 @@ def lowest(
 
 
 def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:
-    omega2, modes = heard(lambda: dense_modes(K.toarray(order="F"), M.toarray(order="F"), n))
+    omega2, modes = interruptible(
+        lambda: dense_modes(K.toarray(order="F"), M.toarray(order="F"), n)
+    )
     count = rigid.shape[1]
     omega2[:count] = 0.0
     modes[:, :count] = rigid

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import OFTEN, FloatArray, SingularError, heard
+from ..base import SIGNAL_INTERVAL, FloatArray, SingularError, interruptible
 from .fill import direct_seconds, factor_entries, graph_width
 from .method import Inverse, Method
 from .pencil import Pencil
@@ -77,7 +77,7 @@ class Factorization:
 
     def negative_pivots(self) -> int:
         """Return how many eigenvalues are negative: as many as pivots are (Sylvester's law)."""
-        return heard(lambda: int(np.count_nonzero(self._lu.U.diagonal() <= 0.0)))
+        return interruptible(lambda: int(np.count_nonzero(self._lu.U.diagonal() <= 0.0)))
 
     def _lower_and_pivots(self) -> tuple[Any, FloatArray]:
         lower = sp.tril(self._lu.L, k=-1, format="csc")
@@ -89,7 +89,7 @@ class Factorization:
         place = self._lu.perm_r.astype(np.int32)
         if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
             raise SingularError("the matrix needed pivoting, so it is not positive definite")
-        lower, pivots = heard(self._lower_and_pivots)
+        lower, pivots = interruptible(self._lower_and_pivots)
         start, rows = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
         panel = np.empty(len(start), dtype=np.int32)
         count = _core.factors_find_panels(start, rows, panel)
@@ -150,7 +150,7 @@ def _owned(matrix: Any) -> Factorization:
     owner = threading.Thread(target=own, daemon=True)
     owner.start()
     try:
-        while not made.wait(OFTEN):
+        while not made.wait(SIGNAL_INTERVAL):
             pass
         if errors:
             raise errors.pop()

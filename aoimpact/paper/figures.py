@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import COLOURS, legend, quantity, styled
+from ..base import COLOURS, legend, styled, with_unit
 from .beam import BeamStudy
 from .sketch import draw_sketch
 from .sphere import (
@@ -178,7 +178,7 @@ def figure_8(study: BeamStudy) -> Figure:
 def figure_9(study: BeamStudy) -> Figure:
     """Impact force of the sphere on the beam."""
     note = (
-        f"Dots: Newmark's steps of {quantity(study.dt, 's')}. The beam by {study.count} AOs; "
+        f"Dots: Newmark's steps of {with_unit(study.dt, 's')}. The beam by {study.count} AOs; "
         f"grey: its {study.body.n_dofs} dofs."
     )
     figure, (ax,) = new_figure("Figure 9. Sphere on the beam, 1 m/s: impact force", note)

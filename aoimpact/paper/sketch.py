@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import COLOURS, quantity
+from ..base import COLOURS, with_unit
 from ..reduction import AOModel
 
 if TYPE_CHECKING:
@@ -19,15 +19,15 @@ def draw_sketch(ax: Axes, model: AOModel, hertz: float) -> None:
     """Draw m1 - k1 - m0 - Hertz - m0 - k1 - m1 of two like one-AO bodies, with their numbers."""
     ax.set(xlim=(-0.2, 8.2), ylim=(-1.5, 1.6), aspect="equal")
     ax.axis("off")
-    mass, residual = quantity(float(model.m[0]), "kg", 3), quantity(model.m0, "kg", 2)
+    mass, residual = with_unit(float(model.m[0]), "kg", 3), with_unit(model.m0, "kg", 2)
     _box(ax, 0.5, _BIG, f"m1\n{mass}")
     _box(ax, 7.5, _BIG, f"m1\n{mass}")
     _box(ax, 2.6, _SMALL, "")
     _box(ax, 5.4, _SMALL, "")
-    stiffness = quantity(float(model.k[0]), "N/m", 3)
+    stiffness = with_unit(float(model.k[0]), "N/m", 3)
     for start, end, label in (
         (1.0, 2.42, f"k1\n{stiffness}"),
-        (2.78, 5.22, f"F = k δ^1.5\nk = {quantity(hertz, 'N/m^1.5', 3)}"),
+        (2.78, 5.22, f"F = k δ^1.5\nk = {with_unit(hertz, 'N/m^1.5', 3)}"),
         (5.58, 7.0, f"k1\n{stiffness}"),
     ):
         _spring(ax, start, end)

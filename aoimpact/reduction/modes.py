@@ -31,8 +31,8 @@ __all__ = ["LARGEST", "ModalModel", "ascending", "modal"]
 # Entries of modes, 1/√kg, whose products are numbers.
 LARGEST = 1e100
 
-# Modes and oscillators with less than this share of the whole do not feel the contact.
-_SILENT = 1e-13
+# Modes and oscillators with less than this share of the whole count as not excited by the contact.
+_NOT_EXCITED = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +196,7 @@ def star_of_modes(
         participation, size2 = participation @ coordinates, size2 @ coordinates**2
     weight = participation**2
     rounding = 1e-12 * np.linalg.norm(tip.b) * np.sqrt(size2)
-    excited = (weight > _SILENT * weight.sum()) & (weight > rounding**2)
+    excited = (weight > _NOT_EXCITED * weight.sum()) & (weight > rounding**2)
     if not excited.any():
         raise InputError(f"none of the {len(omega2)} modes moves the contact: take a larger n")
     omega2, weight = omega2[excited], weight[excited]
@@ -223,7 +223,7 @@ def _of_distinct(
     """m0, k0, m, k, φ_st, Ψ of distinct modes; column j of `r_phi` is r_j φ_j."""
     m, k = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
     m0, k0 = _core.star_from_modal(omega2, weight, m, k)
-    kept = m > _SILENT * (m0 + m.sum())
+    kept = m > _NOT_EXCITED * (m0 + m.sum())
     m, k = m[kept], k[kept]
     # In modal coordinates φ_st is r_j k0/ω_j² or the rigid mode, Ψ_i is -r_j k_i/(ω_j² - μ_i).
     static = r_phi @ (k0 / omega2) if k0 > 0.0 else r_phi[:, 0] / weight[0]

@@ -18,8 +18,8 @@ from ..base import (
     SingularError,
     bar,
     choice,
-    heard,
     integer,
+    interruptible,
     warn,
 )
 from ..fem import ContactPoint, StaticMode, refuse_mechanism, static_mode
@@ -102,7 +102,7 @@ def _least_share(omega2: FloatArray) -> FloatArray:
 
 
 def _all_oscillators(tip: ContactPoint, static: StaticMode) -> _Oscillators:
-    return heard(lambda: _oscillators(tip, static, *_all_constraint_modes(tip)))
+    return interruptible(lambda: _oscillators(tip, static, *_all_constraint_modes(tip)))
 
 
 def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:

@@ -16,7 +16,7 @@ from .motion import (
     ErrorEstimate,
     LeftOut,
 )
-from .plausibility import least_said, warn_of_run
+from .plausibility import warn_of_run, warning_limits
 from .quantities import (
     COLUMNS,
     IMPACT_CHOICES,
@@ -56,7 +56,6 @@ __all__ = [
     "Speeds",
     "TimeSolver",
     "find_number",
-    "least_said",
     "like_number",
     "number_errors",
     "quantity_unit",
@@ -65,4 +64,5 @@ __all__ = [
     "warn_of_lag",
     "warn_of_misfit",
     "warn_of_run",
+    "warning_limits",
 ]

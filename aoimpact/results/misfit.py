@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..base import quantity, warn
+from ..base import warn, with_unit
 from ..fem import Rayleigh
 from ..integrate import Events
 from ..reduction import AOModel, fitted_time, knows
@@ -65,8 +65,8 @@ def warn_of_lag(plan: Plan, run: Run, names: Sequence[str]) -> None:
         if damping.beta > _LAGS * longest:
             warn(
                 f"{names[number]} has no mass at its contact (m0 = 0), where damping with beta = "
-                f"{quantity(damping.beta, 's')} does not act: in a contact of "
-                f"{quantity(longest, 's')} force and rebound are not those of a light contact "
+                f"{with_unit(damping.beta, 's')} does not act: in a contact of "
+                f"{with_unit(longest, 's')} force and rebound are not those of a light contact "
                 f"mass; give one, m0={_LIGHT * model.static_mass:.1g}"
             )
 
@@ -99,8 +99,8 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
             if not knows(models[body], contact_time, port):
                 said.add(body)
                 warn(
-                    f"{names[body]} was fitted to a contact of {quantity(fitted, 's')}, but the "
-                    f"one of the peak force lasts {quantity(contact_time, 's')}: at that time "
+                    f"{names[body]} was fitted to a contact of {with_unit(fitted, 's')}, but the "
+                    f"one of the peak force lasts {with_unit(contact_time, 's')}: at that time "
                     "scale the model is not exact enough for its force to be right; make it with "
                     f"contact_time={contact_time:.2g}, or give the finite-element body itself and "
                     "rtol"
@@ -108,8 +108,8 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
             elif not knows(models[body], touched_for, port, _BALANCED_AGAIN):
                 said.add(body)
                 warn(
-                    f"{names[body]} was fitted to a contact of {quantity(fitted, 's')}, but is "
-                    f"touched again and again for {quantity(touched_for, 's')}: its motion in "
+                    f"{names[body]} was fitted to a contact of {with_unit(fitted, 's')}, but is "
+                    f"touched again and again for {with_unit(touched_for, 's')}: its motion in "
                     "between is not exact enough for the later forces, impulse and rebound to be "
                     f"right; make it with duration={touched_for:.2g} and some more oscillators, or "
                     "give the finite-element body itself and rtol"
@@ -137,8 +137,8 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
     if since > fitted and not all(knows(model, since, port, _BALANCED_AFTER) for port in ports):
         warn(
             f"displacement and velocity of {run.names[body]}, fitted to a contact of "
-            f"{quantity(fitted, 's')} may be wrong by tens of percent until t = "
-            f"{quantity(float(run.t[-1]), 's')}: the model gives the force, but not the free "
+            f"{with_unit(fitted, 's')} may be wrong by tens of percent until t = "
+            f"{with_unit(float(run.t[-1]), 's')}: the model gives the force, but not the free "
             f"vibration after it; make it with duration={since:.2g} and more oscillators, or give "
             "the finite-element body itself and its displacement as quantity"
         )

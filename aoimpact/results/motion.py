@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, quantity
+from ..base import FloatArray, Frozen, InputError, with_unit
 from ..fields import Field, Probe, Response
 from ..integrate import Eventful, Events
 
@@ -370,8 +370,8 @@ class Cost:
     run: float
 
     def __str__(self) -> str:
-        made = f"model {quantity(self.model, 's', 2)}, " if self.model else ""
-        return f"{made}run {quantity(self.run, 's', 2)}"
+        made = f"model {with_unit(self.model, 's', 2)}, " if self.model else ""
+        return f"{made}run {with_unit(self.run, 's', 2)}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..base import FloatArray, quantity, warn
+from ..base import FloatArray, warn, with_unit
 from ..fem import ContactPoint, Material
 from ..laws import ContactLaw, HertzianLaw, Thornton, contact_modulus, own_law, yield_force
 from ..reduction import AOModel, touched
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..scene import Contact, Plan
     from .run import Run
 
-__all__ = ["least_said", "limits", "warn_of_run"]
+__all__ = ["limits", "warn_of_run", "warning_limits"]
 
 # Hertz's largest pressure at which a body begins to yield below the surface, over its uniaxial
 # yield stress (Johnson, *Contact Mechanics*, section 6.1, ν = .3).
@@ -105,7 +105,7 @@ def _limits_of_numbers(law: ContactLaw) -> Limits:
     return _UNLIMITED._replace(width=k * (_WIDTH * _WIDTH * radius) ** _POWER)
 
 
-def least_said(plan: Plan) -> tuple[float, float]:
+def warning_limits(plan: Plan) -> tuple[float, float]:
     """Return up to which force, N, and velocity, m/s, an impact needs no warning."""
     most, mass = limits(plan, plan.contacts[0]), plan.bodies[0].mass
     speed = most.speed
@@ -266,8 +266,8 @@ def _said_of_pressure(run: Run, number: int) -> str:
     pressure = _YIELD * strength * math.cbrt(force / limit)
     return (
         f"{_contact(run, number)}: the largest pressure by Hertz, "
-        f"{quantity(pressure, 'Pa', 3)}, is beyond {_YIELD:g} times yield_strength="
-        f"{quantity(strength, 'Pa', 3)}: the body yields from {quantity(limit, 'N', 3)} on, the "
+        f"{with_unit(pressure, 'Pa', 3)}, is beyond {_YIELD:g} times yield_strength="
+        f"{with_unit(strength, 'Pa', 3)}: the body yields from {with_unit(limit, 'N', 3)} on, the "
         f"force is less and energy is lost; take Thornton(k={k:.6g}, yield_force={limit:.4g}, "
         f"relative_radius={radius:.6g})"
     )
@@ -284,7 +284,7 @@ def _said_of_width(run: Run, number: int) -> str:
     width = math.sqrt((force / k) ** (2.0 / 3.0) / radius)
     return (
         f"{_contact(run, number)}: at the peak the contact has a radius of {width:.2g} "
-        f"times the radius of curvature R={quantity(radius, 'm', 3)}, with strains of about "
+        f"times the radius of curvature R={with_unit(radius, 'm', 3)}, with strains of about "
         f"{_STRAIN * width:.1%}: Hertz's law and linear elasticity are for small ones; take a "
         "lower velocity, or a measured law, Tabulated(...), and check that R is in metres"
     )
@@ -302,15 +302,15 @@ def _said_of_deflection(run: Run, number: int) -> str:
         most = float(np.abs(run.bodies[body].port_displacements[port]).max(initial=0.0))
         if most > _THICKNESS * tip.depth and _stretches(tip):
             return (
-                f"{run.names[body]} deflects by {quantity(most, 'm', 3)}, and is "
-                f"{quantity(tip.depth, 'm', 3)} thick: constrained on both sides it stretches, and "
-                "is stiffer than linear elasticity has it; take a lower velocity, or do not trust "
-                "deflection and stress to better than tens of percent"
+                f"{run.names[body]} deflects by {with_unit(most, 'm', 3)}, and is "
+                f"{with_unit(tip.depth, 'm', 3)} thick: constrained on both sides it stretches, "
+                "and is stiffer than linear elasticity has it; take a lower velocity, or do not "
+                "trust deflection and stress to better than tens of percent"
             )
         if most > _SIZE * size:
             return (
-                f"{run.names[body]} deflects by {quantity(most, 'm', 3)}, and is "
-                f"{quantity(size, 'm', 3)} long: linear elasticity is for small rotations; take a "
+                f"{run.names[body]} deflects by {with_unit(most, 'm', 3)}, and is "
+                f"{with_unit(size, 'm', 3)} long: linear elasticity is for small rotations; take a "
                 "lower velocity, or check units and supports"
             )
     return ""
@@ -358,9 +358,9 @@ def _missed(run: Run) -> str:
         return ""
 
     def gap_at(sample: int) -> str:
-        return quantity(float(gap[sample]), "m", 3)
+        return with_unit(float(gap[sample]), "m", 3)
 
-    text = f"{_contact(run, number)}: no contact in {quantity(run.duration, 's')}"
+    text = f"{_contact(run, number)}: no contact in {with_unit(run.duration, 's')}"
     if gap.max() == gap[at]:
         return f"{text}: they stay {gap_at(0)} apart, and nothing moves them; give one a velocity"
     if at == 0:
@@ -372,14 +372,14 @@ def _missed(run: Run) -> str:
     if at < len(t) - 1:
         least, when = _least(t[at - 1 : at + 2], gap[at - 1 : at + 2])
         return (
-            f"{text}: they come no closer than {quantity(least, 'm', 3)}, at t = "
-            f"{quantity(when, 's')}; take a smaller gap, or a larger velocity"
+            f"{text}: they come no closer than {with_unit(least, 'm', 3)}, at t = "
+            f"{with_unit(when, 's')}; take a smaller gap, or a larger velocity"
         )
     speed = float(gap[-2] - gap[-1]) / float(t[-1] - t[-2])
     needed = run.duration + float(gap[-1]) / speed
     return (
         f"{text}: at its end they are still {gap_at(-1)} apart and approach at {speed:.3g} m/s; "
-        f"take a duration beyond {quantity(needed, 's')}, or a smaller gap"
+        f"take a duration beyond {with_unit(needed, 's')}, or a smaller gap"
     )
 
 

@@ -25,7 +25,7 @@ from ..base import (
     draw_curves,
     finite_array,
     new_axes,
-    quantity,
+    with_unit,
 )
 from ..laws import own_law
 from .table import body_names
@@ -105,7 +105,7 @@ def plot_panels(result: Result, during: During) -> Any:
 
 
 def _told(body: Any) -> str:
-    mass = "" if body.mass is None else f", {quantity(body.mass, 'kg', 3)}"
+    mass = "" if body.mass is None else f", {with_unit(body.mass, 'kg', 3)}"
     return f"{body.name} ({body.label}{mass})"
 
 

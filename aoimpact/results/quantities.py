@@ -172,7 +172,7 @@ class Quantity:
         each = self.each if run.plan.scene else ""
         return {
             f"{each}.{i}.{self.name}" if each else self.name: value
-            for i, value in enumerate(self._values(run).tolist())
+            for i, value in enumerate(self._values(run))
         }
 
     def difference(self, run: Run | Result, exact: Run | Result) -> float:
@@ -191,7 +191,7 @@ class Quantity:
             mine, right = (self.history(one, exact.t) for one in (ours, theirs))
             size = np.abs(right).max(axis=1)
         else:
-            mine, right = (self._values(one, known=False) for one in (ours, theirs))
+            mine, right = (np.array(self._values(one, known=False)) for one in (ours, theirs))
             there = ~(np.isnan(mine) & np.isnan(right))
             if not there.any():  # nothing that would tell one from the other
                 return np.array([math.inf])
@@ -202,7 +202,7 @@ class Quantity:
 
     def changes(self, run: Run, exact: Run) -> FloatArray:
         """Return by how much each number of a run differs from that of a more exact one."""
-        ours, theirs = (self._values(one, known=False) for one in (run, exact))
+        ours, theirs = (np.array(self._values(one, known=False)) for one in (run, exact))
         return np.abs(_relative(ours - theirs, self._at_least(np.abs(theirs), exact)))
 
     def span(self, run: Run | Result) -> float:
@@ -235,15 +235,15 @@ class Quantity:
         ]
         return min((time for time in lasting if time > 0.0), default=None)
 
-    def _values(self, run: Run, *, known: bool = True) -> FloatArray:
+    def _values(self, run: Run, *, known: bool = True) -> list[float]:
         """The numbers; not known: those to compare runs by, where any motion will do."""
         if self.of_contact is not None:
-            values = np.array([float(self.of_contact(events)) for events in run.events])
+            values = [float(self.of_contact(events)) for events in run.events]
         elif self.of_speeds is not None:
-            values = self.of_speeds(_speeds(run, known=known))
+            values = self.of_speeds(_speeds(run, known=known)).tolist()
         else:
             assert self.of_run is not None
-            values = self.of_run(run)
+            values = self.of_run(run).tolist()
         return values if run.plan.scene else values[:1]
 
     def _at_least(self, scales: FloatArray, exact: Run) -> FloatArray:

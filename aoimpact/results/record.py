@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..base import quantity, warn
+from ..base import warn, with_unit
 from ..scene import Plan
 from .run import Run
 
@@ -77,7 +77,7 @@ class Record:
         """Warn where the impact was not over after the longest record."""
         if self._cut:
             warn(
-                f"duration: it was left out, and after {quantity(self.length, 's')} the impact is "
+                f"duration: it was left out, and after {with_unit(self.length, 's')} the impact is "
                 "not over: its numbers are those until then; give duration="
             )
 

@@ -19,9 +19,9 @@ from ..base import (
     checked,
     finite_array,
     integer,
-    quantity,
     text,
     warn,
+    with_unit,
 )
 from ..fields import Response, response_of
 from ..integrate import Events, Recorder
@@ -619,8 +619,8 @@ class Run:
         told = self.error.told
         for i, events in enumerate(self.events[:SHOWN]):
             within = told(f"contacts.{i}.peak_force", listed=True)
-            peak = f"{quantity(events.peak_force, 'N', 5)}{within}"
-            peak += f" at {quantity(events.peak_time, 's')}{told(f'contacts.{i}.peak_time')}"
+            peak = f"{with_unit(events.peak_force, 'N', 5)}{within}"
+            peak += f" at {with_unit(events.peak_time, 's')}{told(f'contacts.{i}.peak_time')}"
             count = len(events.contacts)
             uncertain = self.error.of(f"contacts.{i}.intervals") == math.inf
             times = f"{count} contact{'s' if count > 1 else ''}"
@@ -635,7 +635,7 @@ class Run:
         return lines
 
     def __repr__(self) -> str:
-        head = f"Run of {quantity(self.duration, 's')}"
+        head = f"Run of {with_unit(self.duration, 's')}"
         lines = self._lines()
         width = max(12, *(len(name) for name, _ in lines))
         return "\n".join([head, *(f"  {name:<{width}} {value}" for name, value in lines)])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import quantity
+from ..base import with_unit
 from ..fem import ContactPoint
 from ..reduction import AOModel, touched
 from .motion import in_words, percent
@@ -40,12 +40,12 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
         ("velocity", f"{result.velocity:.6g} m/s" + _gap(result)),
     ]
     if not result.contacts:
-        rows.append(("contact", f"none in {quantity(result.duration, 's')}"))
+        rows.append(("contact", f"none in {with_unit(result.duration, 's')}"))
     else:
         rows += [
             ("peak force", _force(result)),
             ("contact", _contact(result)),
-            ("impulse", quantity(result.impulse, "N s") + result.error.told("impulse")),
+            ("impulse", with_unit(result.impulse, "N s") + result.error.told("impulse")),
         ]
     rows += [
         ("rebound velocity", _rebound(result, "rebound_velocity")),
@@ -79,7 +79,7 @@ def summary_html(result: Result) -> str:
 
 def _body(result: Result, which: str) -> str:
     body = result.projectile if which == "projectile" else result.target
-    mass = ", mass not known" if body.mass is None else f", {quantity(body.mass, 'kg')}"
+    mass = ", mass not known" if body.mass is None else f", {with_unit(body.mass, 'kg')}"
     if body.mass == math.inf:
         mass = ""
     name = "" if body.name == which else f"{body.name}: "
@@ -101,7 +101,7 @@ def place_words(tip: ContactPoint | None, *, rigid: bool = False) -> str:
         return ""
     what = "point" if tip.node is None else f"node {tip.node}"
     if tip.patch is not None:
-        what = f"patch of {quantity(tip.patch.radius, 'm', 3)}"
+        what = f"patch of {with_unit(tip.patch.radius, 'm', 3)}"
     if rigid:
         what = "touched"
     point, along = (
@@ -120,20 +120,20 @@ def _rebound(result: Result, name: str) -> str:
 
 
 def _gap(result: Result) -> str:
-    return f", gap {quantity(result.gap, 'm')}" if result.gap else ""
+    return f", gap {with_unit(result.gap, 'm')}" if result.gap else ""
 
 
 def _force(result: Result) -> str:
     told = result.error.told
-    force = f"{quantity(result.peak_force, 'N', 5)}{told('peak_force', listed=True)}"
-    return f"{force} at {quantity(result.peak_time, 's')}{told('peak_time')}"
+    force = f"{with_unit(result.peak_force, 'N', 5)}{told('peak_force', listed=True)}"
+    return f"{force} at {with_unit(result.peak_time, 's')}{told('peak_time')}"
 
 
 def _contact(result: Result) -> str:
     start = result.contacts[0][0]
     told = result.error.told
-    text = f"{quantity(result.contact_duration, 's')}{told('contact_duration')}"
-    text += f" from {quantity(start, 's')}"
+    text = f"{with_unit(result.contact_duration, 's')}{told('contact_duration')}"
+    text += f" from {with_unit(start, 's')}"
     uncertain = result.error.of("contacts") == math.inf
     if len(result.contacts) > 1 or uncertain:
         number = f"{len(result.contacts)}, more or less" if uncertain else len(result.contacts)
@@ -202,7 +202,7 @@ def _number(interest: Quantity, value: float) -> str:
         return "none"
     if interest.count or not interest.unit or "/" in interest.unit:
         return f"{value:.5g} {interest.unit}".rstrip()
-    return quantity(value, interest.unit, 5)
+    return with_unit(value, interest.unit, 5)
 
 
 def _absolute(run: Run, interest: Quantity, value: float, error: float | None) -> str:

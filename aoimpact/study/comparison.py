@@ -16,9 +16,9 @@ from ..base import (
     given_axes,
     html_table,
     instances,
-    quantity,
     text,
     warn,
+    with_unit,
 )
 
 if TYPE_CHECKING:
@@ -218,7 +218,7 @@ def _cells(row: Compared) -> tuple[str, ...]:
     return (
         row.model,
         str(row.dofs),
-        quantity(row.build, "s", 3),
-        quantity(row.run, "s", 3),
+        with_unit(row.build, "s", 3),
+        with_unit(row.run, "s", 3),
         *(f"{error:.1e}" for error in errors),
     )

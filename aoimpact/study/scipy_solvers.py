@@ -125,13 +125,13 @@ class OdeScene:
         ConvergenceError
             If SciPy gives up, or after `longest` s of computing.
         """
-        give_up = time.perf_counter() + longest
+        deadline = time.perf_counter() + longest
         t, y = 0.0, self.start
         # Without force, displacements' rates are the velocities.
         touching = bool(self.gap == 0.0 and self.depth @ self.matrix @ y > 0.0)
         peak, begin, first, rebound = 0.0, 0.0, math.nan, math.nan
         for _ in range(2 * _MOST_CONTACTS):
-            run = self._piece(method, rtol, (t, y, touching), give_up)
+            run = self._piece(method, rtol, (t, y, touching), deadline)
             t, y = float(run.t[-1]), run.y[:, -1]
             if touching:
                 states = [*run.y_events[1], y]
@@ -149,10 +149,10 @@ class OdeScene:
         return Outcome(peak, first, rebound)
 
     def _piece(
-        self, method: str, rtol: float, begin: tuple[float, FloatArray, bool], give_up: float
+        self, method: str, rtol: float, begin: tuple[float, FloatArray, bool], deadline: float
     ) -> Any:
         t, y, touching = begin
-        slope = self._in_contact(give_up) if touching else self._in_flight(give_up)
+        slope = self._in_contact(deadline) if touching else self._in_free_motion(deadline)
         options = {} if method in _EXPLICIT else {"jac": self._jacobian(touching)}
         run = scipy.integrate.solve_ivp(
             slope,
@@ -168,7 +168,7 @@ class OdeScene:
             raise ConvergenceError(f"SciPy's {method} at t = {run.t[-1]:.6g} s: {run.message}")
         return run
 
-    def _in_contact(self, give_up: float) -> Slope:
+    def _in_contact(self, deadline: float) -> Slope:
         matrix, push, depth, gap, force = (
             self.matrix,
             self.push,
@@ -182,17 +182,17 @@ class OdeScene:
             rate: FloatArray = matrix @ y
             if free > 0.0:
                 rate -= force(free)[0] * push
-                if time.perf_counter() > give_up:
+                if time.perf_counter() > deadline:
                     raise ConvergenceError(f"SciPy took too long, given up at t = {t:.6g} s")
             return rate
 
         return slope
 
-    def _in_flight(self, give_up: float) -> Slope:
+    def _in_free_motion(self, deadline: float) -> Slope:
         matrix = self.matrix
 
         def slope(t: float, y: FloatArray) -> FloatArray:
-            if time.perf_counter() > give_up:
+            if time.perf_counter() > deadline:
                 raise ConvergenceError(f"SciPy took too long, given up at t = {t:.6g} s")
             rate: FloatArray = matrix @ y
             return rate

@@ -17,8 +17,8 @@ from ..base import (
     instance,
     integer,
     positive,
-    quantity,
     sequence,
+    with_unit,
 )
 from ..impact import checked_duration, checked_numbers, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
@@ -139,7 +139,7 @@ def work_precision(
     ]
     rows = tuple(_measure(run, exact.outcome, velocity, count) for run in runs)
     labels = f"{bodies[0].label} on {bodies[1].label}"
-    title = f"{labels}, {law}, {velocity:g} m/s, {quantity(duration, 's')}"
+    title = f"{labels}, {law}, {velocity:g} m/s, {with_unit(duration, 's')}"
     return WorkPrecision(title, exact, rows)
 
 

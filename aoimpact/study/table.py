@@ -19,8 +19,8 @@ from ..base import (
     html_table,
     instances,
     positive,
-    quantity,
     text,
+    with_unit,
 )
 from .scipy_solvers import Outcome
 
@@ -86,7 +86,7 @@ class Reference:
         value = self.outcome
         text = (
             f"{self.source}: peak {value.peak_force:.12g} N, "
-            f"contact {quantity(value.contact_duration, 's', 11)}, "
+            f"contact {with_unit(value.contact_duration, 's', 11)}, "
             f"rebound {value.rebound_velocity:.11g} m/s"
         )
         if self.uncertainty is not None:
@@ -232,7 +232,7 @@ class WorkPrecision:
             best = [run for name in self.methods if (run := self.fastest(name, error))]
             best.sort(key=lambda run: run.seconds)
             entries = [
-                f"{run.method} {quantity(run.seconds, 's', 3)}"
+                f"{run.method} {with_unit(run.seconds, 's', 3)}"
                 + (f" ({run.seconds / best[0].seconds:.2g} times)" if run is not best[0] else "")
                 for run in best
             ]
@@ -251,6 +251,6 @@ def _cells(row: Measurement) -> tuple[str, ...]:
     return (
         row.method,
         row.setting,
-        quantity(row.seconds, "s", 3),
+        with_unit(row.seconds, "s", 3),
         *(f"{error:.1e}" for error in errors),
     )

@@ -19,9 +19,9 @@ from ..base import (
     file_path,
     nonnegative,
     positive,
-    quantity,
     real,
     warn,
+    with_unit,
 )
 from ..results import Result
 from .readsignal import STANDARD_GRAVITY
@@ -267,19 +267,19 @@ class DropWeight(Frozen):
     def __repr__(self) -> str:
         def told(point: Point) -> str:
             return (
-                f"{quantity(point.force, 'N')}, {quantity(point.deflection, 'm')}, "
-                f"{quantity(point.energy, 'J')} at {quantity(point.time - self.start, 's')}"
+                f"{with_unit(point.force, 'N')}, {with_unit(point.deflection, 'm')}, "
+                f"{with_unit(point.energy, 'J')} at {with_unit(point.time - self.start, 's')}"
             )
 
-        impactor = f"{quantity(self.mass, 'kg')} at {self.impact_velocity:.4g} m/s"
+        impactor = f"{with_unit(self.mass, 'kg')} at {self.impact_velocity:.4g} m/s"
         rows = [
-            ("impactor", f"{impactor}, {quantity(self.impact_energy, 'J')}"),
+            ("impactor", f"{impactor}, {with_unit(self.impact_energy, 'J')}"),
             ("peak", told(self.peak)),
             ("turn", told(self.turn) if self.turn else "none"),
             ("puncture", told(self.puncture) if self.puncture else "none"),
-            ("contact", quantity(self.end - self.start, "s")),
+            ("contact", with_unit(self.end - self.start, "s")),
             ("rebound velocity", f"{self.rebound_velocity:.4g} m/s"),
-            ("absorbed energy", quantity(self.absorbed_energy, "J")),
+            ("absorbed energy", with_unit(self.absorbed_energy, "J")),
         ]
         return "\n".join(["Drop weight", *(f"  {name:<18} {value}" for name, value in rows)])
 
@@ -403,21 +403,21 @@ def _doubts(test: DropWeight, cfc: float | None) -> list[str]:
     raw = test.signal.raw or test.signal
     if cfc is not None and (shorter := _shorter_than(raw, cfc)):
         said.append(
-            f"the force lasts {quantity(shorter, 's')}, half a period of {0.5 / shorter:.3g} Hz, "
-            f"which class {cfc:g} takes out: its peak is {quantity(test.peak.force, 'N')} instead "
-            f"of {quantity(float(raw.values.max()), 'N')}; leave cfc out or take a higher class"
+            f"the force lasts {with_unit(shorter, 's')}, half a period of {0.5 / shorter:.3g} Hz, "
+            f"which class {cfc:g} takes out: its peak is {with_unit(test.peak.force, 'N')} instead "
+            f"of {with_unit(float(raw.values.max()), 'N')}; leave cfc out or take a higher class"
         )
     if test.simulated:
         return said
     taken, velocity = test.absorbed_energy, test.rebound_velocity
     if raw.values[-1] > _STILL * float(raw.values.max()):
         said.append(
-            f"the record ends at a force of {quantity(float(raw.values[-1]), 'N')}: the contact is "
-            "not over, and rebound and absorbed energy are those so far"
+            f"the record ends at a force of {with_unit(float(raw.values[-1]), 'N')}: the contact "
+            "is not over, and rebound and absorbed energy are those so far"
         )
     elif taken < -_TAKEN * test.impact_energy:
         said.append(
-            f"the absorbed energy is {quantity(taken, 'J')}: no specimen gives back more than it "
+            f"the absorbed energy is {with_unit(taken, 'J')}: no specimen gives back more than it "
             "got; is the force too large (its unit, a zero that is off), or mass or velocity too "
             "small?"
         )

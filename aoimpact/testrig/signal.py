@@ -20,8 +20,8 @@ from ..base import (
     integer,
     nonnegative,
     positive,
-    quantity,
     text,
+    with_unit,
 )
 from ..fields import Probe
 from ..integrate import Events
@@ -120,8 +120,8 @@ class Signal(Frozen):
         super().__post_init__()
 
     def __repr__(self) -> str:
-        top = quantity(float(np.abs(self.values).max()), self.unit)
-        spaced = f"at {quantity(self.mean_rate, 'Hz')}" if self.even else "not evenly spaced"
+        top = with_unit(float(np.abs(self.values).max()), self.unit)
+        spaced = f"at {with_unit(self.mean_rate, 'Hz')}" if self.even else "not evenly spaced"
         return f"Signal({self.name}, {len(self.t)} samples {spaced}, largest {top})"
 
     @classmethod
@@ -203,8 +203,8 @@ class Signal(Frozen):
             steps = np.diff(self.t)
             raise InputError(
                 f"the samples of the signal {self.name!r} are not evenly spaced: steps are from "
-                f"{quantity(float(steps.min()), 's')} to {quantity(float(steps.max()), 's')}; take "
-                "signal.resampled(rate) first"
+                f"{with_unit(float(steps.min()), 's')} to {with_unit(float(steps.max()), 's')}; "
+                "take signal.resampled(rate) first"
             )
         return self.mean_rate
 
@@ -231,9 +231,9 @@ class Signal(Frozen):
         wanted = positive("rate", rate, unit="Hz")
         if wanted < self.mean_rate * (1.0 - 1e-9):
             raise InputError(
-                f"rate = {quantity(wanted, 'Hz')} is below the {quantity(self.mean_rate, 'Hz')} of "
-                "the signal, and what is fast would appear as slow; filter it, and take every k-th "
-                "sample"
+                f"rate = {with_unit(wanted, 'Hz')} is below the {with_unit(self.mean_rate, 'Hz')} "
+                "of the signal, and what is fast would appear as slow; filter it, and take every "
+                "k-th sample"
             )
         times = _times(float(self.t[0]), float(self.t[-1]), wanted)
         return replace(self, t=times, values=np.interp(times, self.t, self.values))
@@ -268,13 +268,13 @@ class Signal(Frozen):
         frequency = positive("cfc", cfc, unit="Hz")
         if self.rate < _SAMPLES_OF_CLASS * frequency * (1.0 - 1e-9):
             raise InputError(
-                f"cfc = {frequency:g} needs {quantity(_SAMPLES_OF_CLASS * frequency, 'Hz')} of "
-                f"samples at least (SAE J211), and the signal has {quantity(self.rate, 'Hz')}; "
+                f"cfc = {frequency:g} needs {with_unit(_SAMPLES_OF_CLASS * frequency, 'Hz')} of "
+                f"samples at least (SAE J211), and the signal has {with_unit(self.rate, 'Hz')}; "
                 "sample it faster or take a lower class"
             )
         if frequency < _SLOWEST * self.rate:
             raise InputError(
-                f"cfc = {frequency:g} is too low for {quantity(self.rate, 'Hz')} of samples: the "
+                f"cfc = {frequency:g} is too low for {with_unit(self.rate, 'Hz')} of samples: the "
                 "filter would be all rounding; take every k-th sample first"
             )
         from scipy.signal import filtfilt  # slow to import
@@ -330,13 +330,13 @@ def _contact_force(run: Run, contact: int, rate: float | None, margin: float) ->
     force = run.at(times).forces[contact] if dense else np.interp(times, own.t, own.values)
     if margin * rate > _MOST:
         raise InputError(
-            f"margin = {quantity(margin, 's')} is more than {_MOST} samples of "
-            f"{quantity(1.0 / rate, 's')}; take a shorter one"
+            f"margin = {with_unit(margin, 's')} is more than {_MOST} samples of "
+            f"{with_unit(1.0 / rate, 's')}; take a shorter one"
         )
     before = round(margin * rate)
-    silent = np.zeros(before)
+    zeros = np.zeros(before)
     all_times = (np.arange(len(times) + 2 * before) - before) / rate
-    return Signal(all_times, np.concatenate([silent, force, silent]))
+    return Signal(all_times, np.concatenate([zeros, force, zeros]))
 
 
 def _hardest(events: Events, duration: float) -> float:
@@ -349,7 +349,7 @@ def _times(start: float, end: float, rate: float) -> FloatArray:
     count = (end - start) * rate * (1.0 + 1e-12)
     if not 1.0 <= count <= _MOST:
         raise InputError(
-            f"rate = {quantity(rate, 'Hz')} over {quantity(end - start, 's')} makes {count:.3g} "
+            f"rate = {with_unit(rate, 'Hz')} over {with_unit(end - start, 's')} makes {count:.3g} "
             f"samples: it must be from 2 to {_MOST}"
         )
     return np.minimum(start + np.arange(math.floor(count) + 1) / rate, end)

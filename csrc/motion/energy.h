@@ -14,10 +14,10 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
                            const double *v0, const double *x1, const double *v1, double *scratch,
                            double *work, double *dissipated);
 
-/* The same for a part of a step under force[port][node], from its start to place (0 .. 1) of h; x0, v0:
- * at its start, x1: at place. The work leaves out the change of aoi_modes_bent_work, which knows the forces of
- * both moments. What damping takes is the integral of its power along the motion: the balance of energies, of
- * which it is no part, shows whether that is right. */
+/* The same for a part of a step under force[port][node], from its start to place (0 .. 1) of h; x0, v0: at its start,
+ * x1: at place. The work excludes the change of aoi_modes_bent_work, which takes the forces at both times. The
+ * dissipated energy is the integral of the damping's power along the motion, independent of the balance of energies,
+ * which can therefore check it. */
 void aoi_modes_step_work(const aoi_modes *body, double from, double h, double place,
                          const double *force, const double *x0, const double *v0, const double *x1,
                          double *work, double *dissipated);

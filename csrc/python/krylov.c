@@ -54,7 +54,7 @@ static void drop_views(callable *solver)
     Py_XDECREF(solver->memory);
 }
 
-/* progress: the columns there are and the solves so far, written back whatever happens. */
+/* progress: the columns there are and the solves so far, written back on errors, too. */
 static int take_space(buffer_list *buffers, PyObject *args, aoi_krylov *space, callable *solver,
                       int32_t **progress, size_t *wanted)
 {

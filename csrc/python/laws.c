@@ -30,7 +30,7 @@ static double number_of(PyObject *returned, double indentation, double rate)
 }
 
 /* aoi_user_law.call of a law in Python; data: the tuple of its functions. The run holds no GIL. What
- * the law raises stays set, and nothing is asked of it any more: NaN ends the run. */
+ * the law raises stays set, and the law is not called again: NaN ends the run. */
 static double call_python(void *data, int which, double indentation, double rate)
 {
     const PyGILState_STATE state = PyGILState_Ensure();

@@ -1,6 +1,5 @@
-/* Dense output: the record at any time of a track, from the rows that hold it. Between the start of a row
- * and the time asked for, the bodies are taken on exactly as the run itself took them; in free motion at even
- * times, from one of these to the next. */
+/* Dense output: the record of a track at any time. From the start of a row to the given time the bodies are advanced
+ * exactly as in the run; in free motion at equally spaced times, from one of these to the next. */
 #include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
@@ -29,10 +28,10 @@ struct aoi_sampler {
 
     size_t row, most_modes;
     int has_edge; /* a contact of the row was solved with an edge      */
-    double part;  /* of the row up to where port_force goes: else 1    */
+    double part;  /* part of the row that port_force covers, else 1    */
     double *port_force, *states;
     double *ports; /* of all ports: forces, rates of these, displacements */
-    double *settled; /* work on each contact up to the end of its last row; NaN: not yet asked for */
+    double *settled; /* work on each contact up to the end of its last row; NaN: not yet computed */
     double *flown, *booked; /* bodies in free motion as they were at the last bend of their loads */
     aoi_even *even; /* body_count: bodies without loads in free motion, from one time to the next */
 };
@@ -197,7 +196,7 @@ static int contact_is_sound(const aoi_system *system, const double *of)
         return 0;
     }
     const aoi_law *law = system->contact[c].law;
-    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* no law is asked: no edge of its force */
+    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* the law is not evaluated: its force has no edge */
         return edge == AOI_EDGE_NONE;
     }
     return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
@@ -313,15 +312,15 @@ static void advance(aoi_sampler *sampler, double time)
 static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, int with_work)
 {
     const aoi_modes *body = &sampler->system->body[b];
-    const double *held = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
+    const double *stored = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
     const double start = row_of(sampler, sampler->body_row[b])[AOI_TRACK_START];
     double *at = bend_of(sampler, with_work ? sampler->booked : sampler->flown, b);
     double *x = at + BEND_STATE, *before = sampler->states + 2 * sampler->most_modes;
     const size_t bytes = 2 * body->n * sizeof(double);
-    if (!(at[BEND_TIME] <= time)) { /* NaN: not yet asked for */
+    if (!(at[BEND_TIME] <= time)) { /* NaN: not yet computed */
         at[BEND_TIME] = start;
         at[BEND_WORK] = at[BEND_LOST] = 0.0;
-        memcpy(x, held, bytes);
+        memcpy(x, stored, bytes);
     }
     for (double bend = aoi_modes_next_bend(body, at[BEND_TIME]); bend < time;
          bend = aoi_modes_next_bend(body, bend)) {
@@ -343,13 +342,13 @@ static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, in
 static int state_at(const aoi_sampler *sampler, double time, size_t b, double *state)
 {
     const aoi_modes *body = &sampler->system->body[b];
-    const double *held = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
+    const double *stored = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
     const double *row = row_of(sampler, sampler->body_row[b]);
     const double start = row[AOI_TRACK_START], length = row[AOI_TRACK_LENGTH];
     const int pushed = sampler->body_row[b] == sampler->row && length > 0.0 && time > start;
     if (!pushed) {
         if (body->load.count == 0) {
-            aoi_even_state(&sampler->even[b], body, start, held, time, state);
+            aoi_even_state(&sampler->even[b], body, start, stored, time, state);
             return 0;
         }
         const double *bend = fly_to_bend(sampler, time, b, 0);
@@ -358,7 +357,7 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
         return 0;
     }
     const double place = place_of(sampler, time);
-    memcpy(state, held, 2 * body->n * sizeof(double));
+    memcpy(state, stored, 2 * body->n * sizeof(double));
     aoi_response_carry(body, start, sampler->part * length,
                        sampler->port_force + sampler->system->first_port[b] * AOI_NODES,
                        place / sampler->part, state, state + body->n);
@@ -469,9 +468,9 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
                         const double *state, double *work, double *dissipated)
 {
     const aoi_modes *body = &sampler->system->body[b];
-    const double *held = sampler->track + sampler->body_at[b];
+    const double *stored = sampler->track + sampler->body_at[b];
     const double *row = row_of(sampler, sampler->body_row[b]), start = row[AOI_TRACK_START];
-    const double *x0 = held + AOI_TRACK_STATE, *v0 = x0 + body->n;
+    const double *x0 = stored + AOI_TRACK_STATE, *v0 = x0 + body->n;
     double *scratch = sampler->states + 4 * sampler->most_modes, more = 0.0, lost = 0.0;
     if (!body->decay && !body->gravity && body->load.count == 0) {
         /* nothing but contacts does work on it */
@@ -487,8 +486,8 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
         more += bend[BEND_WORK];
         lost += bend[BEND_LOST];
     }
-    *work = held[1] + more;
-    *dissipated = held[2] + lost;
+    *work = stored[1] + more;
+    *dissipated = stored[2] + lost;
 }
 
 /* The rows of a body. force, force_rate: of all kinds on its ports. */

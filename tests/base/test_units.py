@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from aoimpact.base.units import quantity, scale_for, scale_of
+from aoimpact.base.units import scale_for, scale_of, with_unit
 
 
 @pytest.mark.parametrize(
@@ -25,11 +25,11 @@ from aoimpact.base.units import quantity, scale_for, scale_of
     ],
 )
 def test_quantities_carry_fitting_prefixes(value: float, unit: str, text: str) -> None:
-    assert quantity(value, unit) == text
+    assert with_unit(value, unit) == text
 
 
 def test_few_digits_of_hundreds_are_told_without_an_exponent() -> None:
-    assert [quantity(value, "s", 2) for value in (0.87, 0.0087, 1234.0)] == [
+    assert [with_unit(value, "s", 2) for value in (0.87, 0.0087, 1234.0)] == [
         "870 ms",
         "8.7 ms",
         "1200 s",

@@ -532,7 +532,7 @@ static void a_crest_beside_a_contact_touches_or_does_not(void)
 static plant pushed_by_two(double V, double soft, double gap, const aoi_law *first, const aoi_law *second)
 {
     plant p = {.bodies = 0};
-    part *platform = add_rigid(&p, 1e12, 0.0); /* as good as held */
+    part *platform = add_rigid(&p, 1e12, 0.0); /* as good as fixed */
     platform->massless = 1;
     platform->residual[0] = soft;
     add_rigid(&p, 1e12, V);
@@ -914,7 +914,7 @@ static void a_row_of_ringing_bodies(void)
     must_go(&p, 1e-10, 0.5);
     fly_to_the_end(&p);
     compare(&p, x, v, 2e-10, 1e-8, "row");
-    CHECK(p.run->contact[2].impulse > 0.0, "the blow has gone through: %g N s", p.run->contact[2].impulse);
+    CHECK(p.run->contact[2].impulse > 0.0, "the impact has been transmitted: %g N s", p.run->contact[2].impulse);
     release(&p);
 }
 
@@ -979,17 +979,17 @@ static void a_bouncing_ball_keeps_its_height(void)
     add_wall(&p);
     join_rigid(&p, 0, 1, 0.0, &law);
     must_go(&p, 1e-13, 4.0);
-    size_t flights = 0;
+    size_t bounces = 0;
     for (size_t r = 0; r < p.track.rows; r++) {
         const double *row = p.track.values + p.track.row[r], *of = row + AOI_TRACK_FIXED + AOI_TRACK_STATE;
         if (row[AOI_TRACK_CONTACTS] == 0.0 && row[AOI_TRACK_FIXED] == 0.0) {
-            flights++;
-            CHECK(near(0.5 * of[1] * of[1] - g * of[0], 0.5 * v * v, 1e-13 * (double)(flights + 1)),
-                  "flight %zu: energy off by %g", flights,
+            bounces++;
+            CHECK(near(0.5 * of[1] * of[1] - g * of[0], 0.5 * v * v, 1e-13 * (double)(bounces + 1)),
+                  "bounce %zu: energy off by %g", bounces,
                   (0.5 * of[1] * of[1] - g * of[0]) / (0.5 * v * v) - 1.0);
         }
     }
-    CHECK(flights > 190, "it bounces: %zu times", flights);
+    CHECK(bounces > 190, "it bounces: %zu times", bounces);
     release(&p);
 }
 

@@ -258,7 +258,7 @@ static void bodies_that_part_are_apart(void)
     CHECK(next_touch(&pair, 1.0) == 0 && pair.time == 1.0, "they part for good");
 }
 
-static void energy_of_flight_is_constant(void)
+static void energy_in_free_motion_is_constant(void)
 {
     plant p = {.bodies = 0};
     uint64_t seed = 2;
@@ -290,7 +290,7 @@ static void bodies_that_part_for_good_cost_nothing(void)
     int touches;
     CHECK(aoi_free_pair_next_touch(&pair, 1e9, 100, &touches) == AOI_OK && touches == 0 &&
               pair.time == 1e9,
-          "thirty years of flight in a hundred strides");
+          "thirty years of free motion in a hundred strides");
 }
 
 /* A free mass that drag has slowed down never comes farther than v / (2 sigma). */
@@ -426,7 +426,7 @@ int main(void)
     a_sprung_mass_swings_about_what_its_load_makes_of_its_rest();
     a_touch_by_one_ripple_is_not_stepped_over();
     bodies_that_part_are_apart();
-    energy_of_flight_is_constant();
+    energy_in_free_motion_is_constant();
     bodies_that_part_for_good_cost_nothing();
     drag_stops_a_mass_before_the_wall();
     bodies_that_fall_side_by_side_do_not_press();

@@ -412,9 +412,9 @@ int main(void)
 {
     const aoi_rule rules[] = {{1e-6, 0.25, 0.5}, {2e-6, 1.0 / 6.0, 0.5}, {3e-6, 0.3025, 0.6}};
     for (size_t i = 0; i < 3; i++) {
-        for (int held = 0; held < 2; held++) {
-            star_and_its_matrices_are_one_body(held ? 1e7 : 0.0, rules[i], 1.0);
-            star_and_its_matrices_are_one_body(held ? 1e7 : 0.0, rules[i], -2.5);
+        for (int constrained = 0; constrained < 2; constrained++) {
+            star_and_its_matrices_are_one_body(constrained ? 1e7 : 0.0, rules[i], 1.0);
+            star_and_its_matrices_are_one_body(constrained ? 1e7 : 0.0, rules[i], -2.5);
         }
     }
     same_impact_on_both(0.0);

@@ -10,7 +10,7 @@
 
 enum { MOST = 40, PORTS = 3, WORK = 4 * MOST + MOST };
 
-/* Free at both ends, or held at the first by one more spring. */
+/* Free at both ends, or constrained at the first by one more spring. */
 typedef struct rod {
     int n;
     int32_t start[MOST + 1], indices[3 * MOST];
@@ -53,7 +53,7 @@ static int rod_solver(void *data, double *x, double *kx, double *mx)
     return ++r->calls == r->fails_at;
 }
 
-static void rod_make(rod *r, int n, int held, double s2, int ports)
+static void rod_make(rod *r, int n, int constrained, double s2, int ports)
 {
     int32_t stored = 0;
     memset(r, 0, sizeof *r);
@@ -63,7 +63,7 @@ static void rod_make(rod *r, int n, int held, double s2, int ports)
         const int first = i == 0, last = i == n - 1;
         r->start[i] = stored;
         for (int j = first ? i : i - 1; j <= i + !last; j++) {
-            const int ends = first + last - (first && held);
+            const int ends = first + last - (first && constrained);
             r->indices[stored] = j;
             r->k[stored] = i == j ? 2.0 - ends : -1.0;
             r->m[stored++] = i == j ? (4.0 - 2.0 * (first + last)) / 6.0 : 1.0 / 6.0;
@@ -143,10 +143,10 @@ static void basis_is_orthonormal_in_mass(void)
 /* Derivatives by differences of the error: it is of order (x - s^2)^(2 count). */
 static void receptance_is_matched_at_the_shift(void)
 {
-    for (int held = 0; held < 2; held++) {
+    for (int constrained = 0; constrained < 2; constrained++) {
         for (size_t count = 1; count <= 4; count++) {
             rod r;
-            rod_make(&r, 25, held, 0.5, 1);
+            rod_make(&r, 25, constrained, 0.5, 1);
             r.b[24] = 2.0;
             CHECK(aoi_krylov_extend(&r.space, count) == AOI_OK, "%zu solves", count);
             CHECK(near(projected_receptance(&r, 0, 0, 0.5), rod_receptance(&r, 0, 0, 0.5), 1e-14),

@@ -389,7 +389,7 @@ static void plastic_unloading_is_thorntons(void)
         CHECK(near(value.force, top * pow(share, 1.5), 1e-12), "at %g of the way", share);
     }
     aoi_law_remember(&law, 0.9 * deepest, 0.0, memory);
-    CHECK(near(aoi_law_rest(&law, memory), deepest - reach, 1e-13), "a lighter blow changes nothing");
+    CHECK(near(aoi_law_rest(&law, memory), deepest - reach, 1e-13), "a smaller load changes nothing");
     /* The curvature is that of the flattened radius: k_p = k (R_p/R)^(1/2), R_p/R = k D^(3/2)/F(D). */
     const double flattened = k * sqrt(k * pow(deepest, 1.5) / top);
     CHECK(near(top, flattened * pow(reach, 1.5), 1e-13), "Hertz on the flattened radius");

@@ -110,7 +110,7 @@ static void a_star_and_its_modes_are_one_body(double k0, aoi_rule rule, aoi_rayl
 }
 
 /* A force on one port moves the other as the other's would move the first, and by the compliance. */
-static void ports_answer_each_other(void)
+static void ports_are_reciprocal(void)
 {
     static modes m;
     uint64_t seed = 3;
@@ -276,7 +276,7 @@ int main(void)
         a_star_and_its_modes_are_one_body(0.0, rules[i], (aoi_rayleigh){100.0, 1e-7});
         a_star_and_its_modes_are_one_body(1e7, rules[i], (aoi_rayleigh){0.0, 1e-6});
     }
-    ports_answer_each_other();
+    ports_are_reciprocal();
     the_ledger_closes();
     a_ramp_is_followed_to_second_order();
     receptance_is_the_oscillators();

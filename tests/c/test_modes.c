@@ -54,11 +54,11 @@ static void a_loaded_mass_flies_by_the_integrals_of_its_load(void)
           "place: %.16g", x);
     double there = x, speed = v;
     aoi_modes_advance(p.body, 5.0, 5.0, &x, &v);
-    CHECK(x == there && v == speed, "no time, no flight");
+    CHECK(x == there && v == speed, "no time, no motion");
 }
 
 /* Damped modes, two ports with loads of their own, gravity. */
-static void flight_is_that_of_runge_and_kutta(void)
+static void free_motion_is_that_of_runge_and_kutta(void)
 {
     uint64_t seed = 8;
     plant p = {.bodies = 0};
@@ -160,7 +160,7 @@ int main(void)
 {
     loads_run_straight_and_bend_where_they_say();
     a_loaded_mass_flies_by_the_integrals_of_its_load();
-    flight_is_that_of_runge_and_kutta();
+    free_motion_is_that_of_runge_and_kutta();
     a_load_bends_what_no_mode_has();
     energy_is_kinetic_elastic_and_residual();
     energies_are_sums_over_the_modes();

@@ -17,8 +17,8 @@ static const aoi_rule AVERAGE = {1e-6, 0.25, 0.5};
 
 /* An undeformed star, all of it moving with velocity but the contact mass, which has had an impact and
  * is faster; centre of mass by the masses. */
-static void start_with_blow(stepped *s, const aoi_star *star, aoi_rule rule, double velocity,
-                            double blow)
+static void start_with_impulse(stepped *s, const aoi_star *star, aoi_rule rule, double velocity,
+                            double velocity_change)
 {
     const double total = aoi_star_static_mass(star);
     for (size_t i = 0; i <= star->n; i++) {
@@ -27,7 +27,7 @@ static void start_with_blow(stepped *s, const aoi_star *star, aoi_rule rule, dou
         s->v0[i] = velocity;
         s->centre[i] = isinf(total) ? 1.0 : mass / total;
     }
-    s->v0[0] += blow;
+    s->v0[0] += velocity_change;
     CHECK(aoi_body_star_size(star->n) <= sizeof s->work / sizeof s->work[0], "room to work in");
     const aoi_body_start begin = {s->u0, s->v0, s->centre, NULL, NULL};
     const int status = aoi_body_start_star(&s->body, star, NULL, &rule, &begin, s->work);
@@ -37,7 +37,7 @@ static void start_with_blow(stepped *s, const aoi_star *star, aoi_rule rule, dou
 
 static void start(stepped *s, const aoi_star *star, aoi_rule rule, double velocity)
 {
-    start_with_blow(s, star, rule, velocity, 0.0);
+    start_with_impulse(s, star, rule, velocity, 0.0);
 }
 
 static observation step(aoi_body *body, double force)
@@ -156,7 +156,7 @@ static void centre_is_the_weighted_mean(void)
     uint64_t seed = 51;
     double u[5], v[5];
     random_star_make(&r, 4, &seed, 0.05, 1e5);
-    start_with_blow(&s, &r.star, AVERAGE, 1.0, 3.0);
+    start_with_impulse(&s, &r.star, AVERAGE, 1.0, 3.0);
     for (int i = 0; i < 5; i++) {
         s.centre[i] = 0.1 * (i + 1) - 0.2;
     }
@@ -351,7 +351,7 @@ static void energy_is_kept(size_t n, double k0, double h)
     stepped s;
     uint64_t seed = 17 + n;
     random_star_make(&r, n, &seed, 0.02, k0);
-    start_with_blow(&s, &r.star, (aoi_rule){h, 0.25, 0.5}, 1.0, 5.0);
+    start_with_impulse(&s, &r.star, (aoi_rule){h, 0.25, 0.5}, 1.0, 5.0);
     observation seen = observe(&s.body);
     const double energy = seen.kinetic + seen.elastic;
     double worst = 0.0, stored = 0.0;
@@ -371,7 +371,7 @@ static void momentum_is_kept(void)
     stepped s;
     uint64_t seed = 23;
     random_star_make(&r, 28, &seed, 0.02, 0.0);
-    start_with_blow(&s, &r.star, (aoi_rule){1e-6, 0.25, 0.5}, 1.0, 5.0);
+    start_with_impulse(&s, &r.star, (aoi_rule){1e-6, 0.25, 0.5}, 1.0, 5.0);
     observation seen = observe(&s.body);
     const double velocity = seen.centre_velocity;
     double worst = 0.0;
@@ -402,7 +402,7 @@ static void massless_contact_is_statics(void)
     start(&s, &star, (aoi_rule){h, 0.25, 0.5}, 1.0);
     const observation seen = step(&s.body, 0.0);
     CHECK(near(seen.displacement, h, 1e-14) && near(seen.velocity, 1.0, 1e-14),
-          "free flight at 1 m/s");
+          "free motion at 1 m/s");
 }
 
 /* m0 = 0 is the limit of small m0, not a case of its own. */
@@ -432,7 +432,7 @@ static void state_can_be_taken_up_again(double m0)
     uint64_t seed = 41;
     double u[7], v[7];
     random_star_make(&r, 6, &seed, m0, 1e6);
-    start_with_blow(&one, &r.star, AVERAGE, 1.0, m0 > 0.0 ? 2.0 : 0.0);
+    start_with_impulse(&one, &r.star, AVERAGE, 1.0, m0 > 0.0 ? 2.0 : 0.0);
     one.body.copy_state(&one.body, u, v);
     CHECK(memcmp(u, one.u0, sizeof u) == 0, "the initial displacements");
     for (int i = 0; i < 7; i++) {

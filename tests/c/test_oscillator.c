@@ -127,7 +127,7 @@ static void a_free_mass_falls(void)
     CHECK(ours.impulse == 0.0 && ours.rate == 1.0 && ours.step == 0.0 && ours.ramp == 0.0, "no time");
 }
 
-/* Two flights one after the other are one: the motion of x0, v0 and a rising load. */
+/* Two free motions one after the other are one: the motion of x0, v0 and a rising load. */
 static void motions_follow_each_other(void)
 {
     uint64_t seed = 5;

@@ -50,7 +50,7 @@ static void a_star_is_a_body_in_its_modes(void)
     CHECK(aoi_star_modes(&nothing, room, &body) != AOI_OK, "no mass at all");
 }
 
-/* A ball (not mass-normalised), pushed and under gravity, over a damped oscillator that is held. */
+/* A ball (not mass-normalised), pushed and under gravity, over a damped oscillator that is constrained. */
 typedef struct drop {
     double zero, shape, mobility, mass, gravity, omega, decay, time[3], force[3], v[2];
     aoi_modes body[2];
@@ -153,7 +153,7 @@ static void both_integrators_move_one_system_alike(void)
 static void intervals_of_a_bouncing_ball(void)
 {
     const double k = 1e6, g = 9.81, v = 1.0, m = 0.5, w = sqrt(k / m), flown = 2.0 * v / g;
-    const double sag = g / (w * w), swing = 2.0 * (PI - atan2(v / w, sag)) / w; /* under gravity */
+    const double deflection = g / (w * w), swing = 2.0 * (PI - atan2(v / w, deflection)) / w; /* under gravity */
     double values[ROWS * 60];
     size_t row[ROWS];
     aoi_track track = {.values = values, .row = row, .capacity = ROWS * 60, .row_capacity = ROWS};
@@ -181,9 +181,9 @@ static void intervals_of_a_bouncing_ball(void)
         CHECK(i == 2 || near(found[i].impulse, impulse, 1e-8), "%d: impulse %g", i, found[i].impulse);
         CHECK(near(found[i].pace, found[i].rate * (found[i].end - found[i].start) / found[i].deepest, 1e-14),
               "%d: pace", i);
-        CHECK(found[i].deepest <= (sag + hypot(sag, v / w)) * (1.0 + 1e-9), "%d: depth", i);
+        CHECK(found[i].deepest <= (deflection + hypot(deflection, v / w)) * (1.0 + 1e-9), "%d: depth", i);
     }
-    CHECK(near(aoi_adaptive_peak(run, 0).force, k * (sag + hypot(sag, v / w)), 1e-8), "its peak");
+    CHECK(near(aoi_adaptive_peak(run, 0).force, k * (deflection + hypot(deflection, v / w)), 1e-8), "its peak");
     free(run);
 }
 

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* Deflection of a chain held at both ends: k0 is that of its two parts side by side. */
+/* Deflection of a chain constrained at both ends: k0 is that of its two parts side by side. */
 static void held_chain_is_two_springs(void)
 {
     enum { N = 9 };
@@ -222,24 +222,24 @@ static void congruence_is_the_dense_product(void)
 /* Eqs. (6), (9), (10), (12) from the constraint modes of a chain, against the closed forms. All the
  * anti-oscillators leave m0 = 1/(b M^-1 b), here the struck mass itself, and k0 + sum k_i = K_bb.
  */
-static void chain_becomes_its_star(int n, int held)
+static void chain_becomes_its_star(int n, int constrained)
 {
     static double phi[CHAIN_MOST * CHAIN_MOST], omega2[CHAIN_MOST], modal_mass[CHAIN_MOST];
     static double static_mode[CHAIN_MOST], c[CHAIN_MOST], m[CHAIN_MOST], k[CHAIN_MOST];
     static chain exact;
     const size_t dofs = (size_t)n, count = dofs - 1;
-    chain_make(&exact, n, held);
+    chain_make(&exact, n, constrained);
     double static_mass = 0.0;
     for (int i = 0; i < n; i++) {
-        static_mode[i] = held ? (i + 1.0) / n : 1.0;
+        static_mode[i] = constrained ? (i + 1.0) / n : 1.0;
         static_mass += square(static_mode[i]);
     }
     for (int j = 1; j < n; j++) {
-        const double angle = chain_antiresonance_angle(n, held, j), norm = j % 2 ? 3.0 : -1e-3;
+        const double angle = chain_antiresonance_angle(n, constrained, j), norm = j % 2 ? 3.0 : -1e-3;
         double *mode = phi + (size_t)(j - 1) * dofs;
         for (int i = 0; i < n; i++) {
             mode[i] =
-                i == n - 1 ? 0.0 : norm * (held ? sin(angle * (i + 1)) : cos(angle * (i + 0.5)));
+                i == n - 1 ? 0.0 : norm * (constrained ? sin(angle * (i + 1)) : cos(angle * (i + 0.5)));
         }
         omega2[j - 1] = square(2.0 * sin(0.5 * angle));
         modal_mass[j - 1] = aoi_vector_dot(dofs, mode, mode);

@@ -158,7 +158,7 @@ static void ports_move_at_the_nodes_as_the_modes_do(void)
 }
 
 /* Under a unit impulse each mode moves as aoi_oscillator_motion says. */
-static void the_answer_is_that_to_an_impulse(void)
+static void the_impulse_response_is_that_to_an_impulse(void)
 {
     plant p = {.bodies = 0};
     furnish(&p, 1, 0);
@@ -208,7 +208,7 @@ int main(void)
     a_step_ends_where_duhamel_says();
     a_push_reaches_any_place_within_the_step();
     ports_move_at_the_nodes_as_the_modes_do();
-    the_answer_is_that_to_an_impulse();
+    the_impulse_response_is_that_to_an_impulse();
     a_rising_load_moves_the_residual();
     return check_report();
 }

@@ -13,14 +13,14 @@ enum { STEPS = 40000, OSCILLATORS = 28 };
 
 static const aoi_star WALL = {0, (double)INFINITY, 0.0, NULL, NULL};
 
-typedef struct player {
+typedef struct star_body {
     aoi_body body;
     double u0[OSCILLATORS + 1], v0[OSCILLATORS + 1], centre[OSCILLATORS + 1];
     double work[7 * OSCILLATORS + 5];
-} player;
+} star_body;
 
 typedef struct run {
-    player projectile, target;
+    star_body projectile, target;
     aoi_law law;
     pair pair;
     double record[ROWS][STEPS + 1];
@@ -28,7 +28,7 @@ typedef struct run {
 
 static run one, two;
 
-static void player_start(player *p, const aoi_star *star, aoi_rule rule, double velocity)
+static void star_body_start(star_body *p, const aoi_star *star, aoi_rule rule, double velocity)
 {
     const double total = aoi_star_static_mass(star);
     for (size_t i = 0; i <= star->n; i++) {
@@ -45,8 +45,8 @@ static void player_start(player *p, const aoi_star *star, aoi_rule rule, double 
 static void run_make(run *r, const aoi_star *projectile, const aoi_star *target, aoi_rule rule,
                      double velocity, double target_velocity)
 {
-    player_start(&r->projectile, projectile, rule, velocity);
-    player_start(&r->target, target, rule, target_velocity);
+    star_body_start(&r->projectile, projectile, rule, velocity);
+    star_body_start(&r->target, target, rule, target_velocity);
     pair_make(&r->pair, &r->projectile.body, &r->target.body, &r->law, 0.0);
     r->pair.scene.dt = rule.dt;
 }

@@ -199,7 +199,7 @@ static void chain_under_its_own_weight_is_a_parabola(void)
             for (int32_t i = 0; i < n; i++) {
                 worst = fmax(worst, fabs(x[i] / (0.5 * (i + 1) * (n - i)) - 1.0));
             }
-            CHECK(worst < 1e-13, "sag i(n+1-i)/2 of %d springs, order %d: off by %g", (int)n, order,
+            CHECK(worst < 1e-13, "deflection i(n+1-i)/2 of %d springs, order %d: off by %g", (int)n, order,
                   worst);
         }
     }

@@ -44,10 +44,10 @@ static void bad_stars_are_named(void)
 static void receptance_of_one_oscillator(void)
 {
     const double m[] = {2.0}, k[] = {8.0}, omega[] = {0.0, 1.0, 2.0, 4.0};
-    const aoi_star held = {1, 1.0, 3.0, m, k}, free_star = {1, 1.0, 0.0, m, k};
+    const aoi_star constrained = {1, 1.0, 3.0, m, k}, free_star = {1, 1.0, 0.0, m, k};
     double u[4];
     /* k0 - w^2 m0 - m w^2 4/(4 - w^2) */
-    aoi_star_receptance(&held, 4, omega, u);
+    aoi_star_receptance(&constrained, 4, omega, u);
     CHECK(near(u[0], 1.0 / 3.0, 1e-16), "static compliance 1/k0, not %g", u[0]);
     CHECK(near(u[1], 1.0 / (3.0 - 1.0 - 8.0 / 3.0), 1e-15), "at w = 1, not %g", u[1]);
     CHECK(u[2] == 0.0, "an antiresonance at w^2 = k/m, not %g", u[2]);
@@ -62,16 +62,16 @@ static void receptance_of_one_oscillator(void)
     CHECK(u[0] == 0.0 && u[3] == 0.0, "a wall does not move");
 }
 
-static void star_of_a_chain_answers_like_the_chain(int n, int held)
+static void star_of_a_chain_responds_like_the_chain(int n, int constrained)
 {
     static chain c;
-    chain_make(&c, n, held);
-    double total = held ? (n + 1.0) * (2.0 * n + 1.0) / (6.0 * n) : n;
+    chain_make(&c, n, constrained);
+    double total = constrained ? (n + 1.0) * (2.0 * n + 1.0) / (6.0 * n) : n;
     CHECK(near(aoi_star_static_mass(&c.star), total, 1e-14 * n), "static mass of %d is %g", n,
           total);
     for (double omega = 0.013; omega < 3.0; omega += 0.0717) {
         double u;
-        const double wanted = chain_receptance(n, held, omega);
+        const double wanted = chain_receptance(n, constrained, omega);
         aoi_star_receptance(&c.star, 1, &omega, &u);
         /* The mean of |u| is about 1: near a resonance only 1/u can be compared. */
         CHECK(near(u, wanted, 1e-9) || fabs(1.0 / u - 1.0 / wanted) < 1e-11 * n,
@@ -79,13 +79,13 @@ static void star_of_a_chain_answers_like_the_chain(int n, int held)
     }
 }
 
-static void star_of_a_chain_has_its_modes(int n, int held)
+static void star_of_a_chain_has_its_modes(int n, int constrained)
 {
     static chain c;
     static double omega2[CHAIN_MOST], r[CHAIN_MOST], m[CHAIN_MOST], k[CHAIN_MOST];
     size_t modes = 0;
     double m0, k0;
-    chain_make(&c, n, held);
+    chain_make(&c, n, constrained);
     CHECK(aoi_star_to_modal(&c.star, omega2, r, &modes, m, NULL) == AOI_OK, "chain of %d", n);
     CHECK(modes == (size_t)n, "n+1 modes, not %zu", modes);
     for (int j = 0; j < n; j++) {
@@ -94,7 +94,7 @@ static void star_of_a_chain_has_its_modes(int n, int held)
         CHECK(fabs(r[j] * r[j] - c.weight[j]) < 2e-14, "mode %d of %d: r^2 %.17g, not %.17g", j, n,
               r[j] * r[j], c.weight[j]);
     }
-    CHECK(held || omega2[0] == 0.0, "the rigid mode of a free chain is exactly zero");
+    CHECK(constrained || omega2[0] == 0.0, "the rigid mode of a free chain is exactly zero");
     CHECK(aoi_star_from_modal((size_t)n, c.omega2, c.weight, &m0, &k0, m, k, NULL) == AOI_OK, "and back");
     CHECK(near(m0, 1.0, 1e-14) && near(k0, c.star.k0, 1e-14 * n),
           "m0 = 1, k0 = %g, not %.17g, %.17g", c.star.k0, m0, k0);
@@ -110,24 +110,24 @@ typedef struct random_star {
 } random_star;
 
 /* Masses over eight decades, frequencies over five, well apart. */
-static void random_star_make(random_star *s, size_t n, uint64_t *seed, int held, int massless)
+static void random_star_make(random_star *s, size_t n, uint64_t *seed, int constrained, int massless)
 {
     for (size_t i = 0; i < n; i++) {
         s->m[i] = decades(seed, -8.0, 0.0);
         s->k[i] = s->m[i] * pow(10.0, 5.0 + 10.0 * ((double)i + 0.9 * uniform(seed)) / (double)n);
     }
     const double m0 = massless ? 0.0 : decades(seed, -6.0, 0.0);
-    s->star = (aoi_star){n, m0, held ? decades(seed, 2.0, 9.0) : 0.0, s->m, s->k};
+    s->star = (aoi_star){n, m0, constrained ? decades(seed, 2.0, 9.0) : 0.0, s->m, s->k};
 }
 
-static void there_and_back(size_t n, uint64_t *seed, int held)
+static void there_and_back(size_t n, uint64_t *seed, int constrained)
 {
     static random_star s;
     static double omega2[CHAIN_MOST], r[CHAIN_MOST], weight[CHAIN_MOST], m[CHAIN_MOST],
         k[CHAIN_MOST];
     size_t modes;
     double m0, k0, worst = 0.0;
-    random_star_make(&s, n, seed, held, 0);
+    random_star_make(&s, n, seed, constrained, 0);
     CHECK(aoi_star_to_modal(&s.star, omega2, r, &modes, m, NULL) == AOI_OK, "%zu oscillators", n);
     int interlaced = 1, positive = 1;
     double inverse_mass = 0.0, compliance = 0.0;
@@ -142,7 +142,7 @@ static void there_and_back(size_t n, uint64_t *seed, int held)
     }
     CHECK(positive && interlaced, "resonance, antiresonance, resonance ... of %zu", n);
     CHECK(near(inverse_mass, 1.0 / s.star.m0, 1e-13), "sum r^2 = 1/m0, not %.17g", inverse_mass);
-    CHECK(!held || near(compliance, 1.0 / s.star.k0, 1e-13), "sum r^2/omega2 = 1/k0, not %.17g",
+    CHECK(!constrained || near(compliance, 1.0 / s.star.k0, 1e-13), "sum r^2/omega2 = 1/k0, not %.17g",
           compliance);
     CHECK(aoi_star_from_modal(n + 1, omega2, weight, &m0, &k0, m, k, NULL) == AOI_OK, "back");
     CHECK(near(m0, s.star.m0, 1e-12) && near(k0, s.star.k0, 1e-12), "m0, k0 come back");
@@ -152,13 +152,13 @@ static void there_and_back(size_t n, uint64_t *seed, int held)
     CHECK(worst < 1e-12, "%zu oscillators come back, off by %g", n, worst);
 }
 
-/* What a star answers is the sum of what its modes do; without m0 its springs answer first. */
-static void modes_add_up_to_the_receptance(size_t n, uint64_t *seed, int held, int massless)
+/* The response of a star is the sum of its modes' responses; without m0 its springs respond first. */
+static void modes_add_up_to_the_receptance(size_t n, uint64_t *seed, int constrained, int massless)
 {
     static random_star s;
     static double omega2[CHAIN_MOST], r[CHAIN_MOST], work[CHAIN_MOST];
     size_t modes;
-    random_star_make(&s, n, seed, held, massless);
+    random_star_make(&s, n, seed, constrained, massless);
     CHECK(aoi_star_to_modal(&s.star, omega2, r, &modes, work, NULL) == AOI_OK, "%zu oscillators", n);
     CHECK(modes == n + 1 - (size_t)massless, "%zu modes of %zu oscillators", modes, n);
     double springs = s.star.k0;
@@ -311,18 +311,18 @@ int main(void)
     bad_stars_are_named();
     receptance_of_one_oscillator();
     for (int n = 2; n <= 300; n += n < 6 ? 1 : 49) {
-        for (int held = 0; held < 2; held++) {
-            star_of_a_chain_answers_like_the_chain(n, held);
-            star_of_a_chain_has_its_modes(n, held);
+        for (int constrained = 0; constrained < 2; constrained++) {
+            star_of_a_chain_responds_like_the_chain(n, constrained);
+            star_of_a_chain_has_its_modes(n, constrained);
         }
     }
     for (size_t n = 1; n <= 300; n = n * 3 / 2 + 1) {
-        for (int held = 0; held < 2; held++) {
+        for (int constrained = 0; constrained < 2; constrained++) {
             for (int trial = 0; trial < 5; trial++) {
-                there_and_back(n, &seed, held);
+                there_and_back(n, &seed, constrained);
             }
-            modes_add_up_to_the_receptance(n, &seed, held, 0);
-            modes_add_up_to_the_receptance(n, &seed, held, 1);
+            modes_add_up_to_the_receptance(n, &seed, constrained, 0);
+            modes_add_up_to_the_receptance(n, &seed, constrained, 1);
         }
     }
     lone_masses_and_their_modes();

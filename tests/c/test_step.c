@@ -4,7 +4,7 @@
 #include "plant.h"
 #include "adaptive/row.h"
 
-/* A blow runs along a row of balls. Behind it they go on side by side, or apart: what is solved for at any
+/* A wave runs along a row of balls. Behind it they go on side by side, or apart: what is solved for at any
  * time is the wave, some ten contacts however long the row. All momentum and energy is passed on. */
 static void what_a_wave_has_passed_dozes_off(void)
 {

@@ -945,7 +945,7 @@ target = ao.full(ao.FEModel(K=K, M=scipy.sparse.identity(n, format="csr")).conta
 """
 HEAR = """
 import signal
-signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it is not heard
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background process ignores it
 """
 LONG_ADAPTIVE = """
 import sys

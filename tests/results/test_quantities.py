@@ -163,7 +163,7 @@ def test_a_number_that_was_chosen_for_is_told_read_and_kept(name):
     for result, called in ((hit, name), (scene, in_scene(name))):
         scale = 1e-3 if unit == "ms" else 1.0
         assert result.value(called) == pytest.approx(value * scale, rel=1e-3)
-        error = ", certain" if name == "contact_count" else " ± 0.0005 %"
+        error = ", certain" if QUANTITIES[name].count else " ± 0.0005 %"
         words, told = name.replace("_", " "), error_line(result)
         shown = re.match(rf"{words} (\S+?){f' {unit}'.rstrip()}( of ball)?{error} \(", told)
         assert shown, told
@@ -173,8 +173,14 @@ def test_a_number_that_was_chosen_for_is_told_read_and_kept(name):
         assert kept[called] == result.value(called)
         assert kept[f"{called}_controlled"] == 1.0
         assert kept[f"{called}_error"] == result.error.of(called) <= 1e-3
-    if QUANTITIES[name].each == "contacts":
-        assert getattr(hit, name) == getattr(scene.contacts[0], name) == hit.value(name)
+
+
+def test_numbers_of_a_contact_s_events_are_attributes_too():
+    hit, (scene, _) = run(), spring()
+    for name in ("peak_force", "peak_time", "contact_duration", "contact_count", "impulse"):
+        of_contact = scene.value(f"contacts.0.{name}")
+        assert hit.value(name) == of_contact == getattr(hit, name)
+        assert getattr(scene.contacts[0], name) == of_contact
 
 
 def test_the_largest_value_of_a_history_is_told():

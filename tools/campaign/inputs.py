@@ -189,7 +189,7 @@ class _Child:
         self.since: float | None = None  # it begins with what all inputs are made from
         self.used = 0.0
 
-    def heard(self) -> dict[str, Any] | None:
+    def received(self) -> dict[str, Any] | None:
         """What it says next; None at its end."""
         assert self.process.stdout is not None
         line = self.process.stdout.readline()
@@ -252,7 +252,7 @@ def reports(kind: str, seed: int, numbers: range, workers: int) -> Iterator[dict
         while selector.get_map():
             ready = {key.data for key, _ in selector.select(timeout=0.5)}
             for child in [key.data for key in selector.get_map().values()]:
-                report = child.heard() if child in ready else None
+                report = child.received() if child in ready else None
                 if report is not None and "number" in report:
                     yield report
                 if child.overdue() or (child in ready and report is None):

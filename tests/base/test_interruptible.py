@@ -7,19 +7,19 @@ import time
 
 import pytest
 
-from aoimpact.base import heard
+from aoimpact.base import interruptible
 
 
 def test_what_a_call_returns_and_raises_comes_through() -> None:
-    assert heard(lambda: 3) == 3
+    assert interruptible(lambda: 3) == 3
     with pytest.raises(ZeroDivisionError):
-        heard(lambda: 1 // 0)
+        interruptible(lambda: 1 // 0)
 
 
 def test_beside_the_main_thread_a_call_is_only_called() -> None:
     found: list[threading.Thread] = []
     thread = threading.Thread(
-        target=lambda: heard(lambda: found.append(threading.current_thread()))
+        target=lambda: interruptible(lambda: found.append(threading.current_thread()))
     )
     thread.start()
     thread.join()
@@ -34,7 +34,7 @@ def test_an_interrupt_is_heard_while_the_call_goes_on() -> None:
     start = time.perf_counter()
     try:
         with pytest.raises(KeyboardInterrupt):
-            heard(lambda: go_on.wait(20.0))
+            interruptible(lambda: go_on.wait(20.0))
     finally:
         signal.signal(signal.SIGALRM, before)
         go_on.set()

@@ -1,4 +1,4 @@
-"""No call is deaf to Ctrl-C for more than a tenth of a second."""
+"""No call ignores Ctrl-C for more than a tenth of a second."""
 
 import signal
 import sys
@@ -64,16 +64,16 @@ def load() -> Callable[[], Any]:
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
 @pytest.mark.parametrize("make", [all_modes, all_oscillators, factors, stress, load])
-def test_signals_are_heard(make: Callable[[], Callable[[], Any]]) -> None:
+def test_signals_take_effect(make: Callable[[], Callable[[], Any]]) -> None:
     """By the time that this thread computed meanwhile: others may have the processor."""
     call = make()
-    heard = [time.thread_time()]
-    before = signal.signal(signal.SIGALRM, lambda *_: heard.append(time.thread_time()))
+    times = [time.thread_time()]
+    before = signal.signal(signal.SIGALRM, lambda *_: times.append(time.thread_time()))
     signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
     try:
         call()
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
-    heard.append(time.thread_time())
-    assert np.diff(heard).max() < 0.1
+    times.append(time.thread_time())
+    assert np.diff(times).max() < 0.1

@@ -1,4 +1,4 @@
-"""Ctrl-C is heard within a tenth of a second, whatever the core is doing."""
+"""Ctrl-C takes effect within a tenth of a second, whatever the core is doing."""
 
 import signal
 import sys
@@ -93,7 +93,7 @@ def krylov() -> Call:
 
 
 def track(count: int) -> tuple[tuple[object, ...], Array]:
-    """Bodies, contacts, track and index of a flight in so many modes, and times to sample it at."""
+    """Bodies, contacts, track and index of free motion in so many modes, and sample times."""
     bodies = body(np.linspace(0.0, 1e4, count)), body(np.zeros(1))
     contacts = ((0, 0, 1, 0, 1.0, hertz(1e6)),)
     moving = np.zeros(count), np.zeros(1)
@@ -143,11 +143,11 @@ def touch() -> Call:
 
 def briefs() -> Call:
     cases = 500
-    stock = body(np.zeros(1)), body(np.linspace(0.0, 1e6, 300))
+    standing = body(np.zeros(1)), body(np.linspace(0.0, 1e6, 300))
     which, answers = np.tile(np.array([0, 1, 0], np.int32), (cases, 1)), np.zeros((cases, 10))
     each = np.tile(numbers(1.0, 0.0, 1e-2, 1e-8), (cases, 1))
     moving = np.ones(1), np.zeros(300)
-    return lambda: _core.briefs(stock, moving, (hertz(1e9),), which, each, answers)
+    return lambda: _core.briefs(standing, moving, (hertz(1e9),), which, each, answers)
 
 
 def full(band: int, mass: Array) -> Call:
@@ -202,7 +202,7 @@ def seconds_deaf(call: Call, after: float) -> float:
 
     In seconds of the processor, so that it does not matter what else the machine does.
     """
-    heard = signal.signal(signal.SIGPROF, signal.default_int_handler)
+    before = signal.signal(signal.SIGPROF, signal.default_int_handler)
     start = time.process_time()
     try:
         with suppress(KeyboardInterrupt):
@@ -212,7 +212,7 @@ def seconds_deaf(call: Call, after: float) -> float:
         return time.process_time() - start - after
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, heard)
+        signal.signal(signal.SIGPROF, before)
 
 
 @pytest.mark.parametrize("make", LONG, ids=lambda make: make.__name__)

@@ -1,4 +1,4 @@
-"""Ctrl-C while a library computes for long: NumPy, LAPACK and SuperLU look at no signals."""
+"""Ctrl-C during long calls of libraries: NumPy, LAPACK and SuperLU do not check for signals."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ import threading
 from collections.abc import Callable
 from typing import TypeVar
 
-__all__ = ["OFTEN", "heard"]
+__all__ = ["SIGNAL_INTERVAL", "interruptible"]
 
 T = TypeVar("T")
 
-# s; where waiting itself hears no signals (Windows), they are heard this often.
-OFTEN = 0.05
+# s; on Windows waiting does not check for signals, so it is interrupted this often.
+SIGNAL_INTERVAL = 0.05
 
 
-def heard(call: Callable[[], T]) -> T:
-    """Return what `call` returns, computed in another thread while this one hears signals.
+def interruptible(call: Callable[[], T]) -> T:
+    """Return what `call` returns, computed in another thread while this one checks for signals.
 
-    For calls that let other threads run, and that give no warnings. What Ctrl-C ends is the
-    waiting: the call itself goes on to its end in the background, where nothing hears of it.
+    For calls that release the GIL and give no warnings. Ctrl-C ends the waiting only: the call
+    itself runs to its end in the background, and its result is discarded.
     """
     if threading.current_thread() is not threading.main_thread():
         return call()  # signals are the main thread's
@@ -35,7 +35,7 @@ def heard(call: Callable[[], T]) -> T:
         ended.set()
 
     threading.Thread(target=run, daemon=True).start()
-    while not ended.wait(OFTEN):
+    while not ended.wait(SIGNAL_INTERVAL):
         pass
     if errors:
         raise errors.pop()
