@@ -170,7 +170,7 @@ def test_a_flat_side_of_a_pyramid_goes_straight_on_beyond_the_apex(kind: str) ->
 
 
 def test_the_top_of_a_hexahedron_is_flat_beside_a_pyramid() -> None:
-    """The apex of a pyramid is where its third coordinate is 1; a hexahedron's top is there, too."""
+    """A pyramid's apex is where its third coordinate is 1; a hexahedron's top is there, too."""
     cube = np.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
     nodes = np.vstack([cube, [0.5, 0.5, -1.0]])
     cells = [("hexahedron", [np.arange(8)]), ("pyramid", [[0, 3, 2, 1, 8]])]
