@@ -35,18 +35,18 @@ _SHORTEST, _LONGEST = 1e-100, 1e100
 # .75, 1.3 to 2.1 % at 1, 3 to 6 % at 1.5 and 16 to 28 % at 3, of which the estimate misses most.
 _WIDE = 1.0
 
-# Directions more than 10° off the normal are meant to be; facets of coarse meshes are that far off.
+# Directions more than 10° off the normal are warned of; facets of coarse meshes are that far off.
 _OBLIQUE = math.cos(math.radians(10.0))
 
-# Points of two bodies this near to each other, over the first's size, are one.
+# Points of two bodies closer than this share of the first body's size count as one.
 _SHARED = 1e-3
 
-# What single nodes make a force too small by.
+# Relative error of the force by contact at a single node.
 _node_errors: WeakKeyDictionary[ContactPoint, float | None] = WeakKeyDictionary()
 
 
 def checked_duration(duration: Any) -> float:
-    """Return the length of a record, s, over which displacements are numbers."""
+    """Return the length of a record, s, over which displacements do not overflow."""
     length = positive("duration", duration, unit="s")
     if not _SHORTEST <= length <= _LONGEST:
         raise InputError(
@@ -56,7 +56,7 @@ def checked_duration(duration: Any) -> float:
 
 
 def checked_speed(name: str, value: Any) -> float:
-    """Return a speed, m/s, whose square is a number.
+    """Return a speed, m/s, whose square neither overflows nor vanishes.
 
     Raises
     ------
@@ -91,9 +91,9 @@ def warn_of_centres(plan: Plan, names: Sequence[str]) -> None:
 
 
 def warn_of_exchange(projectile: SceneBody, target: SceneBody) -> None:
-    """Warn of a finite-element projectile that supports hold, where nothing holds the target.
+    """Warn of a finite-element projectile with supports, where the target is free.
 
-    What springs alone hold may well fly, as a tup on its guide does.
+    A projectile on springs only is not warned of: it may move as a tup on its guide does.
     """
     tip = touched(projectile.model)
     if tip is None or not projectile.constrained or target.fixed or tip.body.nodes is None:
@@ -107,7 +107,7 @@ def warn_of_exchange(projectile: SceneBody, target: SceneBody) -> None:
 
 
 def warn_of_places(run: Run, names: Sequence[str]) -> None:
-    """Warn of places of contact for which the law or the method is not.
+    """Warn of contact points outside the range of the law or the method.
 
     Single nodes under a law like Hertz's, patches as wide as the body is thick, directions oblique
     to the surface, and bodies on the same side of a point that they share.
@@ -118,7 +118,7 @@ def warn_of_places(run: Run, names: Sequence[str]) -> None:
     names : sequence of str
         Of the bodies, for messages.
     """
-    seen = set()
+    checked = set()
     for contact in run.plan.contacts:
         hertzian = isinstance(own_law(contact.law), HertzianLaw)
         models = [run.plan.bodies[body].model for body, _ in contact.ports]
@@ -126,9 +126,9 @@ def warn_of_places(run: Run, names: Sequence[str]) -> None:
             touched(model, port) for model, (_, port) in zip(models, contact.ports, strict=True)
         ]
         for model, tip, (body, _) in zip(models, tips, contact.ports, strict=True):
-            if tip is None or (body, tip) in seen:
+            if tip is None or (body, tip) in checked:
                 continue
-            seen.add((body, tip))
+            checked.add((body, tip))
             _warn_of_direction(tip, names[body])
             if not hertzian or (isinstance(model, AOModel) and model.n == 0):
                 continue  # a rigid one has no indentation of its own
@@ -158,7 +158,7 @@ def _narrower(tip: ContactPoint) -> str:
 
 
 def _warn_of_direction(tip: ContactPoint, name: str) -> None:
-    """Contact is along the normal: the speed along the surface presses on nothing."""
+    """Warn of a direction off the normal: only the normal velocity takes part in the contact."""
     if tip.normal is None or tip.direction is None or tip.point is None:
         return
     cosine = min(1.0, abs(float(tip.normal @ tip.direction)))
@@ -174,7 +174,7 @@ def _warn_of_direction(tip: ContactPoint, name: str) -> None:
 
 
 def _warn_of_side(first: ContactPoint, second: ContactPoint, names: Sequence[str]) -> None:
-    """Bodies may each have coordinates of its own; one point in both is hardly by chance."""
+    """Warn of bodies on the same side of a common point, if they share coordinates."""
     if first.body is second.body or first.point is None or second.point is None:
         return
     if first.direction is None or second.direction is None or first.body.nodes is None:
@@ -190,9 +190,9 @@ def _warn_of_side(first: ContactPoint, second: ContactPoint, names: Sequence[str
 
 
 def _warn_of_node(run: Run, tip: ContactPoint, name: str) -> None:
-    """Its own indentation has no limit as the mesh is refined."""
+    """Warn of contact at a node, whose indentation grows without bound with mesh refinement."""
     if tip.point is None:
-        return  # what a functional of K and M alone stands for is not known
+        return  # the area of a contact functional given with K and M is not known
     if tip.body.mesh is None:
         off = ", by how much is not known without a mesh; make the body with FEModel.from_mesh(...)"
         off += ", or give contact(b=, radius=), the mean over a patch"

@@ -1,4 +1,4 @@
-"""What a caller leaves out, from what the bodies themselves know: direction, law, patches, time."""
+"""Defaults of what a caller leaves out, from the bodies: direction, law, patches, duration."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ __all__ = [
 # eq. 11.25), π by a linear one.
 _DURATION_OVER_DEPTH = 3.0
 
-# A ball with a radius so many times the size of the other body is hardly meant: between one of its
-# size, and the thousand of millimetres taken for metres.
+# A ball's radius over the other body's size above which a warning is given: millimetres may have
+# been taken for metres, a factor of 1000.
 _FAR_LARGER = 5.0
 
 
@@ -47,7 +47,7 @@ def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = 
     port : int
         Which of its places.
     outward : bool
-        Whether it must go out of the body: it is on the projectile's side.
+        Whether it must go out of the body, which is then on the projectile's side.
     like : bool, optional
         Whether the same place stands for another body on the other side, so that the direction
         suits one of them.
@@ -139,14 +139,14 @@ def _warn_of_size(body: BodyModel, other: ContactPoint | None, name: str, other_
 
 
 class Meeting(NamedTuple):
-    """What two rigid bodies would do.
+    """The contact of two rigid bodies.
 
     Attributes
     ----------
     contact_time : float
         s.
     contact_radius : float or None
-        At the peak, m; None of a law that does not know it.
+        At the peak, m; None for a law without one.
     """
 
     contact_time: float
@@ -154,7 +154,7 @@ class Meeting(NamedTuple):
 
 
 def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Meeting | None:
-    """Estimate an impact by rigid bodies, which go deeper than elastic ones.
+    """Estimate an impact by rigid bodies, whose indentation is larger than that of elastic ones.
 
     None where nothing moves, both masses are infinite, or the law never takes the energy.
 
@@ -178,7 +178,7 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
 
 
 def mass_of(body: BodyModel) -> float:
-    """Return what moves at least as much as the static mass, kg; infinite of what is held."""
+    """Return a mass not below the static mass, kg; infinite for a constrained body."""
     if isinstance(body, AOModel):
         return math.inf if body.constrained else body.static_mass
     of = body.body

@@ -1,4 +1,4 @@
-"""What `simulate` and `Scene.simulate` share: a run of given models, or of models to be chosen."""
+"""Running given models, or models to be chosen, for `simulate` and `Scene.simulate`."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ from .checks import warn_of_centres, warn_of_places
 
 __all__ = ["PlanOf", "RunOptions", "run_models"]
 
-# Of a model for each body, and whether to record energies.
+# Returns the plan for a model of each body, and whether to record energies.
 PlanOf = Callable[[Sequence[Any], bool], Plan]
 
 
 class RunOptions(NamedTuple):
-    """How to run, as the caller asks; see `simulate`."""
+    """The options of a run; see `simulate`."""
 
     quantity: str | Handle | ContactPoint | StressAt | None
     rtol: float | None
@@ -54,7 +54,7 @@ class RunOptions(NamedTuple):
         return self.quantity is not None or self.rtol is not None
 
     def chooses(self, bodies: Sequence[BodyModel]) -> bool:
-        """Whether models are to be chosen: for contact points always."""
+        """Whether models are to be chosen: always where a body is given by contact points."""
         return self.controlled or any(map(_is_open, bodies))
 
 
@@ -63,7 +63,7 @@ def _is_open(body: BodyModel) -> bool:
 
 
 def _kept(body: BodyModel, controlled: bool) -> BodyModel | FixedModel:
-    """A body as models of it are looked for: as it is, if it was given as it is meant."""
+    """A body for the choice of models: fixed, if its model was given and is not to be truncated."""
     if _is_open(body) or (controlled and isinstance(body, AOModel)):
         return body
     return FixedModel(body)

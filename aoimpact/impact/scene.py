@@ -206,7 +206,7 @@ class Scene:
         return len(self._contacts) - 1
 
     def _refuse_again(self, contact: Contact) -> None:
-        """Between the same two places a contact adds nothing but stiffness."""
+        """Refuse a second contact between the same two places with the same law and gap."""
         for number in self._between.get(contact[:4], []):
             other = self._contacts[number]
             if (other.law, other.gap) == (contact.law, contact.gap):
@@ -355,7 +355,7 @@ class Scene:
         known: dict[Any, LinearSolver] = {}
         fitted = self._fitted(known)
         for i, body in enumerate(fitted):
-            # Of several places each has a way of its own, which their model must know.
+            # A model with several contact points needs the direction of travel of each.
             if isinstance(body, FullModel) and len(body.tips) > 1:
                 fitted[i], around[i] = turned(body, around[i]), ()
         bodies, which = _different(fitted)
@@ -411,7 +411,7 @@ class Scene:
         return 2.0 * max(contact.gap, 0.0) / (meets + speed), meets
 
     def _acceleration(self, body: int) -> float:
-        """Of a body by gravity and constant forces, m/s²; 0 of what is held."""
+        """Acceleration of a body by gravity and constant forces, m/s²; 0 if it is constrained."""
         model = self._bodies[body]
         if math.isinf(mass := mass_of(model)):
             return 0.0
@@ -423,7 +423,7 @@ class Scene:
         return meeting(own_law(contact.law), bodies, speed)
 
     def _fitted(self, factors: dict[Any, LinearSolver]) -> list[BodyModel]:
-        """The bodies with the patches that suit their contacts, where these were left open."""
+        """The bodies with patches fitted to their contacts, where their radius was left out."""
         bodies = list(self._bodies)
         known: dict[tuple[BodyModel, int], BodyModel] = {}
         if not any(isinstance(body, FullModel) for body in bodies):
@@ -441,7 +441,7 @@ class Scene:
         return bodies
 
     def _turns(self) -> list[tuple[int, ...]]:
-        """Of each body the places where its direction of travel is to be turned round."""
+        """For each body the contact points whose direction of travel must be reversed."""
         roles: dict[tuple[int, int], set[bool]] = {}
         sides: dict[ContactPoint | None, set[bool]] = {}
         for contact in self._contacts:
@@ -505,7 +505,7 @@ class Scene:
         return interest
 
     def _refuse_restitution(self) -> None:
-        """A restitution is of two bodies that come towards each other."""
+        """Refuse a restitution unless one contact of two approaching bodies defines it."""
         speeds = {self._velocities[body] for contact in self._contacts for body, _ in contact.ports}
         if len(self._contacts) != 1 or len(speeds) != 2:
             count = f"{len(self._contacts)} contacts"
@@ -527,14 +527,14 @@ class Scene:
 
 
 def _different(bodies: Sequence[Any]) -> tuple[list[Any], Sequence[int]]:
-    """Bodies that were added more than once only once, and which of these each is."""
+    """The different bodies, and for each body its number among them."""
     different = list(dict.fromkeys(bodies))
     places = {body: i for i, body in enumerate(different)}
     return different, [places[body] for body in bodies]
 
 
 def _between(contact: Contact, bodies: Sequence[Any], scene_bodies: Sequence[SceneBody]) -> Contact:
-    """The contact between the models that stand for its bodies."""
+    """The contact with the law for the models that replace its bodies."""
     if all(math.isinf(scene_bodies[body].static_mass) for body in (contact.first, contact.second)):
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"

@@ -160,20 +160,20 @@ def simulate(
 
 
 class _Impact(NamedTuple):
-    """An impact with all that its caller left out.
+    """An impact with defaults for all that its caller left out.
 
     Attributes
     ----------
     bodies : tuple
         With patches fitted to the impact.
     turns : tuple of bool
-        Whose direction of travel is to be turned round.
+        Whether the direction of travel of each body must be reversed.
     law : ContactLaw
     law_error : float
         Relative error of its stiffness, where it was found from the surfaces.
     record : Record
     known : dict of body to LinearSolver
-        That have been set up on the way.
+        Those that have been set up for the defaults.
     """
 
     bodies: tuple[BodyModel, BodyModel]
@@ -212,7 +212,7 @@ def _complete(
 
 
 def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:
-    """Whose direction of travel is to be turned round; see `turns`."""
+    """Whether the direction of travel of each body must be reversed; see `turns`."""
     tip = touched(projectile)
     like = tip is not None and tip is touched(target)
     return (
@@ -278,7 +278,7 @@ def _pair(projectile: Any, target: Any, speed: float) -> tuple[SceneBody, SceneB
 
 
 def _called(bodies: Sequence[BodyModel]) -> list[str]:
-    """What messages call the bodies: their role, and their own name."""
+    """Names of the bodies in messages: their role, and their own name."""
     return [
         f"{role} ({body.name})" if body.name else role
         for role, body in zip(_NAMES, bodies, strict=True)

@@ -209,9 +209,9 @@ def _surface(law: Any, materials: Sequence[Material | None]) -> tuple[float, flo
 def _deflecting(
     plan: Plan, contact: Contact, tips: Sequence[ContactPoint | None]
 ) -> Iterator[float]:
-    """Up to which energy, J, each of the two bodies certainly deflects little, if it is held.
+    """The energy, J, below which each constrained body of a contact has a small deflection.
 
-    k0 u²/2 is the least energy of a deflection u.
+    k0 u²/2 is the least energy of a deflection u; 0 where no such limit is known.
     """
     for (body, _), tip in zip(contact.ports, tips, strict=True):
         scene_body = plan.bodies[body]
@@ -238,13 +238,13 @@ def _allowed(tip: ContactPoint) -> float:
 
 
 def _stretches(tip: ContactPoint) -> bool:
-    """Whether supports on two sides of the point hold the body from drawing in as it deflects."""
+    """Whether supports on two sides of the point keep the body from drawing in as it deflects."""
     body = tip.body
     if body.nodes is None or body.free is None or tip.point is None or tip.direction is None:
         return False
-    held = np.setdiff1d(np.arange(3 * len(body.nodes)), body.free)
+    constrained = np.setdiff1d(np.arange(3 * len(body.nodes)), body.free)
     for axis in np.flatnonzero(np.abs(tip.direction) < _ACROSS):
-        offset = body.nodes[held[held % 3 == axis] // 3] - tip.point
+        offset = body.nodes[constrained[constrained % 3 == axis] // 3] - tip.point
         along = offset[:, axis]
         straight = 2.0 * along**2 > (offset**2).sum(axis=1)  # within 45° of the axis
         if (straight & (along < 0.0)).any() and (straight & (along > 0.0)).any():

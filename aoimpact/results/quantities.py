@@ -206,15 +206,15 @@ class Quantity:
         return np.abs(_relative(ours - theirs, self._at_least(np.abs(theirs), exact)))
 
     def span(self, run: Run | Result) -> float:
-        """Return how long, s, the motion must be right for this quantity to be so.
+        """Return the time, s, over which the motion affects this quantity.
 
-        What nothing drives moves without deforming until the first contact.
+        Bodies without gravity, loads or preload do not deform until the first contact.
         """
         run = _run_of(run)
         touched = [of.contacts for of in run.events if of.contacts]
         plan = run.plan
-        driven = plan.preload or plan.gravity or plan.loads
-        first = 0.0 if driven else min((each[0][0] for each in touched), default=0.0)
+        loaded = plan.preload or plan.gravity or plan.loads
+        first = 0.0 if loaded else min((each[0][0] for each in touched), default=0.0)
         if self.lasting:
             return run.duration - first
         return max((each[-1][1] for each in touched), default=first) - first

@@ -12,10 +12,10 @@ from .run import Run
 
 __all__ = ["Record"]
 
-# Contacts that go on for so many times the first guess, as under gravity, are left at that.
+# Longest record in units of the first guess, for contacts that do not end, as under gravity.
 _MOST = 4096.0
 
-# After the last contact the record goes on for as long as the impact took: in all, so many times.
+# Length of the record in units of the time from the first contact's start to the last one's end.
 _AS_LONG_AGAIN = 2.0
 
 
@@ -41,22 +41,22 @@ class Record:
         self._cut = False
 
     def reopen(self) -> None:
-        """Let the next run say anew when its impact is over, if the length was not given.
+        """Let the next run determine the length of the record, unless it was given.
 
-        From the first guess on, so that no poorer model has a say in it.
+        It starts from the first guess: the result does not depend on earlier, smaller models.
         """
         if not self.given:
             self.length, self._settled = self._first, False
 
     def run(self, plan: Plan, solve: Callable[[Plan], Run], *, last: bool = True) -> Run:
-        """Run a plan for that long; for longer, from then on, until its impact is over.
+        """Run a plan for this length, or, where that is open, until its impact is over.
 
         Parameters
         ----------
         plan : Plan
         solve : callable
         last : bool, optional
-            Whether these bodies tell when it is over: not those that are rigid for a trial.
+            Whether this run determines the length: not one with bodies that are rigid for a trial.
         """
         if self._settled:
             return solve(_lasting(plan, self.length))
