@@ -12,7 +12,15 @@ import numpy.typing as npt
 import scipy
 
 from .. import _core
-from ..base import FloatArray, InputError, InputTypeError, finite_array, positive, with_unit
+from ..base import (
+    FARTHEST,
+    FloatArray,
+    InputError,
+    InputTypeError,
+    finite_array,
+    positive,
+    with_unit,
+)
 from .rebound import integrated_restitution
 
 __all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw"]
@@ -359,6 +367,10 @@ class HertzianLaw(ContactLaw):
     def __post_init__(self) -> None:
         if self.relative_radius is not None:
             radius = positive("relative_radius", self.relative_radius, unit="m")
+            if radius > FARTHEST:
+                raise InputError(
+                    f"relative_radius={radius:g} m is larger than any body: give it in metres"
+                )
             object.__setattr__(self, "relative_radius", radius)
 
     def __repr__(self) -> str:

@@ -161,7 +161,8 @@ class Surface:
         corners = self.mesh.nodes[self.mesh.cells[self.cell[face]]]
         xi = self._xi(face, uv)
         shape, gradient = self._evaluate(face, xi)
-        if self._has_apexes and (at_apex := xi[:, 2] > 1.0 - _OFF_APEX).any():
+        at_apex = self._tapers[self.side[face]] & (xi[:, 2] > 1.0 - _OFF_APEX)
+        if at_apex.any():
             shape[at_apex], gradient[at_apex] = self._at_apex(face[at_apex], uv[at_apex])
         x = np.einsum("na,nai->ni", shape, corners)
         return x, self._axes[self.side[face]] @ (gradient.swapaxes(1, 2) @ corners)
@@ -191,8 +192,10 @@ class Surface:
         return shape, gradient
 
     @cached_property
-    def _has_apexes(self) -> bool:
-        return any(block.element.cell.linear == "pyramid" for block in self.mesh.blocks)
+    def _tapers(self) -> npt.NDArray[np.bool_]:
+        """Of each side, whether it is a pyramid's, whose shape functions end at the apex."""
+        kinds = [block.element.cell.linear for block in self.mesh.blocks]
+        return np.array([kinds[number] == "pyramid" for number, _ in self.sides])
 
     def normal(self, face: IntArray, uv: FloatArray) -> FloatArray:
         """Return outward unit normals, shape (n, 3)."""
@@ -422,6 +425,10 @@ def boundary(mesh: Mesh) -> Surface:
     single = np.ones(len(key), dtype=bool)
     one, other = order[1:][same], order[:-1][same]
     single[one] = single[other] = False
+    # A side whose corners fell together when its element was collapsed has no area.
+    distinct = np.array([face.n_corners for _, face in _sides(mesh)])[side_of]
+    distinct -= (key[:, 1:] == key[:, :-1]).sum(axis=1)
+    single &= distinct >= 3
     surface = Surface(
         mesh, cell[single], side_of[single], np.stack([cell[one], cell[other]], axis=1)
     )

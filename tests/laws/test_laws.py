@@ -207,3 +207,9 @@ def test_published_hysteresis_factors(law, product):
 def test_bad_input_is_named(make, message):
     with pytest.raises(ao.AOImpactError, match=message):
         make()
+
+
+def test_a_radius_beyond_any_body_is_refused() -> None:
+    """Its square root times a depth is a number, and its powers are none."""
+    with pytest.raises(ao.InputError, match="relative_radius=1e\\+308 m is larger than any body"):
+        ao.Hertz(k=1e9, relative_radius=1e308)

@@ -167,3 +167,24 @@ def test_a_flat_side_of_a_pyramid_goes_straight_on_beyond_the_apex(kind: str) ->
         x, tangents = surface.at(np.full(len(uv), face), uv)
         assert x == pytest.approx(first + uv @ along, abs=1e-8)
         assert tangents == pytest.approx(np.tile(along, (len(uv), 1, 1)), abs=1e-8)
+
+
+def test_the_top_of_a_hexahedron_is_flat_beside_a_pyramid() -> None:
+    """A pyramid's apex is where its third coordinate is 1; a hexahedron's top is there, too."""
+    cube = np.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    nodes = np.vstack([cube, [0.5, 0.5, -1.0]])
+    cells = [("hexahedron", [np.arange(8)]), ("pyramid", [[0, 3, 2, 1, 8]])]
+    surface = boundary(Mesh(nodes, cells, "mixed"))
+    face = np.arange(len(surface.cell))
+    assert len(face) == 9
+    normal = surface.normal(face, surface.middle(face))
+    assert normal[surface.cell == 0].sum(axis=0) == pytest.approx([0.0, 0.0, 1.0])
+    assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0)
+
+
+def test_a_side_that_fell_together_is_no_part_of_the_surface() -> None:
+    """A hexahedron with two edges of a side in one is a wedge."""
+    nodes = np.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (0, 1))], float)
+    surface = boundary(Mesh(nodes, [[0, 1, 2, 2, 3, 4, 5, 5]], "hexahedron"))
+    assert len(surface.cell) == 5
+    assert integrals(surface)[2] == pytest.approx(0.5)
