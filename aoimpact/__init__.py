@@ -65,7 +65,7 @@ if _find_spec("aoimpact._core") is None:
 
 import lazy_loader as _lazy_loader  # after the message: without an environment it is missing, too
 
-# The public names stand in __init__.pyi; each is imported when it is first asked for.
+# The public names stand in __init__.pyi; each is imported at its first use.
 __getattr__, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)
 
 __version__ = _version("aoimpact")

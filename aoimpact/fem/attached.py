@@ -126,11 +126,11 @@ def added_mass(
             one = sp.diags_array(share.reshape(-1), format="csr")
             one.eliminate_zeros()
         on = np.unique(np.flatnonzero(one.diagonal()) // 3)
-        held = len(on) - np.count_nonzero(np.isin(on, free // 3))
-        if held:
+        constrained = len(on) - np.count_nonzero(np.isin(on, free // 3))
+        if constrained:
             warn(
-                f"{name}: {held} of the {len(on)} nodes that carry it are constrained by fixed, "
-                "and their shares do not move; take other nodes, or release these"
+                f"{name}: {constrained} of the {len(on)} nodes that carry it are constrained by "
+                "fixed, and their shares do not move; take other nodes, or release these"
             )
         added = one if added is None else added + one
     return added
@@ -219,15 +219,15 @@ def spring_stiffness(
     """
     how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
     total = np.zeros((len(nodes), 3))
-    held = np.ones(len(nodes) * 3, dtype=bool)
-    held[free] = False
+    constrained = np.ones(len(nodes) * 3, dtype=bool)
+    constrained[free] = False
     for i, entry in enumerate(_listed("springs", springs, how)):
         name = f"springs[{i}]"
         selector, letters, stiffness = _tuple(name, entry, 3, how)
         ids = selected_nodes(name, selector, nodes, node_sets)
         share = _bounded(f"{name}: the stiffness", stiffness, "N/m") / len(ids)
         for component in components(name, letters):
-            on_support = held.reshape(-1, 3)[ids, component]
+            on_support = constrained.reshape(-1, 3)[ids, component]
             if on_support.any():
                 raise InputError(
                     f"{name}: {int(on_support.sum())} of its {len(ids)} nodes, the first is "

@@ -148,9 +148,9 @@ def _density(body: Any, extent: FloatArray, moved: float) -> float | None:
 
 
 def _speed(body: Any, axes: FloatArray, moved: FloatArray) -> float | None:
-    """√(dᵀKd/tᵀMt), d = x - x₀ along each axis, x₀ in the midst of what is held."""
-    held = np.bincount(body.free // 3, minlength=len(body.nodes)) < 3
-    origin = body.nodes[held if held.any() else slice(None)].mean(axis=0)
+    """√(dᵀKd/tᵀMt), d = x - x₀ along each axis, x₀ the mean of the constrained nodes."""
+    constrained = np.bincount(body.free // 3, minlength=len(body.nodes)) < 3
+    origin = body.nodes[constrained if constrained.any() else slice(None)].mean(axis=0)
     strain = (body.nodes[body.free // 3] - origin) * axes
     energy = np.sum(strain * (body.K @ strain), axis=0)
     known = moved > 0.0

@@ -326,7 +326,7 @@ class FEModel(Frozen):
         return state
 
     def __getattr__(self, name: str) -> Any:
-        """K and M of an unpickled body with a mesh, assembled when they are first asked for."""
+        """K and M of an unpickled body with a mesh, assembled at their first use."""
         known = vars(self)
         if name not in ("K", "M") or not known.get("_assembled"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")

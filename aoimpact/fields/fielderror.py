@@ -105,7 +105,7 @@ class FieldError:
         Parameters
         ----------
         contact, at : History
-            During contact, and at the times asked for.
+            During contact, and at the given times.
         since : ndarray, shape (times,)
             How long the body has vibrated freely, s; negative before it does.
         """

@@ -151,7 +151,7 @@ def warn_of_places(run: Run, names: Sequence[str]) -> None:
 def _narrower(tip: ContactPoint) -> str:
     if tip.automatic:
         return (
-            "the mesh or the contact asked for it: refine the mesh about the point, and if the "
+            "the mesh or the contact needs it: refine the mesh about the point, and if the "
             "contact itself is that wide take a lower velocity"
         )
     return f"leave radius out, or take {0.5 * tip.depth:.2g} m at most"

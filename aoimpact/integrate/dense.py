@@ -79,7 +79,7 @@ class DenseRecorder:
     plan : Plan
         What was run.
     rtol : float
-        The tolerance asked for.
+        The requested tolerance.
     bodies, contacts : tuples
         The scene, as the core takes it.
     order : ndarray, shape (contacts,), or None

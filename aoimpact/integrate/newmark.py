@@ -177,7 +177,7 @@ def steps_of(dt: float, duration: float, rows: int, given: str, cure: str) -> in
     rows : int
         Of the record.
     given, cure : str
-        What the caller asked for that led to `dt`, and what to ask for instead.
+        The caller's argument that led to `dt`, and what to give instead.
 
     Raises
     ------

@@ -22,7 +22,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | N
     """Run a scene to a tolerance; return the run and its relative error, if known.
 
     From the second touch of a contact on, errors grow with each. Then tighter runs follow until one
-    is as exact as asked.
+    meets the tolerance.
 
     Raises
     ------

@@ -25,7 +25,7 @@ __all__ = [
     "TIGHTEST",
 ]
 
-# The smallest tolerance that may be asked for: double precision carries no more digits.
+# The smallest tolerance that may be given: double precision has no more digits.
 TIGHTEST = 1e-13
 
 # The smallest with which a run still errs less than with a larger one: it shows how well a run at

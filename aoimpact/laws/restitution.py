@@ -48,8 +48,8 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     >>> published = ao.Flores(k=1e9, restitution=0.5, velocity=1.0)
     >>> round(ao.restitution(published, mass=0.01, velocity=1.0), 4)
     0.4704
-    >>> asked = ao.HuntCrossley.from_restitution(k=1e9, restitution=0.5, velocity=1.0)
-    >>> round(ao.restitution(asked, mass=0.01, velocity=1.0), 12)
+    >>> law = ao.HuntCrossley.from_restitution(k=1e9, restitution=0.5, velocity=1.0)
+    >>> round(ao.restitution(law, mass=0.01, velocity=1.0), 12)
     0.5
     """
     if not isinstance(law, ContactLaw):

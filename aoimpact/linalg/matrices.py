@@ -228,8 +228,8 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
     n = M.shape[0]
     if n > CHECKED_DOFS or _dominated(M, 1.0 - 1e-12) or _is_definite(M):
         return
-    held = sp.diags_array(M.diagonal(), format="csr")
-    if not _is_definite(M + _NEGATIVE * held):
+    diagonal = sp.diags_array(M.diagonal(), format="csr")
+    if not _is_definite(M + _NEGATIVE * diagonal):
         lowest = float(scipy.linalg.eigvalsh(M.toarray())[0]) if n <= _SMALL else None
         which = "" if lowest is None else f": its lowest eigenvalue is {lowest:.4g} kg"
         raise InputError(

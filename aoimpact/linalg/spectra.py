@@ -220,7 +220,7 @@ def lowest_sparse(
     """Return the `n` lowest eigenpairs of a space from its inverse operator, by ARPACK.
 
     A Krylov space holds one vector of a multiple eigenvalue, so members of it can be missed. What
-    was found is therefore deflated and the lowest of the rest asked for, until that lies above.
+    was found is therefore deflated and the lowest of the rest computed, until that lies above.
     The last eigenvalue, too, comes with all its members, so there may be more than `n`.
 
     With a `start`, only modes that are not M-orthogonal to it are wanted. All of these lie in its

@@ -129,10 +129,10 @@ def factorize(matrix: Any, *, what: str = "the matrix", checked: bool = True) ->
 
 
 def _owned(matrix: Any) -> Factorization:
-    """Factors that another thread makes while this one hears signals, and frees.
+    """Factors that another thread makes and frees, while this one checks for signals.
 
-    SciPy notes SuperLU's memory for each thread by itself: what another thread frees than the one
-    that allocated it is never given back.
+    SciPy counts SuperLU's memory for each thread: memory freed by another thread than the one that
+    allocated it is never returned.
     """
     held: list[Any] = []
     errors: list[BaseException] = []

@@ -67,7 +67,7 @@ def _file(role: str, given: File) -> tuple[Path, str]:
 
 
 def _named(role: str, file: Path, matrices: list[Found], wanted: str) -> Found:
-    """The matrix of a file that is asked for, or the only one with a fitting name."""
+    """The matrix of a file by its given name, or the only one with a fitting name."""
     if wanted:
         chosen = [one for one in matrices if one.name == wanted]
     elif len(matrices) == 1:

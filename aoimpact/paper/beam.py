@@ -1,6 +1,6 @@
 """Section 4 of the paper: the sphere on a simply supported beam. Bodies, runs and tables.
 
-Every body and run is computed when it is first asked for, and kept.
+Every body and run is computed at its first use, and kept.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Section 3 of the paper: a steel sphere on a like sphere at 1 m/s. Bodies, runs and tables.
 
-Every body and run is computed when it is first asked for, and kept.
+Every body and run is computed at its first use, and kept.
 """
 
 from __future__ import annotations

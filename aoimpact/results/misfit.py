@@ -117,13 +117,13 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
 
 
 def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
-    """Warn where a fitted model is asked for motion long after the contact it was fitted to.
+    """Warn of motion long after the contact that a model was fitted to.
 
     Parameters
     ----------
     plan : Plan
     run : Run
-        Of the plan, at the times asked for.
+        Of the plan, at the given times.
     body : int
         Its number.
     """

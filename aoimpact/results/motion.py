@@ -327,7 +327,7 @@ class LeftOut:
     Attributes
     ----------
     mesh : float or None
-        Of the quantity of interest, the force if none was asked for, from the finite elements at
+        Of the quantity of interest, the force if none was given, from the finite elements at
         the contacts.
     contact : float or None
         Of that quantity, from taking the bodies about the contacts for half-spaces, from the
@@ -384,7 +384,7 @@ class ErrorEstimate:
     Attributes
     ----------
     reduction : float or None
-        Of the quantity that was asked for, from representing the bodies by fewer degrees of
+        Of the quantity of interest, from representing the bodies by fewer degrees of
         freedom.
     time : float or None
         Of peak force and impulse, and for `Adaptive` of all that it bounds, from integrating in
@@ -393,13 +393,13 @@ class ErrorEstimate:
         Range of the total energy over the record, relative to the largest kinetic and elastic
         energy in it: an independent check on the run, since no solver uses it.
     quantity : str or None
-        What was asked for.
+        The quantity of interest.
     rtol : float or None
         The tolerance that was requested for it.
     numbers : mapping of str to float
         Where models were chosen, the estimated error of each number that sums up the result, by its
-        name ("restitution", of a scene "contacts.0.impulse"), from these models: only what was
-        asked for is controlled, the error of another number is what stands here. Infinite of
+        name ("restitution", of a scene "contacts.0.impulse"), from these models: only the
+        quantity of interest is controlled, errors of other numbers are as they are. Infinite of
         "contacts" where it is not certain how many there are.
     left_out : LeftOut
         What meshes and contact laws leave out: of the quantity, and of each number.
@@ -415,7 +415,7 @@ class ErrorEstimate:
 
     @property
     def mesh(self) -> float | None:
-        """Of the quantity that was asked for, the force if none was, from the elements."""
+        """Of the quantity of interest, by default the force, from the elements."""
         return self.left_out.mesh
 
     @property

@@ -36,8 +36,8 @@ _WIDTH, _STRAIN = 0.3, 0.2
 # Velocity over that of waves in a bar: the strain of two bars that meet, as large as the tolerance.
 _SPEED = 0.01
 
-# Deflection over thickness of what is held on both sides, where the linear one is 12 % off: the
-# load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
+# Deflection over thickness of a body constrained on both sides, where the linear one is 12 % off:
+# the load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
 # section 100). And over the size of any body.
 _THICKNESS, _SIZE = 0.5, 0.1
 

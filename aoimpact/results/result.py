@@ -32,7 +32,7 @@ __all__ = ["Result"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result(Eventful):
-    """An impact of a projectile on a target; curves are computed when they are asked for.
+    """An impact of a projectile on a target; curves are computed when they are read.
 
     Attributes
     ----------

@@ -129,7 +129,7 @@ class Chosen:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """A scene over time; curves are computed when they are asked for.
+    """A scene over time; curves are computed when they are read.
 
     ``run[handle]`` is a body's motion, ``run.contacts[i]`` a contact in the order of `connect`.
 

@@ -89,7 +89,7 @@ def _body(result: Result, which: str) -> str:
 
 
 def support_words(body: BodyResult | SceneBody) -> str:
-    """Return whether something holds a body, for those that could be held."""
+    """Return whether a body is constrained, for those that can be."""
     if body.label in _RIGID:
         return ""
     return ", constrained" if body.constrained else ", free"

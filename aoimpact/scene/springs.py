@@ -17,7 +17,7 @@ __all__ = ["Springs"]
 
 
 # The indentations, m, between which the one under a load is looked for, by these factors in turn. A
-# user's law is not asked much deeper than it will be.
+# user's law is not evaluated much deeper than it will be in the run.
 _SHALLOWEST, _DEEPEST = 2.0**-90, 2.0**30
 _STRIDES, _OWN_STRIDES = (2.0**16, 2.0**4, 2.0), (2.0,)
 
