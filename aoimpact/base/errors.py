@@ -232,10 +232,10 @@ def core_error(
     return error
 
 
-def law_result_error(answer: object, indentation: float, rate: float) -> InputTypeError:
-    """Return the exception for a law written in Python that does not answer with a number."""
+def law_result_error(returned: object, indentation: float, rate: float) -> InputTypeError:
+    """Return the exception for a law written in Python that does not return a number."""
     return InputTypeError(
         f"the contact law's function must return a real number, but at indentation = "
-        f"{indentation:.6g} m and rate = {rate:.6g} m/s it returned {reprlib.repr(answer)} of type "
-        f"{type(answer).__name__}"
+        f"{indentation:.6g} m and rate = {rate:.6g} m/s it returned {reprlib.repr(returned)} of "
+        f"type {type(returned).__name__}"
     )

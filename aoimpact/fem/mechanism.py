@@ -74,9 +74,9 @@ class Moved(Protocol):
 
 
 def refuse_mechanism(tips: Sequence[Moved]) -> None:
-    """Refuse places from which part of their body is a mechanism.
+    """Refuse contact points from which part of their body is a mechanism.
 
-    One that no force there moves does no harm: its motions are not part of any answer.
+    A mechanism that no force there moves is accepted: its motion takes no part in the response.
 
     Raises
     ------

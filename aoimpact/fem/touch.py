@@ -38,8 +38,8 @@ _TANGENT = 0.1
 # Components of a normal that are nothing but rounding.
 _ROUNDING = 1e-12
 
-# With a radius of so many edges of elements, quadratic or linear, a patch on a half-space gives way
-# as it should to some 6 %, and where the mesh decides, with half as much again, to 2 %.
+# Radius, in edges of quadratic or linear elements, with which the compliance of a patch on a
+# half-space is correct to some 6 %; and the factor on it where the mesh decides, for some 2 %.
 _RESOLVED = {True: 0.7, False: 2.5}
 _WELL_RESOLVED = 1.5
 

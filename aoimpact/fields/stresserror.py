@@ -10,10 +10,10 @@ present, which that difference cannot show. But the average keeps the true part,
 energy. Elements L times too stiff move 1/L as far under a given load, so that ϑ = 1/L, and the
 compliance lacks L - 1 times their energy: (1 - ϑ)/ϑ of it, in place of 1 - ϑ (`missing_energy`).
 
-On free surfaces the average is worst, and one thing is known: there is no traction. What there is
-of it is taken out, P σ P with P = I - n nᵀ. So the estimate sees, too, the false stress across a
-plate of one layer of linear elements, which all of them have alike. Where materials meet, stress
-jumps of right: each has an average of its own there.
+On free surfaces the average is least accurate, but the traction is known to be zero there. It is
+removed from the average, P σ P with P = I - n nᵀ. So the estimate includes the false stress across
+a plate of one layer of linear elements, which is the same in all of them. Where materials meet, the
+exact stress jumps: each material has an average of its own there.
 """
 
 from __future__ import annotations

@@ -148,9 +148,9 @@ def find_contacts(
     """Return start and end of every interval in which the force acts.
 
     A contact starts and ends at a zero of the indentation, found between two samples by Hermite's
-    cubic through values and rates (straight line where the cubic is not monotone). Where a
-    law lets go while there is still indentation, the end is where the falling force, extrapolated,
-    reaches zero. Contacts or gaps shorter than a step cannot be seen.
+    cubic through values and rates (straight line where the cubic is not monotone). Where a law's
+    force vanishes while there is still indentation, the end is where the falling force,
+    extrapolated, reaches zero. Contacts or gaps shorter than a step cannot be seen.
     """
     closed = force != 0.0  # a law that pulls is in contact while it does
     change = np.diff(closed.astype(np.int8))

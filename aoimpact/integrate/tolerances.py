@@ -62,8 +62,8 @@ SCATTER = 10.0
 # share it. 2.0e-15 a bounce was the most found, of 200 balls on a floor against their closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 
-# A tighter run that takes so many times the steps of the first is given up: twice what a method of
-# order 15 needs for fifteen digits. With 3, six of 305 answers are given up that another run gives.
+# A tighter run that takes this many times the steps of the first is ended: twice what a method of
+# order 15 needs for fifteen digits. With 3, six of 305 results are lost that another run gives.
 PATIENCE = 20
 
 # More energy than there was, by this factor, is no error of a tolerance.

@@ -259,7 +259,7 @@ class ContactLaw:
         low, high = within[first - 1], within[first]
         try:
             return float(scipy.optimize.brentq(lambda d: float(excess(d)), low, high, xtol=1e-18))
-        except ValueError:  # no change of sign: a rough law does not answer twice alike
+        except ValueError:  # no change of sign: a law with noise returns different values
             return float(low)
 
     def _work(self, indentation: float) -> float:

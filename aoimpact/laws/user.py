@@ -46,9 +46,9 @@ class UserLaw(ContactLaw):
 
     Notes
     -----
-    What a Python function raises comes out of `simulate` as it is; so does a clear error for an
-    answer that is no number, or NaN. The run gives the interpreter free in between: laws must not
-    share state that they change with other threads.
+    An error raised by a Python function is raised by `simulate` unchanged; a value that is no
+    number, or NaN, raises an error that names it. The run releases the GIL between calls: laws must
+    not share state that they change with other threads.
 
     Examples
     --------

@@ -197,7 +197,7 @@ def motion_without_force(K: sp.csr_array, factors: Factorization | None) -> Floa
     ----------
     K : scipy.sparse.csr_array, shape (n, n)
     factors : Factorization or None
-        From `check_stiffness`. Without them, K being of more than 500 dofs, the answer is None.
+        From `check_stiffness`. Without them, K being of more than 500 dofs, None is returned.
     """
     if factors is None:
         if K.shape[0] > _SMALL:

@@ -184,14 +184,14 @@ class Multigrid:
         return product[self._place]
 
     def precondition(self, r: FloatArray) -> FloatArray:
-        """Return one V-cycle's answer to `r`."""
+        """Return one V-cycle applied to `r`."""
         size = float(np.abs(r).max())
         if size == 0.0:
             return np.zeros_like(r)
         padded = np.zeros(self._length, dtype=np.float32)
         padded[self._place] = r / size
-        answer = self._cycle(0, padded)[self._place]
-        return answer.astype(np.float64) * (size / self._scale)
+        x = self._cycle(0, padded)[self._place]
+        return x.astype(np.float64) * (size / self._scale)
 
     def _cycle(self, depth: int, r: Single) -> Single:
         """Improve upon zero for the right-hand side `r`, which is written to."""

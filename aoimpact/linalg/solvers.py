@@ -114,7 +114,7 @@ class LinearSolver:
 
     def solve_with_products(self, rhs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return x as `solve` does, and the products K x and M x, which its residual needs."""
-        x, before = self.answer(rhs), np.inf
+        x, before = self.unchecked(rhs), np.inf
         for _ in range(_REFINEMENTS + 1):
             with np.errstate(over="ignore", invalid="ignore"):
                 kx, mx = self.pencil.K @ x, self.pencil.M @ x
@@ -126,7 +126,7 @@ class LinearSolver:
             if not excess < 0.5 * before:
                 break
             before = excess
-            x = x + self.answer(residual)
+            x = x + self.unchecked(residual)
         raise ConvergenceError(
             f"solver {self.name!r} leaves {excess:.2g} times the residual allowed "
             f"({_TOLERANCE:g} of the right-hand side) for {self.pencil.what} of "
@@ -141,23 +141,23 @@ class LinearSolver:
         size = np.linalg.norm(residual, axis=0)
         return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
 
-    def answer(self, rhs: FloatArray) -> FloatArray:
+    def unchecked(self, rhs: FloatArray) -> FloatArray:
         """Return (K + s²M)⁻¹ `rhs` as the method gives it, without a check of the residual.
 
         Enough for a preconditioner.
         """
-        answer = np.asarray(self.inverse.solve(rhs))
-        if answer.shape != rhs.shape or answer.dtype.kind != "f":
+        x = np.asarray(self.inverse.solve(rhs))
+        if x.shape != rhs.shape or x.dtype.kind != "f":
             raise InputTypeError(
                 f"solver {self.name!r} must return a real array of shape {rhs.shape}, as its "
-                f"right-hand side has, got {answer.dtype} {answer.shape}"
+                f"right-hand side has, got {x.dtype} {x.shape}"
             )
-        if not np.isfinite(answer).all():
+        if not np.isfinite(x).all():
             raise ConvergenceError(
                 f"solver {self.name!r} returned nan or infinity for {self.pencil.what} "
                 f"({self.pencil.n} dofs); take another one by solver="
             )
-        return answer.astype(np.float64, copy=False)  # refined, single precision does as well
+        return x.astype(np.float64, copy=False)  # refined, single precision does as well
 
 
 @dataclass(eq=False)

@@ -199,5 +199,5 @@ def _coordinates(pair: Pair, places: Places, length: float) -> dict[str, Any]:
 
 
 def _moves_without(pair: Pair) -> bool:
-    """Whether nodes that have no rows hold nothing: a body that is free does not feel them."""
+    """Whether nodes without rows are no supports: without them the body is free."""
     return _body(pair, None, 1.0, None, "").mass is not None

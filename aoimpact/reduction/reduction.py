@@ -161,8 +161,8 @@ def _ordered(found: _Oscillators, order: str) -> _Oscillators:
 def _mass_of_all(tip: ContactPoint, static: StaticMode) -> float:
     """Σ m_i over all oscillators: m_st less the bare contact's 1/(bᵀM⁻¹b), kg.
 
-    At infinite frequency the oscillators stand still, and only m0 answers: 1/m0 = bᵀM⁻¹b. Where
-    motions without mass leave that without an answer, m_st is a bound.
+    At infinite frequency the oscillators are at rest, and only m0 moves: 1/m0 = bᵀM⁻¹b. Where
+    massless motions leave bᵀM⁻¹b undefined, m_st is a bound.
     """
     M, b = tip.body.M, tip.b
     diagonal = M.diagonal()
