@@ -146,7 +146,7 @@ def _contact(result: Result) -> str:
 def error_row(run: Run) -> tuple[str, str]:
     """Return what is known of the error: of the quantity of interest, with its value and tolerance.
 
-    Of a history, at its worst over the record.
+    Of a history, at any time, relative to its largest value.
     """
     error = run.error
     parts = {
@@ -176,8 +176,9 @@ def _interest(run: Run, parts: Mapping[str, float | None]) -> str:
     total = math.fsum(part for part in parts.values() if part is not None)
     within = f" ± {percent(total)} %" if math.isfinite(total) else " not bounded"
     if interest is None or interest.is_history:
-        largest = f" up to {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
-        return f"{words}{largest}, at its worst over the record{_when(run)},{within}"
+        largest = f", {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
+        scale = f" of its largest value{largest}" if math.isfinite(total) else ""
+        return f"{words} at any time{_when(run)}{within}{scale}"
     values = interest.named(run)
     if interest.count:  # a share of a number of contacts is none
         sure = not any(part for cause, part in parts.items() if cause != "time")
