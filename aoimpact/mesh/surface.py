@@ -23,6 +23,10 @@ _BULGE = 1.2
 # there is a solution, and a step longer than this leaves the side for good or oscillates.
 _ITERATIONS, _LONGEST = 25, 0.5
 
+# Tangents with a sine below this are parallel, as at a corner where an element was collapsed; its
+# side has a normal so far from there, in its own coordinates.
+_PARALLEL, _BESIDE_CORNER = 1e-9, 1e-3
+
 # After so short a step the next one, Newton's being squared, is below rounding.
 _CONVERGED = 1e-10
 
@@ -198,11 +202,33 @@ class Surface:
         return np.array([kinds[number] == "pyramid" for number, _ in self.sides])
 
     def normal(self, face: IntArray, uv: FloatArray) -> FloatArray:
-        """Return outward unit normals, shape (n, 3)."""
-        tangents = self.at(face, uv)[1]
-        normal = np.cross(tangents[:, 0], tangents[:, 1])
+        """Return outward unit normals, shape (n, 3); of a collapsed corner, from beside it.
+
+        Raises
+        ------
+        MeshError
+            If a side has no area.
+        """
+        normal, flat = self._crossed(face, uv)
+        if flat.any():
+            beside = uv[flat] + _BESIDE_CORNER * (self.middle(face[flat]) - uv[flat])
+            normal[flat], still = self._crossed(face[flat], beside)
+            if still.any():
+                cell = int(self.cell[face[flat][still]][0])
+                nodes = self.mesh.cells[cell].tolist()
+                raise MeshError(
+                    f"mesh: a side of element {cell} (nodes {nodes}) has no area: its nodes lie on a "
+                    "line or fall together; mend the mesh there"
+                )
         unit: FloatArray = normal / np.linalg.norm(normal, axis=1, keepdims=True)
         return unit
+
+    def _crossed(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+        """Return the product of the tangents, and where they are parallel or zero."""
+        tangents = self.at(face, uv)[1]
+        normal = np.cross(tangents[:, 0], tangents[:, 1])
+        longest = (tangents**2).sum(axis=2).max(axis=1)
+        return normal, np.linalg.norm(normal, axis=1) <= _PARALLEL * longest
 
     @cached_property
     def node_normals(self) -> FloatArray:

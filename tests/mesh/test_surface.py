@@ -11,6 +11,7 @@ from bodies import distorted_box, no_solid
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
+from aoimpact.base.errors import MeshError
 from aoimpact.fem.model import FEModel
 from aoimpact.mesh.elements import KINDS, reference_element
 from aoimpact.mesh.generate import box_mesh, sphere_mesh
@@ -188,3 +189,19 @@ def test_a_side_that_fell_together_is_no_part_of_the_surface() -> None:
     surface = boundary(Mesh(nodes, [[0, 1, 2, 2, 3, 4, 5, 5]], "hexahedron"))
     assert len(surface.cell) == 5
     assert integrals(surface)[2] == pytest.approx(0.5)
+    slant = np.array([1.0, 1.0, 0.0]) / math.sqrt(2.0)
+    at_corner = np.array([[-1.0, 0, 0], [0, -1.0, 0], [0, 0, -1.0], [0, 0, 1.0], slant])
+    for normals in surface.node_normals.transpose(1, 0, 2):
+        assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0)
+        assert (at_corner @ normals.T).max(axis=0) == pytest.approx(1.0)
+
+
+def test_a_side_without_area_is_named() -> None:
+    """Three corners of a side on a line, the fourth on one of them: a number by mistake."""
+    left = [[0, 0, 0], [0, 0, 1], [0, 1e-300, 0]]
+    right = [[1, 0, 0], [1, 0, 1], [1, 1, 0], [1, 1, 1]]
+    surface = boundary(
+        Mesh(np.array(left + right, float), [[0, 3, 5, 2, 1, 4, 6, 2]], "hexahedron")
+    )
+    with pytest.raises(MeshError, match=r"a side of element 0 .* has no area"):
+        _ = surface.node_normals
