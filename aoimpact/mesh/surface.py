@@ -217,8 +217,8 @@ class Surface:
                 cell = int(self.cell[face[flat][still]][0])
                 nodes = self.mesh.cells[cell].tolist()
                 raise MeshError(
-                    f"mesh: a side of element {cell} (nodes {nodes}) has no area: its nodes lie on a "
-                    "line or fall together; mend the mesh there"
+                    f"mesh: a side of element {cell} (nodes {nodes}) has no area: its nodes lie on "
+                    "a line or fall together; mend the mesh there"
                 )
         unit: FloatArray = normal / np.linalg.norm(normal, axis=1, keepdims=True)
         return unit
