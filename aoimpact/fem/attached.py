@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -181,7 +182,10 @@ def _warn_of_millimetres(
 ) -> None:
     """Warn of a rigid mass that is as far off, or as large, as only other units make it."""
     middle, size = nodes.mean(axis=0), float(np.ptp(nodes, axis=0).max())
-    off, radius = float(np.linalg.norm(centre - middle)), float(np.sqrt(np.trace(inertia) / mass))
+    off, radius = (
+        float(np.linalg.norm(centre - middle)),
+        math.sqrt(np.trace(inertia)) / math.sqrt(mass),
+    )
     for what, value in (
         (f"centre is {off:.3g} m from", off),
         (f"inertia reaches {radius:.3g} m beyond", radius),

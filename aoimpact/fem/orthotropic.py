@@ -92,7 +92,12 @@ class Orthotropic:
 
     def __post_init__(self) -> None:
         checked(self, E=_moduli, G=_moduli, nu=_triple, rho=_density, axes=_axes)
-        energies = np.linalg.eigvalsh(self._compliance[:3, :3] * max(self.E))
+        relative = self._compliance[:3, :3] * max(self.E)
+        if not np.isfinite(relative).all():
+            raise InputError(
+                f"E={self.E} Pa, nu={self.nu}: these lie too far apart to compute with"
+            )
+        energies = np.linalg.eigvalsh(relative)
         if not energies.min() > 0.0:
             e1, e2, e3 = self.E
             raise InputError(

@@ -22,6 +22,8 @@ def yield_force(modulus: float, radius: float, pressure: float) -> float:
     modulus, radius, pressure : float
         E*, Pa, R, m, and p, Pa.
     """
+    if modulus == 0.0:
+        raise InputError("E is too small to compute with: its modulus E* is 0 Pa")
     reach = radius * (pressure / modulus)
     return math.pi**3 / 6.0 * pressure * reach * reach
 

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray
+from ..base import FloatArray, SingularError
 
 __all__ = ["every_motion", "motions_at", "rigid_motions", "unresisted_motions"]
 
@@ -100,6 +100,12 @@ def _null_combinations(motions: FloatArray, forces: FloatArray) -> FloatArray:
 def _orthonormalised(basis: FloatArray, M: Any) -> FloatArray:
     # Twice: the first Gram matrix carries the rounding of however skew the basis was.
     for _ in range(2):
-        factor = scipy.linalg.cholesky(basis.T @ (M @ basis), lower=True)
+        try:
+            factor = scipy.linalg.cholesky(basis.T @ (M @ basis), lower=True)
+        except scipy.linalg.LinAlgError:
+            raise SingularError(
+                "M is not positive for a motion without stiffness, or its entries lie too far "
+                "apart: check rho, masses, their centres and inertias"
+            ) from None
         basis = scipy.linalg.solve_triangular(factor, basis.T, lower=True).T
     return np.ascontiguousarray(basis)

@@ -239,3 +239,12 @@ def test_a_rigid_mass_in_millimetres_is_said(mount: ao.RigidMass, words: str) ->
 def test_a_mass_on_constrained_nodes_is_said() -> None:
     with pytest.warns(AOImpactWarning, match=r"masses\[0\]: 6 of the 6 nodes .* do not move"):
         ao.FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")], masses=[("xmin", 5.0)])
+
+
+def test_a_mass_so_far_off_that_rounding_takes_its_inertia_is_named() -> None:
+    far = ao.RigidMass("xmax", 2.0, centre=(0.2, 0.0, 4e9), inertia=(1e-3, 1e-3, 1e-3))
+    mesh = ao.box_mesh((0.1, 0.02, 0.02), (3, 1, 1))
+    with pytest.warns(AOImpactWarning, match="centre is 4e.09 m from"):
+        body = ao.FEModel.from_mesh(mesh, STEEL, masses=[far])
+    with pytest.raises(ao.SingularError, match="masses, their centres and inertias"):
+        _ = body.rigid_modes

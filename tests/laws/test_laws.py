@@ -213,3 +213,10 @@ def test_a_radius_beyond_any_body_is_refused() -> None:
     """Its square root times a depth is a number, and its powers are none."""
     with pytest.raises(ao.InputError, match="relative_radius=1e\\+308 m is larger than any body"):
         ao.Hertz(k=1e9, relative_radius=1e308)
+
+
+def test_a_modulus_that_is_no_number_is_refused() -> None:
+    with pytest.warns(ao.AOImpactWarning, match="that of no solid"):
+        soft = ao.Material(E=5e-324, nu=0.3, rho=7800)
+    with pytest.raises(ao.InputError, match="E is too small"):
+        ao.Thornton.between(soft, 0.01, soft, math.inf, yield_pressure=1e9)
