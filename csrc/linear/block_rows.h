@@ -6,7 +6,7 @@
 
 #ifndef REAL
 #define REAL float
-#define OF(x) single_##x
+#define OF(x) aoi_single_##x
 #endif
 
 static inline void OF(widen)(size_t n, size_t b, const REAL *x, REAL *wide)

@@ -10,12 +10,12 @@
 #include <string.h>
 
 #define REAL float
-#define OF(x) single_##x
+#define OF(x) aoi_single_##x
 #include "linear/block_rows.h"
 #undef REAL
 #undef OF
 #define REAL double
-#define OF(x) exact_##x
+#define OF(x) aoi_exact_##x
 #include "linear/block_rows.h"
 
 int aoi_blocks_check(const aoi_blocks *matrix, size_t stored_count)
@@ -42,10 +42,10 @@ int aoi_blocks_check(const aoi_blocks *matrix, size_t stored_count)
 void aoi_blocks_subtract(const aoi_blocks *matrix, const float *x, float *r, float *work)
 {
     float *wide = work + aoi_four_width(matrix->size) * matrix->n;
-    single_spread(matrix, r, work);
-    single_spread(matrix, x, wide);
-    single_rows(matrix, matrix->values, wide, work);
-    single_gather(matrix, work, r);
+    aoi_single_spread(matrix, r, work);
+    aoi_single_spread(matrix, x, wide);
+    aoi_single_rows(matrix, matrix->values, wide, work);
+    aoi_single_gather(matrix, work, r);
 }
 
 void aoi_blocks_multiply(const aoi_blocks *matrix, const double *values, const double *x, double *y,
@@ -53,9 +53,9 @@ void aoi_blocks_multiply(const aoi_blocks *matrix, const double *values, const d
 {
     const size_t length = aoi_four_width(matrix->size) * matrix->n;
     memset(work, 0, length * sizeof *work);
-    exact_spread(matrix, x, work + length);
-    exact_rows(matrix, values, work + length, work);
-    exact_gather(matrix, work, y);
+    aoi_exact_spread(matrix, x, work + length);
+    aoi_exact_rows(matrix, values, work + length, work);
+    aoi_exact_gather(matrix, work, y);
     for (size_t k = 0; k < matrix->size * matrix->n; k++) {
         y[k] = -y[k];
     }
@@ -84,7 +84,7 @@ static inline float by_inverse(const aoi_blocks *matrix, size_t b, size_t i, siz
 static inline void step_row(const aoi_blocks *matrix, size_t b, size_t i, const chebyshev *step)
 {
     const size_t at = aoi_four_width(b) * i;
-    single_row(matrix, matrix->values, b, i, step->d, step->r);
+    aoi_single_row(matrix, matrix->values, b, i, step->d, step->r);
     for (size_t k = 0; k < b; k++) {
         const float change =
             step->keep * step->d[at + k] + step->add * by_inverse(matrix, b, i, k, step->r);
@@ -141,7 +141,7 @@ int aoi_blocks_smooth(const aoi_blocks *matrix, size_t steps, double low, double
     if (!(low > 0.0 && high > low && high < HUGE_VAL) || steps < 1) {
         return AOI_ERROR_ARGUMENT;
     }
-    single_spread(matrix, r, wide);
+    aoi_single_spread(matrix, r, wide);
     memset(d, 0, 2 * length * sizeof *d); /* the fourth floats are read */
     first_step(matrix, (float)(1.0 / middle), d, x, wide);
     for (size_t k = 1; k < steps; k++) {
@@ -154,8 +154,8 @@ int aoi_blocks_smooth(const aoi_blocks *matrix, size_t steps, double low, double
         rho = rho_next;
     }
     if (finish) {
-        single_rows(matrix, matrix->values, d, wide);
+        aoi_single_rows(matrix, matrix->values, d, wide);
     }
-    single_gather(matrix, wide, r);
+    aoi_single_gather(matrix, wide, r);
     return AOI_OK;
 }

@@ -12,40 +12,43 @@ static inline size_t aoi_four_width(size_t b) { return b == 3 ? 4 : b; }
 #ifdef __SSE2__
 #include <emmintrin.h>
 
-typedef __m128 single_four;
-static inline single_four single_load(const float *x) { return _mm_loadu_ps(x); }
-static inline single_four single_fill(float x) { return _mm_set1_ps(x); }
-static inline void single_store(single_four a, float *x) { _mm_storeu_ps(x, a); }
-static inline single_four single_plus(single_four sum, single_four a, single_four b)
+typedef __m128 aoi_single_four;
+static inline aoi_single_four aoi_single_load(const float *x) { return _mm_loadu_ps(x); }
+static inline aoi_single_four aoi_single_fill(float x) { return _mm_set1_ps(x); }
+static inline void aoi_single_store(aoi_single_four a, float *x) { _mm_storeu_ps(x, a); }
+static inline aoi_single_four aoi_single_plus(aoi_single_four sum, aoi_single_four a, aoi_single_four b)
 {
     return _mm_add_ps(sum, _mm_mul_ps(a, b));
 }
-static inline single_four single_minus(single_four sum, single_four a, single_four b)
+static inline aoi_single_four aoi_single_minus(aoi_single_four sum, aoi_single_four a, aoi_single_four b)
 {
     return _mm_sub_ps(sum, _mm_mul_ps(a, b));
 }
 
-typedef struct exact_four {
+typedef struct aoi_exact_four {
     __m128d low, high;
-} exact_four;
-static inline exact_four exact_load(const double *x)
+} aoi_exact_four;
+static inline aoi_exact_four aoi_exact_load(const double *x)
 {
-    return (exact_four){_mm_loadu_pd(x), _mm_loadu_pd(x + 2)};
+    return (aoi_exact_four){_mm_loadu_pd(x), _mm_loadu_pd(x + 2)};
 }
-static inline exact_four exact_fill(double x) { return (exact_four){_mm_set1_pd(x), _mm_set1_pd(x)}; }
-static inline void exact_store(exact_four a, double *x)
+static inline aoi_exact_four aoi_exact_fill(double x)
+{
+    return (aoi_exact_four){_mm_set1_pd(x), _mm_set1_pd(x)};
+}
+static inline void aoi_exact_store(aoi_exact_four a, double *x)
 {
     _mm_storeu_pd(x, a.low);
     _mm_storeu_pd(x + 2, a.high);
 }
-static inline exact_four exact_plus(exact_four sum, exact_four a, exact_four b)
+static inline aoi_exact_four aoi_exact_plus(aoi_exact_four sum, aoi_exact_four a, aoi_exact_four b)
 {
-    return (exact_four){_mm_add_pd(sum.low, _mm_mul_pd(a.low, b.low)),
+    return (aoi_exact_four){_mm_add_pd(sum.low, _mm_mul_pd(a.low, b.low)),
                         _mm_add_pd(sum.high, _mm_mul_pd(a.high, b.high))};
 }
-static inline exact_four exact_minus(exact_four sum, exact_four a, exact_four b)
+static inline aoi_exact_four aoi_exact_minus(aoi_exact_four sum, aoi_exact_four a, aoi_exact_four b)
 {
-    return (exact_four){_mm_sub_pd(sum.low, _mm_mul_pd(a.low, b.low)),
+    return (aoi_exact_four){_mm_sub_pd(sum.low, _mm_mul_pd(a.low, b.low)),
                         _mm_sub_pd(sum.high, _mm_mul_pd(a.high, b.high))};
 }
 
@@ -81,8 +84,8 @@ static inline exact_four exact_minus(exact_four sum, exact_four a, exact_four b)
         return sum;                                                                                    \
     }
 
-AOI_FOUR(single, float)
-AOI_FOUR(exact, double)
+AOI_FOUR(aoi_single, float)
+AOI_FOUR(aoi_exact, double)
 
 #endif
 #endif
