@@ -21,8 +21,8 @@ static const double EDGE_DEPTH = 1e-3;
 /* Newton's convergence is measured against an indentation of at least this share of the largest. */
 static const double NEWTON_SHARE = 1e-6;
 
-/* The same for contacts coupled by a residual compliance: each indentation has the rounding of the largest. */
-static const double SHARED_NEWTON_SHARE = 1e-3;
+/* The same at residual compliances, which couple contacts: each indentation has the rounding of the largest. */
+static const double MASSLESS_NEWTON_SHARE = 1e-3;
 
 /* Whether two bodies have the same response: scenes often use one model several times. */
 static int are_alike(const aoi_modes *one, const aoi_modes *other)
@@ -153,25 +153,25 @@ static void extrapolate_linearly(const aoi_adaptive_contact *contact, double h, 
 }
 
 /* A first guess: the last step's polynomial extrapolated, or the motion without contact force, which bounds the
- * indentation from above. Where other contacts press on the same massless contact point that motion is no bound: the
- * point would jump. */
-static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int shared,
+ * indentation from above. A massless contact point would jump to that motion, far from the solution under a stiff law,
+ * and other contacts may press on the point: there the guess is linear. */
+static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int massless,
                   aoi_contact_step *entry)
 {
     const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
     double drawn_on[AOI_NODES], rate[AOI_NODES], largest = 0.0;
     if (known) {
         extrapolate(contact, h, drawn_on, with_rates ? rate : NULL);
-    } else if (shared) {
+    } else if (massless) {
         extrapolate_linearly(contact, h, drawn_on, rate);
     }
     for (size_t i = 0; i < AOI_NODES; i++) {
-        const int shallower = shared || (known && drawn_on[i] < entry->homogeneous[i]);
+        const int shallower = massless || (known && drawn_on[i] < entry->homogeneous[i]);
         entry->indentation[i] = shallower ? drawn_on[i] : entry->homogeneous[i];
         entry->rate[i] = shallower && with_rates ? rate[i] : entry->homogeneous_rate[i];
         largest = fabs(entry->indentation[i]) > largest ? fabs(entry->indentation[i]) : largest;
     }
-    entry->scale = fmax(largest, (shared ? SHARED_NEWTON_SHARE : NEWTON_SHARE) * usual);
+    entry->scale = fmax(largest, (massless ? MASSLESS_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
 /* Whether a step of length h begins or ends at an edge of a contact. */
@@ -207,8 +207,8 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
     entry->start = contact->start;
     entry->start_rate = contact->start_rate;
     homogeneous(run, entry, with_rates);
-    const int shared = run->closed_count > 1 && aoi_contact_has_residual(run, entry->contact);
-    guess(contact, h, run->indentation_scale, with_rates, shared, entry);
+    const int massless = aoi_contact_has_residual(run, entry->contact);
+    guess(contact, h, run->indentation_scale, with_rates, massless, entry);
 }
 
 /* The step's forces on the ports of all bodies under force, and their derivatives at its start. */

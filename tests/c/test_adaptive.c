@@ -708,6 +708,39 @@ static void a_load_sets_in_on_a_dashpot(void)
     }
 }
 
+/* The same under a stiff law whose dashpot vanishes at the touch: k d (1 + chi d') = load - d / soft, so that
+ * t = -(k chi / s) (d + (load / s) ln(1 - s d / load)) with s = k + 1 / soft. The force begins with the whole load and
+ * falls like the square root of time; what follows is slow, and takes few steps. */
+static void a_load_sets_in_on_a_stiff_law(void)
+{
+    const double soft = 1e-5, k = 1e9, load = 100.0, end = 1e-3, s = k + 1.0 / soft;
+    for (double chi = 1e-2; chi < 1e5; chi *= 1e3) {
+        const aoi_law law = law_named("hunt_crossley", 3, k, chi, 1.0);
+        for (double rtol = 1e-3; rtol > 5e-9; rtol *= 0.1) {
+            plant p = {.bodies = 0};
+            part *place = add_rigid(&p, 1e12, 0.0);
+            place->massless = 1;
+            place->residual[0] = soft;
+            place->load_count = 1;
+            place->load_force[0] = load;
+            add_wall(&p);
+            join_rigid(&p, 0, 1, 0.0, &law);
+            must_go(&p, rtol, end);
+            CHECK(near(p.run->contact[0].peak_force, load, rtol), "it begins with %.12g N", p.run->contact[0].peak_force);
+            CHECK(p.run->contact[0].peak_time < 1e-11 && p.run->steps < 200, "at %g s, %zu steps",
+                  p.run->contact[0].peak_time, p.run->steps);
+            CHECK(open_sampler(&p) == AOI_OK, "sampled");
+            for (double share = 0.05; share < 1.0; share += 0.1) {
+                double record[32];
+                const double d = share * load / s, t = -k * chi / s * (d + load / s * log1p(-share));
+                aoi_sampler_column(p.sampler, fmin(t, end), 0, record, 1);
+                CHECK(t > end || near(record[0], load - d / soft, rtol), "t %g: %.12g N, not %.12g", t, record[0], load - d / soft);
+            }
+            release(&p);
+        }
+    }
+}
+
 /* A faster body that comes from behind draws the place away from a first one, whose force is cut at once. */
 static void a_faster_one_takes_all_the_force(void)
 {
@@ -1546,6 +1579,7 @@ int main(void)
     a_law_is_asked_no_deeper_than_the_motion_may_lead();
     a_force_that_jumps_has_its_peak_there();
     a_load_sets_in_on_a_dashpot();
+    a_load_sets_in_on_a_stiff_law();
     a_faster_one_takes_all_the_force();
     a_massless_place_between_two_contacts_moves_evenly();
     a_pull_ends_beside_what_presses();

@@ -47,6 +47,10 @@ _HYSTERESIS = 1e-13
 # The implicit integrator's order leaves it no tighter tolerance.
 _TIGHTEST_IMPLICIT = 1e-10
 
+# Of its first step: its estimate does not show what relaxes within one, such as the coordinate
+# after a touch where the law's dashpot has no force yet.
+_RELAXING = 1e-4
+
 # Flips of a contact at one instant after which it is left alone for a moment, as a share of the
 # record.
 _MOST_FLIPS, _MOMENT = 3, 1e-11
@@ -322,7 +326,8 @@ class Oracle:
         rhs, sizes = self._rhs(phase), motion.sizes(phase)
         if phase.own:
             rtol = max(self.rtol, _TIGHTEST_IMPLICIT)
-            return Radau(rhs, t, y, end, rtol=rtol, atol=rtol * sizes, first_step=first)
+            atol = rtol * sizes
+            return Radau(rhs, t, y, end, rtol=rtol, atol=atol, first_step=_RELAXING * first)
         rtol = max(self.rtol, 3e-14)
         return DOP853(rhs, t, y, end, rtol=rtol, atol=rtol * sizes, first_step=first)
 
@@ -341,6 +346,8 @@ class Oracle:
                 message = solver.step()
                 if solver.status == "failed":
                     raise GaveUpError(f"integrator: {message}")
+                if phase.own:  # its differences by what moves nothing grow until they overflow
+                    np.minimum(solver.jac_factor, 1.0, out=solver.jac_factor)
                 dense = solver.dense_output()
                 before, at = at, self.motion.look(solver.t, solver.y, phase)
                 if not self._quiet(before, at, solver.t - start, phase):

@@ -24,6 +24,11 @@ _LOOKED_INTO = 0.5
 _DEGREES, _EXACT, _SHORTEST = (8, 16), 1e-9, 1.0 / 64.0
 
 
+# When a touch's rate is looked at again, as a share of its length: at its start the rate of a
+# massless coordinate jumps.
+_SOON = 1e-3
+
+
 @dataclass
 class Step:
     """A step that was accepted: dense output from start to end in one phase."""
@@ -158,7 +163,10 @@ class Readout:
     def _touch(self, start: Mark, end: Mark) -> Touch:
         deep = max(self._depths(start.contact, start.time, end.time), default=0.0)
         length = end.time - start.time
-        pace = abs(start.rate) * length / deep if deep > 0.0 else 0.0
+        soon = min(start.time + _SOON * length, end.time)
+        i = max(int(np.searchsorted(self.starts, soon, side="right")) - 1, 0)
+        after = float(self.look(self.steps[i], soon).depth[start.contact])
+        pace = min(abs(start.rate) * length, abs(after) / _SOON) / deep if deep > 0.0 else 0.0
         return Touch(start.time, end.time, end.impulse - start.impulse, pace, deep)
 
     def _parted(self, c: int, touches: list[Touch]) -> tuple[Touch, ...]:
