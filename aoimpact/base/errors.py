@@ -168,7 +168,8 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     1: (InputError, "an argument is out of its range"),
     2: (
         ConvergenceError,
-        "infinity or NaN came up; the step may be too large or the values too extreme",
+        "infinity or NaN came up, of values that lie too far apart; take a softer law, smaller "
+        "loads and velocities, or, with fixed steps, smaller ones",
     ),
     3: (SingularError, "a mass, stiffness or pivot that must be positive is not"),
     4: (ConvergenceError, "an iteration did not converge"),

@@ -33,6 +33,9 @@ _SQUARE = 1e-4
 # both are periodic, so that this is exact to rounding up to E1/E3 of some hundreds.
 _TURNS, _ANGLES = 48, 96
 
+# Least elastic energy of a strain as a share of the largest: below, it is rounding.
+_ROUNDED = 8.0 * np.finfo(np.float64).eps
+
 # ν of the isotropic stand-in of a half-space.
 _NU_LOW, _NU_HIGH = -0.99, 0.499
 
@@ -98,11 +101,12 @@ class Orthotropic:
                 f"E={self.E} Pa, nu={self.nu}: these lie too far apart to compute with"
             )
         energies = np.linalg.eigvalsh(relative)
-        if not energies.min() > 0.0:
+        if not energies.min() > _ROUNDED * energies.max():
             e1, e2, e3 = self.E
             raise InputError(
-                f"nu={self.nu}: some strain would have negative energy; with these E, |ν12| must "
-                f"be below {math.sqrt(e1 / e2):.3g}, |ν13| below {math.sqrt(e1 / e3):.3g}, |ν23| "
+                f"nu={self.nu}: some strain would have zero or negative energy; with these E, "
+                f"|ν12| must be below {math.sqrt(e1 / e2):.3g}, "
+                f"|ν13| below {math.sqrt(e1 / e3):.3g}, |ν23| "
                 f"below {math.sqrt(e2 / e3):.3g}, and all three smaller together (νij belongs to a "
                 "stress along i; was νji meant?)"
             )

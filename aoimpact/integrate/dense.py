@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base import FloatArray, LawLimitError
+from ..base import FloatArray, LawLimitError, MemoryLimitError
 from ..scene import Plan
 from .band import IntArray, narrow_order
 from .events import Events
@@ -217,6 +217,8 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
         If the tolerance cannot be met; with the time.
     LawLimitError
         If a contact goes deeper than its law stands for; with its number.
+    MemoryLimitError
+        If the run's steps, up to a GiB of them, do not fit into memory.
     """
     began = perf_counter()
     order = _order(plan) if len(plan.contacts) > 2 else None
@@ -231,6 +233,11 @@ def adaptive_run(plan: Plan, *, rtol: float, most_steps: int = sys.maxsize) -> D
         if order is not None and error.contact is not None:
             error.contact = int(order[error.contact])
         raise
+    except MemoryError:
+        raise MemoryLimitError(
+            f"the steps of a run of {plan.duration:g} s to rtol={rtol:g} do not fit into the "
+            "memory that is left; take a shorter duration, a larger rtol, or Newmark(dt=...)"
+        ) from None
     if order is not None:
         intervals = tuple([intervals[i] for i in np.argsort(order)])
     found = [_Found(*of) for of in intervals]

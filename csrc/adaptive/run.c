@@ -2,6 +2,7 @@
  * form. This file decides which of the two comes next, and how long the next step is. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
+#include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
 #include "model/system.h"
@@ -545,6 +546,9 @@ static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
     } else {
         status = move_freely(run);
         *paused = run->time < run->end && run->closed.count == 0;
+    }
+    if (status == AOI_OK && !aoi_vector_is_finite(size, row)) {
+        return AOI_ERROR_NOT_FINITE; /* energies may overflow where nothing else does */
     }
     if (status == AOI_OK && size > 0) {
         track->row[track->rows++] = track->used;

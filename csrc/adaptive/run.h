@@ -97,8 +97,9 @@ enum {
 /* Largest growth of the step length after an accepted step. */
 #define AOI_MOST_GROWTH 8.0
 
-/* Largest number of evaluations of a mode in one search for a touch, about a tenth of a second. */
-enum { AOI_MOST_LOOKS = 500000 };
+/* Largest number of evaluations of a mode in one search for a touch, about a tenth of a second; and in one within a
+ * step, which may be made shorter. */
+enum { AOI_MOST_LOOKS = 500000, AOI_LOOKS_IN_STEP = 10000 };
 
 /* Events of a contact within a step. */
 enum aoi_event {

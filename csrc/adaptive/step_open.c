@@ -96,7 +96,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
     take_pair(run, entry->contact, attempt->h, &pair, &forced);
     pair.gap += rest + slack;
     aoi_free_pair_indentation(&pair, &start, &start_rate, &ignored);
-    const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
+    const size_t most = 1 + AOI_LOOKS_IN_STEP / (pair.body[0]->n + pair.body[1]->n);
     if (aoi_free_pair_next_touch(&pair, now + attempt->h, most, &touches) != AOI_OK) {
         attempt->growth = fmin(attempt->growth, 0.5); /* the search took too many evaluations */
         return;

@@ -545,6 +545,7 @@ MUTANTS = [
     ("adaptive/balance.c", "rate + (here - contact->indentation) / time", "rate"),
     ("adaptive/balance.c", "indentation -= (side == 0", "indentation += 0.0 * (side == 0"),
     ("adaptive/balance.c", "press(run, count, AT_ONCE * left)", "press(run, count, 0.0)"),
+    ("adaptive/run.c", "!aoi_vector_is_finite(size, row)", "0"),
     ("adaptive/balance.c", "SETS_IN = 1e-26", "SETS_IN = 1e-6"),
     ("adaptive/balance.c", "i < count && found", "0"),
     ("adaptive/balance.c", "run->contact[run->balanced[i].at[0]].bending = e.force[i];", ""),

@@ -1503,6 +1503,25 @@ static void stiffness_alone_costs_nothing(void)
     CHECK(steps[1] <= steps[0] + 10, "%zu steps, softer ones %zu", steps[1], steps[0]);
 }
 
+/* The work of a load is no number where its slope is infinite, although the bodies' motion is. */
+static void energies_that_overflow_are_refused(void)
+{
+    const aoi_law law = hertz(1e6);
+    plant p = {.bodies = 0};
+    part *place = add_rigid(&p, 1.0, 0.0);
+    place->massless = 1;
+    place->residual[0] = 0.0;
+    place->load_count = 2;
+    place->load_time[1] = 1e-3;
+    place->load_force[0] = 1e308;
+    place->load_force[1] = -1e308;
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 1.0, &law);
+    CHECK(begin(&p, 1e-6, 1e-3) == AOI_OK, "it begins");
+    CHECK(aoi_adaptive_run(p.run, &p.track) == AOI_ERROR_NOT_FINITE, "and is refused");
+    release(&p);
+}
+
 static void senseless_runs_are_refused(void)
 {
     const aoi_law law = hertz(1e6);
@@ -1602,6 +1621,7 @@ int main(void)
     a_run_in_pieces_is_the_run();
     bodies_of_one_model_move_as_copies_do();
     stiffness_alone_costs_nothing();
+    energies_that_overflow_are_refused();
     senseless_runs_are_refused();
     bodies_without_contacts_fly();
     return check_report();

@@ -218,6 +218,7 @@ def test_an_impact_on_a_laminate() -> None:
         ({"E": (135e9, -9e9, 9e9)}, r"E\[1\] must be positive"),
         ({"nu": (0.3, 0.3, 1.2)}, "negative energy"),
         ({"nu": (4.5, 0.3, 0.4)}, "negative energy.*νji"),
+        ({"nu": (0.3, 0.3, -1.0)}, "negative energy"),  # none, but for rounding
         ({"E": (135e9, 5e-324, 9e9)}, "lie too far apart"),
         ({"axes": ((1, 0, 0), (1, 1, 0))}, "right angles"),
         ({"axes": ((1, 0, 0),)}, "two directions or three, got 1"),

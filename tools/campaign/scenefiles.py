@@ -354,7 +354,8 @@ def _soon(scene: ao.SceneFile) -> bool:
     table = scene.data[scene.kind]
     bodies = _numbers([scene.data["bodies"], scene.data.get("materials", {})])
     members = table.get("bodies", [])
-    how = _numbers([table.get("contacts", []), table.get("law", {}), table.get("solver", {})])
+    names = ("contacts", "law", "solver", "loads", "gravity")
+    how = _numbers([table[name] for name in names if name in table])
     duration = table.get("duration", 0.0)
     speeds = _numbers([table.get("velocity", 0.0), *(m.get("velocity", 0.0) for m in members)])
     return (
