@@ -9,7 +9,7 @@ core; `fem` and `reduction` know none.
 from .curvature import contact_modulus
 from .effective import check_width, effective_law, own_law, wide_enough
 from .elastic import Hertz, Linear, PowerLaw
-from .law import ContactLaw, HertzianLaw, PatchLaw
+from .law import ContactLaw, HertzianLaw, PatchLaw, loading_work
 from .plastic import Thornton, yield_force
 from .restitution import restitution
 from .surfaces import LawFromSurfaces, law_between
@@ -52,6 +52,7 @@ __all__ = [
     "contact_modulus",
     "effective_law",
     "law_between",
+    "loading_work",
     "own_law",
     "restitution",
     "wide_enough",

@@ -23,7 +23,7 @@ from ..base import (
 )
 from .rebound import integrated_restitution
 
-__all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw"]
+__all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw", "loading_work"]
 
 
 # What for_core gives; opaque to all but the binding.
@@ -348,6 +348,11 @@ def _first_beyond(
         if found.size:
             return start + int(found[0])
     return None
+
+
+def loading_work(law: ContactLaw, indentation: float) -> float:
+    """Return ∫ F dδ up to an indentation, m, at no rate, J: what is stored and what yields."""
+    return law._work(indentation)
 
 
 @dataclass(frozen=True, repr=False)

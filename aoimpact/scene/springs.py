@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from .. import _core
 from ..base import FloatArray
-from ..laws import ContactLaw
+from ..laws import ContactLaw, loading_work
 
 __all__ = ["Springs"]
 
@@ -26,6 +26,7 @@ _STRIDES, _OWN_STRIDES = (2.0**16, 2.0**4, 2.0), (2.0,)
 class _Kind:
     """The contacts of one law, by their numbers; beyond its limit, m, it is continued linearly."""
 
+    of: ContactLaw
     law: tuple[Any, ...]
     limit: float
     strides: tuple[float, ...]
@@ -42,9 +43,12 @@ class _Kind:
         return np.where(closed, beyond, 0.0), np.where(closed, stiffness, 0.0)
 
     def energy(self, depth: FloatArray) -> FloatArray:
-        """Return the stored energy, J, shape (m,)."""
+        """Return the work of the force up to there, J, shape (m,)."""
         within, stored = np.clip(depth, 0.0, self.limit), np.empty(len(depth))
-        _core.law_potential(self.law, within, stored)
+        if self.of.has_memory:  # a plastic contact stores less than that
+            stored[:] = [loading_work(self.of, one) for one in within.tolist()]
+        else:
+            _core.law_potential(self.law, within, stored)
         mean = 0.5 * (self.force(within)[0] + self.force(depth)[0])
         return stored + np.maximum(depth - within, 0.0) * mean
 
@@ -68,6 +72,7 @@ class Springs:
             which.setdefault(law, []).append(number)
         self._kinds = [
             _Kind(
+                law,
                 law.for_core(),
                 law.limit,
                 _OWN_STRIDES if law.by_caller else _STRIDES,
@@ -84,7 +89,7 @@ class Springs:
         return force, slope
 
     def energy(self, depth: FloatArray) -> float:
-        """Return the energy stored in all of them, J."""
+        """Return the work of the forces of all, J."""
         return float(sum(kind.energy(depth[kind.which]).sum() for kind in self._kinds))
 
     def stiffness_under(self, load: float) -> FloatArray:

@@ -521,13 +521,15 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
 }
 
 /* Advances all bodies from their last state to the end of the run in free motion. */
-static void advance_all_to_end(aoi_adaptive *run)
+static int advance_all_to_end(aoi_adaptive *run)
 {
+    const size_t all = run->system->first[run->system->body_count];
     for (size_t b = 0; b < run->system->body_count; b++) {
         const size_t at = run->system->first[b];
         aoi_modes_advance(&run->system->body[b], run->body[b].time, run->end, run->x + at, run->v + at);
         run->body[b].time = run->end;
     }
+    return aoi_vector_is_finite(all, run->x) && aoi_vector_is_finite(all, run->v) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }
 
 /* Advances the run by at most one row. idle: number of successive calls in which the time has not advanced. */
@@ -570,7 +572,7 @@ int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track)
         status = go_on(run, track, idle, &paused);
     }
     if (status == AOI_OK && !(run->time < run->end)) {
-        advance_all_to_end(run);
+        status = advance_all_to_end(run);
     }
     return status;
 }

@@ -244,6 +244,22 @@ def test_a_falling_body_among_many_is_named():
         scene.simulate(duration=1e-6, preload=True)
 
 
+@pytest.mark.parametrize("gap", [0.0, -1e-3])
+def test_plastic_contacts_yield_and_bear_what_is_pressed_on_a_row_of_them(gap):
+    scene = ao.Scene()
+    row = [scene.add(ao.AOModel(m0=2e-4, m=[0.1], k=[0.2])), *(scene.add(BODY) for _ in range(2))]
+    row.append(scene.add(WALL))
+    laws = (
+        ao.Thornton(k=5526.0, yield_force=0.02),
+        ao.Hertz(k=600.0),
+        ao.Thornton(k=40.0, yield_force=0.01),
+    )
+    for one, other, law in zip(row, row[1:], laws, strict=False):
+        scene.connect(one, other, law, gap=gap)
+    scene.apply(row[0], force=0.1)
+    assert at_rest(scene) == pytest.approx(np.full(3, 0.1), rel=1e-9)
+
+
 def test_a_row_squeezed_between_walls_has_one_force_whatever_its_laws():
     """Nothing loads it but its overlaps: all indentations at the force sum up to these."""
     rng, count = np.random.default_rng(20002), 20
