@@ -108,7 +108,8 @@ class _Parts:
         models = (case["projectile"], case["target"])
         if not all(isinstance(model, (AOModel, ModalModel)) for model in models):
             return None
-        if case["law"].by_caller:  # calls Python at every step
+        law = case["law"]
+        if law.by_caller or law.pulls:  # calls Python at every step; may need a second run
             return None
         with held_warnings() as messages:
             try:

@@ -21,8 +21,9 @@ __all__ = ["solve_adaptive"]
 def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | None]:
     """Run a scene to a tolerance; return the run and its relative error, if known.
 
-    From the second touch of a contact on, errors grow with each. Then tighter runs follow until one
-    meets the tolerance.
+    From the second touch of a contact on, errors grow with each; and a contact that pulls may end
+    so slowly that small errors make large ones of its end. Then tighter runs follow until one meets
+    the tolerance.
 
     Raises
     ------
@@ -41,7 +42,7 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | N
     if max(map(len, run.touches), default=0) > 1:
         _refuse_gain(plan, run)
     touches = most_touches(run)
-    if touches > 1:
+    if touches > 1 or (touches == 1 and any(contact.law.pulls for contact in plan.contacts)):
         run, error = _confirmed(plan, run, rule.rtol, touches)
         _refuse_gain(plan, run)
     return run if run.rtol == rule.rtol else replace(run, rtol=rule.rtol), error
@@ -130,7 +131,10 @@ def _warn_of_error(
 
 
 def _warn(rtol: float, touches: int, text: str) -> None:
-    warn(
-        f"rtol={rtol:g} cannot be met over {touches} contacts of the same two bodies, each of "
-        f"which amplifies the errors before it: {text}"
+    reason = (
+        f"over {touches} contacts of the same two bodies, each of which amplifies the errors "
+        "before it"
+        if touches > 1
+        else "by a contact that pulls, and ends slowly"
     )
+    warn(f"rtol={rtol:g} cannot be met {reason}: {text}")

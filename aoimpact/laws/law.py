@@ -113,6 +113,14 @@ class ContactLaw:
         """
         return self._by_caller
 
+    @property
+    def pulls(self) -> bool:
+        """Whether the contact ends with the indentation, and pulls before.
+
+        :meta private:
+        """
+        return False
+
     def _parameters(self) -> tuple[float, ...]:
         """Return what the core makes the law from, in the order of its row in csrc/law."""
         raise NotImplementedError
@@ -424,6 +432,10 @@ class PatchLaw(ContactLaw):
     @property
     def by_caller(self) -> bool:
         return self.law.by_caller
+
+    @property
+    def pulls(self) -> bool:
+        return self.law.pulls
 
     def for_core(self) -> CoreLaw:
         name, parameters, _, _, note, data = self.law.for_core()

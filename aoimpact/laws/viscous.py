@@ -516,8 +516,12 @@ class KelvinVoigt(ContactLaw):
         stiffness, m = positive("k", k, unit="N/m"), positive("mass", mass, unit="kg")
         return cls(stiffness, 2.0 * ratio * math.sqrt(stiffness) * math.sqrt(m), end)
 
+    @property
+    def pulls(self) -> bool:
+        return self.end == "indentation"
+
     def _kind(self) -> str:
-        return "kelvin_voigt" if self.end == "force" else "kelvin_voigt_pulling"
+        return "kelvin_voigt_pulling" if self.pulls else "kelvin_voigt"
 
     def _parameters(self) -> tuple[float, ...]:
         return (self.k, self.c)

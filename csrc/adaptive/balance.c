@@ -23,10 +23,6 @@
  * errors of rounding / 1e-7. A dashpot with a shorter relaxation time is neglected. */
 static const double AT_ONCE = 1e-13, SOON = 1e-7;
 
-/* The same for the first force of a load that sets in at the start. Under a law whose dashpot vanishes at the touch it
- * decreases like the square root of time: by at most sqrt(1e-13), if it relaxes within AT_ONCE. */
-static const double SETS_IN = 1e-26;
-
 /* Largest relaxation time of a dashpot in units of such a step: beyond, its indentation changes by rounding only. */
 static const double MUCH = 1e13;
 
@@ -132,9 +128,17 @@ static double placed(const aoi_adaptive *run, size_t c)
     return indentation;
 }
 
-/* Solves for the listed contacts, pressed together for that time, or at rest where it is zero. */
-static int press(aoi_adaptive *run, size_t count, double time)
+int aoi_balance_at_start(aoi_adaptive *run)
 {
+    const double time = run->rested ? 0.0 : AT_ONCE * (run->end - run->time);
+    size_t count = 0;
+    for (size_t c = 0; c < run->system->contact_count; c++) {
+        run->contact[c].start = placed(run, c);
+        count = list(run, c, count);
+    }
+    if (count == 0) {
+        return AOI_OK;
+    }
     aoi_coupled e = lay_out(run, count);
     set_equations(run, time, &e);
     const int status = aoi_coupled_solve(&e, run->balanced);
@@ -144,24 +148,6 @@ static int press(aoi_adaptive *run, size_t count, double time)
         run->contact[run->balanced[i].at[0]].bending = e.force[i];
     }
     return status;
-}
-
-int aoi_balance_at_start(aoi_adaptive *run)
-{
-    size_t count = 0;
-    for (size_t c = 0; c < run->system->contact_count; c++) {
-        run->contact[c].start = placed(run, c);
-        count = list(run, c, count);
-    }
-    if (count == 0 || run->rested) {
-        return count == 0 ? AOI_OK : press(run, count, 0.0);
-    }
-    const double left = run->end - run->time;
-    const int found = press(run, count, SETS_IN * left) == AOI_OK;
-    for (size_t i = 0; i < count && found; i++) {
-        aoi_contact_note_peak(run, run->balanced[i].at[0]);
-    }
-    return press(run, count, AT_ONCE * left);
 }
 
 /* Estimate of the contact time: largest indentation over largest rate. */

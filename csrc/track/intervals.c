@@ -41,9 +41,22 @@ static void begin_interval(const double *row, const double *of, aoi_interval *op
     open->lasts = 1;
 }
 
+/* When the indentation of a row that ends a contact comes to rest. The row ends within the tolerance of events below it,
+ * which takes long where the bodies hardly move. */
+static double time_of_rest(const aoi_system *system, const double *row, const double *of)
+{
+    const aoi_law *law = system->contact[(size_t)of[AOI_TRACK_CONTACT]].law;
+    const double *series = of + AOI_TRACK_INDENTATION, length = row[AOI_TRACK_LENGTH];
+    double slope;
+    const double below = aoi_legendre_evaluate(AOI_NODES + 1, series, 1.0, &slope) -
+                         aoi_law_rest(law, of + AOI_TRACK_MEMORY);
+    const double ago = below < 0.0 && below > slope ? below / slope : 0.0;
+    return row[AOI_TRACK_START] + length - ago * length;
+}
+
 /* What a contact does in one row. One that is in no row any more, or has slackened at the very start of this
  * one, has ended where its last one did. */
-static void follow_contact(search *found, const double *row, const double *of)
+static void follow_contact(search *found, const aoi_system *system, const double *row, const double *of)
 {
     aoi_interval *open = &found->open[(size_t)of[AOI_TRACK_CONTACT]];
     const int slack = of[AOI_TRACK_PIECE] == AOI_SLACK, begins = of[AOI_TRACK_BEGINS] != 0.0;
@@ -63,7 +76,7 @@ static void follow_contact(search *found, const double *row, const double *of)
                      aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[0], of + AOI_TRACK_FORCE);
     open->end = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
     if (of[AOI_TRACK_ENDS] != 0.0) { /* of the force: bodies may overlap for longer */
-        close_interval(found, open, open->end, 0);
+        close_interval(found, open, time_of_rest(system, row, of), 0);
     }
 }
 
@@ -80,7 +93,7 @@ size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, dou
             of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[0]].n;
         }
         for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++, of += AOI_TRACK_CONTACT_SIZE) {
-            follow_contact(&found, row, of);
+            follow_contact(&found, system, row, of);
         }
     }
     for (size_t c = 0; c < system->contact_count; c++) {

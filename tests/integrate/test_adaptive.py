@@ -624,3 +624,26 @@ def test_absurdly_stiff_laws_are_solved_or_named_at_once(k, unit):
     first = result.contacts[0][1]
     assert first == pytest.approx(math.pi * math.sqrt(0.5e-3 / k), rel=1e-6)
     assert bool(said) == (result.error.time != 1e-8)  # what is not kept is said
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 0.98, 0.99])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-8])
+def test_a_contact_that_pulls_ends_when_its_indentation_is_zero(share, rtol):
+    """m d'' + c d' + k d = 0: after π/ω_d, however slowly the bodies move there."""
+    mass, k = 0.1, 1e6
+    end = math.pi / math.sqrt(k / mass * (1.0 - share**2))
+    law = ao.KelvinVoigt(k=k, c=2.0 * share * math.sqrt(k * mass), end="indentation")
+    with held_warnings() as said:
+        run = ao.simulate(
+            projectile=ao.rigid(mass=mass),
+            target=ao.rigid(mass=math.inf),
+            law=law,
+            velocity=1.0,
+            duration=1.2 * end,
+            solver=ao.Adaptive(rtol=rtol),
+        )
+    if said:
+        assert share > 0.9
+        assert "a contact that pulls, and ends slowly" in said[0]
+    else:
+        assert run.contacts[0][1] == pytest.approx(end, rel=10.0 * rtol)

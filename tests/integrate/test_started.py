@@ -30,28 +30,25 @@ def test_a_pressed_contact_that_is_let_go_has_its_peak_at_the_start(body, law, r
     assert run.contacts[0].force[0] == pytest.approx(LOAD, rel=rtol)
 
 
-STIFF = ao.AOModel(m0=0.0, m=[1e6], k=[1e11])
-
-
 @pytest.mark.parametrize("rtol", [1e-3, 1e-8])
-@pytest.mark.parametrize("body", [BODIES["massless"], STIFF])
 @pytest.mark.parametrize(
     "law",
     [
         ao.KelvinVoigt(1e6, 10.0),
-        ao.HuntCrossley(k=1e9, damping=1e3, n=1.0),
+        ao.HuntCrossley(k=1e9, damping=1.0, n=1.0),
         ao.KuwabaraKono(k=1e8, A=1e-3),
     ],
 )
-def test_a_dashpot_takes_all_of_a_load_that_sets_in_on_a_massless_point(law, body, rtol):
+def test_a_dashpot_takes_all_of_a_load_that_sets_in_on_a_massless_point(law, rtol):
     """Its own spring and the body's are not yet compressed, nor is the dashpot that needs it."""
     scene = ao.Scene()
-    pressed, wall = scene.add(body), scene.add(WALL)
+    pressed, wall = scene.add(BODIES["massless"]), scene.add(WALL)
     scene.connect(pressed, wall, law)
     scene.apply(pressed, force=([0.0, 1e-3], [LOAD, 0.0]))
     run = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=rtol))
     assert run.events[0].peak_force == pytest.approx(LOAD, rel=rtol)
     assert run.events[0].peak_time < 1e-11
+    assert len(run.t) < 2000
 
 
 M, K = 1.0, 1e5

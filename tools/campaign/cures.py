@@ -57,6 +57,8 @@ def named(case: Case, message: str) -> dict[str, list[Cure]]:
         found["dt"] = [Cure(f"dt={dt:g}", case, ao.Newmark(dt=dt), _ABOUT) for dt in steps]
     if "softer law" in message:
         found["a softer law"] = [Cure("k/100", _softer(case))]
+    if "less load" in message:
+        found["less load"] = [Cure("a hundredth of the load", _lighter(case))]
     if "shorter duration" in message:
         found["a shorter duration"] = [Cure("a tenth", replace(case, duration=0.1 * case.duration))]
     return found
@@ -68,6 +70,11 @@ def _heavier(case: Case) -> Case:
         for body in case.bodies
     ]
     return replace(case, bodies=tuple(bodies))
+
+
+def _lighter(case: Case) -> Case:
+    loads = tuple(replace(of, forces=tuple(0.01 * f for f in of.forces)) for of in case.loads)
+    return replace(case, gravity=0.01 * case.gravity, loads=loads)
 
 
 def _softer(case: Case) -> Case:
