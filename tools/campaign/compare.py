@@ -1,11 +1,11 @@
 """How far two outcomes are apart in what a tolerance promises, as `Adaptive` documents it.
 
 Peak force and impulse are those of each contact over the record, of one that has less than a
-hundredth of the largest contact's relative to that hundredth. Touches start and end at times that
-are right relative to the end's own time; those that have less than a hundredth of their contact's
-largest impulse do not count, nor do starts at no certain time, of bodies side by side that are
-hardly pressed, nor a parting of less than the tolerance. Velocities are those of the centres of
-mass, relative to the largest.
+hundredth of the largest contact's relative to that hundredth; a peak that no run resolves (NaN) is
+left out. Touches start and end at times that are right relative to the end's own time; those that
+have less than a hundredth of their contact's largest impulse do not count, nor do starts at no
+certain time, of bodies side by side that are hardly pressed, nor a parting of less than the
+tolerance. Velocities are those of the centres of mass, relative to the largest.
 """
 
 from __future__ import annotations
@@ -68,10 +68,12 @@ def from_newmark(case: Case, found: Outcome | Extrapolated, true: Outcome | Extr
 
 
 def _lesser(what: str, found: FloatArray, true: FloatArray) -> list[Apart]:
-    size = np.maximum(np.abs(true), _LESSER * np.abs(true).max(initial=0.0))
+    known = ~(np.isnan(found) | np.isnan(true))
+    size = np.maximum(np.abs(true), _LESSER * np.abs(true[known]).max(initial=0.0))
     return [
         Apart(f"{what} {c}", abs(f - t) / s if s > 0.0 else (math.inf if f else 0.0), f, t)
         for c, (f, t, s) in enumerate(zip(found, true, size, strict=True))
+        if known[c]
     ]
 
 
@@ -100,9 +102,9 @@ def _peak_times(case: Case, found: Outcome, true: Outcome, limit: float) -> list
     if true.force_at is None:
         return []
     result = []
-    least = _LESSER * float(true.peaks.max(initial=0.0))
+    least = _LESSER * float(np.nanmax(true.peaks, initial=0.0))
     for c, (when, peak) in enumerate(zip(found.peak_times, true.peaks, strict=True)):
-        if peak <= least:
+        if not peak > least:
             continue
         reach = limit * max(case.duration * 0.01, true.peak_times[c])
         there = max(true.force_at(c, when + shift) for shift in (-reach, 0.0, reach))

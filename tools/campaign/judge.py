@@ -119,7 +119,7 @@ def _beyond_patch(case: Case, true: Outcome) -> float:
     """By how much the largest force exceeds what a contact as wide as its patch has, relative."""
     laws = [contact.law for contact in case.contacts]
     most = [law.arguments["k"] * law.deepest**1.5 if law.patch else np.inf for law in laws]
-    return float((true.peaks / np.array(most)).max(initial=0.0)) - 1.0
+    return float(np.nanmax(true.peaks / np.array(most), initial=0.0)) - 1.0
 
 
 def _warned(
@@ -145,7 +145,7 @@ def _third(case: Case, true: Outcome, verdict: Verdict) -> Verdict:
 def _worst(case: Case, outcome: Outcome, true: Outcome, way: str):
     every = apart(case, outcome, true, TIMES * case.rtol)
     if way == "newmark":  # which promises the peak force
-        top = float(true.peaks.max(initial=0.0))
+        top = float(np.nanmax(true.peaks, initial=0.0))
         every = [
             one for one in every if one.what.startswith("peak force") and one.true >= 0.9 * top
         ]
