@@ -31,7 +31,8 @@ class Adaptive:
     than a hundredth of the largest contact's, the error is relative to that hundredth. Contact
     times, start and end, have the relative error `rtol` of the end; velocities are those of
     the centres of mass after contacts, relative to the largest initial one or, where gravity and
-    loads make greater ones, to those. A velocity or displacement at a given time of a long record
+    loads make greater ones, to those; of bodies at rest, to a thousandth of what the impulse of
+    their contacts would give them. A velocity or displacement at a given time of a long record
     suffers from the error of that time as well: g rtol t for a ball that bounces under gravity g.
 
     From the second contact of two bodies on, errors grow with each. Then the scene is run again

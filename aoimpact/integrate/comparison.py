@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import FloatArray
 from .dense import DenseRecorder
-from .tolerances import LESSER, SUDDEN
+from .tolerances import AT_REST, LESSER, SUDDEN
 
 __all__ = ["difference", "most_touches"]
 
@@ -50,7 +50,7 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     for contact, small in enumerate(least):
         apart.append(_times_apart(_touches(one, contact, small), _touches(other, contact, small)))
     ours, theirs = _velocities(one, least), _velocities(other, least)
-    fastest = max(speed, float(np.abs(np.append(ours, theirs)).max(initial=0.0)))
+    fastest = max(speed, _at_rest(one), float(np.abs(np.append(ours, theirs)).max(initial=0.0)))
     if fastest > 0.0:
         apart.append(float(np.abs(ours - theirs).max(initial=0.0)) / fastest)
     return max(apart)
@@ -108,6 +108,12 @@ def _times_apart(ones: FloatArray, others: FloatArray) -> float:
     starts = np.abs(ones[0] - others[0])[sudden] / np.maximum(ones[1], others[1])[sudden]
     ends = np.abs(ones[1] - others[1]) / np.maximum(ones[1], others[1])
     return float(max(starts.max(initial=0.0), ends.max()))
+
+
+def _at_rest(run: DenseRecorder) -> float:
+    """The velocity below which bodies that loads press together are at rest, m/s."""
+    known = [body.mass for body in run.plan.bodies if body.mass is not None]
+    return AT_REST * float(_sums(run).max(initial=0.0)) / min(known, default=np.inf)
 
 
 def _velocities(run: DenseRecorder, least: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 
 __all__ = [
     "AROUND_PEAK",
+    "AT_REST",
     "FLOOR",
     "GAIN",
     "LESSER",
@@ -73,6 +74,10 @@ GAIN = 1.5
 # bodies at rest side by side that a wave reaches. From 0.001 to 0.1 none of 54 chains in front of a
 # wall warns; 25 do if all starts are compared.
 SUDDEN = 0.01
+
+# Bodies that loads hold together keep a velocity of rounding: it is measured by this share of what
+# their contacts' impulse would give the lightest.
+AT_REST = 1e-3
 
 # A user's law whose force scatters by a larger share is refused under any tolerance: steps grow
 # with its root. A contact takes 3 steps without scatter, 60 with 1e-9, and 6 000 with this share.

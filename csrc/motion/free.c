@@ -214,15 +214,21 @@ static double safe_stride(const aoi_free_pair *pair, double level, double rate, 
 static void all_fast(const aoi_free_pair *pair, double within, double *level, double *drift,
                      double *scale)
 {
+    const double start = *drift;
+    double falls = 0.0;
     *scale = fabs(pair->gap);
     for (int side = 0; side < 2; side++) {
         for (size_t j = 0; j < pair->body[side]->n; j++) {
             const bound of = bound_of(pair, side, j, within);
+            falls += fmax(fabs(of.now), fabs(of.later)) * within * within;
             *level += of.rest - of.level;
             *drift += of.drift - of.rate;
             *scale += fabs(of.level) + fabs(of.rest);
             *scale += only_slow(pair->body[side]->omega[j], within) ? of.bend * within * within : 0.0;
         }
+    }
+    if (*scale == 0.0 && start == 0.0) {
+        *scale = falls; /* rigid bodies side by side, all at zero */
     }
 }
 

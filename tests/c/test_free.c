@@ -331,6 +331,19 @@ static void bodies_that_fall_side_by_side_do_not_press(void)
     CHECK(touches == 0 && pair.time == 1.0, "the whole record flown");
 }
 
+static void bodies_that_a_load_parts_in_their_origin_fly(void)
+{
+    /* They fall alike at first, and nothing but the fall to come has a size that rounding is measured by. */
+    int touches = -1;
+    plant p = falling(0.0, 35.0);
+    p.part[0].load_count = 2;
+    p.part[0].load_time[1] = 1.0;
+    p.part[0].load_force[1] = -1000.0;
+    aoi_free_pair pair = pair_of(&p, 0.0);
+    CHECK(aoi_free_pair_next_touch(&pair, 1.0, 1000, &touches) == AOI_OK, "in a few strides");
+    CHECK(touches == 0 && pair.time == 1.0, "the whole record flown");
+}
+
 static double fallen(double decay, double time)
 {
     return 9.81 / (2.0 * decay) * (time + expm1(-2.0 * decay * time) / (2.0 * decay));
@@ -430,6 +443,7 @@ int main(void)
     bodies_that_part_for_good_cost_nothing();
     drag_stops_a_mass_before_the_wall();
     bodies_that_fall_side_by_side_do_not_press();
+    bodies_that_a_load_parts_in_their_origin_fly();
     the_one_with_less_drag_catches_up();
     return check_report();
 }
