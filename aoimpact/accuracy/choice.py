@@ -17,7 +17,7 @@ from ..results import Chosen, Quantity, Record, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import Models, only_models
 from .leftout import LeftOutFinder
-from .order import Orders, least_orders
+from .order import Orders, proven_orders
 
 __all__ = ["checked_linear_solver", "checked_rtol", "choose_models"]
 
@@ -91,7 +91,7 @@ def choose_models(
     plan_of : callable
         Returns the plan for a model of each body, and whether to record energies.
     bodies : sequence
-        As of `least_orders`.
+        As of `proven_orders`.
     interest : callable
         Returns the quantity of interest.
     rtol : float, optional
@@ -105,7 +105,7 @@ def choose_models(
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
     known : dict of body to LinearSolver, optional
-        See `least_orders`.
+        See `proven_orders`.
 
     Raises
     ------
@@ -122,35 +122,35 @@ def choose_models(
     meshed = any(getattr(body, "given", body).contact_points for body in bodies)
     finder = LeftOutFinder(interest, rule, law_errors, meshed)
 
-    def enough(run: Run) -> float:
-        """The models' tolerance, looser where the error by the mesh is much larger."""
-        nonlocal tolerance
-        mesh = finder(run).mesh or 0.0
-        tolerance = max(_RTOL, min(_SHARE_OF_MESH * mesh, _LOOSEST))
-        return _MARGIN * tolerance - in_time
+    in_models = _MARGIN * tolerance - in_time
+
+    def looser(run: Run) -> float:
+        """The models' tolerance where the error by the mesh is much larger."""
+        return _MARGIN * min(_SHARE_OF_MESH * (finder(run).mesh or 0.0), _LOOSEST) - in_time
 
     if models := only_models(bodies):
         run = record.run(plan_of(models, energies), timed)
-        found = Orders((0,) * len(models), models, 0.0, run, (), 1.0)
+        found = Orders((0,) * len(models), models, 0.0, in_models, run, (), 1.0)
     else:
-        found = least_orders(
+        found = proven_orders(
             bodies,
             run=_trial(plan_of, bodies, lambda plan, last: record.run(plan, timed, last=last)),
             quantity=quantity,
-            rtol=_MARGIN * tolerance - in_time,
+            rtol=in_models,
             solver=linear_solver,
             known=known,
             anew=None if record.given else record.reopen,
             best=not given,
-            enough=enough if meshed and not given else None,
+            looser=looser if meshed and not given else None,
         )
+        if found.rtol > in_models:
+            tolerance = (found.rtol + in_time) / _MARGIN
         if found.error > tolerance:
             _warn_of_the_best(found, quantity, tolerance)
         run = record.run(plan_of(found.models, energies), timed)
     if given:
         _refuse_coarse(rule, run.time_error, found.error, tolerance, in_time)
-    left_out = replace(finder, larger=_deforming(run, found))
-    return replace(run, chosen=_chosen(run, found, quantity, tolerance), left_out=left_out)
+    return replace(run, chosen=_chosen(run, found, quantity, tolerance), left_out=finder)
 
 
 def _trial(
@@ -206,15 +206,6 @@ def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> No
         f"{tolerance:.2g} that is aimed at, with {max(found.orders)} anti-oscillators: {why}, "
         "a quantity= that sums up (peak_force, impulse), or rtol= as large as you allow"
     )
-
-
-def _deforming(run: Run, found: Orders) -> Run | None:
-    """The run of the largest models, if a body deforms in it that is rigid in the run."""
-    for larger in found.larger[-1:]:
-        pairs = zip(run.plan.bodies, larger.plan.bodies, strict=True)
-        if any(_order(one.model) == 0 < _order(other.model) for one, other in pairs):
-            return larger
-    return None
 
 
 def _order(model: Any) -> int:

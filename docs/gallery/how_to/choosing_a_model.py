@@ -26,14 +26,15 @@ middle = beam.contact(point=(0.5, 0.01, 0.02))
 # %%
 # Let the tolerance choose
 # ------------------------
-# A contact point is reduced to as few oscillators as the *quantity of interest* allows. By default that is the force
+# A contact point is reduced to a few oscillators, as the *quantity of interest* allows. By default that is the force
 # over the whole record, to 1 %.
 
 hit = ao.simulate(projectile=tip, target=middle, velocity=1.0)
 print(hit)
 
 # %%
-# Another quantity of interest leads to other models. For the deflection of the beam to 3 % the ball may be rigid:
+# Another quantity of interest leads to other models. For the deflection of the beam to 3 % the ball needs fewer
+# oscillators and the beam more:
 
 for_deflection = ao.simulate(
     projectile=tip, target=middle, velocity=1.0, quantity="target_displacement", rtol=3e-2
