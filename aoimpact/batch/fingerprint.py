@@ -1,8 +1,9 @@
 """A digest of the content of a case: the same in every process, whatever has been cached since.
 
 Pickles do not serve: the same content has many, depending on what is shared and what is cached. A
-function is digested by its bytecode, constants and closure. Its name alone would not do: after a
-change in a law or in `keep`, a checkpoint would give the results of the old one.
+function is digested by its bytecode, constants and closure, and by what it looks up in its module.
+By its name alone, a checkpoint would give the results of the old one after a change in a law or in
+`keep`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import hashlib
 import pickle
 import struct
 import types
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property, partial
 from typing import Any
 
@@ -134,27 +135,50 @@ def _inside(value: Any, name: str) -> list[_Part]:
         return [("", (value.func, value.args, value.keywords))]
     if dataclasses.is_dataclass(value):
         return [
-            (f".{field.name}", getattr(value, field.name))
-            for field in dataclasses.fields(value)
-            if not field.metadata.get("identity")  # which of its like it is, not what
+            *_methods(value),
+            *(
+                (f".{field.name}", getattr(value, field.name))
+                for field in dataclasses.fields(value)
+                if not field.metadata.get("identity")  # which of its like it is, not what
+            ),
         ]
     if isinstance(value, BaseException):
         return [("", value.args)]
     if hasattr(value, "__dict__"):
-        return [(f".{key}", state) for key, state in _state(value)]
+        return [*_methods(value), *((f".{key}", state) for key, state in _state(value))]
     return [_pickled(value, name)]
 
 
+# Of what a function looks up in its module: its data, and the module's own functions.
+_DATA = (int, float, complex, str, bytes, tuple, list, dict, set, frozenset, np.ndarray)
+
+
 def _of_function(function: types.FunctionType) -> tuple[Any, ...]:
-    """Its code, and the numbers and functions of its own module that it looks up there."""
+    """Its code, and the data and functions of its own module that it looks up there."""
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     looked_up = {
         name: found
-        for name in function.__code__.co_names
-        if isinstance(found := function.__globals__.get(name), (int, float, np.ndarray))
+        for name in _names(function.__code__)
+        if isinstance(found := function.__globals__.get(name), _DATA)
         or (isinstance(found, types.FunctionType) and found.__module__ == function.__module__)
     }
     return function.__code__, function.__defaults__, function.__kwdefaults__, cells, looked_up
+
+
+def _names(code: types.CodeType) -> Iterator[str]:
+    """Names that code looks up, and the functions, generators and comprehensions in it."""
+    yield from code.co_names
+    for inner in code.co_consts:
+        if isinstance(inner, types.CodeType):
+            yield from _names(inner)
+
+
+def _methods(value: Any) -> list[_Part]:
+    """The functions of the class of an object that is called like one."""
+    if not callable(value):
+        return []
+    members = (member for base in type(value).__mro__ for member in vars(base).values())
+    return [("", member) for member in members if isinstance(member, types.FunctionType)]
 
 
 def _state(value: Any) -> list[tuple[str, Any]]:

@@ -19,7 +19,7 @@ Single = npt.NDArray[np.float32]
 # saves what it costs.
 _STEPS = 3
 
-# AOI_BLOCKS_WORK of csrc/linear/multigrid.h.
+# AOI_BLOCKS_WORK of csrc/linear/multigrid.h; the core refuses work space of any other length.
 _WORK = 3
 
 # Lanczos steps for λ_max of D⁻¹A, which they find to some percent from below; hence the margin.

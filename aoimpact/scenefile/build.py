@@ -111,7 +111,7 @@ class Builder:
         That its paths start from.
     kept : Kept
     located : callable
-        Of a place: a context that adds line and column to errors of bad input.
+        Of a place: a context that adds the line to errors of bad input.
     """
 
     data: Mapping[str, Any]

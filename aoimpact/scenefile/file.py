@@ -1,4 +1,4 @@
-"""Scene files: impacts and scenes in TOML, with errors by line and column."""
+"""Scene files: impacts and scenes in TOML, with errors by line."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from ..results import COLUMNS, Result, Run
 from .build import Builder, Kept, member_name
 from .names import SCENE_FILE
 from .ranges import at_place, check_apart, grid_of, sweep_problems
-from .toml_lines import Place, Spot, spot_of, toml_spots
+from .toml_lines import Place, holds, line_of
 
 __all__ = ["SceneFile", "read_scene"]
 
@@ -49,7 +49,7 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
     Raises
     ------
     SceneFileError
-        If the file cannot be read or is wrong: every problem with its line and column.
+        If the file cannot be read or is wrong: every problem with its line.
 
     Examples
     --------
@@ -82,14 +82,13 @@ def read_scene(path: str | os.PathLike[str]) -> SceneFile:
         raise SceneFileError(f"{file}: is not UTF-8 text ({error.reason})") from None
     try:
         data = tomllib.loads(text)
-        spots = toml_spots(text.replace("\r\n", "\n"))
     except tomllib.TOMLDecodeError as error:
         found = _UNREADABLE.fullmatch(str(error))
         where, what = (f":{found[2]}:{found[3]}", found[1]) if found else ("", str(error))
         raise SceneFileError(f"{file}{where}: is not TOML: {what}") from None
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep nesting
         raise SceneFileError(f"{file}: cannot be read: {error}") from None
-    return SceneFile(file, data, spots)
+    return SceneFile(file, data, text)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,8 +100,8 @@ class SceneFile:
     path : Path
     data : dict
         As tomllib gives it.
-    spots : mapping
-        Line and column of every place in it.
+    text : str
+        All of it, by which errors name lines.
 
     Examples
     --------
@@ -133,11 +132,11 @@ class SceneFile:
 
     path: Path
     data: Mapping[str, Any]
-    spots: Mapping[Place, Spot]
+    text: str
     _kept: Kept = field(default_factory=Kept)
 
     def __post_init__(self) -> None:
-        checked(self, path=file_path, data=(Mapping,), spots=(Mapping,))
+        checked(self, path=file_path, data=(Mapping,), text=(str,))
         self.check()
 
     def __repr__(self) -> str:
@@ -202,7 +201,7 @@ class SceneFile:
         Raises
         ------
         SceneFileError
-            With the line and column of each.
+            With the line of each.
 
         :meta private:
         """
@@ -261,7 +260,7 @@ class SceneFile:
             except InputError as error:
                 raise SceneFileError(f"{self.path}: {name}: {error}") from None
             table[last] = np.asarray(value).tolist() if hasattr(value, "dtype") else value
-        return SceneFile(self.path, data, self.spots, self._kept)
+        return SceneFile(self.path, data, self.text, self._kept)
 
     def case(self) -> Any:
         """Build the bodies, and return a case of `simulate_many`.
@@ -323,13 +322,13 @@ class SceneFile:
     # ------------------------------------------------------------------------- messages
 
     def _at(self, place: Place, message: str) -> str:
-        spot = spot_of(self.spots, place)
-        where = f"{self.path}:{spot.line}:{spot.column}" if spot is not None else str(self.path)
+        line = line_of(self.text, place)
+        where = str(self.path) if line is None else f"{self.path}:{line}"
         return f"{where}: {_dotted(place)}{message}"
 
     @contextmanager
     def _located(self, *place: str | int) -> Iterator[None]:
-        """Add line and column to errors of bad input; other errors keep their class."""
+        """Add the line to errors of bad input; other errors keep their class."""
         try:
             yield
         except SceneFileError:
@@ -337,9 +336,9 @@ class SceneFile:
         except (InputError, InputTypeError) as error:
             # The argument that a message begins with is a key of the table more often than not.
             word = str(error).partition(" ")[0].partition("=")[0].rstrip(":")
-            if word == "rtol" and (*place, word) not in self.spots:
+            if word == "rtol" and not holds(self.data, (*place, word)):
                 word = "tolerance"  # its former name
-            finer = (*place, word) if (*place, word) in self.spots else place
+            finer = (*place, word) if holds(self.data, (*place, word)) else place
             raise SceneFileError(self._at(finer, str(error))) from error
         except AOImpactError as error:
             raise type(error)(self._at(place, str(error))) from error

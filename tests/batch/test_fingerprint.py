@@ -89,6 +89,31 @@ def test_functions_are_told_apart_by_what_they_do() -> None:
     assert digest(lambda x: x + 1) != digest(lambda x: x - 1)
 
 
+@pytest.mark.parametrize(
+    "source",
+    [
+        "keep = lambda r: r + 1",
+        "def keep(r, by=1): return r + by",
+        "A = 1\ndef keep(r): return r + A",
+        "A = ('1',)\ndef keep(r): return [getattr(r, name) for name in A]",
+        "A = 1\ndef keep(r): return sum(x for x in r if x > A)",
+        "A = {'by': [1]}\ndef keep(r): return lambda x: x + A['by'][0]",
+        "def more(r): return r + 1\ndef keep(r): return [more(x) for x in r]",
+        "class Keep:\n    def __call__(self, r): return r + 1\nkeep = Keep()",
+        "class Base:\n    def by(self): return 1\n"
+        "class Keep(Base):\n    def __call__(self, r): return r + self.by()\nkeep = Keep()",
+    ],
+)
+def test_any_change_of_what_a_function_does_shows(source: str) -> None:
+    def keep(source: str) -> Any:
+        module: dict[str, Any] = {"__name__": "a_script"}
+        exec(source, module)
+        return module["keep"]
+
+    assert digest(keep(source)) == digest(keep("# as before\n" + source))
+    assert digest(keep(source)) != digest(keep(source.replace("1", "2")))
+
+
 def test_a_thing_inside_itself_ends() -> None:
     loop: list[Any] = [1]
     loop.append(loop)

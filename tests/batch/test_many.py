@@ -275,6 +275,15 @@ def test_a_changed_sweep_computes_what_has_changed(tmp_path: Path) -> None:
     assert counted(path) == 4
 
 
+def test_a_changed_function_gives_no_result_of_the_old_one(tmp_path: Path) -> None:
+    """Functions of one name, as a script has before and after a change."""
+    before, after = (
+        ao.simulate_many([balls(1.0)], keep=keep, checkpoint=tmp_path / "sweep")[0]
+        for keep in (lambda hit: hit.peak_force, lambda hit: -hit.peak_force)
+    )
+    assert after == -before < 0.0
+
+
 def test_errors_that_may_pass_are_tried_again(tmp_path: Path) -> None:
     path = tmp_path / "sweep"
     lack = iter([MemoryError("just now"), None])

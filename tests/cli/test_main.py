@@ -252,7 +252,7 @@ def test_run_says_the_line(scene: Path, capsys: pytest.CaptureFixture[str]) -> N
     scene.write_text(scene.read_text().replace("velocity", "velocty"))
     assert main(["run", str(scene)]) == 2
     message = capsys.readouterr().err
-    assert f"{scene}:7:1: " in message
+    assert f"{scene}:7: " in message
     assert "did you mean 'velocity'" in message
     assert main(["run", str(scene.parent / "none.toml")]) == 2
     assert "cannot be read" in capsys.readouterr().err

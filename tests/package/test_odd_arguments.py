@@ -536,7 +536,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "WorkPrecision.to_csv": (MEASURED.to_csv, {"path": None}),
     "SceneFile": (
         ao.SceneFile,
-        {name: getattr(FILE, name) for name in ("path", "data", "spots")},
+        {name: getattr(FILE, name) for name in ("path", "data", "text")},
     ),
     "SceneFile.has_mesh": (FILE.has_mesh, {"body": "beam"}),
     "SceneFile.replaced": (FILE.replaced, {"values": {"velocity": 2.0}}),

@@ -104,7 +104,7 @@ def test_matrices_on_a_mesh(tmp_path: Path) -> None:
 
 
 def test_files_of_matrices_that_are_wrong_are_named_with_their_line(tmp_path: Path) -> None:
-    with pytest.raises(ao.SceneFileError, match=r"toml:\d+:\d+: .*K.*K\.mtx' does not exist"):
+    with pytest.raises(ao.SceneFileError, match=r"toml:\d+: .*K.*K\.mtx' does not exist"):
         ao.read_scene(written(tmp_path, MATRICES)).case()
     with pytest.raises(ao.SceneFileError, match=r"bodies\.bar\.matrices: 'K' is missing"):
         ao.read_scene(written(tmp_path, MATRICES.replace('K = "K.mtx", ', "")))
@@ -300,7 +300,7 @@ law = { type = "Linear", k = 1e6 }
     asked = free.replace("[scene]", '[scene]\nquantity = "bal"')
     with pytest.raises(ao.SceneFileError, match="did you mean 'ball'") as error:
         ao.read_scene(written(tmp_path, asked)).simulate()
-    assert f":{line(asked, 'quantity')}:1: " in str(error.value)
+    assert f":{line(asked, 'quantity')}: " in str(error.value)
     wrong = text.replace(model, 'type = "modal", n = 6')
     with pytest.raises(ao.SceneFileError, match="a list of contacts needs the model 'interface'"):
         ao.read_scene(written(tmp_path, wrong)).simulate()
@@ -414,9 +414,7 @@ def test_linear_solvers_are_taken_and_named(tmp_path: Path) -> None:
     assert ao.read_scene(written(tmp_path, text)).case()["target"].origin.solver == "superlu"
     linear = 'velocity = 1.0\nlinear_solver = "superlu"'
     text = BAR.replace("velocity = 1.0", linear)
-    with pytest.raises(
-        ao.SceneFileError, match=f":{line(text, 'linear')}:1: .*give quantity or rt"
-    ):
+    with pytest.raises(ao.SceneFileError, match=f":{line(text, 'linear')}: .*give quantity or rt"):
         ao.read_scene(written(tmp_path, text)).simulate()
     text = text.replace('model = { type = "antioscillators", n = 2 }', "")
     hit = ao.read_scene(written(tmp_path, text + "rtol = 0.1\n")).simulate()
@@ -430,7 +428,7 @@ def test_windows_ends_of_lines_and_mark_at_the_start(mark: str, tmp_path: Path) 
     path.write_bytes((mark + STARS).replace("\n", "\r\n").encode())
     assert ao.read_scene(path).case()["velocity"] == 2.0
     path.write_bytes((mark + STARS).replace("velocity", "velocty").replace("\n", "\r\n").encode())
-    with pytest.raises(ao.SceneFileError, match=r"scene.toml:13:1: .*did you mean 'velocity'"):
+    with pytest.raises(ao.SceneFileError, match=r"scene.toml:13: .*did you mean 'velocity'"):
         ao.read_scene(path)
 
 
@@ -445,7 +443,7 @@ def check_blame(folder: Path, wrong: str, at: str, text: str, *, when_read: bool
         if not when_read:
             scene.simulate()
     assert re.search(text, str(error.value)), str(error.value)
-    place = rf"{re.escape(str(path))}:{line(wrong, at)}:\d+: "
+    place = rf"{re.escape(str(path))}:{line(wrong, at)}: "
     assert re.search(place, str(error.value)), str(error.value)
 
 
@@ -551,10 +549,10 @@ def test_all_problems_at_once(tmp_path: Path) -> None:
         ("", "one of 'impact', 'scene' is missing"),
         ("impact = {}\nscene = {}", "'impact' and 'scene' exclude each other"),
         ("[impact]", "'bodies' is missing"),
-        ("bodies = 3\nimpact = {}", ":1:1: bodies: must be a table, got 3"),
+        ("bodies = 3\nimpact = {}", ":1: bodies: must be a table, got 3"),
         (
             "materials = []\nbodies = {}\nimpact = {}",
-            ":1:1: materials: must be a table, got a list",
+            ":1: materials: must be a table, got a list",
         ),
     ],
 )
@@ -706,7 +704,7 @@ def test_a_type_that_is_no_word_is_refused_where_it_stands(tmp_path: Path, kind:
         "[bodies]\na = { mass = 1.0 }\n[impact]\nprojectile = 'a'\ntarget = 'a'\nvelocity = 1.0\n"
         f"duration = 0.01\nlaw = {{ k = 1e9, type = {kind} }}\n"
     )
-    with pytest.raises(ao.SceneFileError, match=r"a\.toml:8:\d+: impact\.law\.type: must be one"):
+    with pytest.raises(ao.SceneFileError, match=r"a\.toml:8: impact\.law\.type: must be one"):
         ao.read_scene(file)
 
 
@@ -733,7 +731,7 @@ def test_an_integer_beyond_floats_is_refused_where_it_stands(tmp_path: Path) -> 
         "velocity = 1.0\nduration = 0.01\nlaw = { k = 1e9, type = 'Hertz' }\n"
     )
     with pytest.raises(
-        ao.SceneFileError, match=r"a\.toml:2:7: bodies\.a\.mass: must be finite, got an integer"
+        ao.SceneFileError, match=r"a\.toml:2: bodies\.a\.mass: must be finite, got an integer"
     ):
         ao.read_scene(file)
 
@@ -754,7 +752,7 @@ contact = { dof = 5 }
         body + 'model = { type = "antioscillators", n = 2 }\n' + BAR[BAR.index("[bodies.ball]") :]
     )
     file = written(tmp_path, text)
-    with pytest.raises(ao.SingularError, match=rf"scene.toml:{line(text, 'model')}:1: bodies.bar"):
+    with pytest.raises(ao.SingularError, match=rf"scene.toml:{line(text, 'model')}: bodies.bar"):
         ao.read_scene(file).case()
 
 
@@ -900,5 +898,5 @@ def test_wrong_groups_masses_and_springs_name_the_line(
     text = TUP.replace(old, new)
     (tmp_path / "tup.toml").write_text(text)
     number = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith(line))
-    with pytest.raises(ao.SceneFileError, match=rf"tup.toml:{number}:\d+: .*({said})"):
+    with pytest.raises(ao.SceneFileError, match=rf"tup.toml:{number}: .*({said})"):
         ao.read_scene(tmp_path / "tup.toml").simulate()

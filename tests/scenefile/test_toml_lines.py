@@ -1,14 +1,15 @@
-"""Lines and columns of keys, wherever TOML lets them stand."""
+"""Lines of keys, wherever TOML lets them stand."""
 
 from __future__ import annotations
 
 import tomllib
-from typing import Any
+from itertools import accumulate
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aoimpact.scenefile.toml_lines import spot_of, toml_spots
+from aoimpact.scenefile.toml_lines import Place, line_of
 
 TEXT = '''\
 # a comment with [brackets] and a = 1
@@ -39,62 +40,39 @@ z = \'\'\'
 \'\'\'
 "t\\u0061b" = 1        # 27
 '''
+ARRAY = ("bodies", "ball", "quoted name", "sub")
+LINES: dict[Place, int | None] = {
+    ("title",): 2,
+    ("bodies",): 4,
+    ("bodies", "ball"): 4,
+    ("bodies", "ball", "mass"): 5,
+    ARRAY: 6,
+    (*ARRAY, 0): 7,
+    (*ARRAY, 1): 7,
+    (*ARRAY, 2): 8,
+    (*ARRAY, 2, 0): 8,
+    (*ARRAY, 2, 1): 9,
+    (*ARRAY, 3, "b", "c"): 9,
+    ("bodies", "ball", "date"): 12,
+    ("bodies", "ball", "long"): 13,
+    ("bodies", "ball", "literal"): 16,
+    ("rows", 0): 17,
+    ("rows", 1, "x"): 20,
+    ("rows", 1, "below", "y"): 22,
+    ("rows", 1, "inner", 0, "z"): 24,
+    ("rows", 1, "inner", 0, "tab"): 27,
+    # What is not there is in the table around it.
+    ("bodies", "ball", "radius"): 4,
+    ("rows", 1, "below", "y", 3): 22,
+    ("no", "table"): None,
+    (): None,
+}
 
 
-def test_every_key_has_its_line() -> None:
-    tomllib.loads(TEXT)
-    spots = toml_spots(TEXT)
-    lines = {place: spot.line for place, spot in spots.items()}
-    assert lines[("title",)] == 2
-    assert lines[("bodies",)] == lines[("bodies", "ball")] == 4
-    assert lines[("bodies", "ball", "mass")] == 5
-    array = ("bodies", "ball", "quoted name", "sub")
-    assert [lines[(*array, i)] for i in range(4)] == [7, 7, 8, 9]
-    assert lines[(*array, 2, 0)] == 8
-    assert lines[(*array, 2, 1)] == 9
-    assert lines[(*array, 3, "b", "c")] == 9
-    assert lines[("bodies", "ball", "date")] == 12
-    assert lines[("bodies", "ball", "long")] == 13
-    assert lines[("bodies", "ball", "literal")] == 16
-    assert lines[("rows", 0)] == 17
-    assert lines[("rows", 1, "x")] == 20
-    assert lines[("rows", 1, "below", "y")] == 22
-    assert lines[("rows", 1, "inner", 0, "z")] == 24
-    assert lines[("rows", 1, "inner", 0, "tab")] == 27
-    assert ("no", "table") not in lines
-    # Columns: counted off the text above.
-    assert spots[("bodies", "ball")].column == 9
-    assert spots[array].column == 17
-    assert [spots[(*array, i)].column for i in range(4)] == [5, 8, 5, 10]
-    assert spots[(*array, 3, "b")].column == 19
-    assert spots[(*array, 3, "b", "c")].column == 21
-    assert spots[("rows", 1, "below", "y")].column == 3
-    for (*_, name), (line, column) in spots.items():
-        if isinstance(name, str) and name.isalpha() and name != "tab":
-            assert TEXT.splitlines()[line - 1][column - 1 :].startswith(name)
-
-
-def test_an_unknown_place_is_in_the_table_around_it() -> None:
-    lines = toml_spots(TEXT)
-    assert spot_of(lines, ("bodies", "ball", "radius")) == (4, 9)
-    assert spot_of(lines, ("nowhere",)) is None
-
-
-def places(value: Any, place: tuple[str | int, ...] = ()) -> set[tuple[str | int, ...]]:
-    """Every place in what tomllib gives."""
-    if isinstance(value, dict):
-        inside = value.items()
-    elif isinstance(value, list):
-        inside = enumerate(value)  # type: ignore[assignment]
-    else:
-        return set()
-    return {
-        found for key, entry in inside for found in {(*place, key)} | places(entry, (*place, key))
-    }
-
-
-def test_it_finds_what_tomllib_finds() -> None:
-    assert set(toml_spots(TEXT)) >= places(tomllib.loads(TEXT))
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+@pytest.mark.parametrize("place", LINES, ids=str)
+def test_every_key_has_its_line(place: Place, ends: str) -> None:
+    assert line_of(TEXT.replace("\n", ends), place) == LINES[place]
 
 
 VALUES = st.recursive(
@@ -111,15 +89,12 @@ VALUES = st.recursive(
 
 @given(values=st.lists(VALUES, max_size=4))
 def test_nothing_valid_leads_it_astray(values: list[str]) -> None:
-    lines, at = [], {}
-    for i, value in enumerate(values):
-        at[i] = sum(line.count("\n") + 1 for line in lines) + 1
-        lines.append(f"key{i} = {value} # comment")
-    text = "\n".join(lines)
+    entries = [f"key{i} = {value} # comment" for i, value in enumerate(values)]
+    text = "\n".join(entries)
     try:
-        data = tomllib.loads(text)
+        tomllib.loads(text)
     except tomllib.TOMLDecodeError:  # a line break within braces
         return
-    found = toml_spots(text)
-    assert set(found) == places(data)
-    assert all(found[(f"key{i}",)] == (line, 1) for i, line in at.items())
+    begins = accumulate((entry.count("\n") + 1 for entry in entries), initial=1)
+    for i, line in zip(range(len(entries)), begins, strict=False):
+        assert line_of(text, (f"key{i}",)) == line
