@@ -74,7 +74,7 @@ def factors_find_panels(start: _I, rows: _I, panel: _I, /) -> int: ...
 def factors_solve(factors: _Factors, work: _F, x: _F, /) -> None: ...
 def newmark_scene(
     bodies: tuple[_Body, ...],
-    contacts: tuple[tuple[int, int, int, int, _Law, float], ...],
+    contacts: tuple[_Contact, ...],
     loads: tuple[tuple[int, int, _F, _F], ...],
     dt: float,
     beta: float,

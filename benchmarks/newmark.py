@@ -48,7 +48,7 @@ def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray
     def run() -> np.ndarray:
         u[:] = v[:] = 0.0
         first = ball.stepped().for_core(DT, 0.25, 0.5)
-        contacts = ((0, 0, 1, 0, law, 0.0),)
+        contacts = ((0, 0, 1, 0, 0.0, law),)
         _core.newmark_scene((first, body), contacts, (), DT, 0.25, 0.5, record, energies, None)
         return record
 

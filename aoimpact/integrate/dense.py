@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import _core
 from ..base import FloatArray, LawLimitError, MemoryLimitError
-from ..scene import Plan
+from ..scene import CoreContact, Plan
 from .band import IntArray, narrow_order
 from .events import Events
 from .motion import DenseMotion
@@ -32,17 +32,6 @@ _IN_FREE_MOTION = 240
 
 # Curves of more values than these fill the memory, not the screen.
 _MOST_VALUES = 2e7
-
-
-class CoreContact(NamedTuple):
-    """A contact as the core's adaptive run takes it; see :class:`Contact`."""
-
-    first: int
-    first_port: int
-    second: int
-    second_port: int
-    gap: float
-    law: tuple[Any, ...]
 
 
 class Touch(NamedTuple):
@@ -269,10 +258,7 @@ def _for_core(
     """Bodies, and contacts in an order, as the core takes them."""
     laws = {id(of.law): of.law.for_core() for of in plan.contacts}  # each of them once
     bodies = [body.for_core(plan.gravity, plan.load_on(i)) for i, body in enumerate(plan.modal)]
-    contacts = [
-        CoreContact(of.first, of.first_port, of.second, of.second_port, of.gap, laws[id(of.law)])
-        for of in plan.contacts
-    ]
+    contacts = [of.for_core(laws[id(of.law)]) for of in plan.contacts]
     return tuple(bodies), tuple(contacts if order is None else [contacts[i] for i in order])
 
 

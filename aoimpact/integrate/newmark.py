@@ -143,10 +143,7 @@ def newmark_scene(
     rows = np.zeros((count, steps + 1))
     _core.newmark_scene(
         tuple(body.for_core(dt, rule.beta, rule.gamma) for body in bodies),
-        tuple(
-            (j.first, j.first_port, j.second, j.second_port, j.law.for_core(), j.gap)
-            for j in contacts
-        ),
+        tuple(contact.for_core(contact.law.for_core()) for contact in contacts),
         tuple(loads),
         dt,
         rule.beta,

@@ -9,7 +9,7 @@ core; `fem` and `reduction` know none.
 from .curvature import contact_modulus
 from .effective import check_width, effective_law, own_law, wide_enough
 from .elastic import Hertz, Linear, PowerLaw
-from .law import ContactLaw, HertzianLaw, PatchLaw, loading_work
+from .law import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, loading_work
 from .plastic import Thornton, yield_force
 from .restitution import restitution
 from .surfaces import LawFromSurfaces, law_between
@@ -30,6 +30,7 @@ from .viscous import (
 __all__ = [
     "LAWS",
     "ContactLaw",
+    "CoreLaw",
     "Flores",
     "Gonthier",
     "HerbertMcWhannell",

@@ -6,7 +6,7 @@ reads them; what a user calls a `Scene` stands in `impact`.
 
 from .bodies import StarBody, scene_body
 from .body import SceneBody
-from .contact import Contact, FreeMotion, Load, normal_gap
+from .contact import Contact, CoreContact, FreeMotion, Load, normal_gap
 from .full_body import FullBody
 from .plan import Plan, reduced_mass
 from .rows import BodyRows, RecordLayout
@@ -15,6 +15,7 @@ from .stepped import Equations, SteppedBody
 __all__ = [
     "BodyRows",
     "Contact",
+    "CoreContact",
     "Equations",
     "FreeMotion",
     "FullBody",

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..base import FloatArray
-from ..laws import ContactLaw
+from ..laws import ContactLaw, CoreLaw
 from .rows import BodyRows
 
-__all__ = ["Contact", "FreeMotion", "Load", "OmittedMass", "Port", "normal_gap"]
+__all__ = ["Contact", "CoreContact", "FreeMotion", "Load", "OmittedMass", "Port", "normal_gap"]
 
 
 def normal_gap(gap: float) -> float:
@@ -29,6 +29,17 @@ class Port(NamedTuple):
 
     body: int
     port: int
+
+
+class CoreContact(NamedTuple):
+    """A contact as the core takes it; see :class:`Contact`."""
+
+    first: int
+    first_port: int
+    second: int
+    second_port: int
+    gap: float
+    law: CoreLaw
 
 
 class Contact(NamedTuple):
@@ -59,6 +70,12 @@ class Contact(NamedTuple):
     def ports(self) -> tuple[Port, Port]:
         """The two places that touch."""
         return Port(self.first, self.first_port), Port(self.second, self.second_port)
+
+    def for_core(self, law: CoreLaw) -> CoreContact:
+        """Return it as the core takes it, with its law as the core takes that."""
+        return CoreContact(
+            self.first, self.first_port, self.second, self.second_port, self.gap, law
+        )
 
     def port_of(self, body: int) -> int:
         """Return where one of the two is touched."""

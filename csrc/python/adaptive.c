@@ -68,26 +68,6 @@ void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body)
     body->load.force = body->load.time ? doubles(buffers, item[10], "load forces", &loads) : NULL;
 }
 
-/* (first body, its port, second body, its port, gap, law) */
-static int take_contact(buffer_list *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
-{
-    need_tuple(buffers, tuple, 6);
-    if (buffers->failed) {
-        return AOI_OK;
-    }
-    for (Py_ssize_t i = 0; i < 2; i++) {
-        contact->body[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i));
-        contact->port[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i + 1));
-    }
-    contact->gap = PyFloat_AsDouble(PyTuple_GetItem(tuple, 4));
-    contact->law = law;
-    if (PyErr_Occurred()) {
-        buffers->failed = 1;
-        return AOI_OK;
-    }
-    return take_law(buffers, PyTuple_GetItem(tuple, 5), law);
-}
-
 static int take_system(buffer_list *buffers, PyObject *bodies, PyObject *contacts, taken *made)
 {
     const size_t nb = (size_t)PyTuple_Size(bodies), nc = (size_t)PyTuple_Size(contacts);

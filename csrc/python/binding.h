@@ -79,6 +79,9 @@ void signal_check_regain(signal_check *signals);
 /* (name, parameters, compliance, limit, note, data), made by ContactLaw.for_core and read only here. */
 int take_law(buffer_list *buffers, PyObject *tuple, aoi_law *law);
 
+/* (first body, its port, second body, its port, gap, law), made by Contact.for_core; law is what it refers to. */
+int take_contact(buffer_list *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law);
+
 /* raise_status for a run with count laws, any of which may have stopped it; what a law written in
  * Python has raised stays as it is. contact: which went deeper than its law holds, if that is the status.
  * The buffers must still be held. */

@@ -120,6 +120,25 @@ int take_law(buffer_list *buffers, PyObject *tuple, aoi_law *law)
     return aoi_law_check(law);
 }
 
+int take_contact(buffer_list *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
+{
+    need_tuple(buffers, tuple, 6);
+    if (buffers->failed) {
+        return AOI_OK;
+    }
+    for (Py_ssize_t i = 0; i < 2; i++) {
+        contact->body[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i));
+        contact->port[i] = PyLong_AsSize_t(PyTuple_GetItem(tuple, 2 * i + 1));
+    }
+    contact->gap = PyFloat_AsDouble(PyTuple_GetItem(tuple, 4));
+    contact->law = law;
+    if (PyErr_Occurred()) {
+        buffers->failed = 1;
+        return AOI_OK;
+    }
+    return take_law(buffers, PyTuple_GetItem(tuple, 5), law);
+}
+
 PyObject *raise_of_laws(int status, const char *what, double time, const aoi_law *law, size_t count,
                         Py_ssize_t contact)
 {

@@ -157,23 +157,6 @@ static int take_body(buffer_list *buffers, PyObject *tuple, scene_body *one, con
     return AOI_OK;
 }
 
-/* (body, port, body, port, law, gap) */
-static int take_contact(buffer_list *buffers, PyObject *tuple, aoi_contact *contact, aoi_law *law)
-{
-    need_tuple(buffers, tuple, 6);
-    if (buffers->failed) {
-        return AOI_OK;
-    }
-    for (Py_ssize_t side = 0; side < 2; side++) {
-        contact->body[side] = PyLong_AsSize_t(item(tuple, 2 * side));
-        contact->port[side] = PyLong_AsSize_t(item(tuple, 2 * side + 1));
-    }
-    contact->gap = PyFloat_AsDouble(item(tuple, 5));
-    contact->law = law;
-    buffers->failed = PyErr_Occurred() != NULL;
-    return take_law(buffers, item(tuple, 4), law);
-}
-
 /* (body, port, times, forces) */
 static void take_load(buffer_list *buffers, PyObject *tuple, aoi_scene_load *load)
 {

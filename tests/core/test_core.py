@@ -101,7 +101,7 @@ def scene_arguments(projectile: Any, target: Any, steps: int = 9, dt: float = 1e
     """Two bodies, their contact and a load on the first."""
     count = 4 + sum(10 if body and body[0] == "modal" else 8 for body in (projectile, target))
     record = np.zeros((count, steps + 1))
-    contacts = ((0, 0, 1, 0, law(), 0.0),)
+    contacts = ((0, 0, 1, 0, 0.0, law()),)
     loads = ((0, 0, np.array([0.0, 1.0]), np.array([1.0, 2.0])),)
     return [(projectile, target), contacts, loads, dt, 0.25, 0.5, record, True, None]
 
@@ -707,7 +707,7 @@ def test_buffers_are_given_back(name: str) -> None:
     ball = ("star", 1.0, 0.0, *still, doubles(1.0))
     rest = ("star", 1.0, 0.0, doubles(), doubles(), 0.0, 0.0, None, *map(doubles, (1.0, 0.0, 0.0)))
     note = doubles(0.0, 0.0, 0.0)
-    contacts = ((0, 0, 1, 0, (name, (1e9,), 0.0, math.inf, note, None), 0.0),)
+    contacts = ((0, 0, 1, 0, 0.0, (name, (1e9,), 0.0, math.inf, note, None)),)
     arguments = (ball, rest), contacts, (), 1e-5, 0.25, 0.5, record, True, None
     if name == "hertz":
         _core.newmark_scene(*arguments)

@@ -180,7 +180,7 @@ def full(band: int, mass: Array) -> Call:
     )
     wall = "star", np.inf, 0.0, numbers(), numbers(), 0.0, 0.0, None, *np.ones((3, 1))
     record = np.zeros((20, 100))
-    contacts = ((0, 0, 1, 0, hertz(1e3), 1e9),)
+    contacts = ((0, 0, 1, 0, 1e9, hertz(1e3)),)
     scene, rule = ((target, wall), contacts, ()), (1e-3, 0.25, 0.5)
     return lambda: _core.newmark_scene(*scene, *rule, record, False, None)
 
