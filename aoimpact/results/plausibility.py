@@ -79,11 +79,10 @@ _UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf)
 
 def limits(plan: Plan, contact: Contact) -> Limits:
     """Return what a contact may come to, as far as its law and bodies are known."""
-    own, (first, second) = own_law(contact.law), _ends(plan, contact)
-    if not (_known(first) or _known(second)):
+    own, ends = own_law(contact.law), _ends(plan, contact)
+    if not any(ends):
         return _UNLIMITED if own.relative_radius is None else _limits_of_numbers(own)
-    tips = _contact_point(first), _contact_point(second)
-    materials = _material(first, tips[0]), _material(second, tips[1])
+    materials = _materials(ends)
     pressure = width = math.inf
     if (surface := _surface(own, materials)) is not None:
         k, modulus, radius = surface
@@ -91,7 +90,7 @@ def limits(plan: Plan, contact: Contact) -> Limits:
         if (strength := _strength(materials)) and not isinstance(own, Thornton):
             pressure = yield_force(modulus, radius, _YIELD * strength)
     slowest = min((of.bar_speed for of in materials if of is not None), default=math.inf)
-    deflection = min(_deflecting(plan, contact, tips), default=math.inf)
+    deflection = min(_deflecting(plan, contact), default=math.inf)
     return Limits(pressure, width, _SPEED * slowest, deflection)
 
 
@@ -153,34 +152,14 @@ def _warn(text: str) -> None:
 # ------------------------------------------------------------------- what is known
 
 
-def _ends(plan: Plan, contact: Contact) -> tuple[Any, Any]:
-    """Of each body its AO model, or else the point where it is touched."""
-    first = _end(plan, contact.first, contact.first_port)
-    return first, _end(plan, contact.second, contact.second_port)
+def _ends(plan: Plan, contact: Contact) -> list[Any]:
+    """Where each body is touched, or a rigid ball's surface; None of a body given by numbers."""
+    models = [(plan.bodies[body].model, port) for body, port in contact.ports]
+    return [touched(model, port) or getattr(model, "surface", None) for model, port in models]
 
 
-def _end(plan: Plan, body: int, port: int) -> Any:
-    model = plan.bodies[body].model
-    return model if isinstance(model, AOModel) else touched(model, port)
-
-
-def _known(end: Any) -> bool:
-    """Whether what touches is more than numbers: made from a finite-element body, or a ball."""
-    if isinstance(end, AOModel):
-        return end.origin is not None or getattr(end, "surface", None) is not None
-    return end is not None
-
-
-def _contact_point(end: Any) -> ContactPoint | None:
-    """The place on a finite-element body, of what may be a model of it."""
-    if isinstance(end, AOModel):
-        return None if end.origin is None else end.origin.tip
-    return end if isinstance(end, ContactPoint) else getattr(end, "tip", None)
-
-
-def _material(end: Any, tip: ContactPoint | None) -> Material | None:
-    known = getattr(end, "surface", None) if tip is None else tip  # of a rigid ball
-    return getattr(known, "material", None)
+def _materials(ends: Sequence[Any]) -> list[Material | None]:
+    return [getattr(end, "material", None) for end in ends]
 
 
 def _strength(materials: Sequence[Material | None]) -> float:
@@ -206,18 +185,16 @@ def _surface(law: Any, materials: Sequence[Material | None]) -> tuple[float, flo
 # ------------------------------------------------------------------- deflection
 
 
-def _deflecting(
-    plan: Plan, contact: Contact, tips: Sequence[ContactPoint | None]
-) -> Iterator[float]:
+def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
     """The energy, J, below which each constrained body of a contact has a small deflection.
 
     k0 u²/2 is the least energy of a deflection u; 0 where no such limit is known.
     """
-    for (body, _), tip in zip(contact.ports, tips, strict=True):
+    for body, port in contact.ports:
         scene_body = plan.bodies[body]
+        model, tip = scene_body.model, touched(scene_body.model, port)
         if tip is None or not scene_body.constrained or _allowed(tip) == math.inf:
             continue
-        model = scene_body.model
         alone = not plan.gravity and not plan.loads
         if alone and isinstance(model, AOModel):
             yield 0.5 * model.k0 * _allowed(tip) ** 2
@@ -257,7 +234,7 @@ def _stretches(tip: ContactPoint) -> bool:
 
 def _said_of_pressure(run: Run, number: int) -> str:
     contact, force = run.plan.contacts[number], run.events[number].peak_force
-    materials = [_material(end, _contact_point(end)) for end in _ends(run.plan, contact)]
+    materials = _materials(_ends(run.plan, contact))
     surface = _surface(own_law(contact.law), materials)
     assert surface is not None
     k, modulus, radius = surface
@@ -275,10 +252,7 @@ def _said_of_pressure(run: Run, number: int) -> str:
 
 def _said_of_width(run: Run, number: int) -> str:
     contact, force = run.plan.contacts[number], run.events[number].peak_force
-    surface = _surface(
-        own_law(contact.law),
-        [_material(end, _contact_point(end)) for end in _ends(run.plan, contact)],
-    )
+    surface = _surface(own_law(contact.law), _materials(_ends(run.plan, contact)))
     assert surface is not None
     k, _, radius = surface
     width = math.sqrt((force / k) ** (2.0 / 3.0) / radius)
@@ -293,8 +267,8 @@ def _said_of_width(run: Run, number: int) -> str:
 def _said_of_deflection(run: Run, number: int) -> str:
     """The warning, if the motion itself confirms it."""
     contact = run.plan.contacts[number]
-    for (body, port), end in zip(contact.ports, _ends(run.plan, contact), strict=True):
-        tip = _contact_point(end)
+    for body, port in contact.ports:
+        tip = touched(run.plan.bodies[body].model, port)
         if tip is None or not run.plan.bodies[body].constrained or _allowed(tip) == math.inf:
             continue
         assert tip.body.mesh is not None
@@ -319,7 +293,7 @@ def _said_of_deflection(run: Run, number: int) -> str:
 def _said_of_speed(run: Run, number: int) -> str:
     plan, contact = run.plan, run.plan.contacts[number]
     speed = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
-    materials = [_material(end, _contact_point(end)) for end in _ends(plan, contact)]
+    materials = _materials(_ends(plan, contact))
     slowest = min(material.bar_speed for material in materials if material is not None)
     return (
         f"{_contact(run, number)}: the bodies meet at {speed:.4g} m/s, "

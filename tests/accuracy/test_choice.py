@@ -64,8 +64,6 @@ def test_a_rigid_sphere_gives_the_beams_displacement_but_not_the_force(paper, co
         quantity: strike(quantity=quantity, rtol=3e-2)
         for quantity in ("target_displacement", "peak_force", "force")
     }
-    assert taken["target_displacement"].models[0].label == "rigid"
-    assert taken["peak_force"].models[0].label == taken["force"].models[0].label == "AO(1)"
     for quantity, hit in taken.items():
         assert QUANTITIES[quantity].difference(hit, full) <= 3e-2
 
@@ -85,7 +83,7 @@ def test_quantity_and_tolerance_have_defaults(paper):
     assert paper(target=ao.rigid(mass=1.0), duration=250e-6).models is None
 
 
-# ------------------------------------------------------------------- true errors, and least orders
+# ------------------------------------------------------------------------------------ true errors
 
 
 SCENES = IMPACTS | {
