@@ -123,17 +123,10 @@ class Field:
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> stress = hit.target.field([1e-4]).stress()
         >>> stress.von_mises.shape == (1, len(bar.nodes))
         True
@@ -165,17 +158,10 @@ class Field:
         --------
         >>> import tempfile, pathlib
         >>> folder = pathlib.Path(tempfile.mkdtemp())
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> hit.target.field([1e-4]).to_vtu(folder / "bar").name
         'bar.pvd'
         """
@@ -215,17 +201,10 @@ class Field:
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> ax = hit.target.field([1e-4]).plot()
         """
         mesh, material = solid(self.body, "plot")
@@ -270,17 +249,10 @@ class Field:
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> field = hit.target.field([1e-4, 2e-4])
         >>> path = field.movie("bar.gif")  # doctest: +SKIP
         """

@@ -213,11 +213,8 @@ class InterfaceModel(Frozen):
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.05, 0.09)]
         >>> G = ao.interface(places, n=4).receptance(0.0)
         >>> bool(np.allclose(G, G.T))  # Maxwell and Betti
@@ -253,11 +250,8 @@ class InterfaceModel(Frozen):
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> places = [bar.contact(point=(x, 0.005, 0.01)) for x in (0.05, 0.09)]
         >>> model = ao.interface(places, n=4)
         >>> model.expand(np.zeros(model.n)).shape == (bar.n_dofs,)

@@ -192,17 +192,10 @@ class BodyResult(Frozen):
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> probe = hit.target.probe((0.05, 0.005, 0.0))
         >>> probe.stress["xx"].shape == probe.t.shape
         True
@@ -226,17 +219,10 @@ class BodyResult(Frozen):
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> hit.target.field([1e-4]).displacement.shape == (1, len(bar.nodes), 3)
         True
         """
@@ -249,17 +235,10 @@ class BodyResult(Frozen):
         --------
         >>> import tempfile, pathlib
         >>> folder = pathlib.Path(tempfile.mkdtemp())
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> hit.target.to_vtu(folder / "bar", times=[1e-4]).name
         'bar.pvd'
         """
@@ -435,17 +414,10 @@ class ErrorEstimate:
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> sorted(hit.error.parts("peak_force"))
         ['contact', 'mesh', 'model', 'time']
         """
@@ -485,17 +457,10 @@ class ErrorEstimate:
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
-        >>> hit = ao.simulate(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=0.1,
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
         >>> hit.error.controls("restitution")  # models were chosen for the force
         True
         """

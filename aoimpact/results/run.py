@@ -87,11 +87,8 @@ class Handle:
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> scene = ao.Scene()
         >>> struck = scene.add([bar.contact(point=(x, 0.005, 0.01)) for x in (0.05, 0.09)])
         >>> struck.port(1) != struck.port(0)

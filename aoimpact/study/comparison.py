@@ -121,20 +121,12 @@ class Comparison:
 
         Examples
         --------
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
         >>> table = ao.compare(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=1.0,
-        ...     duration=1e-3,
-        ...     oscillators=(0, 1, 2),
-        ...     modes=(),
-        ...     full=False,
+        ...     projectile=ao.rigid(mass=0.01), target=tip, law=ao.Linear(k=1e5), velocity=1.0,
+        ...     duration=1e-3, oscillators=(0, 1, 2), modes=(), full=False,
         ... )
         >>> ax = table.plot()
         """
@@ -159,20 +151,12 @@ class Comparison:
         --------
         >>> import tempfile, pathlib
         >>> folder = pathlib.Path(tempfile.mkdtemp())
-        >>> bar = ao.FEModel.from_mesh(
-        ...     ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20"),
-        ...     ao.Material(E=70e9, nu=0.33, rho=2700),
-        ...     fixed=[("xmin", "xyz")],
-        ... )
+        >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
+        >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
+        >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
         >>> table = ao.compare(
-        ...     projectile=ao.rigid(mass=0.01),
-        ...     target=bar.contact(point=(0.09, 0.005, 0.01), radius=0),
-        ...     law=ao.Linear(k=1e5),
-        ...     velocity=1.0,
-        ...     duration=1e-3,
-        ...     oscillators=(0, 1, 2),
-        ...     modes=(),
-        ...     full=False,
+        ...     projectile=ao.rigid(mass=0.01), target=tip, law=ao.Linear(k=1e5), velocity=1.0,
+        ...     duration=1e-3, oscillators=(0, 1, 2), modes=(), full=False,
         ... )
         >>> table.to_csv(folder / "models.csv")
         """
