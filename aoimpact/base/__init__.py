@@ -58,7 +58,7 @@ from .style import (
     new_axes,
     styled,
 )
-from .units import Scale, scale_for, scale_of, with_unit
+from .units import Scale, scale_for, with_unit
 
 __all__ = [
     "COLOURS",
@@ -114,7 +114,6 @@ __all__ = [
     "real",
     "require",
     "scale_for",
-    "scale_of",
     "sequence",
     "styled",
     "text",

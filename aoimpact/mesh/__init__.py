@@ -6,7 +6,6 @@ their nodes and corners for multigrid, `fields` their elements for stresses and 
 
 from .curvature import SurfaceShape, surface_shape
 from .elements import KINDS, ReferenceElement, cofactors, jacobians, reference_element
-from .faces import reference_faces
 from .files import meshio_of_all_kinds
 from .generate import box_mesh, paper_sphere_mesh, sphere_mesh
 from .locate import AT_NODE, node_at, weights_at
@@ -37,7 +36,6 @@ __all__ = [
     "plane_of",
     "read_mesh",
     "reference_element",
-    "reference_faces",
     "rigid_motions",
     "sphere_mesh",
     "surface_shape",

@@ -12,7 +12,6 @@ from .interface import InterfaceModel, InterfaceSpace, interface, whole_interfac
 from .krylov import KrylovSpace
 from .modalbody import ModalBody, modal_body
 from .modes import ModalModel, modal
-from .origin import Origin
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid
 from .starmodes import StarModes, star_modes
@@ -28,7 +27,6 @@ __all__ = [
     "KrylovSpace",
     "ModalBody",
     "ModalModel",
-    "Origin",
     "StarModes",
     "antioscillators",
     "ball",

@@ -205,12 +205,6 @@ class Result(Eventful):
         return self.run.value(name)
 
     @property
-    def parting_speed(self) -> float:
-        """How fast the bodies part by `parting` [m/s]; a constrained target stays where it is."""
-        ours, theirs = self.parting
-        return (0.0 if self.run.plan.bodies[1].fixed else theirs) - ours
-
-    @property
     def parting(self) -> tuple[float, float]:
         """Mean velocities of projectile and target, to compare runs by [m/s].
 

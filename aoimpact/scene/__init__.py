@@ -9,11 +9,10 @@ from .body import SceneBody
 from .contact import Contact, CoreContact, FreeMotion, Load, normal_gap
 from .full_body import FullBody
 from .plan import Plan, reduced_mass
-from .rows import BodyRows, RecordLayout
+from .rows import RecordLayout
 from .stepped import Equations, SteppedBody
 
 __all__ = [
-    "BodyRows",
     "Contact",
     "CoreContact",
     "Equations",
