@@ -1,6 +1,6 @@
 """The models that give a quantity of interest to a tolerance, and the errors of every number.
 
-interest.py finds the quantity that is meant in the table of `results`; order.py the least models,
+interest.py finds the quantity that is meant in the table of `results`; order.py the models,
 from hierarchy.py, that give it; leftout.py what mesh and contact add to its error. For what runs
 impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
