@@ -3,7 +3,7 @@
 The error of models of n oscillators is estimated by the largest of the differences of the quantity
 of interest to the models of n + 2, n + 4, n + 6 and n + 8. The orders of all bodies are raised
 until this estimate is within the tolerance. Truncating each model then, as far as the same larger
-models allow, made calls no faster: .87 to 1.16 times their time, median .98, with eight bodies of
+models allow, made calls no faster: .87 to 1.16 times their time, median .98, with seven bodies of
 4 000 to 36 000 dofs and tolerances of 1e-1 to 1e-3.
 """
 
