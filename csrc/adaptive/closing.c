@@ -15,7 +15,8 @@ enum { RISES = 4 };
 static const double HERTZ_SHARE = 0.4;
 
 /* The first step's length over the compression time times rtol^(2/7): with an edge, and at a residual compliance, where
- * there is none; and its largest share of the compression time. */
+ * there is none; and its largest share of the compression time: see ../README.md. Measured: with an edge 13 costs as
+ * much work and 120 costs 1.7 % more; without, 1 costs 1.3 % and 9 costs 0.2 % more. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
 /* The search for the largest indentation, in logarithms: where it begins, its stride, and the tolerance where it
