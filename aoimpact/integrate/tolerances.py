@@ -3,7 +3,7 @@
 The measurements are over random impacts and scenes with a known answer; the tests repeat some of
 them on fewer. Two more tolerances are shared out elsewhere: that of a quantity of interest among
 models, time and mesh, by accuracy/choice.py; that of a run among what a step does wrong, in the
-core, by csrc/adaptive (step.c, step_error.c, step_events.c, step.h).
+core, by csrc/adaptive (the table in csrc/README.md).
 """
 
 from __future__ import annotations
