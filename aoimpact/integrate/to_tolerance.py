@@ -13,7 +13,7 @@ from .adaptive import Adaptive
 from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
 from .roughness import refuse_rough
-from .tolerances import FLOOR, GAIN, LINEAR, PATIENCE, ROUNDING, SCATTER
+from .tolerances import FLOOR, GAIN, LINEAR, OTHER_STEPS, PATIENCE, ROUNDING, SCATTER
 
 __all__ = ["solve_adaptive"]
 
@@ -87,7 +87,7 @@ def _confirmed(
     rounding = ROUNDING * touches
     best, tolerance, error = first, rtol, math.inf
     # Errors add up from touch to touch, where they do not multiply.
-    wanted = rtol / (SCATTER * touches)
+    wanted = min(rtol / (SCATTER * touches), OTHER_STEPS)
     while True:
         wanted = max(wanted, FLOOR)
         try:

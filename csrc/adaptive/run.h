@@ -72,7 +72,7 @@ struct aoi_adaptive {
     size_t closed_count, entry_count; /* the entries: closed contacts first, then those beside them */
     int level;                        /* steps are base 2^(-level/8) long */
     int grain;                        /* levels are multiples of this */
-    double table_cost, saved;         /* cost of new tables, and steps that a coarser level would have saved */
+    double table_cost, saved; /* cost of new tables, a step a mode, and steps that a coarser level would have saved */
     double base;
     double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
     double force_scale; /* largest force in the step tried, where more than one contact is closed; else 0 */
@@ -94,7 +94,7 @@ enum {
     AOI_NO_LEVEL = 1000
 };
 
-/* Largest growth of the step length after an accepted step. */
+/* Largest growth of the step length after an accepted step. Measured: 3 costs 0.4 % more work, 24 saves none. */
 #define AOI_MOST_GROWTH 8.0
 
 /* Largest number of evaluations of a mode in one search for a touch, about a tenth of a second; and in one within a

@@ -12,13 +12,16 @@
 
 #include <math.h>
 
-/* A step ends at an edge if its contact separates within this share of the step's length from its end. */
+/* A step ends at an edge if its contact separates within this share of the step's length from its end. Measured:
+ * from 0.03 to 0.3 work changes by 0.3 %. */
 static const double EDGE_WIDTH = 0.1;
 
-/* A step begins at an edge if its contact's indentation there is below this share of rate times step length. */
+/* A step begins at an edge if its contact's indentation there is below this share of rate times step length.
+ * Only a law whose force sets in later may be deeper without force. */
 static const double EDGE_DEPTH = 1e-3;
 
-/* Newton's convergence is measured against an indentation of at least this share of the largest. */
+/* Newton's convergence is measured against an indentation of at least this share of the largest. Measured: from
+ * 1e-12 to 1e-3 errors and work are the same. */
 static const double NEWTON_SHARE = 1e-6;
 
 /* The same at residual compliances, which couple contacts: each indentation has the rounding of the largest. */

@@ -19,27 +19,28 @@
 #include <math.h>
 
 /* Shares of rtol: of the polynomial's tail, and of the error at the end of one step. Errors add up over some twenty
- * steps of a contact, and grow from one contact to the next. */
+ * steps of a contact, and grow from one contact to the next. These and the next: see the table in ../README.md. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
 /* Share of these in the first and last step of a contact: there the force is no smooth function of time, and the
  * quadrature of its defect misses part of it. */
 static const double END_SHARE = 0.03;
 
-/* Times closer than this multiple of the rounding of the end time count as equal. */
+/* Times closer than this multiple of the rounding of the end time count as equal: run.c goes up to 8 beyond a kink. */
 static const double ROUNDINGS = 16.0;
 
-/* A step is not tried at more than 1/0.9 of the length that its error allows. */
+/* A step is not tried at more than this share of the length that its error allows: see ../README.md. */
 static const double CAUTION = 0.9;
 
-/* Largest growth while a contact is slack: the bodies still overlap, but the law's force is cut at zero. */
-static const double SLACK_GROWTH = 2.0;
+/* Largest growth from a step whose error tells little of the next: one with an edge, or while a contact is slack, where
+ * the bodies still overlap, but the law's force is cut at zero: see ../README.md. */
+static const double BLIND_GROWTH = 2.0;
 
-/* Largest growth from a step with an edge to the next; and of the length allowed at the contact's end over that of the
- * step with its beginning. */
-static const double EDGE_GROWTH = 2.0, EDGE_REACH = 1.4;
+/* Largest growth of the length allowed at the contact's end over that of the step with its beginning. Measured: 1 costs
+ * 1.3 % more work, 4.2 costs 0.3 %. */
+static const double EDGE_REACH = 1.4;
 
-/* Ratio of the forces at the last two nodes where the force grows like t^(1/4) from the start. */
+/* Above the ratio of the forces at the last two nodes where the force grows like t^(1/4) from the start, 0.986. */
 static const double NEAR_TOP = 0.99;
 
 /* Relative error of the force for a relative error of the indentation, over that of Hertz's law; at least 1. */
@@ -181,7 +182,7 @@ static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entr
     const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, entry), scale / h);
     const double unresolved = fmax(within, rate_tail(entry) / fmax(slow, DBL_MIN));
     const double growth = CAUTION * pow(unresolved, -1.0 / AOI_NODES);
-    return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), SLACK_GROWTH);
+    return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), BLIND_GROWTH);
 }
 
 /* At an edge errors grow like the powers of time that a polynomial cannot represent: a force like d^(3/2) gives t^(7/2)
@@ -199,7 +200,7 @@ static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *e
     }
     if (at_edge) {
         contact->edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
-        return EDGE_GROWTH;
+        return BLIND_GROWTH;
     }
     return fmax(growth, 1.0);
 }

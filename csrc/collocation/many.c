@@ -18,11 +18,13 @@ enum { MOST_ITERATIONS = 25, SQUARE = AOI_NODES * AOI_NODES };
 static const double CONVERGED = 1e-15, ROUNDING = 1e-12;
 
 /* The matrix is kept as long as a change is smaller than the one before by this: to make and invert it anew costs
- * about three iterations with the old one, each of which gains more than a digit. */
+ * about three iterations with the old one, each of which gains more than a digit. Measured: 0.017 costs 0.3 % more
+ * work, 0.15 costs 0.1 %. */
 static const double KEPT = 0.05;
 
-/* With the matrix of the change before, the error falls by twice the ratio of the last changes. */
-static const double FALL = 2.0, NEXT_CHANGE = 1e-16;
+/* With the matrix of the change before, the error falls by twice the ratio of the last changes: the next change would
+ * be half a rounding. Measured: a third costs 1.1 % more work, three times as much 0.4 %. */
+static const double NEXT_CHANGE = 5e-17;
 
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry)
 {
@@ -364,7 +366,7 @@ int aoi_newton_done(aoi_newton *newton, double change)
     newton->renew = !first && !(ratio < KEPT);
     newton->before = change;
     return change <= CONVERGED || (change <= ROUNDING && ratio >= 0.5) ||
-           (!first && ratio < KEPT && FALL * ratio * change <= NEXT_CHANGE);
+           (!first && ratio < KEPT && ratio * change <= NEXT_CHANGE);
 }
 
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,

@@ -121,6 +121,22 @@ def test_the_oracle_s_peak_is_the_largest_force_on_its_curve() -> None:
         assert largest <= peak * (1.0 + 1e-9)
 
 
+def test_two_loose_runs_that_take_the_same_steps_do_not_confirm_each_other() -> None:
+    # The ends of a frame rattle between light balls, each touch multiplying the first one's error.
+    frame = Frame((0.0001402, 0.01725, 0.0001402), (574.7, 574.7), (0.0, 0.0, 0.0))
+    balls = (Body(8.861e-05, velocity=0.6452), Body(8.861e-05, velocity=-0.6452))
+    stiff = Law("Hertz", {"k": 198200.0})
+    contacts = (
+        Contact(1, 0, Law("Hertz", {"k": 44.51}), 0.0, (0, 1)),
+        Contact(2, 0, stiff),
+        Contact(0, 3, stiff, 0.0, (2, 0)),
+        Contact(0, 4, Law("Hertz", {"k": 2477.0}), 0.01571),
+    )
+    bodies = (frame, Body(0.1359, velocity=6.031), *balls, WALL)
+    case = Case(bodies, contacts, duration=0.2307, rtol=6.241e-5)
+    assert judge(case).kind == "ok"
+
+
 def test_shrinking_leaves_what_fails() -> None:
     case = next(case_of(seed) for seed in range(500) if len(case_of(seed).contacts) == 8)
     small = shrink(case, lambda one: any(contact.a == 0 for contact in one.contacts))
