@@ -777,6 +777,31 @@ static void a_faster_one_takes_all_the_force(void)
     }
 }
 
+/* A place at touch between a body that strikes it and one that flies on before it, to which it catches up: all forces
+ * balance, k1 (V t - u)^(3/2) = u / soft + k2 (u - w t)^(3/2), the last only where it presses. */
+static void a_place_that_is_struck_catches_up_with_what_flies_on(void)
+{
+    const double V = 3.5, w = 1.5, k[] = {1e9, 1e8}, soft = 1e-5, end = 1e-4;
+    const aoi_law laws[] = {hertz(k[0]), hertz(k[1])};
+    double low = w * end, high = V * end;
+    for (int i = 0; i < 100; i++) {
+        const double u = 0.5 * (low + high);
+        *(k[0] * pow(V * end - u, 1.5) > u / soft + k[1] * pow(u - w * end, 1.5) ? &low : &high) = u;
+    }
+    const double wanted[] = {k[0] * pow(V * end - low, 1.5), k[1] * pow(low - w * end, 1.5)};
+    for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
+        plant p = pushed_by_two(V, soft, 0.0, &laws[0], &laws[1]);
+        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1]};
+        p.part[2].v[0] = w;
+        must_go(&p, rtol, end);
+        for (size_t c = 0; c < 2; c++) {
+            CHECK(near(p.run->contact[c].force, wanted[c], rtol), "rtol %g: contact %zu has %.12g N, not %.12g", rtol, c,
+                  p.run->contact[c].force, wanted[c]);
+        }
+        release(&p);
+    }
+}
+
 /* Pressed by a load that fades: its peak is the start's. */
 static void a_pressed_body_that_is_let_go_has_its_peak_at_the_start(void)
 {
@@ -1628,6 +1653,7 @@ int main(void)
     a_load_sets_in_on_a_dashpot();
     a_load_sets_in_on_a_stiff_law();
     a_faster_one_takes_all_the_force();
+    a_place_that_is_struck_catches_up_with_what_flies_on();
     a_massless_place_between_two_contacts_moves_evenly();
     a_pull_ends_beside_what_presses();
     a_row_of_ringing_bodies();

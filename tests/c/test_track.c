@@ -109,6 +109,35 @@ static void pulls_that_end_are_booked(void)
     release(&p);
 }
 
+/* A place is pressed on a wall by o. A body that leaves pulls it away, and lets go: it springs back, to where a spring of
+ * its compliance and the wall's are pressed by o. */
+static void a_place_that_springs_back_is_booked(void)
+{
+    const double soft = 1e-5, k = 1e6, o = 1e-4, rtol = 1e-9, end = 5e-3;
+    const aoi_law wall = linear(k), pulling = law_named("kelvin_voigt_pulling", 2, 1e4, 1e2, 0.0);
+    double record[MOST_ROWS], first = 0.0;
+    plant p = {.bodies = 0};
+    part *place = add_rigid(&p, 1e12, 0.0);
+    place->massless = 1;
+    place->residual[0] = soft;
+    add_wall(&p);
+    add_rigid(&p, 1.0, -1.0);
+    join_rigid(&p, 0, 1, -o, &wall);
+    join_rigid(&p, 2, 0, -2.0 * o, &pulling);
+    must_go(&p, rtol, end);
+    CHECK(p.run->contact[0].impulse > 0.0 && !p.run->contact[1].closed, "the pull is over");
+    CHECK(near(p.run->contact[0].force, o / (soft + 1.0 / k), rtol), "back on the wall with %g N", p.run->contact[0].force);
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    for (int i = 0; i <= 100; i++) {
+        const double t = 0.01 * end * i;
+        aoi_sampler_column(p.sampler, t, 1, record, 1);
+        first = i == 0 ? ledger(&p, record) : first;
+        CHECK(fabs(ledger(&p, record) - first) < 1e2 * rtol, "at %g s the ledger is off by %g J", t,
+              ledger(&p, record) - first);
+    }
+    release(&p);
+}
+
 static void ledgers_close(void)
 {
     the_ledger_closes(0, "alone");
@@ -379,6 +408,7 @@ int main(void)
     what_is_no_track_is_refused();
     ledgers_close();
     pulls_that_end_are_booked();
+    a_place_that_springs_back_is_booked();
     work_and_losses_are_those_of_the_motion();
     dense_output_meets_the_rows();
     columns_are_those_of_the_states();
