@@ -155,6 +155,19 @@ static void exponentials_of_any_size_are_numbers(void)
     }
 }
 
+/* Angles of far more turns than a division by pi/2 leaves digits of, in one lane beside small ones. */
+static void sines_of_many_turns_are_sines(void)
+{
+    for (double angle = 1e8; angle < 1e300; angle *= 30.0) {
+        const double omega[AOI_LANES] = {1.0, 2.0 * angle, 3.0, 4.0};
+        aoi_turn turn;
+        aoi_turn_make(omega, 1.0, &turn);
+        CHECK(fabs(turn.sine[1] - sin(angle)) < 4e-16 && fabs(turn.cosine[1] - cos(angle)) < 4e-16,
+              "%g rad: sine %.16g, not %.16g", angle, turn.sine[1], sin(angle));
+        CHECK(near(turn.sine[0], sin(0.5), 4e-16), "beside it: %.16g", turn.sine[0]);
+    }
+}
+
 int main(void)
 {
     exponentials_agree_with_quadrature();
@@ -163,5 +176,6 @@ int main(void)
     agrees_with_quadrature();
     recurrence_holds_over_twelve_decades();
     small_arguments_keep_their_digits();
+    sines_of_many_turns_are_sines();
     return check_report();
 }

@@ -287,6 +287,31 @@ static void a_jump_holds_its_bodies_just_touching(void)
     CHECK(q.force[1] == 0.0 && q.indentation[1] < 0.0, "the other contact stays open");
 }
 
+/* One body on two dashpots, the first of which has pulled. To hold on, d_0 = -1.8 - C (F_0 + F_1) > 0, the body would have
+ * to go on at d_1' = 3.5 - (2 C / dt) (F_0 + F_1) > 7, for which F_1 > 700 N, while F_0 > 10 (-4 + 3.6) = -4 N: their sum
+ * is not negative. So the pull ends, and the second alone stops the body where it touches. */
+static void a_pull_that_cannot_hold_ends(void)
+{
+    const double gives = 10.0, dt = 1.0, pulling[] = {10.0, 10.0}, stiff[] = {10.0, 100.0};
+    make(2, 1);
+    CHECK(aoi_law_create(&q.law[0], "kelvin_voigt_pulling", 2, pulling) == AOI_OK, "a dashpot that pulls");
+    CHECK(aoi_law_create(&q.law[1], "kelvin_voigt", 2, stiff) == AOI_OK, "a dashpot that does not");
+    for (size_t i = 0; i < 2; i++) {
+        for (size_t j = 0; j < 2; j++) {
+            *entry(q.compliance, i, j) = gives;
+            *entry(q.rate_compliance, i, j) = 2.0 * gives / dt;
+        }
+        q.free[i] = i == 0 ? -1.8 : 1.4;
+        q.rate_free[i] = i == 0 ? -4.0 : 3.5;
+        q.contact[i].indentation = q.contact[i].last_indentation = i == 0 ? 0.4 : 1.8;
+    }
+    CHECK(aoi_coupled_solve(&q.e, q.contact) == AOI_OK, "there is a solution");
+    CHECK(q.force[0] == 0.0 && near(q.indentation[0], -1.8 - 1.4, 1e-14), "it has let go: %g N at %g", q.force[0],
+          q.indentation[0]);
+    CHECK(q.indentation[1] == 0.0 && near(q.force[1], 1.4 / gives, 1e-14), "a stop: %g N at %g", q.force[1],
+          q.indentation[1]);
+}
+
 static void behind_a_gap(const aoi_law *law, const double *memory, int piece, double d, double rate,
                          aoi_law_value *value)
 {
@@ -360,6 +385,7 @@ int main(void)
     a_push_goes_through_the_whole_row();
     two_springs_are_one_of_twice_the_stiffness();
     a_jump_holds_its_bodies_just_touching();
+    a_pull_that_cannot_hold_ends();
     stiff_forces_behind_a_gap_keep_their_digits();
     failures_are_named();
     return check_report();

@@ -396,6 +396,22 @@ static void what_a_load_draws_away_from_the_origin_goes(void)
     }
 }
 
+/* Nothing at all has a size there if all of it hardly turns: x = -t^2 / 2, to (omega t)^2 / 12. */
+static void what_gravity_draws_from_the_origin_goes(void)
+{
+    const double end = 1e-4;
+    plant p = {.bodies = 0};
+    part *bob = add_rigid(&p, 1.0, 0.0);
+    bob->omega[0] = 30.0;
+    bob->pulled = 1;
+    bob->gravity[0] = -1.0;
+    add_wall(&p);
+    aoi_free_pair pair = pair_of(&p, 0.0);
+    int touches = -1;
+    CHECK(aoi_free_pair_next_touch(&pair, end, 1000, &touches) == AOI_OK && touches == 0, "it goes");
+    CHECK(pair.time == end && near(p.x[0], -0.5 * end * end, 1e-6), "all the time: to %g", p.x[0]);
+}
+
 /* What contact forces make of an indentation has its share in all derivatives: of a cosine. */
 static void a_forced_part_moves_with_the_rest(void)
 {
@@ -432,6 +448,7 @@ int main(void)
     a_load_that_begins_at_touch_presses();
     a_load_that_draws_away_from_touch_costs_nothing();
     what_a_load_draws_away_from_the_origin_goes();
+    what_gravity_draws_from_the_origin_goes();
     a_forced_part_moves_with_the_rest();
     the_third_derivative_is_the_slope_of_the_second();
     a_stiff_mass_creeps_up_with_its_load();
