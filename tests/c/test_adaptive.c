@@ -777,6 +777,85 @@ static void a_faster_one_takes_all_the_force(void)
     }
 }
 
+/* Dashpots of two bodies strike a place at once. The faster draws it away from the slower, until what bends it holds it
+ * back: c2 u' + (k2 + 1 / soft) u = k2 V2 t + c2 V2 from u = 0 to u = V1 t, and from there with the sums of both. */
+static void a_slower_damper_waits_for_the_place(void)
+{
+    const double V[] = {1.5, 2.5}, k[] = {1e5, 1e6}, c = 10.0, soft = 1e-8, end = 1e-5;
+    double stiff[2], speed[2], line[2], touch = c * soft, late = end;
+    for (int both = 0; both < 2; both++) {
+        stiff[both] = k[1] + both * k[0] + 1.0 / soft;
+        speed[both] = (k[1] * V[1] + both * k[0] * V[0]) / stiff[both];
+        line[both] = c * (V[1] - speed[both] + both * (V[0] - speed[both])) / stiff[both];
+    }
+    while (late - touch > 1e-15 * end) {
+        const double t = 0.5 * (touch + late), u = line[0] * -expm1(-stiff[0] / c * t) + speed[0] * t;
+        *(u > V[0] * t ? &touch : &late) = t;
+    }
+    const aoi_law laws[] = {law_named("kelvin_voigt", 2, k[0], c, 0.0), law_named("kelvin_voigt", 2, k[1], c, 0.0)};
+    for (double rtol = 1e-4; rtol > 5e-9; rtol *= 1e-2) {
+        plant p = pushed_by_two(V[0], soft, 0.0, &laws[0], &laws[1]);
+        p.part[2].v[0] = V[1];
+        must_go(&p, rtol, end);
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        for (int i = 1; i <= 100; i++) {
+            double record[64];
+            const double t = 0.01 * i * end;
+            const int both = t > touch;
+            const double from = both ? touch : 0.0, fall = stiff[both] / (c + both * c);
+            const double left = (V[0] * from - line[both] - speed[both] * from) * exp(-fall * (t - from));
+            const double u = line[both] + speed[both] * t + left, rate = speed[both] - fall * left;
+            aoi_sampler_column(p.sampler, t, 0, record, 1);
+            for (int j = 0; j < 2; j++) {
+                const double force = j == 1 || both ? k[j] * (V[j] * t - u) + c * (V[j] - rate) : 0.0;
+                const double found = record[j * AOI_CONTACT_ROWS];
+                CHECK(fabs(found - force) < 10.0 * rtol * c * V[1], "rtol %g, t %g, contact %d: %.12g N, not %.12g",
+                      rtol, t, j, found, force);
+            }
+        }
+        release(&p);
+    }
+}
+
+/* A load presses a place on a dashpot beyond a gap, c u' + k1 (u - gap) + k2 (u + W t) + u / soft = load from u = gap, until a
+ * body that comes with a spring takes the load: from there k2 (u + W t) + u / soft = load. */
+static void a_spring_takes_a_load_from_a_dashpot(void)
+{
+    const double W = 3.0, k[] = {1e5, 1e7}, c = 100.0, soft = 1e-8, gap = 3e-5, load = 4e3, end = 1e-4;
+    const double stiff = k[0] + k[1] + 1.0 / soft, speed = -k[1] * W / stiff;
+    const double line = (load + k[0] * gap - c * speed) / stiff;
+    const aoi_law laws[] = {law_named("kelvin_voigt", 2, k[0], c, 0.0), linear(k[1])};
+    double over = 0.0, late = end;
+    while (late - over > 1e-15 * end) {
+        const double t = 0.5 * (over + late), u = line + speed * t + (gap - line) * exp(-stiff / c * t);
+        *(load - u / soft - k[1] * (u + W * t) > 0.0 ? &over : &late) = t;
+    }
+    CHECK(over > 0.0 && over < 0.5 * end, "it does, at %g", over);
+    for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
+        plant p = pushed_by_two(0.0, soft, 0.0, &laws[0], &laws[1]);
+        p.contact[0] = (aoi_contact){{0, 1}, {0, 0}, gap, &laws[0]};
+        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1]};
+        p.part[2].v[0] = -W;
+        p.part[0].load_count = 1;
+        p.part[0].load_force[0] = load;
+        must_go(&p, rtol, end);
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        for (int i = 1; i <= 100; i++) {
+            double record[64];
+            const double t = 0.01 * i * end, after = (load - k[1] * W * t) / (1.0 / soft + k[1]);
+            const double u = t < over ? line + speed * t + (gap - line) * exp(-stiff / c * t) : after;
+            const double forces[] = {load - u / soft - k[1] * (u + W * t), k[1] * (u + W * t)};
+            aoi_sampler_column(p.sampler, t, 0, record, 1);
+            for (int j = 0; j < 2; j++) {
+                const double found = record[j * AOI_CONTACT_ROWS];
+                CHECK(fabs(found - forces[j]) < 10.0 * rtol * load, "rtol %g, t %g, contact %d: %.12g N, not %.12g",
+                      rtol, t, j, found, forces[j]);
+            }
+        }
+        release(&p);
+    }
+}
+
 /* A place at touch between a body that strikes it and one that flies on before it, to which it catches up: all forces
  * balance, k1 (V t - u)^(3/2) = u / soft + k2 (u - w t)^(3/2), the last only where it presses. */
 static void a_place_that_is_struck_catches_up_with_what_flies_on(void)
@@ -1653,6 +1732,8 @@ int main(void)
     a_load_sets_in_on_a_dashpot();
     a_load_sets_in_on_a_stiff_law();
     a_faster_one_takes_all_the_force();
+    a_slower_damper_waits_for_the_place();
+    a_spring_takes_a_load_from_a_dashpot();
     a_place_that_is_struck_catches_up_with_what_flies_on();
     a_massless_place_between_two_contacts_moves_evenly();
     a_pull_ends_beside_what_presses();
