@@ -817,6 +817,39 @@ static void a_slower_damper_waits_for_the_place(void)
     }
 }
 
+/* A dashpot strikes a place at touch with another, which flies on and may pull: c (V1 - u') + k (V1 t - u) = u / soft +
+ * c (u' - V2) + k (u - V2 t) from the start, a line and a decay. */
+static void a_struck_place_takes_a_dashpot_along(void)
+{
+    const double V[] = {1.5, 0.5}, k = 1e7, c = 100.0, soft = 1e-7, end = 2e-5;
+    const double stiff = 2.0 * k + 1.0 / soft, fall = stiff / (2.0 * c), speed = k * (V[0] + V[1]) / stiff;
+    const double line = c * (V[0] + V[1] - 2.0 * speed) / stiff;
+    const aoi_law laws[] = {law_named("kelvin_voigt", 2, k, c, 0.0), law_named("kelvin_voigt_pulling", 2, k, c, 0.0)};
+    for (int first = 0; first < 2; first++) { /* in the order of contacts */
+        for (double rtol = 1e-4; rtol > 5e-11; rtol *= 1e-2) {
+            plant p = pushed_by_two(V[0], soft, 0.0, &laws[0], &laws[1]);
+            p.contact[first] = (aoi_contact){{1, 0}, {0, 0}, 0.0, &laws[0]};
+            p.contact[1 - first] = (aoi_contact){{0, 2}, {0, 0}, 0.0, &laws[1]};
+            p.part[2].v[0] = V[1];
+            must_go(&p, rtol, end);
+            CHECK(open_sampler(&p) == AOI_OK, "sampled");
+            for (int i = 1; i <= 100; i++) {
+                double record[64];
+                const double t = 0.01 * i * end, left = line * exp(-fall * t);
+                const double u = line + speed * t - left, rate = speed + fall * left;
+                aoi_sampler_column(p.sampler, t, 0, record, 1);
+                for (int j = 0; j < 2; j++) {
+                    const double force = fabs(k * (V[j] * t - u) + c * (V[j] - rate));
+                    const double found = record[(j == 0 ? first : 1 - first) * AOI_CONTACT_ROWS];
+                    CHECK(near(found, force, 10.0 * rtol), "rtol %g, t %g, contact %d: %.12g N, not %.12g", rtol, t, j,
+                          found, force);
+                }
+            }
+            release(&p);
+        }
+    }
+}
+
 /* A load presses a place on a dashpot beyond a gap, c u' + k1 (u - gap) + k2 (u + W t) + u / soft = load from u = gap, until a
  * body that comes with a spring takes the load: from there k2 (u + W t) + u / soft = load. */
 static void a_spring_takes_a_load_from_a_dashpot(void)
@@ -1733,6 +1766,7 @@ int main(void)
     a_load_sets_in_on_a_stiff_law();
     a_faster_one_takes_all_the_force();
     a_slower_damper_waits_for_the_place();
+    a_struck_place_takes_a_dashpot_along();
     a_spring_takes_a_load_from_a_dashpot();
     a_place_that_is_struck_catches_up_with_what_flies_on();
     a_massless_place_between_two_contacts_moves_evenly();
