@@ -98,3 +98,15 @@ def test_nothing_valid_leads_it_astray(values: list[str]) -> None:
     begins = accumulate((entry.count("\n") + 1 for entry in entries), initial=1)
     for i, line in zip(range(len(entries)), begins, strict=False):
         assert line_of(text, (f"key{i}",)) == line
+
+
+def test_a_string_of_many_lines_is_passed_over() -> None:
+    text = "a = 1\n" + 'b = """\n' + "c = 2\n" * 5000 + '"""\nd = 3\n'
+    assert [line_of(text, (name,)) for name in "abd"] == [1, 2, 5004]
+
+
+def test_a_text_that_is_nested_too_deeply_to_be_read_in_parts_has_no_lines() -> None:
+    text = "a = [\n" + "[[1, 2], [\n" + "[3],\n" * 5000 + "]],\n]\nb = 1\n"
+    assert tomllib.loads(text)["b"] == 1
+    assert line_of(text, ("b",)) is None
+    assert line_of(text, ("a", 0, 1, 4000)) is None
