@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 # s of processor time, which other work on the machine leaves alone; the longest of the programs
-# takes a third of one.
+# takes four.
 LONGEST = 20
 
 HERE = Path(__file__).resolve().parent

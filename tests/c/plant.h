@@ -4,6 +4,7 @@
 #define AOIMPACT_TEST_PLANT_H
 
 #include "check.h"
+#include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "aoimpact.h"
 
@@ -15,7 +16,7 @@
 #endif
 
 enum { MOST_MODES = 12, MOST_PORTS = 3, MOST_LOADS = 4, MOST_CONTACTS = MOST_BODIES };
-enum { ALL_MODES = MOST_MODES * MOST_BODIES, TRACK_ROOM = 4000000, ROW_ROOM = 40000 };
+enum { ALL_MODES = MOST_MODES * MOST_BODIES, FIRST_ROOM = 64, LAST_ROOM = 40000 };
 
 /* A body: the arrays of its aoi_modes, and how it starts. */
 typedef struct part {
@@ -110,6 +111,16 @@ static inline void join_rigid(plant *p, size_t one, size_t other, double gap, co
     join(p, one, 0, other, 0, gap, law);
 }
 
+/* A rigid body that touches a wall. */
+static inline plant ball_on_wall(double mass, double velocity, const aoi_law *law)
+{
+    plant p = {.bodies = 0};
+    add_rigid(&p, mass, velocity);
+    add_wall(&p);
+    join_rigid(&p, 0, 1, 0.0, law);
+    return p;
+}
+
 static inline aoi_law law_named(const char *name, size_t count, double a, double b, double c)
 {
     const double parameter[] = {a, b, c};
@@ -138,6 +149,15 @@ static inline int lay_out(plant *p)
     return status;
 }
 
+/* Makes the track as long as so many of the longest rows. */
+static inline void make_room(plant *p, size_t rows)
+{
+    p->track.capacity = rows * aoi_adaptive_room(&p->system);
+    p->track.row_capacity = rows;
+    p->track.values = realloc(p->track.values, p->track.capacity * sizeof(double));
+    p->track.row = realloc(p->track.row, rows * sizeof(size_t));
+}
+
 static inline int begin(plant *p, double rtol, double end)
 {
     const int status = lay_out(p);
@@ -147,9 +167,7 @@ static inline int begin(plant *p, double rtol, double end)
     }
     p->run = malloc(aoi_adaptive_size(&p->system));
     p->sampler = malloc(aoi_sampler_size(&p->system));
-    p->track = (aoi_track){.capacity = TRACK_ROOM, .row_capacity = ROW_ROOM};
-    p->track.values = malloc(TRACK_ROOM * sizeof(double));
-    p->track.row = malloc(ROW_ROOM * sizeof(size_t));
+    make_room(p, FIRST_ROOM);
     return aoi_adaptive_start(p->run, &p->system, &start, rtol, end);
 }
 
@@ -163,10 +181,15 @@ static inline void keep_state(plant *p)
 static inline int go(plant *p, double rtol, double end)
 {
     int status = begin(p, rtol, end);
-    if (status == AOI_OK) {
-        status = aoi_adaptive_finish(p->run, &p->track);
-        keep_state(p);
+    if (status != AOI_OK) {
+        return status;
     }
+    status = aoi_adaptive_finish(p->run, &p->track);
+    while (status == AOI_ERROR_TOO_LONG && p->track.row_capacity < LAST_ROOM) {
+        make_room(p, 2 * p->track.row_capacity);
+        status = aoi_adaptive_finish(p->run, &p->track);
+    }
+    keep_state(p);
     return status;
 }
 
@@ -189,6 +212,37 @@ static inline void release(plant *p)
 static inline int open_sampler(plant *p)
 {
     return aoi_sampler_start(p->sampler, &p->system, &p->track);
+}
+
+/* A contact's force, of a plant without energies whose sampler is open. */
+static inline double force_at(plant *p, size_t contact, double time)
+{
+    double record[MOST_CONTACTS * AOI_CONTACT_ROWS + MOST_BODIES * (AOI_BODY_ROWS + MOST_PORTS * AOI_PORT_ROWS)];
+    aoi_sampler_column(p->sampler, time, 0, record, 1);
+    return record[contact * AOI_CONTACT_ROWS];
+}
+
+/* Start (what = AOI_TRACK_BEGINS) or end of a contact's first interval of force; -1 if there is none. A
+ * contact that is in no row any more has ended where its last one did. */
+static inline double moment_of(const plant *p, size_t c, enum aoi_row_contact what)
+{
+    double last = -1.0;
+    for (size_t r = 0; r < p->track.rows; r++) {
+        const double *row = p->track.values + p->track.row[r], *of = row + AOI_TRACK_FIXED;
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
+            of += AOI_TRACK_STATE + 2 * p->part[(size_t)of[0]].n;
+        }
+        for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++, of += AOI_TRACK_CONTACT_SIZE) {
+            if ((size_t)of[AOI_TRACK_CONTACT] != c) {
+                continue;
+            }
+            last = row[AOI_TRACK_START] + (what == AOI_TRACK_ENDS ? row[AOI_TRACK_LENGTH] : 0.0);
+            if (of[what] != 0.0) {
+                return last;
+            }
+        }
+    }
+    return what == AOI_TRACK_ENDS ? last : -1.0;
 }
 
 /* ------------------------------------------------------------------------- the second method */
@@ -254,37 +308,49 @@ static inline void accelerations(const plant *p, double time, const double *x, c
     }
 }
 
+static inline void plant_slopes(const void *data, double time, const double *state, double *slope)
+{
+    const plant *p = data;
+    const size_t n = p->system.first[p->bodies];
+    memcpy(slope, state + n, n * sizeof(double));
+    accelerations(p, time, state, state + n, slope + n);
+}
+
+typedef void slopes_at(const void *data, double time, const double *state, double *slope);
+
+/* One step of n numbers from a time. */
+static inline void runge_kutta_step(slopes_at *of, const void *data, size_t n, double time, double h, double *state)
+{
+    const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    double sum[2 * ALL_MODES] = {0.0}, slope[2 * ALL_MODES] = {0.0}, here[2 * ALL_MODES];
+    for (int s = 0; s < 4; s++) {
+        for (size_t j = 0; j < n; j++) {
+            here[j] = state[j] + share[s] * h * slope[j];
+        }
+        of(data, time + share[s] * h, here, slope);
+        for (size_t j = 0; j < n; j++) {
+            sum[j] += weight[s] * slope[j];
+        }
+    }
+    for (size_t j = 0; j < n; j++) {
+        state[j] += h * sum[j];
+    }
+}
+
 /* From the start of the plant to a time, in equal steps; before `lay_out` or after. */
 static inline void runge_kutta(plant *p, double end, size_t steps, double *x, double *v)
 {
-    const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    double state[2 * ALL_MODES];
     const double h = end / (double)steps;
     CHECK(lay_out(p) == AOI_OK, "a sound system");
     const size_t n = p->system.first[p->bodies];
-    memcpy(x, p->x, n * sizeof(double));
-    memcpy(v, p->v, n * sizeof(double));
+    memcpy(state, p->x, n * sizeof(double));
+    memcpy(state + n, p->v, n * sizeof(double));
     for (size_t i = 0; i < steps; i++) {
-        double sum_x[ALL_MODES] = {0.0}, sum_v[ALL_MODES] = {0.0};
-        double dx[ALL_MODES] = {0.0}, dv[ALL_MODES] = {0.0};
-        for (int s = 0; s < 4; s++) {
-            double here[ALL_MODES], speed[ALL_MODES], a[ALL_MODES];
-            for (size_t j = 0; j < n; j++) {
-                here[j] = x[j] + share[s] * h * dx[j];
-                speed[j] = v[j] + share[s] * h * dv[j];
-            }
-            accelerations(p, h * ((double)i + share[s]), here, speed, a);
-            for (size_t j = 0; j < n; j++) {
-                dx[j] = speed[j];
-                dv[j] = a[j];
-                sum_x[j] += weight[s] * speed[j];
-                sum_v[j] += weight[s] * a[j];
-            }
-        }
-        for (size_t j = 0; j < n; j++) {
-            x[j] += h * sum_x[j];
-            v[j] += h * sum_v[j];
-        }
+        runge_kutta_step(plant_slopes, p, 2 * n, h * (double)i, h, state);
     }
+    memcpy(x, state, n * sizeof(double));
+    memcpy(v, state + n, n * sizeof(double));
 }
 
 #endif

@@ -203,13 +203,10 @@ static void the_end_of_a_step_is_of_order_fifteen(void)
     const aoi_law law = linear(4.0);
     double before = 0.0;
     for (int halved = 0; halved < 3; halved++) {
-        plant p = {.bodies = 0};
         const double h = ldexp(3.0, -halved), omega = 2.0; /* of k / m, m = 1 against a wall */
         double x = 0.4, v = 0.7;
-        add_rigid(&p, 1.0, v);
+        plant p = ball_on_wall(1.0, v, &law);
         p.part[0].x[0] = x;
-        add_wall(&p);
-        join_rigid(&p, 0, 1, 0.0, &law);
         prepare(&p);
         CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
         take_step(&p);
@@ -231,13 +228,10 @@ static void the_estimate_is_the_error(void)
     const aoi_law law = hertz(4.0);
     const double lengths[] = {1.0, 1.4, 1.8}; /* of a contact of 3.2 s */
     for (int i = 0; i < 3; i++) {
-        plant p = {.bodies = 0};
         double x[ALL_MODES], v[ALL_MODES];
         const double h = lengths[i];
-        add_rigid(&p, 1.0, 1.0);
+        plant p = ball_on_wall(1.0, 1.0, &law);
         p.part[0].x[0] = 0.1;
-        add_wall(&p);
-        join_rigid(&p, 0, 1, 0.0, &law);
         runge_kutta(&p, h, 4000, x, v);
         prepare(&p);
         CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
@@ -279,11 +273,8 @@ static void steps_at_the_edges_of_a_contact_are_right(void)
         const double inner = sqrt(v * v - 0.8 * k * pow(depth, 2.5) / m);
         double error[2];
         for (int plain = 0; plain < 2; plain++) {
-            plant p = {.bodies = 0};
-            add_rigid(&p, m, end ? -inner : v);
+            plant p = ball_on_wall(m, end ? -inner : v, &law);
             p.part[0].x[0] = end ? depth : 0.0;
-            add_wall(&p);
-            join_rigid(&p, 0, 1, 0.0, &law);
             prepare(&p);
             const enum aoi_edge edge = end ? AOI_EDGE_END : AOI_EDGE_START;
             CHECK(solve_at_edge(&p, h, 0, 0, plain ? AOI_EDGE_NONE : edge) == AOI_OK, "solved");
@@ -307,12 +298,9 @@ static void the_tail_is_the_error_within_the_step(void)
     const aoi_law law = linear(4.0);
     const double lengths[] = {1.0, 2.0, 3.0};
     for (int i = 0; i < 3; i++) {
-        plant p = {.bodies = 0};
         const double h = lengths[i], x = 0.4, v = 0.7;
-        add_rigid(&p, 1.0, v);
+        plant p = ball_on_wall(1.0, v, &law);
         p.part[0].x[0] = x;
-        add_wall(&p);
-        join_rigid(&p, 0, 1, 0.0, &law);
         prepare(&p);
         CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
         aoi_collocation_error estimate;

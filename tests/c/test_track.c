@@ -83,13 +83,11 @@ static void pulls_that_end_are_booked(void)
     const double compliance = 1e-3, rtol = 1e-9;
     const aoi_law law = law_named("kelvin_voigt_pulling", 2, 1e4, 10.0, 0.0);
     double record[MOST_ROWS], lost = 0.0;
-    plant p = {.bodies = 0};
-    part *ball = add_rigid(&p, 1.0, 1.0);
+    plant p = ball_on_wall(1.0, 1.0, &law);
+    part *ball = &p.part[0];
     ball->pulled = ball->massless = 1;
     ball->gravity[0] = 9.81;
     ball->residual[0] = compliance;
-    add_wall(&p);
-    join_rigid(&p, 0, 1, 0.0, &law);
     must_go(&p, rtol, 1.0);
     for (size_t r = 0; r < p.track.rows; r++) {
         const double *row = p.track.values + p.track.row[r];
