@@ -93,7 +93,7 @@ def test_two_ranks_of_mpi(tmp_path: Path) -> None:
     needs("mpi4py", "mpiexec")
     script, out = tmp_path / "sweep.py", tmp_path / "kept.json"
     script.write_text(MPI)
-    folders = Path(str(ao.__file__)).parent.parent, Path(__file__).parents[1]
+    folders = Path(str(ao.__file__)).parent.parent, Path(__file__).parent
     # mpi4py puts the script's folder in place of the first one, which must be the current one.
     env = {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"} | {
         "PYTHONPATH": os.pathsep.join(map(str, folders)),

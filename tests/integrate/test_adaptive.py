@@ -197,7 +197,7 @@ def random_scene(rng):
         return ao.AOModel(m0=m0, k0=k0, m=shares[1:], k=k), mass
 
     projectile, mass = body(False)
-    while projectile.held:
+    while projectile.constrained:
         projectile, mass = body(False)
     target, other = body(True)
     law = ao.PowerLaw(k=10.0 ** rng.uniform(8, 10), n=rng.uniform(1.0, 2.0))
