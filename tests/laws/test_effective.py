@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
+from aoimpact import laws
 from aoimpact.base import LawLimitError, units
 from aoimpact.batch.fingerprint import Fingerprints
 from aoimpact.laws import PatchLaw, effective_law, own_law
@@ -292,7 +293,7 @@ def test_laws_that_part_between_patches_are_not_equal(make: Any) -> None:
     assert hash(knowing) == hash(make(relative_radius=WIDTH))
     assert Fingerprints().of(plain) != Fingerprints().of(knowing)
     assert "relative_radius" not in repr(plain)
-    for copy in (pickle.loads(pickle.dumps(knowing)), eval(repr(knowing), vars(ao))):
+    for copy in (pickle.loads(pickle.dumps(knowing)), eval(repr(knowing), vars(laws))):
         assert copy == knowing
         assert effective_law(copy, bodies) == effective_law(knowing, bodies)
 

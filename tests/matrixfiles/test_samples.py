@@ -38,6 +38,8 @@ def pyyeti_files() -> list[Path]:
     return sorted((Path(pyyeti.__file__).parent / "tests").glob("*/*.op4"))
 
 
+# Of a file whose matrix has no proper name.
+@pytest.mark.filterwarnings("ignore:Output4 file has matrix name:RuntimeWarning")
 @pytest.mark.parametrize(
     "file", pyyeti_files() or [None], ids=lambda file: getattr(file, "stem", "")
 )
