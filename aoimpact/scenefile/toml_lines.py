@@ -1,15 +1,13 @@
 """The line of every key and array entry of a TOML text, by tomllib, which gives none.
 
-A place begins after the last line up to which the text does not hold it. A scanner took 105 lines
-more, for columns as well; instead of them messages have the name of the place.
+A place begins in the first line up to which the text, with all closed that is open there, holds it.
 """
 
 from __future__ import annotations
 
 import bisect
+import re
 import tomllib
-from collections.abc import Sequence
-from contextlib import suppress
 from typing import Any
 
 __all__ = ["Place", "holds", "line_of"]
@@ -17,29 +15,35 @@ __all__ = ["Place", "holds", "line_of"]
 # Names of tables and keys, and numbers of places in arrays.
 Place = tuple[str | int, ...]
 
-# What closes a text that ends inside an array, or inside one in another, as matrices are, or inside
-# a string of several lines.
-_CLOSINGS = ("", "]", "]]", '"""', "'''")
-
-# Lines that are taken off a text to make it readable. Each is read again with all before it: over a
-# string of 2000 lines, without its closing and this limit, 16 s.
-_FAR = 10
+# Strings of several lines, which may end with two more quotes, and of one; comments; brackets; ends
+# of lines.
+_TOKEN = re.compile(
+    r'"""(?:[^"\\]|\\.|"{1,2}(?!"))*"{3,5}'
+    r"|'''(?:[^']|'{1,2}(?!'))*'{3,5}"
+    r'|"(?:[^"\\\n]|\\.)*"'
+    r"|'[^'\n]*'"
+    r"|#[^\n]*"
+    r"|[][{}\n]",
+    re.DOTALL,
+)
 
 
 def line_of(text: str, place: Place) -> int | None:
     """Return the line, from 1, where a place of a TOML text begins.
 
-    That of the nearest table around a place that the text does not hold; None of the text as such,
-    and where the text around the place is nested too deeply to tell.
+    That of the nearest table around a place that the text does not hold; None of the text as such.
     """
-    lines = text.split("\n")
-    with suppress(_UnreadableError):
-        while place and not holds(_readable(lines)[1], place):
-            place = place[:-1]
-        ends = range(len(lines))
-        before = bisect.bisect(ends, False, key=lambda n: holds(_readable(lines[:n])[1], place))
-        return 1 + _readable(lines[: before - 1])[0] if place else None
-    return None
+    data = tomllib.loads(text)
+    while not holds(data, place):
+        place = place[:-1]
+    if not place:
+        return None
+    lines, closings = text.split("\n"), _closings(text)
+
+    def begun(line: int) -> bool:
+        return holds(tomllib.loads("\n".join((*lines[:line], closings[line - 1]))), place)
+
+    return 1 + bisect.bisect_left(range(1, len(lines)), True, key=begun)
 
 
 def holds(data: Any, place: Place) -> bool:
@@ -52,20 +56,17 @@ def holds(data: Any, place: Place) -> bool:
     return True
 
 
-class _UnreadableError(Exception):
-    """No text that ends near a line is TOML."""
-
-
-def _readable(lines: Sequence[str]) -> tuple[int, Any]:
-    """How many of the first lines of a text end a line of TOML or of an array, and their data.
-
-    Raises
-    ------
-    _UnreadableError
-        If none of the last `_FAR` lines ends one.
-    """
-    for end in range(len(lines), max(len(lines) - _FAR, -1), -1):
-        for closing in _CLOSINGS:
-            with suppress(tomllib.TOMLDecodeError):
-                return end, tomllib.loads("\n".join((*lines[:end], closing)))
-    raise _UnreadableError
+def _closings(text: str) -> list[str]:
+    """What closes the string, arrays and tables in braces that are open at the end of each line."""
+    found: list[str] = []
+    brackets = ""
+    for token in map(re.Match.group, _TOKEN.finditer(text)):
+        if token in "[{":
+            brackets = "]}"["[{".index(token)] + brackets
+        elif token in "]}":
+            brackets = brackets[1:]
+        elif token == "\n":
+            found.append(brackets)
+        else:
+            found += [token[:3] + brackets] * token.count("\n")
+    return found

@@ -105,8 +105,9 @@ def test_a_string_of_many_lines_is_passed_over() -> None:
     assert [line_of(text, (name,)) for name in "abd"] == [1, 2, 5004]
 
 
-def test_a_text_that_is_nested_too_deeply_to_be_read_in_parts_has_no_lines() -> None:
-    text = "a = [\n" + "[[1, 2], [\n" + "[3],\n" * 5000 + "]],\n]\nb = 1\n"
+def test_places_deep_in_arrays_and_tables_of_many_lines_have_theirs() -> None:
+    text = "a = [\n[[1, 2], [\n" + "{c = [\n3]},\n" * 5000 + "]],\n]\nb = 1\n"
     assert tomllib.loads(text)["b"] == 1
-    assert line_of(text, ("b",)) is None
-    assert line_of(text, ("a", 0, 1, 4000)) is None
+    assert line_of(text, ("a", 0, 1, 4000, "c")) == 8003
+    assert line_of(text, ("a", 0, 1, 4000, "c", 0)) == 8004
+    assert line_of(text, ("b",)) == 10005
