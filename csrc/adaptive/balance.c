@@ -19,9 +19,11 @@
 
 /* Shares of the contact time. A sudden change is an implicit step of the first length: over it indentations change by a
  * thousandth of the least error allowed to a step (rtol 1e-10), and rates have errors of rounding / 1e-13, which do not
- * affect the indentations. Rates after the change follow from steps of the second length, extrapolated to zero, with
- * errors of rounding / 1e-7. A dashpot with a shorter relaxation time is neglected. */
-static const double AT_ONCE = 1e-13, SOON = 1e-7;
+ * affect the indentations. Rates and forces after the change follow from two steps, extrapolated to zero: of
+ * RELAXED times the relaxation time, with errors of RELAXED squared, but from SOON to LATER, with errors of rounding over
+ * these. A dashpot with a shorter relaxation time is neglected. The contact time counts as at most MOST_STEPS steps of
+ * the run. */
+static const double AT_ONCE = 1e-13, SOON = 1e-8, LATER = 1e-5, RELAXED = 1e-5, MOST_STEPS = 100.0;
 
 /* Largest relaxation time of a dashpot in units of such a step: beyond, its indentation changes by rounding only. */
 static const double MUCH = 1e13;
@@ -31,6 +33,9 @@ static const double MUCH = 1e13;
  * method suffice, from values near equilibrium. */
 static const double RATE_ERROR = 1e-8;
 enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
+
+/* Relative rounding of a sum of a few terms. */
+static const double ROUNDING = 16.0 * DBL_EPSILON;
 
 /* Reduction of the indentation of one contact per unit force of another, by residual compliances, m/N. */
 static double compliance_between(const aoi_system *system, size_t c, size_t by)
@@ -151,15 +156,15 @@ int aoi_balance_at_start(aoi_adaptive *run)
     return status;
 }
 
-/* Estimate of the contact time: largest indentation over largest rate. */
+/* Estimate of the contact time: largest indentation over largest rate at present. */
 static double time_of_contacts(const aoi_adaptive *run, size_t count)
 {
-    const double left = run->end - aoi_run_now(run);
+    const double left = fmin(run->end - aoi_run_now(run), MOST_STEPS * aoi_run_step(run));
     double depth = 0.0, rate = 0.0;
     for (size_t i = 0; i < count; i++) {
         const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].at[0]];
         depth = fmax(depth, contact->indentation_scale);
-        rate = fmax(rate, contact->rate_scale);
+        rate = fmax(rate, fabs(contact->begins ? contact->touch_rate : contact->start_rate));
     }
     return depth > 0.0 && depth < rate * left ? depth / rate : left;
 }
@@ -193,8 +198,8 @@ enum { IS_SLACK, ACTS };
 
 /* A contact's force after an implicit step of length time, linear in its rate: the force at its rate without changes of
  * contact forces, and as damping its derivative by the rate. after: indentations are those at the end of the step, and
- * at[1] decides which contacts have a force; otherwise those at its start, and laws without adhesion are cut at
- * zero. */
+ * at[1] decides which contacts have a force; otherwise those at its start, and laws without adhesion are cut at zero:
+ * by the event that the step has located, if there is one. */
 static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int after)
 {
     const aoi_contact_state *of = &run->balanced[i];
@@ -210,8 +215,9 @@ static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e,
     const double growth = after ? 0.0 : by_place * e->rate_free[i];
     const double force = value.force + damping * (e->rate_free[i] - e->rate[i]) + growth;
     const int cuts = of->law->depends_on_rate && !of->law->pulls;
+    const int has_let_go = run->contact[of->at[0]].event == AOI_EVENT_SLACKEN;
     if (after ? of->at[1] == IS_SLACK
-             : cuts && !(value.force + by_place * e->rate[i] > 0.0)) {
+             : cuts && (has_let_go || !(value.force + by_place * e->rate[i] > 0.0))) {
         return (aoi_law_value){0.0, 0.0, 0.0};
     }
     return (aoi_law_value){force, 0.0, damping + by_place};
@@ -232,20 +238,22 @@ static void set_changes(const aoi_adaptive *run, double time, int after, const a
     }
 }
 
-/* Sets the rates by the changes of forces, and finds the largest rate. Returns the largest change of a rate. */
+/* Sets the rates by the changes of forces, and finds the largest rate. Returns the largest change of a rate beyond
+ * rounding. */
 static double set_rates(double time, const aoi_coupled *e, const double *change, double *largest)
 {
     double most = 0.0;
     *largest = 0.0;
     for (size_t i = 0; i < e->count; i++) {
         const double *row = e->compliance + i * (2 * e->band + 1);
-        double sum = 0.0;
+        double sum = 0.0, size = 0.0;
         for (size_t k = 0; k <= 2 * e->band; k++) {
             const size_t j = i + k - e->band; /* wraps round below the first */
             sum += j < e->count ? row[k] * change[j] : 0.0;
+            size += j < e->count ? fabs(row[k] * change[j]) : 0.0;
         }
         const double rate = e->rate_free[i] - sum / time;
-        most = fmax(most, fabs(rate - e->rate[i]));
+        most = fmax(most, fabs(rate - e->rate[i]) - ROUNDING * size / time);
         *largest = fmax(*largest, fmax(fabs(rate), fabs(e->rate_free[i])));
         e->rate[i] = rate;
     }
@@ -310,14 +318,19 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
     return (double)NAN;
 }
 
-/* Rates just after a sudden change, extrapolated from those after a short time and twice that. Returns the largest. */
+/* Rates and forces just after a sudden change, extrapolated from those after a short time and twice that. A strong
+ * dashpot's force has more digits so than by its rate. Returns the largest rate. */
 static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
+    const double *change = e->free;
     double largest = 0.0;
     for (int k = 2; k > 0 && !isnan(largest); k--) {
         largest = rates_after(run, k * time, e);
         for (size_t i = 0; i < e->count; i++) {
-            run->balanced[i].rate = k == 2 ? e->rate[i] : 2.0 * e->rate[i] - run->balanced[i].rate;
+            aoi_contact_state *of = &run->balanced[i];
+            const double force = e->force[i] + change[i];
+            of->rate = k == 2 ? e->rate[i] : 2.0 * e->rate[i] - of->rate;
+            of->force = k == 2 ? force : 2.0 * force - of->force;
         }
     }
     return largest;
@@ -465,6 +478,31 @@ static void set_forces(aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
+/* The law of a contact just after a sudden change; zero for one without force. */
+static aoi_law_value acting(const aoi_adaptive *run, const aoi_coupled *e, size_t i)
+{
+    aoi_law_value value = {0.0, 0.0, 0.0};
+    if (run->balanced[i].at[1] == ACTS) {
+        uncut_force(run, &run->balanced[i], e->indentation[i], e->rate[i], &value);
+    }
+    return value;
+}
+
+/* A time for the rates after a sudden change: short for the contacts, and for the relaxation of the strongest dashpot
+ * beside the springs of all. */
+static double soon(const aoi_adaptive *run, double time, const aoi_coupled *e)
+{
+    double stiffness = 0.0, relaxation = 0.0;
+    for (size_t i = 0; i < e->count; i++) {
+        stiffness += fmax(acting(run, e, i).stiffness, 0.0);
+    }
+    for (size_t i = 0; i < e->count; i++) {
+        const double own = e->compliance[i * (2 * e->band + 1) + e->band];
+        relaxation = fmax(relaxation, acting(run, e, i).damping * own / (1.0 + stiffness * own));
+    }
+    return fmin(LATER * time, fmax(SOON * time, RELAXED * relaxation));
+}
+
 /* Sets rates and states of the listed contacts after a sudden change. Where no rates are found all stay unchanged, and
  * the next step begins with a worse guess. Returns whether a contact has opened. */
 static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_coupled *e)
@@ -474,11 +512,11 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     for (size_t i = 0; i < e->count; i++) {
         e->rate[i] = of[i].rate;
     }
-    const double error = RATE_ERROR * find_rates(run, time, e);
+    const double error = RATE_ERROR * find_rates(run, soon(run, time, e), e);
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
         uncut_force(run, &of[i], e->indentation[i], of[i].rate, &value);
-        of[i].force = value.force;
+        of[i].force = of[i].force != 0.0 ? of[i].force : value.force;
         const double certain = least + value.damping * error;
         if (is_separated(run, &of[i], certain, error)) {
             open_and_watch(run, of[i].at[0]);
@@ -518,7 +556,7 @@ static int balance(aoi_adaptive *run, int pull_off)
         return 0;
     }
     set_forces(run, &e);
-    return set_contacts(run, SOON * time, least_jump(run, count), &e);
+    return set_contacts(run, time, least_jump(run, count), &e);
 }
 
 void aoi_balance_at_once(aoi_adaptive *run, int pull_off)

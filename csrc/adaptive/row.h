@@ -13,8 +13,9 @@ enum aoi_row { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRAC
 
 /* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0); the edge it was
  * solved with; piece, memory, work done on it before, and lost at the end of the row (J); the rate at which its force
- * began; the force at the nodes; the Legendre coefficients of the indentation. A contact that is in no later row, or
- * goes on as AOI_SLACK, without a row in which it ends, has ended where its last row with force does. */
+ * began; the force at the row's start, and at the nodes; the Legendre coefficients of the indentation. A contact that
+ * is in no later row, or goes on as AOI_SLACK, without a row in which it ends, has ended where its last row with force
+ * does. */
 enum aoi_row_contact {
     AOI_TRACK_CONTACT = 0,
     AOI_TRACK_BEGINS,
@@ -25,6 +26,7 @@ enum aoi_row_contact {
     AOI_TRACK_WORK = AOI_TRACK_MEMORY + AOI_LAW_MEMORY,
     AOI_TRACK_LOST,
     AOI_TRACK_RATE,
+    AOI_TRACK_START_FORCE,
     AOI_TRACK_FORCE,
     AOI_TRACK_INDENTATION = AOI_TRACK_FORCE + AOI_NODES,
     AOI_TRACK_CONTACT_SIZE = AOI_TRACK_INDENTATION + AOI_NODES + 1

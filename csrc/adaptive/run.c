@@ -49,8 +49,7 @@ int aoi_is_at_start(const aoi_adaptive *run, double after, double h)
     return after < fmax(AT_START, aoi_event_tolerance(run, 1.0)) * h || !(run->elapsed + after > run->elapsed);
 }
 
-/* The length of a step of the run's level. */
-static double step_of_level(const aoi_adaptive *run)
+double aoi_run_step(const aoi_adaptive *run)
 {
     return run->base * exp2(-(double)run->level / AOI_LEVELS);
 }
@@ -344,7 +343,7 @@ static int move_freely(aoi_adaptive *run)
 static int watch_free_pairs(aoi_adaptive *run)
 {
     const size_t none = run->system->contact_count;
-    const double now = aoi_run_now(run), step = step_of_level(run);
+    const double now = aoi_run_now(run), step = aoi_run_step(run);
     const double rounding = 4.0 * DBL_EPSILON * now;
     const double due = fmin(nextafter(now + rounding, HUGE_VAL), run->end);
     const double ahead = fmax(now + STEPS_AHEAD * step, now + 2.0 * rounding);
@@ -362,6 +361,14 @@ static int watch_free_pairs(aoi_adaptive *run)
     return AOI_OK;
 }
 
+/* Forces that a sudden change has raised may fall from there on. */
+static void note_starts(aoi_adaptive *run)
+{
+    for (size_t i = 0; i < run->closed.count; i++) {
+        aoi_contact_note_peak(run, run->closed.at[i]);
+    }
+}
+
 /* Lists the contacts and bodies of the next step, and finds its largest length. */
 static int prepare(aoi_adaptive *run, double *limit)
 {
@@ -373,6 +380,7 @@ static int prepare(aoi_adaptive *run, double *limit)
         }
         if (run->unbalanced) {
             aoi_balance_at_once(run, 0);
+            note_starts(run);
             run->unbalanced = 0;
         }
     } while (run->closed_count != run->closed.count);
@@ -467,7 +475,7 @@ static int law_fails(aoi_adaptive *run)
 /* The length of the next step, and its level. A step that ends at an event or a limit has no level. */
 static double step_length(const aoi_adaptive *run, double limit, double trim, int *level)
 {
-    const double usual = step_of_level(run), stop = fmin(limit, trim);
+    const double usual = aoi_run_step(run), stop = fmin(limit, trim);
     const double h = trim < HUGE_VAL ? usual : aoi_release_step(run, usual);
     *level = h < usual ? AOI_NO_LEVEL : run->level;
     if (stop <= h * (1.0 + SLIVER)) {

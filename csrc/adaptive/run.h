@@ -123,6 +123,9 @@ typedef struct aoi_attempt {
 /* The time now. */
 double aoi_run_now(const aoi_adaptive *run);
 
+/* The length of a step of the run's level, s. */
+double aoi_run_step(const aoi_adaptive *run);
+
 /* Tolerance of an event's level, for a function of that scale. */
 double aoi_event_tolerance(const aoi_adaptive *run, double scale);
 

@@ -48,9 +48,6 @@ static void note_peak(const aoi_adaptive *run, const aoi_contact_step *entry, do
         return;
     }
     const double place = top_of(law, entry);
-    if (aoi_contact_has_residual(run, entry->contact)) { /* the force may begin with a jump */
-        take_peak(run, aoi_nodes_at_start(entry->force), 0.0, contact);
-    }
     if (law->depends_on_rate) {
         for (size_t i = 0; i < AOI_NODES; i++) {
             rates[i + 1] = entry->rate[i];

@@ -28,6 +28,7 @@ static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact
     of[AOI_TRACK_WORK] = contact->work;
     of[AOI_TRACK_LOST] = 0.0;
     of[AOI_TRACK_RATE] = contact->touch_rate;
+    of[AOI_TRACK_START_FORCE] = contact->force;
     for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
         of[AOI_TRACK_MEMORY + i] = contact->memory[i];
     }

@@ -389,11 +389,13 @@ static double contact_work(const aoi_sampler *sampler, size_t c, double place)
 /* A law that gives back all it takes: what its work does not balance is the run's own error. */
 static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law->remember; }
 
+/* The force at the start is known; the polynomial of the nodes would extrapolate to there. */
 static double force_at(const double *of, double place)
 {
     double legendre[AOI_NODES], slope;
     fit_force(of, legendre);
-    return aoi_legendre_evaluate(AOI_NODES, legendre, place, &slope);
+    return place > 0.0 ? aoi_legendre_evaluate(AOI_NODES, legendre, place, &slope)
+                       : of[AOI_TRACK_START_FORCE];
 }
 
 /* The rows of a contact that is closed; its force and the rate of that for the bodies. */

@@ -214,6 +214,33 @@ def test_a_constant_load_that_sets_in_on_a_point_held_by_a_dashpot(gap):
     np.testing.assert_allclose(run.contacts[0].force[::4], wanted, rtol=1e-7)
 
 
+def test_a_dashpot_is_relieved_from_the_touch_of_another_ball_on():
+    """Alone it is linear: c (x' - u') + k (x - u) = sum of k_j (u - x_j), the point's place u."""
+    mass, k, c, gap = 0.7, 3e4, 1.3e4, 7.6e-5
+    masses, springs = [2.0, 1.0], [1.5e4, 3.7e4]
+    matrix = np.zeros((7, 7))  # x, x1, x2, their velocities, u
+    matrix[:3, 3:6] = np.eye(3)
+    matrix[6, :4] = [k / c, springs[0] / c, springs[1] / c, 1.0]
+    matrix[6, 6] = -(k + sum(springs)) / c
+    for j in range(2):
+        matrix[4 + j, [1 + j, 6]] = -springs[j] / masses[j], springs[j] / masses[j]
+    pushed = np.array([0.0, springs[0], springs[1], 0.0, 0.0, 0.0, -sum(springs)])  # - force
+    matrix[3] = pushed / mass
+    scene = ao.Scene()
+    point = scene.add(ao.AOModel(m0=0.0, m=masses, k=springs))
+    scene.connect(scene.add(ao.rigid(mass=mass), velocity=1.0), point, ao.KelvinVoigt(k, c))
+    scene.connect(scene.add(ao.rigid(mass=10.0), velocity=2.0), point, ao.Hertz(6e10), gap=gap)
+    run = scene.simulate(duration=3e-3)
+    touch = run.events[1].contacts[0][0]
+    state = scipy.linalg.expm(matrix * touch) @ np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    assert 2.0 * touch - state[6] == pytest.approx(gap, rel=1e-9)
+    assert run.events[0].peak_time == pytest.approx(touch, rel=1e-9)
+    assert run.events[0].peak_force == pytest.approx(-pushed @ state, rel=1e-7)
+    then = run.at([touch])
+    assert then.contacts[0].force[0] == pytest.approx(-pushed @ state, rel=1e-7)
+    assert then.energy.total[0] == pytest.approx(run.energy.total[0], rel=1e-9)
+
+
 def test_a_pull_that_ends_beside_a_contact():
     """A dashpot that pulls lets go of a point without mass on which a ball still presses."""
     beside = linear(1e6), Push(ao.KelvinVoigt(1e8, 3e3, end="indentation"), 1e8)
@@ -245,6 +272,39 @@ def crowd(point: ao.AOModel, balls: tuple[Ball, ...]) -> ao.Scene:
         pair = (other, body) if ball.velocity > 0.0 else (body, other)
         scene.connect(*pair, ball.law, gap=ball.gap)
     return scene
+
+
+# Two balls, the point's masses and springs, tolerance.
+SHARED = {
+    "a strong dashpot": (
+        Ball(ao.KelvinVoigt(8.5e6, 2270.0), 0.456, 2.604),
+        Ball(ao.KelvinVoigt(5.4e5, 2.86e5), 0.749, 2.788, 3.39e-6),
+        ([1.06, 3.61], [252123.0, 188046.0]),
+        2.5e-8,
+    ),
+    "one that lets go": (
+        Ball(ao.HuntCrossley(3.49e8, 3.09), 0.358, 0.5985),
+        Ball(ao.KelvinVoigt(67280.0, 52370.0), 0.2958, 1.0518, 1.149e-5),
+        ([0.591, 4.185], [2142374.0, 1186918.0]),
+        2.3e-9,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_what_touches_or_leaves_a_massless_point_only_shares_out_the_force_on_it(name):
+    """The point's own springs take the sum of the forces, by its place, which does not jump."""
+    first, second, (masses, springs), rtol = SHARED[name]
+    run = crowd(ao.AOModel(m0=0.0, m=masses, k=springs), (first, second)).simulate(
+        duration=6e-3, solver=ao.Adaptive(rtol=rtol)
+    )
+    ends = {when for events in run.events for touch in events.contacts for when in touch}
+    times = np.array(sorted(ends - {0.0, 6e-3}))
+    before, then = (
+        sum(contact.force for contact in run.at(at).contacts) for at in (times * (1 - 1e-13), times)
+    )
+    largest = max(events.peak_force for events in run.events)
+    np.testing.assert_allclose(then, before, rtol=0.0, atol=3.0 * rtol * largest)
 
 
 def held(k0: float) -> ao.AOModel:
