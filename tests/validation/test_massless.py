@@ -214,6 +214,28 @@ def test_a_constant_load_that_sets_in_on_a_point_held_by_a_dashpot(gap):
     np.testing.assert_allclose(run.contacts[0].force[::4], wanted, rtol=1e-7)
 
 
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize(
+    "law", [ao.Hertz(8e8), ao.HuntCrossley(8e8, 0.5), ao.KelvinVoigt(8.73e6, 1090.0)]
+)
+def test_a_dashpot_under_a_sudden_load_keeps_its_place_from_another_contact(law, first):
+    """k (x - u) + load = c u' + k_c u, of whose place u the other one is a gap away."""
+    k, load, stiffness, c, gap = 5000.0, 2000.0, 8.73e6, 1090.0, 5e-7
+    scene = ao.Scene()
+    body, wall = scene.add(ao.AOModel(m0=0.0, m=[1.0], k=[k])), scene.add(ao.rigid(mass=math.inf))
+    ball = scene.add(ao.rigid(mass=2.0))
+    pairs = [(wall, ao.KelvinVoigt(stiffness, c), 0.0), (ball, law, gap)]
+    for other, of, across in pairs if first == 0 else pairs[::-1]:
+        scene.connect(body, other, of, gap=across)
+    scene.apply(body, force=load)
+    run = scene.simulate(duration=1e-4, solver=ao.Adaptive(rtol=RTOL))
+    pressed, struck = run.events[first], run.events[1 - first]
+    assert pressed.peak_force == pytest.approx(load, rel=1e-9)
+    rate = (k + stiffness) / c  # x has not moved by then
+    touch = -math.log1p(-gap * rate * c / load) / rate
+    assert struck.contacts[0][0] == pytest.approx(touch, rel=1e-9)
+
+
 def test_a_dashpot_is_relieved_from_the_touch_of_another_ball_on():
     """Alone it is linear: c (x' - u') + k (x - u) = sum of k_j (u - x_j), the point's place u."""
     mass, k, c, gap = 0.7, 3e4, 1.3e4, 7.6e-5
