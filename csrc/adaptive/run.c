@@ -190,8 +190,6 @@ static int begin_contacts(aoi_adaptive *run)
     for (size_t c = 0; c < run->system->contact_count && status == AOI_OK; c++) {
         if (run->contact[c].start > 0.0) {
             start_closed(run, c);
-        } else if (run->contact[c].force > 0.0) { /* a dashpot that a load presses at once */
-            aoi_contact_close(run, c);
         } else {
             aoi_watch_add(run, c);
         }

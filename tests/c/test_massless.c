@@ -236,6 +236,29 @@ static void a_load_sets_in_on_a_dashpot(void)
     }
 }
 
+/* The same, with something beyond another gap, before or after it in the order of the scene: c u' = load - u / soft - k u
+ * until u is there. */
+static void a_dashpot_under_a_sudden_load_keeps_its_place_from_others(void)
+{
+    const double soft = 1e-4, k = 3e7, c = 5e3, load = 4e3, gap = 1e-6, end = 1e-4, fall = (1.0 / soft + k) / c;
+    const double touch = -log1p(-gap * (1.0 / soft + k) / load) / fall;
+    const aoi_law held = law_named("kelvin_voigt", 2, k, c, 0.0);
+    const aoi_law laws[] = {hertz(1e9), law_named("hunt_crossley", 3, 1e9, 0.5, 1.5), held};
+    for (int i = 0; i < 6; i++) {
+        plant p = pushed_by_two(0.0, soft, 0.0, &held, &held);
+        p.part[0].load_count = 1;
+        p.part[0].load_force[0] = load;
+        p.contact[i % 2] = (aoi_contact){{0, 1}, {0, 0}, 0.0, &held};
+        p.contact[1 - i % 2] = (aoi_contact){{0, 2}, {0, 0}, gap, &laws[i / 2]};
+        must_go(&p, 1e-8, end);
+        CHECK(near(p.run->contact[i % 2].peak_force, load, 1e-9), "%d: it begins with %.12g N", i,
+              p.run->contact[i % 2].peak_force);
+        CHECK(near(moment_of(&p, 1 - i % 2, AOI_TRACK_BEGINS), touch, 1e-8), "touch at %.12g, not %.12g",
+              moment_of(&p, 1 - i % 2, AOI_TRACK_BEGINS), touch);
+        release(&p);
+    }
+}
+
 /* The same under a stiff law whose dashpot vanishes at the touch: k d (1 + chi d') = load - d / soft, so that
  * t = -(k chi / s) (d + (load / s) ln(1 - s d / load)) with s = k + 1 / soft. The force falls from the
  * whole load like the square root of time; what follows is slow, and takes few steps. What falls
@@ -526,6 +549,33 @@ static void what_presses_on_a_massless_place_is_shared_from_the_start(void)
     release(&p);
 }
 
+static aoi_law any_damper(uint64_t *seed)
+{
+    const double k = pow(10.0, 5.0 + 2.0 * uniform(seed));
+    return law_named("kelvin_voigt", 2, k, pow(10.0, 6.0 * uniform(seed)), 0.0);
+}
+
+/* The place's own spring takes the sum of the forces, by a displacement that does not jump: what strikes it takes over
+ * a share, of a strong dashpot as of a weak one, and the first has its peak there. */
+static void what_strikes_a_place_only_shares_out_its_force(void)
+{
+    const double gap = 1e-5, V = 1.0, rtol = 1e-8, end = 20.0 * gap / V;
+    uint64_t seed = 25;
+    for (int i = 0; i < 60; i++) {
+        const double soft = pow(10.0, -9.0 + 3.0 * uniform(&seed));
+        const aoi_law first = any_damper(&seed), second = any_damper(&seed);
+        plant p = pushed_by_two(V, soft, gap, &first, &second);
+        must_go(&p, rtol, end);
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        const double touch = moment_of(&p, 1, AOI_TRACK_BEGINS), before = force_at(&p, 0, touch * (1.0 - 1e-13));
+        const double after = force_at(&p, 0, touch) + force_at(&p, 1, touch);
+        const double largest = fmax(p.run->contact[0].peak_force, p.run->contact[1].peak_force);
+        CHECK(fabs(after - before) < 10.0 * rtol * largest, "%d: %.12g after %.12g", i, after, before);
+        CHECK(p.run->contact[1].peak_force >= force_at(&p, 1, touch), "%d: a peak from the start on", i);
+        release(&p);
+    }
+}
+
 int main(void)
 {
     a_massless_contact_is_a_spring_in_series();
@@ -534,6 +584,7 @@ int main(void)
     a_second_damper_takes_its_share_at_once();
     a_force_that_jumps_has_its_peak_there();
     a_load_sets_in_on_a_dashpot();
+    a_dashpot_under_a_sudden_load_keeps_its_place_from_others();
     a_load_sets_in_on_a_stiff_law();
     a_faster_one_takes_all_the_force();
     a_slower_damper_waits_for_the_place();
@@ -543,5 +594,6 @@ int main(void)
     a_massless_place_between_two_contacts_moves_evenly();
     a_pull_ends_beside_what_presses();
     what_presses_on_a_massless_place_is_shared_from_the_start();
+    what_strikes_a_place_only_shares_out_its_force();
     return check_report();
 }
