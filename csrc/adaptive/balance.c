@@ -14,19 +14,23 @@
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 
-#include <float.h>
 #include <math.h>
 
 /* Shares of the contact time. A sudden change is an implicit step of the first length: over it indentations change by a
  * thousandth of the least error allowed to a step (rtol 1e-10), and rates have errors of rounding / 1e-13, which do not
  * affect the indentations. Rates and forces after the change follow from two steps, extrapolated to zero: of
- * RELAXED times the relaxation time, with errors of RELAXED squared, but from SOON to LATER, with errors of rounding over
- * these. A dashpot with a shorter relaxation time is neglected. The contact time counts as at most MOST_STEPS steps of
- * the run. */
+ * RELAXED times the relaxation time, with errors of RELAXED squared, but from SOON to LATER, with errors of rounding
+ * over these. A dashpot with a shorter relaxation time is neglected. The contact time counts as at most MOST_STEPS
+ * steps of the run.
+ *
+ * Measured by the jump of the sum of the forces on a place that a ball strikes, the worst of 1200 scenes at rtol from
+ * 1e-9 to 1e-5: 2 rtol. RELAXED = 1e-4 gives 11, SOON = 1e-7 gives 87, LATER = 1e-4 gives 7e4, MOST_STEPS = 1000 gives
+ * 7; a tenth of any of them gives 2 or less. */
 static const double AT_ONCE = 1e-13, SOON = 1e-8, LATER = 1e-5, RELAXED = 1e-5, MOST_STEPS = 100.0;
 
-/* Largest relaxation time of a dashpot in units of the first step of a run: beyond, its force is but rounding. Measured:
- * 1e14 and 1e15 solve the same scenes; 1e13 moves the first touch of another contact by 4e-8. */
+/* Largest relaxation time of a dashpot in units of the first step of a run: beyond, its force is but rounding.
+ * Measured: 1e14 and 1e15 solve all of the 400 scenes of coupled.c's YIELD, of which 4 are not without it; 1e13 moves
+ * the first touch of another contact by 4e-8. */
 static const double RIGID = 1e15;
 
 /* Largest relaxation time of a dashpot in units of such a step: beyond, its indentation changes by rounding only. */
@@ -37,9 +41,6 @@ static const double MUCH = 1e13;
  * method suffice, from values near equilibrium. */
 static const double RATE_ERROR = 1e-8;
 enum { MOST_LOOPS = 30, PLACE_LOOPS = 2 };
-
-/* Relative rounding of a sum of a few terms. */
-static const double ROUNDING = 16.0 * DBL_EPSILON;
 
 /* Reduction of the indentation of one contact per unit force of another, by residual compliances, m/N. */
 static double compliance_between(const aoi_system *system, size_t c, size_t by)
@@ -135,7 +136,7 @@ static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double
 
 /* The law's force, not cut at zero. */
 static void uncut_force(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate,
-                aoi_law_value *value)
+                        aoi_law_value *value)
 {
     aoi_law_force(of->law, of->memory, piece_at(run, of, indentation, rate), indentation, rate, value);
 }
@@ -269,7 +270,7 @@ static double set_rates(double time, const aoi_coupled *e, const double *change,
             size += j < e->count ? fabs(row[k] * change[j]) : 0.0;
         }
         const double rate = e->rate_free[i] - sum / time;
-        most = fmax(most, fabs(rate - e->rate[i]) - ROUNDING * size / time);
+        most = fmax(most, fabs(rate - e->rate[i]) - AOI_COUPLED_ROUNDING * size / time);
         *largest = fmax(*largest, fmax(fabs(rate), fabs(e->rate_free[i])));
         e->rate[i] = rate;
     }
@@ -532,7 +533,7 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
         uncut_force(run, &of[i], e->indentation[i], of[i].rate, &value);
-        of[i].force = of[i].force != 0.0 ? of[i].force : value.force;
+        of[i].force = of[i].force != 0.0 ? of[i].force : value.force; /* of a cut one: how far below zero */
         const double certain = least + value.damping * error;
         if (is_separated(run, &of[i], certain, error)) {
             open_and_watch(run, of[i].at[0]);

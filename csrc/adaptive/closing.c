@@ -267,7 +267,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
         contact->piece = AOI_SLACK;
         contact->force = 0.0;
     }
-    if (!bends) { /* else the step finds the force at its start */
+    if (!bends) { /* else the balance of the contact point finds it */
         aoi_contact_note_peak(run, c);
     }
     estimate_scales(run, c, &pair, rate, acceleration);

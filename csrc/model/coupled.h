@@ -4,6 +4,11 @@
 
 #include "aoimpact.h"
 
+#include <float.h>
+
+/* Relative rounding of a sum of a few terms. */
+#define AOI_COUPLED_ROUNDING (16.0 * DBL_EPSILON)
+
 /* A contact for these equations: its law, and its state at the end of the last step. */
 typedef struct aoi_contact_state {
     const aoi_law *law;
