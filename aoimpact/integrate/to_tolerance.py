@@ -13,7 +13,7 @@ from .adaptive import Adaptive
 from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
 from .roughness import refuse_rough
-from .tolerances import FLOOR, GAIN, LINEAR, OTHER_STEPS, PATIENCE, ROUNDING, SCATTER
+from .tolerances import FLOOR, GAIN, LINEAR, OTHER_STEPS, PATIENCE, ROUNDING, SCATTER, SEVERAL
 
 __all__ = ["solve_adaptive"]
 
@@ -21,9 +21,10 @@ __all__ = ["solve_adaptive"]
 def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | None]:
     """Run a scene to a tolerance; return the run and its relative error, if known.
 
-    From the second touch of a contact on, errors grow with each; and a contact that pulls may end
-    so slowly that small errors make large ones of its end. Then tighter runs follow until one meets
-    the tolerance.
+    Several contacts take a smaller tolerance: two bodies may meet, after others, at a small part of
+    their speeds. From the second touch of a contact on, errors grow with each; and a contact that
+    pulls may end so slowly that small errors make large ones of its end. Then tighter runs follow
+    until one meets the tolerance.
 
     Raises
     ------
@@ -37,7 +38,8 @@ def solve_adaptive(plan: Plan, rule: Adaptive) -> tuple[DenseRecorder, float | N
         If no tighter run brings the estimated error down to the tolerance.
     """
     refuse_rough(plan, rule.rtol)  # a run would not end, or end by chance
-    run = adaptive_run(plan, rtol=rule.rtol)
+    share = SEVERAL if len(plan.contacts) > 1 else 1.0
+    run = adaptive_run(plan, rtol=share * rule.rtol)
     error: float | None = rule.rtol
     if max(map(len, run.touches), default=0) > 1:
         _refuse_gain(plan, run)
@@ -85,9 +87,9 @@ def _confirmed(
     """Return the run of the smallest tolerance that was needed, and its error, if known."""
     speed = max(map(abs, plan.velocities))
     rounding = ROUNDING * touches
-    best, tolerance, error = first, rtol, math.inf
+    best, tolerance, error = first, first.rtol, math.inf
     # Errors add up from touch to touch, where they do not multiply.
-    wanted = min(rtol / (SCATTER * touches), OTHER_STEPS)
+    wanted = min(tolerance / (SCATTER * touches), OTHER_STEPS)
     while True:
         wanted = max(wanted, FLOOR)
         try:

@@ -26,6 +26,8 @@ from campaign.package import faults_of
 from campaign.pool import each
 from campaign.shrink import shrink
 
+from aoimpact.integrate import to_tolerance
+
 HERTZ = Law("Hertz", {"k": 1e9})
 WALL = Body(math.inf)
 
@@ -135,6 +137,23 @@ def test_two_loose_runs_that_take_the_same_steps_do_not_confirm_each_other() -> 
     bodies = (frame, Body(0.1359, velocity=6.031), *balls, WALL)
     case = Case(bodies, contacts, duration=0.2307, rtol=6.241e-5)
     assert judge(case).kind == "ok"
+
+
+def test_bodies_that_meet_at_a_small_part_of_their_speeds_do_so_to_the_tolerance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # The first contact lasts 90 periods of the body's oscillator; the last, at a twentieth of the
+    # first ball's speed, has twenty times the error of the velocities that it leaves.
+    ringing = Body(38.52, 0.0, (16.3,), (3.952e11,))
+    balls = (Body(2.883, velocity=2.737), Body(0.5034, velocity=0.3365))
+    contacts = (
+        Contact(1, 0, Law("PowerLaw", {"k": 40350000.0, "n": 1.5}), 0.0001422),
+        Contact(2, 0, Law("Hertz", {"k": 1.343e13}), 0.0005941),
+    )
+    case = Case((ringing, *balls), contacts, duration=0.01615, rtol=1.823e-9)
+    assert judge(case).kind == "ok"
+    monkeypatch.setattr(to_tolerance, "SEVERAL", 1.0)
+    assert judge(case).kind == "wrong"
 
 
 def test_shrinking_leaves_what_fails() -> None:

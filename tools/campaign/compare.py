@@ -26,6 +26,9 @@ _LESSER = 0.01
 _SUDDEN = 0.01
 _AT_REST = 1e-3
 
+# A parting of less than so many tolerances of the depth counts as none.
+_HARDLY = 100.0
+
 
 @dataclass(frozen=True)
 class Apart:
@@ -129,7 +132,8 @@ def _times(case: Case, found: Outcome, true: Outcome, c: int, limit: float) -> l
         if not len(starts):
             result.append(Apart(f"touch {c}.{i}", math.inf, math.nan, touch.start))
             continue
-        if touch.pace >= _SUDDEN and touch.start > 0.0 and not _joined(touches, i - 1, limit):
+        joined = _joined(touches, i - 1, limit) if i else _side_by_side(case, c, touch, limit)
+        if touch.pace >= _SUDDEN and touch.start > 0.0 and not joined:
             result.append(_nearest(f"start {c}.{i}", starts, touch.start, touch.end))
         if touch.end < case.duration * (1.0 - limit) and not _joined(touches, i, limit):
             result.append(_nearest(f"end {c}.{i}", ends, touch.end, touch.end))
@@ -142,7 +146,16 @@ def _joined(touches: tuple[Touch, ...], before: int, limit: float) -> bool:
         return False
     one, other = touches[before], touches[before + 1]
     deep = max(one.deep, other.deep)
-    return one.apart < 100.0 * limit * deep or other.start - one.end < limit * other.end
+    return one.apart < _HARDLY * limit * deep or other.start - one.end < limit * other.end
+
+
+def _side_by_side(case: Case, c: int, first: Touch, limit: float) -> bool:
+    """Whether a contact that begins with no gap opens by less than the tolerance before it touches.
+
+    By at most its rate at the touch times the time until then, unless it was faster before.
+    """
+    share = first.pace * first.start / (first.end - first.start)
+    return case.contacts[c].gap == 0.0 and share < _HARDLY * limit
 
 
 def _nearest(what: str, times: FloatArray, true: float, size: float) -> Apart:
