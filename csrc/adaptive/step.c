@@ -16,10 +16,6 @@
  * from 0.03 to 0.3 work changes by 0.3 %. */
 static const double EDGE_WIDTH = 0.1;
 
-/* A step begins at an edge if its contact's indentation there is below this share of rate times step length.
- * Only a law whose force sets in later may be deeper without force. */
-static const double EDGE_DEPTH = 1e-3;
-
 /* Newton's convergence is measured against an indentation of at least this share of the largest. Measured: from
  * 1e-12 to 1e-3 errors and work are the same. */
 static const double NEWTON_SHARE = 1e-6;
@@ -181,14 +177,11 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
-    const aoi_law *law = run->system->contact[c].law;
     if (!contact->closed || contact->piece == AOI_SLACK || aoi_contact_has_residual(run, c)) {
         return AOI_EDGE_NONE;
     }
     if (contact->begins) { /* an edge only if the force rises from zero at the touch */
-        const double rest = aoi_law_rest(law, contact->memory);
-        const double deep = EDGE_DEPTH * h * contact->start_rate;
-        return contact->force == 0.0 && contact->start - rest <= deep ? AOI_EDGE_START : AOI_EDGE_NONE;
+        return contact->force == 0.0 ? AOI_EDGE_START : AOI_EDGE_NONE;
     }
     const double left = aoi_release_after(run, 2.0 * h);
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;

@@ -13,6 +13,9 @@
 
 #include <math.h>
 
+/* Factor on the step length where the search for a touch took more than AOI_LOOKS_IN_STEP evaluations. */
+static const double SHORTER = 0.5;
+
 /* Subtracts the oscillations that the forces excite in fast modes from a displacement at the start and the nodes, and
  * adds them to the modes' free motion x, v. */
 static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sign, double h, double *x,
@@ -98,7 +101,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
     aoi_free_pair_indentation(&pair, &start, &start_rate, &ignored);
     const size_t most = 1 + AOI_LOOKS_IN_STEP / (pair.body[0]->n + pair.body[1]->n);
     if (aoi_free_pair_next_touch(&pair, now + attempt->h, most, &touches) != AOI_OK) {
-        attempt->growth = fmin(attempt->growth, 0.5); /* the search took too many evaluations */
+        attempt->growth = fmin(attempt->growth, SHORTER);
         return;
     }
     if (!touches) {

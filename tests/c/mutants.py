@@ -372,7 +372,8 @@ MUTANTS = [
         "contact->force = force_at_end(law, entry);",
         "contact->force = entry->force[end];",
     ),
-    ("adaptive/step.c", "EDGE_DEPTH = 1e-3", "EDGE_DEPTH = -1.0"),
+    ("adaptive/step.c", "contact->force == 0.0 ? AOI_EDGE_START", "0 ? AOI_EDGE_START"),
+    ("adaptive/step.c", "contact->force == 0.0 ? AOI_EDGE_START", "1 ? AOI_EDGE_START"),
     (
         "adaptive/step_end.c",
         "run->body[b].dissipated += dissipated;\n    }\n}\n\nstatic void move_bodies",
