@@ -37,6 +37,9 @@ __all__ = ["SceneFile", "read_scene"]
 # What tomllib says of a text that is no TOML.
 _UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
 
+# So many problems of a file are shown: as many as one mends before reading it again.
+_SHOWN = 20
+
 
 def read_scene(path: str | os.PathLike[str]) -> SceneFile:
     """Read a scene file and check all of its names and types.
@@ -209,7 +212,7 @@ class SceneFile:
         if not found and "sweep" in self.data:
             found = list(sweep_problems(self.data, self.kind))
         if found:
-            raise SceneFileError("\n".join(self._at(*problem) for problem in found))
+            raise SceneFileError(self._all_of(found))
         with self._located(self.kind, "report"):
             if self.reported:
                 keeper(self.reported)
@@ -320,6 +323,12 @@ class SceneFile:
             return run
 
     # ------------------------------------------------------------------------- messages
+
+    def _all_of(self, problems: list[tuple[Place, str]]) -> str:
+        lines = [self._at(*problem) for problem in problems[:_SHOWN]]
+        if len(problems) > _SHOWN:
+            lines.append(f"{self.path}: and {len(problems) - _SHOWN} more")
+        return "\n".join(lines)
 
     def _at(self, place: Place, message: str) -> str:
         line = line_of(self.text, place)

@@ -28,11 +28,18 @@ _TOKEN = re.compile(
 )
 
 
+# A text of more characters is searched for no lines: parts of it are read some twenty times.
+_LONGEST = 100_000
+
+
 def line_of(text: str, place: Place) -> int | None:
     """Return the line, from 1, where a place of a TOML text begins.
 
-    That of the nearest table around a place that the text does not hold; None of the text as such.
+    That of the nearest table around a place that the text does not hold; None of the text as such,
+    and of a long one.
     """
+    if len(text) > _LONGEST:
+        return None
     data = tomllib.loads(text)
     while not holds(data, place):
         place = place[:-1]

@@ -542,6 +542,19 @@ def test_all_problems_at_once(tmp_path: Path) -> None:
     assert {2, 5, 15} <= set(found)
 
 
+def test_the_first_of_thousands_of_problems_are_shown(tmp_path: Path) -> None:
+    """Where the text is long as well, without lines, which would take minutes to find."""
+    for count, where in ((3000, r"scene.toml:\d+:"), (30_000, "scene.toml: ")):
+        unknown = "\n".join(f"x{i} = {i}" for i in range(count))
+        path = written(tmp_path, STARS.replace("[bodies.ball]", f"[bodies.ball]\n{unknown}"))
+        with pytest.raises(ao.SceneFileError) as raised:
+            ao.read_scene(path)
+        *shown, more = str(raised.value).splitlines()
+        assert len(shown) == 20
+        assert all(re.search(f"{where}.*unknown name", line) for line in shown)
+        assert re.search(rf"and {count - 20} more$", more)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
