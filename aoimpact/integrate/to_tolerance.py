@@ -89,7 +89,7 @@ def _confirmed(
     rounding = ROUNDING * touches
     best, tolerance, error = first, first.rtol, math.inf
     # Errors add up from touch to touch, where they do not multiply.
-    wanted = min(tolerance / (SCATTER * touches), OTHER_STEPS)
+    wanted = min(rtol / (SCATTER * touches), OTHER_STEPS)
     while True:
         wanted = max(wanted, FLOOR)
         try:
