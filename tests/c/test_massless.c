@@ -576,6 +576,34 @@ static void what_strikes_a_place_only_shares_out_its_force(void)
     }
 }
 
+/* A dashpot lets go of a place on a spring so soft that any force moves it farther than contacts are deep. All forces on
+ * the place balance at any time, k (x - u)^1.5 - force = u / soft, and the dashpot, once left, is not met again. */
+static void what_a_dashpot_leaves_stays_in_equilibrium(void)
+{
+    const double k = 500.0, end = 1e-2, over = 2e-3, V[] = {1.0, 1.5};
+    const aoi_law pushing = hertz(k);
+    for (int i = 0; i < 60; i++) {
+        const double soft = pow(10.0, 1.0 + 0.5 * (i % 3)), rtol = pow(10.0, -3.0 - i / 12);
+        const aoi_law held = law_named("hunt_crossley", 3, 3000.0, 2.0 + 0.5 * (i % 4), 1.5);
+        plant p = pushed_by_two(V[0], soft, -over, &pushing, &held);
+        p.part[2].v[0] = V[1];
+        p.contact[0].gap = -over;
+        p.contact[1] = (aoi_contact){{0, 2}, {0, 0}, -over, &held};
+        must_go(&p, rtol, end);
+        CHECK(open_sampler(&p) == AOI_OK, "sampled");
+        double left = HUGE_VAL;
+        for (int j = 1; j <= 1000; j++) {
+            const double t = end * j / 1000.0, push = force_at(&p, 0, t), holds = force_at(&p, 1, t);
+            const double u = over + V[0] * t - pow(push / k, 2.0 / 3.0), off = push - holds - u / soft;
+            CHECK(fabs(off) < 3.0 * rtol * p.run->contact[1].peak_force, "%d: at %g off by %g N", i, t, off);
+            CHECK(t < left || holds == 0.0, "%d: %g N again at %g", i, holds, t);
+            left = holds == 0.0 ? fmin(left, t) : left;
+        }
+        CHECK(left < end, "%d: it lets go", i);
+        release(&p);
+    }
+}
+
 int main(void)
 {
     a_massless_contact_is_a_spring_in_series();
@@ -595,5 +623,6 @@ int main(void)
     a_pull_ends_beside_what_presses();
     what_presses_on_a_massless_place_is_shared_from_the_start();
     what_strikes_a_place_only_shares_out_its_force();
+    what_a_dashpot_leaves_stays_in_equilibrium();
     return check_report();
 }
