@@ -174,6 +174,18 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
     }
 }
 
+/* How long the rate at present may last: a massless contact point follows a load at once, and has another rate after the
+ * load's next bend. */
+static double time_left(const aoi_adaptive *run, size_t c)
+{
+    const double now = aoi_run_now(run) * (1.0 + 8.0 * DBL_EPSILON); /* past a bend that is here within rounding */
+    double end = run->end;
+    for (int side = 0; side < 2 && aoi_system_residual(run->system, c) > 0.0; side++) {
+        end = fmin(end, aoi_modes_next_bend(&run->system->body[run->system->contact[c].body[side]], now));
+    }
+    return end - aoi_run_now(run);
+}
+
 /* Estimates scales of the contact that begins, with the mobility of its two ports only. They are lower bounds: the
  * first steps are rather too short than too long. A mode that oscillates within the contact time contributes at most
  * its amplitude, whatever its velocity. At a massless contact point without mobility there is no estimate. */
@@ -182,7 +194,7 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
 {
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_law *law = run->system->contact[c].law;
-    const double left = run->end - aoi_run_now(run);
+    const double left = time_left(run, c);
     aoi_law_value value;
     contact->mobility = mobility_of(pair);
     if (!(contact->mobility > 0.0)) {
