@@ -226,6 +226,7 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     const double stop = pace / contact->mobility, push = value.force * time;
     contact->indentation_scale = fmax(contact->indentation_scale, reach);
     contact->rate_scale = fmax(contact->rate_scale, pace);
+    contact->expected_force = fmax(contact->expected_force, fmin(stop / time, value.force));
     /* A force that underflows to zero (a high power, a short record) gives no scale. */
     contact->impulse_scale = fmax(contact->impulse_scale, push > 0.0 ? fmin(stop, push) : stop);
     first_level(run, c, time);

@@ -38,6 +38,7 @@ typedef struct aoi_adaptive_contact {
     double bending;    /* the force included in the deflection of the residual compliance, N */
     double force_rate; /* at the end of the last step, where bodies have a residual compliance */
     double indentation_scale, impulse_scale, rate_scale;
+    double expected_force; /* largest estimate at a touch, before any step, N */
     double free_until; /* while open, and both bodies in free motion: no touch before this time */
     int touches;       /* whether it touches at that time */
     size_t place;      /* its place among the watched contacts */

@@ -232,15 +232,14 @@ static void gather_forces(aoi_adaptive *run, double h)
     }
 }
 
-/* The largest force of several closed contacts: so far, in this step, or estimated by impulse and rate. */
+/* The largest force of several closed contacts: so far, in this step, or expected. */
 static double force_scale_of(const aoi_adaptive *run)
 {
     double largest = 0.0;
     for (size_t s = 0; s < run->closed_count && run->closed_count > 1; s++) {
         const aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
-        const double stop = contact->impulse_scale * contact->rate_scale;
         largest = fmax(largest, fmax(contact->peak_force, aoi_step_force(&run->entry[s])));
-        largest = stop > 0.0 ? fmax(largest, stop / contact->indentation_scale) : largest;
+        largest = fmax(largest, contact->expected_force);
     }
     return largest;
 }

@@ -66,12 +66,11 @@ static double force_tail(const aoi_contact_step *entry)
     return last < before ? last * sqrt(last / before) : last;
 }
 
-/* Force scale of a contact, or its impulse over the time indentation / approach rate where that is larger. */
-static double force_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double impulse,
-                          double indentation)
+/* Force scale of a contact, or the force expected at its touch where that is larger. */
+static double force_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     return fmax(aoi_step_force_scale(run, entry, aoi_step_force(entry)),
-                impulse * run->contact[entry->contact].rate_scale / indentation);
+                run->contact[entry->contact].expected_force);
 }
 
 /* Size of the last coefficients of the rate's series. It is fitted to the nodes without the start: where a force sets
@@ -154,12 +153,12 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
         const double wrong = entry->edge == AOI_EDGE_NONE
                                  ? force_tail(entry)
                                  : edge_force_error(law, entry, error.tail);
-        const double usual = force_scale(run, entry, impulse_scale, scale);
+        const double usual = force_scale(run, entry);
         const double size = fmax(usual, bent && !may_top(contact, entry, wrong) ? impulse_scale / h : 0.0);
         of->within = fmax(of->within, wrong / (tail_share * size));
         of->within = fmax(of->within, force_jump(run, entry) / (run->rtol * usual));
     }
-    of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * force_scale(run, entry, impulse_scale, scale);
+    of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * force_scale(run, entry);
     of->handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
