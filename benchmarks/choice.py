@@ -133,6 +133,7 @@ class Part:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("Mesh.ElementOrder", 2)
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+        gmsh.option.setNumber("Mesh.HighOrderOptimize", 1)  # of what curved sides would invert
         occ, field = gmsh.model.occ, gmsh.model.mesh.field
         first, *others = [
             (3, getattr(occ, f"add{kind}")(*numbers)) for kind, *numbers in self.solids
