@@ -7,6 +7,7 @@ time, each of which costs one solve; and, if the body is constrained, by its sta
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -44,9 +45,10 @@ _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 # its terms: some hundred roundings.
 _DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
 
-# When there are more solutions than foreseen, so many times as many are foreseen: iterations are
-# given up for factors once they have cost as much as these would have.
-_UNFORESEEN = 2
+# At least so many times the solutions made are foreseen, since orders grow by steps, none of which
+# is worth factors: iterations are given up once they have cost as much as factors would have, so
+# that both together cost at most twice as much as the quicker one. Factors serve any number.
+_AS_MANY_AGAIN, _ANY_NUMBER = 2, sys.maxsize
 
 # A vector of which less than this share is new is a combination of those before it.
 _NOTHING_NEW = 1e-11
@@ -369,7 +371,7 @@ class Subspace:
         inverse = self._inverse(shifts[turn % len(shifts)])
         most = 1 if len(shifts) > 1 else min(most, until * len(self._b) - self._solves)
         before = self._count
-        self._extend(inverse, before + min(most, self._foreseen - self._solves))
+        self._extend(inverse, before + min(most, max(1, self._solves)))  # then looks at its pace
         light = np.flatnonzero(np.diagonal(self._stiffness)[before : self._count] > self._fastest)
         if len(light):
             self._progress[0], self._ended = before + light[0], True
@@ -419,8 +421,7 @@ class Subspace:
         )
 
     def _inverse(self, shift: float) -> LinearSolver:
-        beyond = self._solves >= self._foreseen
-        self._foresee(_UNFORESEEN * self._solves if beyond else self._foreseen)
+        self._foresee(_AS_MANY_AGAIN * self._solves)
         if shift not in self._solvers:
             try:
                 self._solvers[shift] = self.body.inverse(
@@ -436,12 +437,12 @@ class Subspace:
         return self._solvers[shift]
 
     def _foresee(self, solutions: int) -> None:
-        """Drop iterative solvers, if factors are quicker for what is left of so many solutions."""
+        """Take factors for good, if they are quicker for what is left of so many solutions."""
         self._foreseen = max(solutions, self._foreseen)
         left = self._foreseen - self._solves
-        if self._solver == "auto":
+        iterated = [one for one in self._solvers.values() if one.precondition is not None]
+        if self._solver == "auto" and not all(stays_quickest(one, left) for one in iterated):
+            self._foreseen = _ANY_NUMBER
             self._solvers = {
-                shift: one
-                for shift, one in self._solvers.items()
-                if one.precondition is None or stays_quickest(one, left)
+                shift: one for shift, one in self._solvers.items() if one.precondition is None
             }

@@ -1,5 +1,7 @@
 """Scene-fitted anti-oscillators: few give the full model's force, and what a subspace keeps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg as la
@@ -7,7 +9,7 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact.base import memory
-from aoimpact.linalg import pardiso, solvers
+from aoimpact.linalg import pardiso
 from aoimpact.linalg.solvers import METHODS
 from aoimpact.mesh.generate import box_mesh
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
@@ -469,17 +471,24 @@ def test_a_body_without_contact_is_refused(block):
         ao.antioscillators(block.body, 3, method="krylov")
 
 
-def test_a_space_that_grows_beyond_what_was_foreseen_takes_to_factors(block, monkeypatch):
-    """When they are quicker for what is still wanted, and for the same oscillators."""
-    factors = ao.KrylovSpace(block, contact_time=20e-6)
-    monkeypatch.setattr(solvers, "_quickest", lambda pencil, solutions: METHODS[
-        "multigrid" if solutions <= 15 else "superlu"
-    ])  # fmt: skip
-    space = ao.KrylovSpace(block, contact_time=20e-6)
-    for n, name in ((10, "multigrid"), (24, "multigrid"), (40, "superlu")):
+def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monkeypatch):
+    """When iterations have cost as much as they would: no more than twice the least in all."""
+    factors = ao.KrylovSpace(block, contact_time=20e-6, sharpened=True, solver="superlu")
+    monkeypatch.delitem(METHODS, "pardiso")
+    iterated = replace(METHODS["multigrid"], seconds=lambda pencil, count: 1.0 * count)
+    factored = replace(METHODS["superlu"], seconds=lambda pencil, count: 30.0)
+    monkeypatch.setitem(METHODS, "multigrid", iterated)
+    monkeypatch.setitem(METHODS, "superlu", factored)
+    space, made = ao.KrylovSpace(block, contact_time=20e-6, sharpened=True), []
+    s = factors.shift * np.array([0.1, 1.0, 3.0])
+    for n in (10, *range(14, 60, 4)):
         star = space.antioscillators(n)
-        assert star.origin.solver == name
-        np.testing.assert_allclose(star.m, factors.antioscillators(n).m, rtol=1e-6)
+        made.append(star.origin.solver)
+        same = star_at(factors.antioscillators(n), s)
+        np.testing.assert_allclose(star_at(star, s), same, rtol=1e-8)
+    slow = made.count("multigrid")
+    assert made[slow:] == ["superlu"] * (len(made) - slow)  # also where the shift is sharpened
+    assert 20 <= 10 + 4 * (slow - 1) <= 34  # each has 1 to 1.5 times as many iterations as foreseen
 
 
 ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
