@@ -34,9 +34,9 @@ __all__ = ["Orders", "first_guess", "proven_orders"]
 _COMPARED, _BEYOND, _SHARE_BEYOND = 4, 8, 0.5
 _SAFETY, _SAFETY_OF_NUMBERS = 1.3, 3.0
 
-# First order for each digit of the tolerance, about the median of what these bodies need; least and
-# largest factor from one order to the next, by the error over the tolerance, with which as a rule
-# at most 2 n + 8 vectors are made for a result of order n; and the largest order.
+# First oscillators for each digit of the tolerance, about the median that these bodies need; least
+# and largest factor from one order to the next, by the error over the tolerance, with which as a
+# rule at most 2 n + 8 vectors are made for a result of order n; and the largest order.
 _FIRST, _LEAST_GROWTH, _GROWTH, _MOST_ORDER = 2.0, 1.15, 1.5, 600
 
 # The tolerance named in a message is this factor above the error found.
@@ -231,7 +231,8 @@ class _Search:
         self.differences: dict[tuple[_Orders, _Orders], float] = {}
         self.failures: dict[_Orders, AOImpactError] = {}
         # Within the tolerance as soon as `grow` ends.
-        self.orders = (max(1, round(-_FIRST * math.log10(rtol))),) * len(hierarchies)
+        oscillators = max(1, round(-_FIRST * math.log10(rtol)))
+        self.orders = tuple(one.first + oscillators for one in hierarchies)
 
     def grow(self) -> Iterator[Run]:
         """Raise the orders until the error estimate is within the tolerance; yield larger runs."""
