@@ -4,6 +4,7 @@ The point's place follows from the forces on it. Without dashpots they balance a
 equation; where a dashpot acts, at a velocity that is a root of one.
 """
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -558,3 +559,86 @@ def test_newmark_lets_a_pull_on_a_massless_point_end(dt):
     ]
     for one, other in zip(runs[0].contacts, runs[1].contacts, strict=True):
         assert other.peak_force == pytest.approx(one.peak_force, rel=max(5e-3, 3e4 * dt))
+
+
+STEEP = (0.0145, 7.7e7, 0.0244, 1e6, -6.6, (1.6e-4, 2.6e-4, 8.8e-4))
+
+
+def impulse_after(edge: float, gap: float) -> float:
+    """The impulse on a ball beside a massless point on which a load sets in within `edge` s."""
+    mass, stiffness, ball, law, force, (begin, over, end) = STEEP
+    times = begin, begin + edge, over
+
+    def slope(t, y):
+        load = np.interp(t, times, (0.0, force, 0.0))
+        place, there = y[0] + load / stiffness, y[1] - gap
+        if there > place:
+            place = (stiffness * y[0] + load + law * there) / (stiffness + law)
+        push = law * max(there - place, 0.0)
+        return [y[2], y[3], stiffness * (place - y[0]) / mass, -push / ball, push]
+
+    state = np.zeros(5)
+    for span in itertools.pairwise((0.0, *times, end)):
+        most = (span[1] - span[0]) / 50.0
+        done = scipy.integrate.solve_ivp(
+            slope, span, state, method="DOP853", rtol=1e-10, atol=1e-18, max_step=most
+        )
+        state = done.y[:, -1]
+    return float(state[4])
+
+
+@pytest.mark.parametrize("gap", [0.0, 5e-8])
+@pytest.mark.parametrize("edge", [1e-13, 1e-12, 1e-10])
+def test_a_load_that_all_but_jumps_on_a_massless_point(edge, gap):
+    """The point follows it at once: its rate at the touch is no measure of the contact's depth."""
+    mass, stiffness, ball, law, force, (begin, over, end) = STEEP
+    exact = impulse_after(edge, gap)
+    for rtol in (1e-3, 1e-4, 1e-5, 1e-6):
+        scene = ao.Scene()
+        point = scene.add(ao.AOModel(m0=0.0, m=[mass], k=[stiffness]))
+        beside = scene.add(ao.rigid(mass=ball))
+        scene.connect(beside, point, ao.Linear(law), gap=gap)
+        scene.apply(point, force=([begin, begin + edge, over], [0.0, force, 0.0]))
+        run = scene.simulate(duration=end, solver=ao.Adaptive(rtol=rtol))
+        assert run.contacts[0].impulse == pytest.approx(exact, rel=max(rtol, 1e-8))
+
+
+@pytest.mark.parametrize("soft", [10.0, 40.0, 100.0, 1000.0])
+@pytest.mark.parametrize("chi", [1.0, 2.4])
+def test_a_ball_that_a_dashpot_lets_go_of_on_a_soft_massless_point(soft, chi):
+    """It flies away from where the point's own spring balances the other contact."""
+    pushed, held, mass, speed = 500.0, 3000.0, 2e-3, -1.5
+
+    def on_point(t, place):
+        return pushed * max(t - place, 0.0) ** 1.5 - place / soft
+
+    def slope(t, y):
+        force, depth = max(on_point(t, y[0]), 0.0), y[0] - y[1]
+        return [y[2] + (force / (held * depth**1.5) - 1.0) / chi, y[2], force / mass]
+
+    def leaves(t, y):
+        return on_point(t, y[0]) if t > 1e-6 else 1.0
+
+    leaves.terminal, leaves.direction = True, -1.0
+    closing, first = 1.0 - speed, 1e-9
+
+    def unshared(share):
+        damped = 1.0 + chi * closing * share
+        return pushed * (1.0 - share) ** 1.5 - held * share**1.5 * damped
+
+    deep = scipy.optimize.brentq(unshared, 0.0, 1.0) * closing * first
+    start = [speed * first + deep, speed * first, speed]
+    exact = scipy.integrate.solve_ivp(
+        slope, (first, 1.0), start, method="Radau", rtol=1e-10, atol=1e-16, events=leaves
+    )
+    for rtol in (1e-3, 1e-4, 1e-5, 1e-6, 1e-8):
+        scene = ao.Scene()
+        point = scene.add(ao.AOModel(m0=0.0, m=[1e12], k=[1.0 / soft]))
+        plunger = scene.add(ao.rigid(mass=1e12), velocity=1.0)
+        ball = scene.add(ao.rigid(mass=mass), velocity=speed)
+        scene.connect(plunger, point, ao.Hertz(k=pushed))
+        scene.connect(point, ball, ao.HuntCrossley(held, chi))
+        run = scene.simulate(duration=1.5 * exact.t[-1], solver=ao.Adaptive(rtol=rtol))
+        (interval,) = run.events[1].contacts
+        assert interval[1] == pytest.approx(exact.t[-1], rel=max(10.0 * rtol, 1e-7))
+        assert run[ball].velocity[-1] == pytest.approx(exact.y[2, -1], rel=max(rtol, 1e-7))

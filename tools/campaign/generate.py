@@ -408,12 +408,17 @@ def _pressing(rng: np.random.Generator, scales: _Scales) -> Function:
 
 
 def _ramp(rng: np.random.Generator, scales: _Scales) -> Function:
-    """A load from nothing, that pulls or pushes, and perhaps ends."""
+    """A load from nothing, that pulls or pushes, at times all but suddenly, and perhaps ends."""
     force = _rounded(scales.force * _decades(rng, -2.0, 0.0) * rng.choice([-1.0, 1.0]))
     rise = _rounded(scales.duration * rng.uniform(0.1, 0.9))
+    begin, end = 0.0, rise
+    steep = rng.spawn(1)[0]  # which leaves all that is drawn from rng as it is
+    if steep.random() < 0.3:
+        begin = _rounded(rise * steep.uniform(0.1, 0.9))
+        end = begin + scales.duration * _decades(steep, -10.0, -2.0)
     if rng.random() < 0.5:
-        return (0.0, rise), (0.0, force)
-    return (0.0, rise, _rounded(1.5 * rise)), (0.0, force, 0.0)
+        return (begin, end), (0.0, force)
+    return (begin, end, _rounded(1.5 * rise)), (0.0, force, 0.0)
 
 
 def _loaded(rng: np.random.Generator, scales: _Scales, case: Case, *, chance: float) -> Case:
