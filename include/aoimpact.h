@@ -176,12 +176,13 @@ struct aoi_law {
     double parameter[AOI_LAW_PARAMETERS]; /* of aoi_law_create, and what follows from them; or the caller's */
     double compliance;   /* c >= 0 [m/N] taken out: F = law(indentation + c F, rate)             */
     double limit;        /* deepest indentation at which that stands at rest: a run that goes deeper
-                            ends with AOI_ERROR_PATCH                                            */
+                            ends with AOI_ERROR_PATCH. Who sets a compliance sets this as well: to
+                            where c times the law's stiffness comes near 1, if it does           */
     int depends_on_rate; /* the force depends on the rate                                        */
     int turns;           /* loading and unloading differ: a step must end where the rate turns   */
     int pulls;           /* negative forces are meant; the contact ends at rest only             */
-    double *note;        /* NULL, or AOI_LAW_NOTE doubles: indentation and rate where the law gave
-                            no force, and the status that says why                               */
+    double *note;        /* NULL, or AOI_LAW_NOTE doubles, the first NaN before a run: indentation
+                            and rate where the law gave no force, and the status that says why   */
 
     /* The core's own, zero in a law of the caller's: force at some places at once, a table, a user's law. */
     void (*together)(const aoi_law *law, const double *indentation, const double *rate,
@@ -376,8 +377,8 @@ AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, cons
 
 /* Goes on until its end, or the track has no room for a row, or a touch takes more than some .1 s to find: is
  * the time still before the end, make room and call again. AOI_ERROR_TOLERANCE where even the shortest step
- * does not meet rtol; AOI_ERROR_LAW where a law gives no number; AOI_ERROR_PATCH where contact goes deeper than
- * the law holds. */
+ * does not meet rtol; AOI_ERROR_LAW where that is because a law gives no number, and it has a note; AOI_ERROR_PATCH
+ * where contact goes deeper than the law holds. */
 AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
 
 /* Values that the track must have free for any row of a run of a linked system. */
