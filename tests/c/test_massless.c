@@ -604,6 +604,30 @@ static void what_a_dashpot_leaves_stays_in_equilibrium(void)
     }
 }
 
+/* A ball that leaves a place has had its peak: what strikes the place in the same step does not change it. */
+static void what_strikes_late_leaves_the_peak_before(void)
+{
+    const double soft = 2e-8, rtol = 1e-8;
+    const aoi_law law = law_named("kuwabara_kono", 2, 17130.0, 7.7e-4, 0.0), late = hertz(75420.0);
+    double peak = 0.0, left = 0.06;
+    for (int i = 0; i <= 40; i++) { /* at first alone */
+        plant p = {.bodies = 0};
+        add_place(&p, 1e12, 1, soft);
+        add_rigid(&p, 2.0, 10.0);
+        add_rigid(&p, 13.0, 10.0);
+        join(&p, 1, 0, 0, 0, 0.0, &law);
+        join(&p, 2, 0, 0, 0, i == 0 ? 1.0 : 10.0 * left * (0.8 + 0.005 * i), &late);
+        must_go(&p, rtol, 1.5 * left);
+        if (i == 0) {
+            peak = p.run->contact[0].peak_force;
+            left = moment_of(&p, 0, AOI_TRACK_ENDS);
+        }
+        CHECK(near(p.run->contact[0].peak_force, peak, rtol), "%d: peak %.12g, not %.12g", i,
+              p.run->contact[0].peak_force, peak);
+        release(&p);
+    }
+}
+
 int main(void)
 {
     a_massless_contact_is_a_spring_in_series();
@@ -624,5 +648,6 @@ int main(void)
     what_presses_on_a_massless_place_is_shared_from_the_start();
     what_strikes_a_place_only_shares_out_its_force();
     what_a_dashpot_leaves_stays_in_equilibrium();
+    what_strikes_late_leaves_the_peak_before();
     return check_report();
 }
