@@ -23,6 +23,7 @@ from .checks import (
     texts,
     unit_vector,
     writable_folder,
+    written_file,
 )
 from .errors import (
     AOImpactError,
@@ -122,4 +123,5 @@ __all__ = [
     "warn",
     "with_unit",
     "writable_folder",
+    "written_file",
 ]

@@ -12,7 +12,8 @@ import numbers
 import operator
 import os
 import reprlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -42,6 +43,7 @@ __all__ = [
     "texts",
     "unit_vector",
     "writable_folder",
+    "written_file",
 ]
 
 # Coordinates, m, beyond which squares of distances are no numbers.
@@ -178,14 +180,43 @@ def file_path(name: str, value: Any) -> Path:
     InputTypeError
         If it is neither.
     InputError
-        If it has a null character in it.
+        If it has a null character in it, or one that the system cannot write in a file's name.
     """
     if not isinstance(value, (str, os.PathLike)):
         raise InputTypeError(f"{name} must be a path, got {_short(value)}")
     path = os.fsdecode(value)
     if "\0" in path:
         raise InputError(f"{name} must be a path, got {path!r}, which has a null character in it")
+    try:
+        os.fsencode(path)
+    except UnicodeEncodeError as error:
+        bad = path[error.start]
+        raise InputError(
+            f"{name} must be a path, got {path!r}, which has {bad!r} in it, as no file's name "
+            "can; leave it out"
+        ) from None
     return Path(path)
+
+
+@contextmanager
+def written_file(name: str, value: Any) -> Iterator[Path]:
+    """Yield `value` as the path of a file that is written meanwhile.
+
+    Raises
+    ------
+    InputTypeError
+        If it is no path; see `file_path`.
+    InputError
+        If it is none that can be written to.
+    """
+    file = file_path(name, value)
+    try:
+        yield file
+    except OSError as error:
+        raise InputError(
+            f"{name}={str(file)!r} cannot be written: {error.strerror or error}; give another "
+            "path, of a file in a folder that is there"
+        ) from None
 
 
 def sequence(name: str, value: Any) -> list[Any]:

@@ -18,7 +18,7 @@ import threading
 import zlib
 from typing import Any, BinaryIO
 
-from ..base import InputError, InputTypeError, warn
+from ..base import InputError, file_path, warn
 from .fingerprint import DIGEST_SIZE
 
 __all__ = ["Checkpoint"]
@@ -51,15 +51,14 @@ class Checkpoint:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        try:
-            self._name = os.fsdecode(path)
-        except TypeError:
-            raise InputTypeError(f"checkpoint must be a path, got {path!r}") from None
+        self._name = str(file_path("checkpoint", path))
         self._lock = threading.Lock()
         self._places: dict[bytes, tuple[int, int]] = {}
         try:
             # O_APPEND would not allow an incomplete record to be overwritten.
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+            descriptor = os.open(
+                self._name, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666
+            )
         except OSError as error:
             raise InputError(
                 f"checkpoint {self._name!r} cannot be opened: {error.strerror}; give the path of a "

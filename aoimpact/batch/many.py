@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ..accuracy import Keep, Named, keeper
 from ..base import (
     AOImpactError,
@@ -137,13 +135,17 @@ def iterate_many(
     >>> [round(hit.restitution, 6) for hit in ao.iterate_many(cases)]
     [1.0, 1.0]
     """
-    scalar = isinstance(cases, np.ndarray) and cases.ndim == 0
-    if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable) or scalar:
+    try:
+        if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable):
+            raise TypeError
+        # An array without axes, or a sparse one, has __len__ all the same, which raises TypeError.
+        empty = isinstance(cases, Sized) and len(cases) == 0
+    except TypeError:
         raise InputTypeError(
             "cases must be a list (or generator) of dicts of simulate's keywords, or of pairs "
             f"(scene, duration), got {type(cases).__name__}"
-        )
-    if isinstance(cases, Sized) and len(cases) == 0:
+        ) from None
+    if empty:
         raise InputError(_EMPTY)
     boolean("progress", progress)
     job = _Job(keeper(keep))

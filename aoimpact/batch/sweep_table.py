@@ -21,7 +21,6 @@ from ..base import (
     aligned,
     checked,
     choice,
-    file_path,
     given_axes,
     html_table,
     instance,
@@ -34,6 +33,7 @@ from ..base import (
     sequence,
     texts,
     with_unit,
+    written_file,
 )
 from ..fem import ContactPoint
 from ..results import quantity_unit
@@ -145,7 +145,10 @@ class SweepTable(Frozen):
         >>> table = ao.sweep(case, {"velocity": [0.5, 1.0]}, keep=["peak_force"])
         >>> table.to_csv(folder / "sweep.csv")
         """
-        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
+        with (
+            written_file("path", path) as given,
+            open(given, "w", newline="", encoding="utf-8") as file,
+        ):
             writer = csv.writer(file)
             writer.writerow([*map(_heading, self.columns), *(["error"] if self.errors else [])])
             for i, row in enumerate(self.data):
@@ -321,13 +324,22 @@ def _structured(
 
 def _column(values: Sequence[Any]) -> npt.NDArray[Any]:
     """Numbers as numbers, text as text, anything else as the objects themselves."""
-    kinds = {np.asarray(value).dtype.kind if np.ndim(value) == 0 else "O" for value in values}
+    kinds = set(map(_kind, values))
     if kinds <= set("iuf") or kinds in ({"b"}, {"U"}):
         return np.array(values)
     column = np.empty(len(values), dtype=object)
     for i, value in enumerate(values):
         column[i] = value
     return column
+
+
+def _kind(value: Any) -> str:
+    """Of a single number or text that of NumPy; of anything else that of an object."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of different lengths
+        return "O"
+    return "O" if array.ndim else array.dtype.kind
 
 
 def _heading(name: str) -> str:

@@ -98,11 +98,12 @@ def relative_curvatures(radii_1: Any, radii_2: Any, angle: Any) -> tuple[float, 
         If the surfaces do not touch in a point.
     """
     (first, second), (third, fourth) = _pair("radius_1", radii_1), _pair("radius_2", radii_2)
-    turned = math.cos(2.0 * real("angle", angle, unit="rad"))
+    turn = real("angle", angle, unit="rad")
+    cosine, sine = math.cos(turn), math.sin(turn)
     one, other = first - second, third - fourth
     total = first + second + third + fourth
     # |A - B| from eq. (4.4), written as a sum of squares
-    apart = math.hypot(one + other * turned, other * math.sqrt((1.0 - turned) * (1.0 + turned)))
+    apart = math.hypot(one + other * (cosine - sine) * (cosine + sine), 2.0 * other * cosine * sine)
     low, high = (total - apart) / 4.0, (total + apart) / 4.0
     if low <= 4.0 * np.finfo(float).eps * high or high <= 0.0:
         raise InputError(

@@ -134,7 +134,8 @@ class Thornton(HertzianLaw):
 
     def _steepest(self, compliance: float) -> float:
         # Unloading from δ starts with Hertz's slope there, 3/2 k √δ, steeper than loading.
-        return (MOST_SHARE / (1.5 * self.k * compliance)) ** 2
+        root = MOST_SHARE / (1.5 * self.k) / compliance
+        return root * root  # a power that overflows would raise OverflowError
 
     def _work(self, indentation: float) -> float:
         start = self.yield_indentation

@@ -315,7 +315,8 @@ def interface(
     space = InterfaceSpace(tips, contact_time=contact_time, duration=duration, solver=solver)
     body = space.tips[0].body
     least = min(space.rigid_count + len(space.tips), body.n_dofs)
-    model = space.of_vectors(integer("n", n, low=least, high=body.n_dofs))
+    n = integer("n", n, low=least, high=body.n_dofs)
+    model = space.of_vectors(n)
     if model.n < n:
         warn(f"n={n}: the ports excite only {model.n} modes")
     return model

@@ -301,9 +301,9 @@ def antioscillators(
     if n is None:
         found = _ordered(_all_oscillators(tip, static), by)
     else:
-        wanted = integer("n", n, low=0, high=dofs - 1)
+        n = integer("n", n, low=0, high=dofs - 1)
         with bar(f"constraint modes of {dofs} dofs", unit="solution"):
-            found = _wanted_oscillators(tip, static, wanted, by, solvers)
+            found = _wanted_oscillators(tip, static, n, by, solvers)
         if len(found.m) < n:
             warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
         found = found.take(np.arange(min(n, len(found.m))))

@@ -20,13 +20,13 @@ from ..base import (
     InputError,
     SingularError,
     checked,
-    file_path,
     finite_array,
     instance,
     integer,
     nonnegative,
     positive,
     text,
+    written_file,
 )
 from ..fem import ContactPoint, ContactSurface, Damping, Material, Patch, damping_or_none
 from .origin import Origin
@@ -453,11 +453,8 @@ class AOModel(Frozen):
             raise InputError("a wall of infinite mass is not written as JSON")
         written = json.dumps(content)
         if path is not None:
-            file = file_path("path", path)
-            try:
+            with written_file("path", path) as file:
                 file.write_text(written + "\n", encoding="utf-8")
-            except OSError as error:
-                raise InputError(f"path {str(file)!r} cannot be written: {error}") from None
         return written
 
     def expand(self, coordinates: npt.ArrayLike) -> FloatArray:

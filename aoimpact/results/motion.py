@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, Frozen, InputError, with_unit
+from ..base import FloatArray, Frozen, InputError, text, with_unit
 from ..fields import Field, Probe, Response
 from ..integrate import Eventful, Events
 
@@ -421,6 +421,7 @@ class ErrorEstimate:
         >>> sorted(hit.error.parts("peak_force"))
         ['contact', 'mesh', 'model', 'time']
         """
+        text("name", name)
         return {
             "mesh": self.left_out.mesh_numbers.get(name),
             "contact": self.left_out.contact_numbers.get(name),
@@ -464,7 +465,7 @@ class ErrorEstimate:
         >>> hit.error.controls("restitution")  # models were chosen for the force
         True
         """
-        return self.rtol is not None and self.numbers.get(name, math.nan) <= self.rtol
+        return self.rtol is not None and self.numbers.get(text("name", name), math.nan) <= self.rtol
 
     def within(self, name: str, *, listed: bool = False) -> str:
         """Return a number's error in words, for summaries; empty where it is not known.

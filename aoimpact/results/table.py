@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import FloatArray, InputError, file_path, texts
+from ..base import FloatArray, InputError, texts, written_file
 
 if TYPE_CHECKING:
     from .motion import BodyResult
@@ -78,15 +78,16 @@ def body_names(run: Run, names: Sequence[str] | None) -> Sequence[str]:
 
 def write_csv(table: Mapping[str, FloatArray], path: str | os.PathLike[str]) -> None:
     """Write columns with 17 digits, so that they read back bit for bit."""
-    np.savetxt(
-        file_path("path", path),
-        np.column_stack(list(table.values())),
-        fmt="%.17g",
-        delimiter=",",
-        header=",".join(table),
-        comments="",
-        encoding="utf-8",
-    )
+    with written_file("path", path) as file:
+        np.savetxt(
+            file,
+            np.column_stack(list(table.values())),
+            fmt="%.17g",
+            delimiter=",",
+            header=",".join(table),
+            comments="",
+            encoding="utf-8",
+        )
 
 
 def _body_columns(name: str, body: BodyResult) -> dict[str, FloatArray]:

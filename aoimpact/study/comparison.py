@@ -12,13 +12,13 @@ from ..base import (
     aligned,
     checked,
     error_axes,
-    file_path,
     given_axes,
     html_table,
     instances,
     text,
     warn,
     with_unit,
+    written_file,
 )
 
 if TYPE_CHECKING:
@@ -160,7 +160,10 @@ class Comparison:
         ... )
         >>> table.to_csv(folder / "models.csv")
         """
-        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
+        with (
+            written_file("path", path) as given,
+            open(given, "w", newline="", encoding="utf-8") as file,
+        ):
             writer = csv.writer(file)
             writer.writerow([field.name for field in fields(Compared)])
             writer.writerows(astuple(row) for row in self.rows)

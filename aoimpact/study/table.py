@@ -14,13 +14,13 @@ from ..base import (
     checked,
     choice,
     error_axes,
-    file_path,
     given_axes,
     html_table,
     instances,
     positive,
     text,
     with_unit,
+    written_file,
 )
 from .scipy_solvers import Outcome
 
@@ -208,7 +208,10 @@ class WorkPrecision:
         >>> study.to_csv(folder / "study.csv")
         """
         names = [field.name for field in fields(Measurement)]
-        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
+        with (
+            written_file("path", path) as given,
+            open(given, "w", newline="", encoding="utf-8") as file,
+        ):
             writer = csv.writer(file)
             writer.writerow([*names[:3], *(f"error of {name}" for name in names[3:6]), *names[6:]])
             for row in self.rows:

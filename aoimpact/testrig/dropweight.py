@@ -16,12 +16,12 @@ from ..base import (
     InputError,
     choice,
     draw_curves,
-    file_path,
     nonnegative,
     positive,
     real,
     warn,
     with_unit,
+    written_file,
 )
 from ..results import Result
 from .readsignal import STANDARD_GRAVITY
@@ -257,7 +257,10 @@ class DropWeight(Frozen):
         >>> test.to_csv(folder / "drop.csv")
         """
         rows = np.column_stack([self.t, self.force, self.velocity, self.deflection, self.energy])
-        with open(file_path("path", path), "w", newline="", encoding="utf-8") as file:
+        with (
+            written_file("path", path) as given,
+            open(given, "w", newline="", encoding="utf-8") as file,
+        ):
             writer = csv.writer(file)
             writer.writerow(
                 ["t [s]", "force [N]", "velocity [m/s]", "deflection [m]", "energy [J]"]

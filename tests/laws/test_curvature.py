@@ -101,6 +101,14 @@ def test_turning_the_other_body_is_the_same(first, second, angle):
     assert one == pytest.approx(swapped, rel=1e-9)
 
 
+def test_an_angle_of_any_size_is_that_of_its_sine_and_cosine():
+    one, other = (
+        ao.Hertz.between(STEEL, (0.01, 0.02), STEEL, (0.01, 0.03), angle=angle).k
+        for angle in (1e308, math.atan2(math.sin(1e308), math.cos(1e308)))
+    )
+    assert one == pytest.approx(other, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("radius_1", "radius_2", "message"),
     [

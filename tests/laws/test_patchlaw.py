@@ -96,6 +96,8 @@ def test_a_plastic_law_stands_while_its_unloading_does():
     law = ao.Thornton(K, 10.0).within_patch(2e-8)
     own = law.limit + law.compliance * law.force(law.limit)
     assert 2e-8 * 1.5 * K * math.sqrt(own) == pytest.approx(0.95, rel=1e-12)
+    hard = ao.Thornton(K, 10.0).within_patch(1e-308, radius=1e-3, relative_radius=0.1)
+    assert hard.limit == pytest.approx(1e-3**2 / 0.1, rel=1e-12)  # nothing but the patch bounds it
 
 
 @pytest.mark.parametrize("name", sorted(LAWS))

@@ -15,10 +15,19 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+import scipy.sparse
 from every_law import LAWS as EVERY_LAW
 from every_law import law_of
 
 import aoimpact as ao
+
+
+class Index:
+    """An integer to `operator.index`, and to nothing else."""
+
+    def __index__(self) -> int:
+        return 8
+
 
 ODD: dict[str, Any] = {
     "none": None,
@@ -69,6 +78,12 @@ ODD: dict[str, Any] = {
     "recursive": (lambda one: (one.append(one), one)[1])([]),
     "array of one": np.ones(1),
     "path": Path("no such file"),
+    "half a character": "\ud800",
+    "null character": "a\0b",
+    "no text": "",
+    "folder": ".",
+    "index": Index(),
+    "sparse": scipy.sparse.eye(3),
 }
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -446,6 +461,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         lambda **grid: ao.sweep(STRIKE, grid, progress=False),
         {"velocity": [1.0], "gap": [0.0]},
     ),
+    "a value of a sweep": (
+        lambda **given: ao.sweep(STRIKE, {k: [v] for k, v in given.items()}, progress=False),
+        {"velocity": 1.0, "law": HERTZ},
+    ),
     "work_precision": (
         ao.work_precision,
         STRIKE
@@ -486,6 +505,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         FIELDS.movie,
         {"path": "movie.avi", "times": None, "frames": 3, "scale": None, "fps": 15.0},
     ),
+    **{
+        f"ErrorEstimate.{name}": (getattr(HIT.error, name), {"name": "peak_force"})
+        for name in ("parts", "of", "controls")
+    },
     "Run.to_dataframe": (HIT.run.to_dataframe, {"names": None}),
     "Run.to_xarray": (HIT.run.to_xarray, {"names": None}),
     "Signal": (
@@ -563,8 +586,8 @@ ALSO = {
     "material_1": ("material",),
     "material_2": ("material",),
     "source": ("mesh",),
-    "path": ("1", "no such file"),
-    "base": ("1:", "no such file:"),
+    "path": ("1", "no such file", ".: cannot be read", "cannot read '.'"),
+    "base": ("1:", "no such file:", ".: cannot be read", "path must"),
     "a": ("handle",),
     "b": ("handle",),
     # The law's own parameters, as they come out of these.
