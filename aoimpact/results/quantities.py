@@ -311,10 +311,10 @@ def _run_of(run: Run | Result) -> Run:
 
 def _speeds(run: Run, *, known: bool) -> Speeds:
     """Of a run; not known: after the contacts or at the record's end, of whatever is recorded."""
-    bodies, contacts, after = run.plan.bodies, run.plan.contacts, run.parting
+    bodies, contacts, after = run.plan.bodies, run.plan.contacts, run.compared_velocities
     if known:
         parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
-        after = np.where([parted and body.centre_known for body in bodies], after, np.nan)
+        after = run.parting if parted else np.full_like(after, np.nan)
     return Speeds(
         np.array(run.plan.velocities, dtype=np.float64),
         after,

@@ -206,9 +206,9 @@ class Result(Eventful):
 
     @property
     def parting(self) -> tuple[float, float]:
-        """Mean velocities of projectile and target, to compare runs by [m/s].
+        """Velocities of the centres of projectile and target at the end of the last contact [m/s].
 
-        Those of `Run.parting`.
+        Those of `Run.parting`: NaN where a centre of mass is not known.
         """
         ours, theirs = self.run.parting
         return float(ours), float(theirs)

@@ -302,25 +302,43 @@ class Run:
 
     @property
     def mean_velocities(self) -> FloatArray:
-        """Of the bodies' centres of mass, m/s, shape (bodies, n).
-
-        Where a centre is not known, the mean over the static mode: good to compare runs by.
-        """
-        return self._layout.centre_velocities(self._rows)
+        """Of the bodies' centres of mass, m/s, shape (bodies, n); NaN where one is not known."""
+        return self._of_known_centres(self._layout.centre_velocities(self._rows))
 
     @cached_property
     def parting(self) -> FloatArray:
-        """`mean_velocities` at the end of the last contact, or of the record, shape (bodies,)."""
+        """`mean_velocities` at the end of the last contact, or of the record, shape (bodies,).
+
+        NaN where a centre of mass is not known.
+        """
+        speeds = self._of_known_centres(self.compared_velocities)
+        speeds.flags.writeable = False
+        return speeds
+
+    @cached_property
+    def compared_velocities(self) -> FloatArray:
+        """`parting`, but where a centre is not known the mean over the static mode.
+
+        That is no velocity of the body; runs are compared by it.
+
+        :meta private:
+        """
         ends = [events.contacts[-1][1] for events in self.events if events.contacts]
         end = max(ends, default=self.duration)
         if self.recorder.dense:
-            at_end = self._recorded(np.array([min(end, self.duration)]), energies=False)
-            speeds = self._layout.centre_velocities(at_end)[:, 0]
+            rows = self._recorded(np.array([min(end, self.duration)]), energies=False)
         else:
             at = min(int(np.searchsorted(self.t, end)), len(self.t) - 1)
-            speeds = self.mean_velocities[:, at]
+            rows = self._rows[:, at : at + 1]
+        speeds = self._layout.centre_velocities(rows)[:, 0]
         speeds.flags.writeable = False
         return speeds
+
+    def _of_known_centres(self, speeds: FloatArray) -> FloatArray:
+        """A copy of velocities, (bodies, ...), with NaN for bodies whose centre is not known."""
+        found = speeds.copy()
+        found[[not body.centre_known for body in self.plan.bodies]] = np.nan
+        return found
 
     @cached_property
     def contacts(self) -> tuple[ContactResult, ...]:
