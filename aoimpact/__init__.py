@@ -45,18 +45,20 @@ more. The documentation is a site: ``sphinx-build docs site``.
 import sys as _sys
 from importlib.machinery import PathFinder as _PathFinder
 from importlib.metadata import version as _version
-from importlib.util import find_spec as _find_spec
 from pathlib import Path as _Path
 
-if _find_spec("aoimpact._core") is None:
+# Only beside this file: find_spec would find the core of an editable install elsewhere, too.
+if _PathFinder.find_spec("aoimpact._core", __path__) is None:
     # A script in the source folder sees that folder before the installed package. The installed one
     # is meant: it takes the place of this folder.
     _source = _Path(__file__).resolve().parents[1]
     _elsewhere = [entry for entry in _sys.path if _Path(entry).resolve() != _source]
-    _installed = _PathFinder.find_spec("aoimpact", _elsewhere)
+    # An editable install is on no path: setuptools has a finder of its own for it.
+    _found = (finder.find_spec("aoimpact", _elsewhere) for finder in _sys.meta_path)
+    _installed = next(filter(None, _found), None)
     if _installed and _installed.origin and _installed.submodule_search_locations:
         __file__, __path__ = _installed.origin, list(_installed.submodule_search_locations)
-    if _find_spec("aoimpact._core") is None:
+    if _PathFinder.find_spec("aoimpact._core", __path__) is None:
         raise ImportError(
             f"the compiled core is missing in {__path__[0]}: aoimpact is not installed for "
             f"{_sys.executable}; install it (pip install . in the source folder), and run the "

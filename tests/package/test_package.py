@@ -256,7 +256,22 @@ def test_imports_wait_until_they_are_needed() -> None:
     assert not called & WAITING
 
 
-def test_a_script_in_the_source_folder_runs_the_installed_package(tmp_path: Path) -> None:
+# What finds an editable install: it is on no path, and is asked for each module after all paths.
+FINDER = """
+import sys
+from importlib.machinery import PathFinder
+class Finder:
+    def find_spec(name, path=None, target=None):
+        if name.partition(".")[0] == "aoimpact":
+            return PathFinder.find_spec(name, [{package!r} if "." in name else {folder!r}])
+sys.meta_path.append(Finder)
+"""
+
+
+@pytest.mark.parametrize("editable", [False, True])
+def test_a_script_in_the_source_folder_runs_the_installed_package(
+    tmp_path: Path, editable: bool
+) -> None:
     source = tmp_path / "aoimpact"
     source.mkdir()
     for name in ("__init__.py", "__init__.pyi"):  # as in a clone, where no core was built
@@ -264,7 +279,17 @@ def test_a_script_in_the_source_folder_runs_the_installed_package(tmp_path: Path
     script = tmp_path / "first.py"
     script.write_text("import aoimpact as ao\nprint(ao.__file__, ao.rigid(mass=2.0).m0)")
     command = [sys.executable, str(script)]
-    installed = os.environ | {"PYTHONPATH": str(PACKAGE.parent), "PYTHONSAFEPATH": ""}
+    place = PACKAGE.parent
+    if editable:
+        place = tmp_path / "site"
+        finder = FINDER.format(package=str(PACKAGE), folder=str(PACKAGE.parent))
+        for name, text in (
+            ("sitecustomize.py", finder),
+            ("aoimpact-1.dist-info/METADATA", "Name: aoimpact\nVersion: 1\n"),
+        ):
+            place.joinpath(name).parent.mkdir(parents=True, exist_ok=True)
+            place.joinpath(name).write_text(text)
+    installed = os.environ | {"PYTHONPATH": str(place), "PYTHONSAFEPATH": ""}
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=installed)
     assert done.stdout.split() == [str(PACKAGE / "__init__.py"), "2.0"]
     nothing = [sys.executable, "-S", str(script)]  # a Python without any package
