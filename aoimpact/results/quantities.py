@@ -101,7 +101,11 @@ class Quantity:
     ----------
     name, unit : str
     of_contact : callable, optional
-        Of the `Events` of a contact: its number.
+        Of the `Events` of a contact: its number. It is called for contacts that never touched, too:
+        `contacts` is then empty, and force, impulse and duration are 0. The fast path of
+        `simulate_many` calls it for many impacts at once, as if each touched once, with an array of
+        shape (impacts,) in place of each number. So a quotient such as impulse / contact_duration
+        says what it is where it divides by 0, for numbers and for arrays.
     of_speeds : callable, optional
         Of `Speeds`: numbers, shape (k,) or (k, impacts). This and `of_contact` are all that the
         fast path of `simulate_many` has; other numbers take an impact off it.
