@@ -18,12 +18,17 @@ static Py_ssize_t take_parameters(PyObject *tuple, double *parameter)
     return PyErr_Occurred() ? -1 : count;
 }
 
-/* The value returned by a function of a law written in Python: a number, not an array or a text. */
+/* The value returned by a function of a law written in Python: a number that a double holds, not an array or a text. */
 static double number_of(PyObject *returned, double indentation, double rate)
 {
     if (PyFloat_Check(returned) || (PyNumber_Check(returned) && !PySequence_Check(returned) &&
                                     !PyComplex_Check(returned))) {
-        return PyFloat_AsDouble(returned);
+        const double number = PyFloat_AsDouble(returned);
+        const PyObject *raised = PyErr_Occurred();
+        if (!raised || !(PyErr_ExceptionMatches(PyExc_OverflowError) || PyErr_ExceptionMatches(PyExc_TypeError))) {
+            return number;
+        }
+        PyErr_Clear();
     }
     (void)raise_made("law_result_error", Py_BuildValue("(Odd)", returned, indentation, rate));
     return (double)NAN;

@@ -144,7 +144,11 @@ def test_what_a_law_raises_arrives_unchanged(solver):
 
 
 @pytest.mark.parametrize(
-    "answer", [None, "12", np.ones(1), np.ones(2), np.array(1.0), [1.0], 1j, {}, b"1"]
+    "answer",
+    [
+        *(None, "12", np.ones(1), np.ones(2), np.array(1.0), [1.0], 1j, {}, b"1"),
+        *(10**400, np.datetime64("2020")),
+    ],
 )
 def test_what_is_no_number_is_named_with_its_state(answer):
     with pytest.raises(ao.InputTypeError, match="must return a real number, but at indentation = "):
