@@ -5,6 +5,7 @@
 #include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
+#include "model/load.h"
 #include "model/system.h"
 #include "motion/energy.h"
 #include "motion/free.h"
@@ -172,6 +173,24 @@ static void start_ledger(aoi_adaptive *run)
     }
 }
 
+/* Sets the time of the next halt: between two of them no body's load has more bends than its share of all. */
+static void set_halt(aoi_adaptive *run)
+{
+    const aoi_system *system = run->system;
+    double modes = (double)system->first[system->body_count];
+    for (size_t c = 0; c < system->contact_count; c++) {
+        for (int side = 0; side < 2; side++) {
+            modes += (double)system->body[system->contact[c].body[side]].n;
+        }
+    }
+    run->halt = HUGE_VAL;
+    for (size_t b = 0; b < system->body_count; b++) {
+        const double bend =
+            aoi_load_later_bend(&system->body[b].load, aoi_run_now(run), (size_t)(AOI_MOST_BENDS / modes));
+        run->halt = fmin(run->halt, bend);
+    }
+}
+
 static void begin_bodies(aoi_adaptive *run)
 {
     for (size_t b = 0; b < run->system->body_count; b++) {
@@ -227,6 +246,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
         return AOI_ERROR_NOT_FINITE;
     }
     begin_bodies(run);
+    set_halt(run);
     const int status = begin_contacts(run);
     start_ledger(run);
     return status;
@@ -270,7 +290,9 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
         pair.v[side] = copy + n;
         copy += 2 * n;
     }
-    limit = is_simple(pair.body[0]) && is_simple(pair.body[1]) ? run->end : limit;
+    if (is_simple(pair.body[0]) && is_simple(pair.body[1])) {
+        limit = fmin(run->end, fmax(limit, run->halt));
+    }
     const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
     const int status = aoi_free_pair_next_touch(&pair, limit, most, &contact->touches);
     contact->free_until = pair.time;
@@ -305,7 +327,7 @@ static int move_freely(aoi_adaptive *run)
 {
     size_t c, landed = run->system->contact_count;
     aoi_step_release(run);
-    double best = aoi_watch_first(run, 1, run->end, &c);
+    double best = aoi_watch_first(run, 1, fmin(run->end, run->halt), &c);
     for (aoi_watch_first(run, 0, best, &c); c < run->system->contact_count;
          aoi_watch_first(run, 0, best, &c)) {
         const int status = look_ahead(run, c, best, run->free_state[0]);
@@ -338,6 +360,18 @@ static int move_freely(aoi_adaptive *run)
     return AOI_OK;
 }
 
+/* Brings all bodies here. With no contact closed they go into a row, from which dense output starts. */
+static void halt(aoi_adaptive *run)
+{
+    for (size_t b = 0; b < run->system->body_count; b++) {
+        aoi_body_bring(run, b);
+        if (run->closed.count == 0) {
+            aoi_body_note_change(run, b);
+        }
+    }
+    set_halt(run);
+}
+
 /* ------------------------------------------------------------------------- a step of contact */
 
 /* Closes the contacts of bodies in free motion that touch now, and finds a time before which no other one does. */
@@ -346,11 +380,14 @@ static int watch_free_pairs(aoi_adaptive *run)
     const size_t none = run->system->contact_count;
     const double now = aoi_run_now(run), step = aoi_run_step(run);
     const double rounding = 4.0 * DBL_EPSILON * now;
-    const double due = fmin(nextafter(now + rounding, HUGE_VAL), run->end);
     const double ahead = fmax(now + STEPS_AHEAD * step, now + 2.0 * rounding);
     size_t c;
+    if (now >= run->halt) {
+        halt(run);
+    }
+    const double stop = fmin(run->end, run->halt), due = fmin(nextafter(now + rounding, HUGE_VAL), stop);
     for (aoi_watch_first(run, 0, due, &c); c < none; aoi_watch_first(run, 0, due, &c)) {
-        const int status = look_ahead(run, c, fmin(run->end, ahead), run->free_state[0]);
+        const int status = look_ahead(run, c, fmin(stop, ahead), run->free_state[0]);
         if (status != AOI_OK) {
             return status;
         }
@@ -358,7 +395,7 @@ static int watch_free_pairs(aoi_adaptive *run)
     for (aoi_watch_first(run, 1, due, &c); c < none; aoi_watch_first(run, 1, due, &c)) {
         aoi_contact_close(run, c);
     }
-    run->horizon = aoi_watch_first(run, 1, aoi_watch_first(run, 0, run->end, &c), &c);
+    run->horizon = aoi_watch_first(run, 1, aoi_watch_first(run, 0, stop, &c), &c);
     return AOI_OK;
 }
 
@@ -541,6 +578,7 @@ static int advance_all_to_end(aoi_adaptive *run)
 /* Advances the run by at most one row. idle: number of successive calls in which the time has not advanced. */
 static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
 {
+    const double began = run->time, next_halt = run->halt;
     double *row = track->values + track->used;
     size_t size = 0;
     int status = AOI_OK;
@@ -549,8 +587,11 @@ static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
     }
     if (run->closed.count > 0) {
         status = contact_step(run, row, &size);
+        *paused = run->halt > next_halt && run->time > began;
     } else if (run->changed.count > 0) {
         size = aoi_step_write(run, 0.0, 0, row);
+    } else if (run->time >= run->halt) {
+        halt(run);
     } else {
         status = move_freely(run);
         *paused = run->time < run->end && run->closed.count == 0;

@@ -80,6 +80,7 @@ struct aoi_adaptive {
     double origin, elapsed; /* time is their sum, so that short steps late in a run are not rounded away */
     double left_off;        /* rounding error of elapsed, s */
     double horizon;         /* no touch between bodies in free motion before this time */
+    double halt; /* all bodies are brought here: loads have bent often, and more would take long; infinite: nowhere */
     int unbalanced;         /* an event has changed a contact since the last step */
     double *free_state[2], *scratch, *port_force, *collocation;
     double *port_slope; /* derivatives of the port forces at the step's start: aoi_step_slopes */
@@ -101,6 +102,10 @@ enum {
 /* Largest number of evaluations of a mode in one search for a touch, about a tenth of a second; and in one within a
  * step, which may be made shorter. */
 enum { AOI_MOST_LOOKS = 500000, AOI_LOOKS_IN_STEP = 10000 };
+
+/* Largest number of evaluations of a mode from one halt to the next, some hundredths of a second: loads are looked up
+ * for each, and the bodies are advanced once more at the halt. */
+enum { AOI_MOST_BENDS = 30000 };
 
 /* Events of a contact within a step. */
 enum aoi_event {
@@ -209,7 +214,10 @@ void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x,
 /* Lists a body among those that go into the next row. */
 void aoi_body_note_change(aoi_adaptive *run, size_t b);
 
-/* Advances a body in free motion to the present time; how: as aoi_adaptive_body.engaged. */
+/* Advances a body in free motion to the present time. */
+void aoi_body_bring(aoi_adaptive *run, size_t b);
+
+/* The same for a body that takes part in the step; how: as aoi_adaptive_body.engaged. */
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how);
 
 /* The two bodies of a contact at the present time; x, v point into the run. */

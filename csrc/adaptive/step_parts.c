@@ -23,18 +23,11 @@ void aoi_body_account(aoi_adaptive *run, size_t b, double time, const double *x,
     }
 }
 
-void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
+void aoi_body_bring(aoi_adaptive *run, size_t b)
 {
     aoi_adaptive_body *body = &run->body[b];
     const size_t at = run->system->first[b];
     const double now = aoi_run_now(run);
-    if (how > 1 && !aoi_modes_can_move(&run->system->body[b])) {
-        how = 1;
-    }
-    if (body->engaged == 0) {
-        run->engaged.at[run->engaged.count++] = b;
-    }
-    body->engaged = how > body->engaged ? how : body->engaged;
     if (body->time < now) {
         const size_t n = run->system->body[b].n;
         for (size_t j = 0; j < n; j++) {
@@ -49,6 +42,19 @@ void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
         }
         body->time = now;
     }
+}
+
+void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
+{
+    aoi_adaptive_body *body = &run->body[b];
+    if (how > 1 && !aoi_modes_can_move(&run->system->body[b])) {
+        how = 1;
+    }
+    if (body->engaged == 0) {
+        run->engaged.at[run->engaged.count++] = b;
+    }
+    body->engaged = how > body->engaged ? how : body->engaged;
+    aoi_body_bring(run, b);
 }
 
 void aoi_body_note_change(aoi_adaptive *run, size_t b)

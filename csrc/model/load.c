@@ -31,11 +31,13 @@ aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time)
     return (aoi_load_span){row, row + ports, time - start, load->time[low] - start};
 }
 
-double aoi_load_next_bend(const aoi_load *load, double time)
+double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped)
 {
     const size_t next = bends_until(load, time);
-    return next < load->count ? load->time[next] : HUGE_VAL;
+    return skipped < load->count - next ? load->time[next + skipped] : HUGE_VAL;
 }
+
+double aoi_load_next_bend(const aoi_load *load, double time) { return aoi_load_later_bend(load, time, 0); }
 
 int aoi_load_is_sound(const aoi_load *load, size_t ports)
 {

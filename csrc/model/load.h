@@ -16,6 +16,9 @@ aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 /* The first time after a time at which it bends; infinite where there is none. */
 double aoi_load_next_bend(const aoi_load *load, double time);
 
+/* The one that comes after so many others. */
+double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
+
 /* Whether times ascend (equal neighbours may be) and all numbers are finite. */
 int aoi_load_is_sound(const aoi_load *load, size_t ports);
 

@@ -647,3 +647,29 @@ def test_a_contact_that_pulls_ends_when_its_indentation_is_zero(share, rtol):
         assert "a contact that pulls, and ends slowly" in said[0]
     else:
         assert run.contacts[0][1] == pytest.approx(end, rel=10.0 * rtol)
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_load_of_very_many_points_moves_a_body_as_it_says(beside):
+    """Closed form; its own contact comes at the end, with and without one of others meanwhile."""
+    times = np.linspace(0.0, 1.0, 100_001)
+    force = 5.0 + 10.0 * np.sin(4000.0 * times)
+    impulses = np.diff(times) * (force[1:] + force[:-1]) / 2
+    velocity = np.append(0.0, np.cumsum(impulses))
+    moves = np.diff(times) * velocity[:-1] + np.diff(times) ** 2 * (2 * force[:-1] + force[1:]) / 6
+    place = np.append(0.0, np.cumsum(moves))
+    scene = ao.Scene()
+    wall, ball, other = (scene.add(ao.rigid(mass)) for mass in (math.inf, 1.0, 1.0))
+    scene.connect(ball, wall, HERTZ, gap=place[-3])
+    if beside:
+        scene.connect(other, wall, ao.KelvinVoigt(1e3, 100.0))
+        scene.apply(other, force=10.0)
+    scene.apply(ball, force=(times, force))
+    run = scene.simulate(duration=1.0, solver=ao.Adaptive(rtol=1e-8))
+    assert run.events[0].contacts[0][0] == pytest.approx(times[-3], abs=1e-12)
+    which = np.arange(0, len(times) - 3, 97)
+    at = run.at(times[which])
+    np.testing.assert_allclose(at.bodies[1].displacement, place[which], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(at.bodies[1].velocity, velocity[which], rtol=0, atol=1e-12)
+    work = velocity[which] ** 2 / 2
+    np.testing.assert_allclose(at.energy.bodies[1].work, work, rtol=0, atol=1e-11)

@@ -62,8 +62,33 @@ def load() -> Callable[[], Any]:
     return lambda: scene.simulate(duration=1.0, preload=True, solver=ao.Newmark(dt=1e-3))
 
 
+def flying(scene: ao.Scene, wall: Any) -> Callable[[], Any]:
+    """A run of a scene in which another ball flies far off, under a load of a million points."""
+    times = np.linspace(0.0, 1.0, 1_000_000)
+    ball = scene.add(ao.rigid(1.0))
+    scene.connect(ball, wall, ao.Hertz(1e8), gap=1e6)
+    scene.apply(ball, force=(times, 5.0 + np.sin(4000.0 * times)))
+    return lambda: scene.simulate(duration=1.0)
+
+
+def load_in_flight() -> Callable[[], Any]:
+    scene = ao.Scene()
+    return flying(scene, scene.add(ao.rigid(np.inf)))
+
+
+def load_beside_a_contact() -> Callable[[], Any]:
+    scene = ao.Scene()
+    wall, pressed = scene.add(ao.rigid(np.inf)), scene.add(ao.rigid(1.0))
+    scene.connect(pressed, wall, ao.KelvinVoigt(1e3, 100.0))
+    scene.apply(pressed, force=10.0)
+    return flying(scene, wall)
+
+
+MAKERS = [all_modes, all_oscillators, factors, stress, load, load_in_flight, load_beside_a_contact]
+
+
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
-@pytest.mark.parametrize("make", [all_modes, all_oscillators, factors, stress, load])
+@pytest.mark.parametrize("make", MAKERS)
 def test_signals_take_effect(make: Callable[[], Callable[[], Any]]) -> None:
     """By the time that this thread computed meanwhile: others may have the processor."""
     call = make()
