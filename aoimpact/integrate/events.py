@@ -16,8 +16,9 @@ FloatArray = NDArray[np.float64]
 
 _BISECTIONS = 60  # halves [0, 1] down to rounding
 
-# Of a peak's force: where a sample beside it has less, the force has jumped, or is not resolved.
-_LEAST_NEIGHBOUR = 0.5
+# Of the curvature at a peak: where both samples beside it have less, the force has jumped or is not
+# resolved. A jump bends the curve up on one side of it, down on the other, and no further out.
+_LEAST_CURVATURE = 0.5
 
 
 class Events(NamedTuple):
@@ -111,21 +112,30 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     """Return the largest force and its time, to second order in the step.
 
     Each local maximum is the top of the parabola through its sample and the two beside it (the
-    time is then right to O(dt²), the force to O(dt³)); where one of those has less than half of its
-    force the sample itself is taken, since the force may jump or bend at the ends of a contact.
+    time is then right to O(dt²), the force to O(dt³)). Where the parabolas around both of
+    those are less than half as curved, the sample itself is taken: the force has jumped or bent
+    there, and no parabola tells how far it rose. One of the two may be so where a law unloads
+    stiffer than it loads.
     """
     best = int(np.argmax(force))
     if force[best] <= 0.0:
         return 0.0, float(t[0])
     before, here, after = force[:-2], force[1:-1], force[2:]
-    least = np.maximum(_LEAST_NEIGHBOUR * here, np.finfo(np.float64).tiny)
-    smooth = (here >= before) & (here >= after) & (before >= least) & (after >= least)
+    bend = np.pad(_curvatures(t, force), 1, constant_values=np.inf)  # not known beyond the record
+    beside = np.minimum(bend[:-2], bend[2:])  # negative, as all are at a peak
+    smooth = (here >= before) & (here >= after) & (beside <= _LEAST_CURVATURE * bend[1:-1])
     top, shift = _parabola_tops(t, force, np.flatnonzero(smooth) + 1)
     # A parabola's top is never below its sample: if the largest sample has one, it is among these.
     winner = int(np.argmax(top)) if top.size else 0
     if top.size and top[winner] >= force[best]:
         return float(top[winner]), float(shift[winner])
     return float(force[best]), float(t[best])
+
+
+def _curvatures(t: FloatArray, force: FloatArray) -> FloatArray:
+    """Return half the curvature of the parabolas around all samples but the first and the last."""
+    slope = np.diff(force) / np.diff(t)
+    return np.diff(slope) / (t[2:] - t[:-2])
 
 
 def _parabola_tops(

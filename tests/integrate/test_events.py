@@ -52,6 +52,17 @@ def test_peak_does_not_overshoot_a_force_that_jumps() -> None:
         assert (height, time) == (force[3], t[3])
 
 
+@pytest.mark.parametrize("share", [0.01, 0.1, 0.4, 0.6, 1.0])
+@pytest.mark.parametrize("steps", [101, 1001, 10001])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_no_jump_is_topped(share: float, steps: int, backwards: bool) -> None:
+    """However little of the force it is, and whether the force jumps up to the peak or down."""
+    t = np.linspace(0.0, 1.0, steps)
+    force = 2.0 - t - np.where(t > 0.3003, 0.0, 0.3 + share)
+    height, _ = find_peak(t, force[::-1] if backwards else force)
+    assert height == force.max()
+
+
 def test_largest_of_several_contacts_is_the_peak() -> None:
     t = np.linspace(0.0, 4.0, 4001)
     force = np.maximum(np.sin(np.pi * t), 0.0) * np.where(t > 2.0, 2.0, 1.0)

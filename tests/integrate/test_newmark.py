@@ -627,3 +627,16 @@ def test_a_scene_keeps_or_refuses_its_tolerance_too():
         scene.simulate(duration=100e-6, rtol=1e-6, solver=ao.Adaptive(rtol=1e-2))
     with pytest.raises(ao.InputError, match=r"estimate=False\) leaves the error"):
         scene.simulate(duration=100e-6, rtol=1e-3, solver=ao.Newmark(dt=1e-8, estimate=False))
+
+
+def test_a_load_that_jumps_leaves_the_peak_on_the_curve():
+    """A sudden pull on a place without mass raises a damper's force there, within its peak."""
+    scene = ao.Scene()
+    place = scene.add(ao.AOModel(m0=0.0, m=[1.0], k=[1e6]))
+    ball = scene.add(ao.rigid(mass=1.0), velocity=1.0)
+    scene.connect(ball, place, ao.KelvinVoigt(1e6, 500.0))
+    scene.apply(place, force=([1e-3, 1e-3 + 1e-9], [0.0, -100.0]))
+    exact = scene.simulate(duration=1.5e-3, solver=ao.Adaptive(rtol=1e-9)).events[0].peak_force
+    run = scene.simulate(duration=1.5e-3, solver=ao.Newmark(dt=1e-6))
+    assert run.events[0].peak_force == run.contacts[0].force.max()
+    assert run.events[0].peak_force == pytest.approx(exact, rel=run.error.time)
