@@ -121,7 +121,7 @@ def pace_by_scipy():
 
 @pytest.mark.slow
 def test_a_solitary_wave_through_a_thousand_balls():
-    peaks, pace, momentum, energy = wave(1000, 1e-10)
+    peaks, pace, momentum, energy = wave(1000, 3e-10)
     assert steadiness(peaks[100:990]) < 1e-8
     assert steadiness(pace[100:990]) < 1e-8
     assert np.abs(momentum - 1.0).max() < 1e-10
