@@ -6,6 +6,7 @@
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 
+#include <float.h>
 #include <math.h>
 
 /* Fixed-point iterations for quantities that depend on the contact time, which depends on them. */

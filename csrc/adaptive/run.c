@@ -38,8 +38,8 @@ static const double SLIVER = 1e-6;
 static const double LEAST_SHRINKAGE = 0.06;
 
 /* Largest factor on the step length after a step was cut short for an event that the shorter step did not confirm; the
- * factor where it was cut MOST_TRIMS times, or its event is at its start and changes nothing. Measured: 0.17 costs
- * 1.1 % more work, 0.83 saves none. */
+ * factor where it was cut MOST_TRIMS times, or its event is at its start and changes nothing. Measured: of the first
+ * 0.17 costs 1.1 % more work, 0.83 saves none; of the others from 0.13 to 1.2 no run changes. */
 static const double NOT_THERE = 0.5;
 
 /* Events found in a step whose admissible growth is below this are ignored: its error is too large.
@@ -183,10 +183,10 @@ static void set_halt(aoi_adaptive *run)
             modes += (double)system->body[system->contact[c].body[side]].n;
         }
     }
+    const size_t share = (size_t)(AOI_MOST_BENDS / fmax(modes, 1.0)); /* there may be no modes at all */
     run->halt = HUGE_VAL;
     for (size_t b = 0; b < system->body_count; b++) {
-        const double bend =
-            aoi_load_later_bend(&system->body[b].load, aoi_run_now(run), (size_t)(AOI_MOST_BENDS / modes));
+        const double bend = aoi_load_later_bend(&system->body[b].load, aoi_run_now(run), share);
         run->halt = fmin(run->halt, bend);
     }
 }

@@ -13,7 +13,8 @@
 
 #include <math.h>
 
-/* Factor on the step length where the search for a touch took more than AOI_LOOKS_IN_STEP evaluations. */
+/* Factor on the step length where the search for a touch took more than AOI_LOOKS_IN_STEP evaluations.
+ * Measured: from 0.2 to 0.8 one of 267 runs changes, its error and work do not. */
 static const double SHORTER = 0.5;
 
 /* Subtracts the oscillations that the forces excite in fast modes from a displacement at the start and the nodes, and
