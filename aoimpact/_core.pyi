@@ -16,12 +16,14 @@ _Blocks = tuple[_I, _I, _S, _S]
 _Sparse = tuple[_I, _I, _F]
 _Factors = tuple[_I, _I, _F, _F, _I, _I]
 _Law = tuple[Any, ...]
-_Modes = tuple[_F | None, ...]  # aoi_modes, as ModalBody.for_core makes it
+_Modes = tuple[_F | None, ...]  # what MODES names, as ModalBody.for_core makes it
 _Contact = tuple[int, int, int, int, float, _Law]  # body and port of each side, gap
 # Peak force, its time, impulse, intervals (start, end) and touches (impulse, pace) of a contact.
 _Pairs = list[tuple[float, float]]
 _Found = tuple[float, float, float, _Pairs, _Pairs]
-_Body = tuple[Any, ...]  # as csrc/python/newmark.c says
+_Body = dict[str, Any]  # parts by name, as SteppedBody.for_core makes it
+
+MODES: str
 
 def law_force(
     law: _Law,

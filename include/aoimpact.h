@@ -222,7 +222,7 @@ AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depe
 AOI_API int aoi_law_check(const aoi_law *law);
 
 /* The force itself, for fixed steps and plots: on the piece of this indentation and direction; zero
- * at and below rest; cut at zero unless the law pulls. A NaN (of a caller's law) goes through. */
+ * at and below rest; cut at zero unless the law pulls. A NaN (of a caller's law, or the indentation) goes through. */
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                           aoi_law_value *value);
 
@@ -283,7 +283,8 @@ typedef struct aoi_system {
     const size_t *first, *first_port, *first_contact, *contact_of;
 } aoi_system;
 
-/* Checks the system and links it. memory: aoi_system_size bytes, which the system keeps. AOI_ERROR_ARGUMENT
+/* Checks the system and links it. memory: aoi_system_size bytes, which the system keeps. AOI_ERROR_NOT_POSITIVE for a
+ * contact where nothing can deform or move, as between two walls; AOI_ERROR_ARGUMENT
  * where an array is missing or numbers are not finite, frequencies or load times do not ascend, decays or inertias
  * are negative, forces would get work out of a residual or it is not symmetric, a contact names a body or port that
  * is not there, or one body twice, or has no usable law: the system is not linked then, even if it was before. */
@@ -341,8 +342,7 @@ AOI_API size_t aoi_newmark_size(const aoi_system *system); /* linked */
 
 /* Sets a run of a linked system to its beginning and writes column 0 of the record, which has so many columns,
  * and stays the caller's; energies: 0 leaves their rows alone. AOI_ERROR_ARGUMENT for a rule that is none, or where
- * a body with a residual compliance has come to rest, AOI_ERROR_NOT_FINITE for x, v, AOI_ERROR_NOT_POSITIVE for a
- * contact where nothing can deform or move. */
+ * a body with a residual compliance has come to rest, AOI_ERROR_NOT_FINITE for x, v. */
 AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
                               const aoi_start *start, int energies, double *record, size_t columns);
 
@@ -436,7 +436,8 @@ typedef struct aoi_interval {
 } aoi_interval;
 
 /* The intervals of a track that ends at a time, in the order in which they end, but for those that begin there.
- * Writes the first so many and returns how many there are: with capacity 0 it counts. work: one for each contact. */
+ * Writes the first so many and returns how many there are: with capacity 0 it counts. 0 for a track that is not whole,
+ * or not of this system. work: one for each contact. */
 AOI_API size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
                                    aoi_interval *work, size_t capacity, aoi_interval *interval);
 

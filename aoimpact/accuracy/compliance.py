@@ -34,7 +34,7 @@ from ..base import FloatArray, InputError, InputTypeError, nonnegative, positive
 from ..fem import ContactPoint, contact_at, edge_length, image_field, room
 from ..fields import energy_error, missing_energy
 from ..linalg import LinearSolver
-from ..reduction import SHIFT_TIMES_DURATION, AOModel, InterfaceModel, unbalanced
+from ..reduction import SHIFT_TIMES_DURATION, ReducedModel, unbalanced
 
 __all__ = ["ComplianceError", "best_radius", "compliance_error"]
 
@@ -160,7 +160,7 @@ def compliance_error(
         contact_radius = nonnegative("contact_radius", contact_radius, unit="m")
     model = None if isinstance(tip, ContactPoint) else tip
     if model is not None:
-        if not isinstance(model, AOModel | InterfaceModel):
+        if not isinstance(model, ReducedModel):
             raise InputTypeError(
                 f"tip must be a contact point or a model made from one, got {tip!r}"
             )
@@ -176,13 +176,12 @@ def compliance_error(
     return _error_of(tip, displacement, contact_radius)
 
 
-def _own_deflection(model: Any, s: float, port: int) -> FloatArray | None:
+def _own_deflection(model: ReducedModel, s: float, port: int) -> FloatArray | None:
     """(K + s²M)⁻¹ b of a model, or at the shift that it was fitted to; None if both are poor."""
     fitted = SHIFT_TIMES_DURATION / model.contact_time if model.contact_time else s
     for shift in (s, fitted):
         if unbalanced(model, shift, port) <= _BALANCED:
-            found: FloatArray = model._deflection(shift, port)
-            return found
+            return model.deflection(shift, port)
     return None
 
 

@@ -19,6 +19,7 @@ from ..linalg import LinearSolver, Solver
 from ..reduction import (
     AOModel,
     BodyModel,
+    FullModel,
     InterfaceModel,
     InterfaceSpace,
     KrylovSpace,
@@ -256,7 +257,7 @@ def model_hierarchy(
     Parameters
     ----------
     body : AOModel, FullModel, InterfaceModel or Hierarchy
-        An interface model stays as it is.
+        Models of other kinds stay as they are.
     contact_time : float
         That the models are fitted to, s.
     duration : float, optional
@@ -270,7 +271,7 @@ def model_hierarchy(
         return body
     if isinstance(body, AOModel):
         return AOHierarchy(body)
-    if isinstance(body, InterfaceModel):
+    if not isinstance(body, FullModel):
         return FixedModel(body)
     if len(body.tips) == 1:
         return KrylovHierarchy(body.tips[0], contact_time, duration, solver, known)

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..base import AOImpactError, held_warnings
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law
-from ..reduction import AOModel, FullModel, InterfaceModel
+from ..reduction import FullModel, ReducedModel
 from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, solve
 from ..scene import Contact, FullBody, Plan, SceneBody, scene_body
 from .compliance import compliance_error
@@ -185,7 +185,6 @@ def _of_contact(run: Run, number: int) -> list[_End] | None:
     found = []
     for body, port in contact.ports:
         model = plan.bodies[body].model
-        assert not isinstance(model, FullModel)
         points = model.contact_points
         if not points:
             continue
@@ -206,24 +205,15 @@ def _of_contact(run: Run, number: int) -> list[_End] | None:
     return found
 
 
-def _with_springs(
-    model: AOModel | InterfaceModel | FullModel, factor: float
-) -> AOModel | InterfaceModel:
-    """A model of a body whose stiffness is multiplied by a factor."""
-    if isinstance(model, AOModel):
-        return replace(model, k0=factor * model.k0, k=factor * model.k)
-    assert isinstance(model, InterfaceModel)
-    return replace(model, omega=math.sqrt(factor) * model.omega, residual=model.residual / factor)
-
-
 def _softer(run: Run, softening: Mapping[int, float]) -> _Altered:
     """The plan with springs more compliant by these shares."""
     if not any(softening.values()):
         return _Altered(None)
     bodies = list(run.plan.bodies)
     for body, share in softening.items():
-        model = _with_springs(bodies[body].model, 1.0 / (1.0 + share))
-        bodies[body] = replace(bodies[body], model=model)
+        model = bodies[body].model
+        assert isinstance(model, ReducedModel)
+        bodies[body] = replace(bodies[body], model=model.stiffened(1.0 / (1.0 + share)))
     return _Altered(replace(run.plan, bodies=tuple(bodies), energies=False))
 
 

@@ -28,6 +28,7 @@ _MAGIC = b"AOICKPT1"
 # Length of the pickle, CRC-32 of digest and pickle; then the digest, then the pickle.
 _HEAD = struct.Struct("<QI")
 
+# Bytes of a record that are checked at a time: a long one takes no memory.
 _READ = 2**20
 
 

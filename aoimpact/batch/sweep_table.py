@@ -43,7 +43,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepTable", "sweep_table"]
 
-# Rows that a printed table shows, and lines of a plot that a legend can name.
+# Rows of a printed table: what they hold is seen, and the note below stays on the screen. Lines of
+# a plot that a legend names: more would cover it.
 _SHOWN, _MOST_LINES = 10, 12
 
 # Units of parameters of `simulate` that are numbers, for figures.

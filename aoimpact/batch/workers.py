@@ -26,9 +26,6 @@ _TASK_HERE, _TASK_AWAY = 0.015, 0.1
 # Tasks per worker: one that runs and one that waits.
 _AHEAD = 2
 
-_MOST_IN_TASK = 4096
-
-
 # More threads than any machine serves at once.
 _MOST_THREADS = 4096
 
@@ -160,7 +157,7 @@ def _reporter(batch: list[Any], finished: Finished) -> Callable[[Any], None]:
 def _next_size(size: int, seconds: float, target: float) -> int:
     """The number of items for which a task takes `target` seconds; it grows slowly."""
     wanted = target * size / seconds if seconds > 0.0 else math.inf
-    return int(max(1.0, min(wanted, 4.0 * size, _MOST_IN_TASK)))
+    return int(max(1.0, min(wanted, 4.0 * size)))
 
 
 def _width(executor: Any) -> int:

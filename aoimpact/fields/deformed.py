@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 __all__ = ["outlines", "plot_deformed"]
 
 
-# By default the largest displacement is drawn as this share of the body's size.
+# By default the largest displacement is drawn as this share of the body's size, which shows the
+# motion and leaves the shape.
 _SHOWN = 0.1
 
 # A plate's box is drawn at least this thick, as a share of its length; ticks along the length.

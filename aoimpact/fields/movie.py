@@ -33,7 +33,8 @@ from .deformed import outlines
 
 __all__ = ["MovingBody", "can_draw", "enlargement", "movie_path", "write_movie"]
 
-# By itself the largest displacement is drawn as about this share of the picture's bodies.
+# By itself the largest displacement is drawn as this share of the picture's bodies, rounded down to
+# a round factor: 3 to 8 % show the motion and leave the shape.
 _SHOWN = 0.08
 
 # Stresses above this share of all that are shown keep the colour of it: those under the contact

@@ -14,16 +14,14 @@ from ..base import AOImpactError, InputError, plain, warn, with_unit
 from ..fem import ContactPoint, contact_within
 from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
-from ..reduction import AOModel, BodyModel, FullModel, InterfaceModel, touched
+from ..reduction import BodyModel, FullModel
 
 __all__ = [
     "Meeting",
     "chosen_law",
     "fitted",
     "fitted_pair",
-    "mass_of",
     "meeting",
-    "turned",
     "turns",
 ]
 
@@ -57,14 +55,14 @@ def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = 
     InputError
         If it was given the wrong way round.
     """
-    tip = touched(body, port)
+    tip = body.touched_at(port)
     if tip is None or tip.normal is None or tip.direction is None or tip.point is None:
         return False
     if (float(tip.direction @ tip.normal) > 0.0) == outward:
         return False
     if like:
         return True
-    if tip.directed or isinstance(body, InterfaceModel):
+    if tip.directed or not body.turnable:
         way, opposite = ("out of", "into") if outward else ("into", "out of")
         raise InputError(
             f"{name}: direction {plain(tip.direction)} goes {opposite} the body at point "
@@ -73,16 +71,6 @@ def turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool = 
             f"{way} this body: leave direction out, turn it round, or swap the two bodies"
         )
     return True
-
-
-def turned(body: BodyModel, ports: Sequence[int]) -> BodyModel:
-    """Return a body's model with the directions of some contacts turned round."""
-    if not ports or isinstance(body, InterfaceModel):
-        return body
-    if isinstance(body, AOModel):
-        return body.reversed()
-    tips = (tip.reversed() if i in ports else tip for i, tip in enumerate(body.tips))
-    return replace(body, tips=tuple(tips))
 
 
 def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> LawFromSurfaces:
@@ -101,10 +89,9 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
         If a surface is not known, or they have no Hertz contact.
     """
     surfaces = []
-    tips = [touched(*end) for end in ends]
-    for name, (body, _), tip in zip(names, ends, tips, strict=True):
-        of = body if isinstance(body, AOModel) else tip
-        surface = None if of is None else of.contact_surface
+    tips = [body.touched_at(port) for body, port in ends]
+    for name, (body, port) in zip(names, ends, strict=True):
+        surface = body.surface_at(port)
         if surface is None:
             raise InputError(
                 f"law: it was left out, but {name}, {body!r}, does not know its surface and "
@@ -127,7 +114,7 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
 
 def _warn_of_size(body: BodyModel, other: ContactPoint | None, name: str, other_name: str) -> None:
     """Warn of a rigid ball far larger than the body it meets: metres taken for millimetres."""
-    surface = getattr(body, "surface", None)
+    surface = None if body.contact_points else body.surface_at()
     if surface is None or other is None or other.body.mesh is None:
         return
     radius, size = abs(surface.radii[0]), other.body.mesh.size
@@ -165,7 +152,7 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
     velocity : float
         At which they meet, m/s.
     """
-    masses = [mass_of(body) for body in bodies]
+    masses = [body.most_mass for body in bodies]
     if velocity == 0.0 or all(math.isinf(mass) for mass in masses):
         return None
     energy = 0.5 * velocity**2 / math.fsum(1.0 / mass for mass in masses)
@@ -175,16 +162,6 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
         return None
     wide = None if law.relative_radius is None else math.sqrt(law.relative_radius * depth)
     return Meeting(_DURATION_OVER_DEPTH * depth / abs(velocity), wide)
-
-
-def mass_of(body: BodyModel) -> float:
-    """Return a mass not below the static mass, kg; infinite for a constrained body."""
-    if isinstance(body, AOModel):
-        return math.inf if body.constrained else body.static_mass
-    of = body.body
-    if of.rigid_modes.shape[1] == 0:
-        return math.inf
-    return float(of.M.diagonal().sum()) if of.mass is None else of.mass
 
 
 def fitted(
@@ -197,11 +174,11 @@ def fitted(
 
     Solvers that are set up for it are put into `known`, by their finite-element body.
     """
-    if not isinstance(body, FullModel) or met is None or met.contact_radius is None:
+    if port not in body.open_patches or met is None or met.contact_radius is None:
         return body
+    assert isinstance(body, FullModel)
     tip = body.tips[port]
-    if tip.patch is None or not tip.automatic:
-        return body
+    assert tip.patch is not None
 
     def invert(s2: float) -> LinearSolver:
         solver = tip.body.inverse(s2)

@@ -18,7 +18,7 @@ from ..accuracy import (
 from ..base import bar
 from ..fem import ContactPoint
 from ..linalg import LinearSolver, Solver
-from ..reduction import AOModel, BodyModel, FullModel
+from ..reduction import AOModel, BodyModel
 from ..results import (
     Handle,
     Quantity,
@@ -55,16 +55,12 @@ class RunOptions(NamedTuple):
 
     def chooses(self, bodies: Sequence[BodyModel]) -> bool:
         """Whether models are to be chosen: always where a body is given by contact points."""
-        return self.controlled or any(map(_is_open, bodies))
-
-
-def _is_open(body: BodyModel) -> bool:
-    return isinstance(body, FullModel) and body.reducible
+        return self.controlled or any(body.reducible for body in bodies)
 
 
 def _kept(body: BodyModel, controlled: bool) -> BodyModel | FixedModel:
     """A body for the choice of models: fixed, if its model was given and is not to be truncated."""
-    if _is_open(body) or (controlled and isinstance(body, AOModel)):
+    if body.reducible or (controlled and isinstance(body, AOModel)):
         return body
     return FixedModel(body)
 

@@ -25,11 +25,11 @@ from ..base import (
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import LinearSolver, Solver
-from ..reduction import BodyModel, FullModel, body_model, touched
+from ..reduction import BodyModel, FullModel, body_model
 from ..results import Handle, Quantity, Record, Run, TimeSolver
 from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
-from .checks import checked_duration, checked_speed
-from .defaults import Meeting, chosen_law, fitted, mass_of, meeting, turned, turns
+from .checks import checked_duration, checked_gravity, checked_speed
+from .defaults import Meeting, chosen_law, fitted, meeting, turns
 from .run import RunOptions, run_models
 
 __all__ = ["Scene", "SceneCase"]
@@ -51,9 +51,9 @@ class Scene:
     Parameters
     ----------
     gravity : float, optional
-        Acceleration of every finite mass along the direction of travel, m/s². A body constrained
-        by supports takes its true share where it has nodes; a constrained AO model given by
-        numbers takes none.
+        Acceleration of every finite mass along the direction of travel, m/s², up to 1e12. A body
+        constrained by supports takes its true share where it has nodes; a constrained AO model
+        given by numbers takes none.
 
     Examples
     --------
@@ -67,7 +67,7 @@ class Scene:
     """
 
     def __init__(self, *, gravity: float = 0.0) -> None:
-        self.gravity = real("gravity", gravity, unit="m/s²")
+        self.gravity = checked_gravity(gravity)
         self._bodies: list[BodyModel] = []
         self._scene_bodies: list[SceneBody] = []
         self._velocities: list[float] = []
@@ -194,7 +194,7 @@ class Scene:
             models = [(self._bodies[end.body], end.at) for end in (first, second)]
             found = chosen_law(models, names)
             law, law_error = found.law, found.error
-        ends = (touched(self._bodies[end.body], end.at) for end in (first, second))
+        ends = (self._bodies[end.body].touched_at(end.at) for end in (first, second))
         between = effective_law(law, tuple(ends))
         gap = normal_gap(apart)
         called = text("name", name)
@@ -356,12 +356,12 @@ class Scene:
         fitted = self._fitted(known)
         for i, body in enumerate(fitted):
             # A model with several contact points needs the direction of travel of each.
-            if isinstance(body, FullModel) and len(body.tips) > 1:
-                fitted[i], around[i] = turned(body, around[i]), ()
+            if len(body.contact_points) > 1:
+                fitted[i], around[i] = body.turned(around[i]), ()
         bodies, which = _different(fitted)
 
         def plan_of(models: Sequence[Any], energies: bool) -> Plan:
-            placed = [turned(models[i], ports) for i, ports in zip(which, around, strict=True)]
+            placed = [models[i].turned(ports) for i, ports in zip(which, around, strict=True)]
             return self._plan(placed, record.length, energies, preload)
 
         return run_models(
@@ -413,7 +413,7 @@ class Scene:
     def _acceleration(self, body: int) -> float:
         """Acceleration of a body by gravity and constant forces, m/s²; 0 if it is constrained."""
         model = self._bodies[body]
-        if math.isinf(mass := mass_of(model)):
+        if math.isinf(mass := model.most_mass):
             return 0.0
         forces = (load.forces[0] for load in self._loads if load.body == body)
         return self.gravity + math.fsum(forces) / mass
@@ -426,11 +426,11 @@ class Scene:
         """The bodies with patches fitted to their contacts, where their radius was left out."""
         bodies = list(self._bodies)
         known: dict[tuple[BodyModel, int], BodyModel] = {}
-        if not any(isinstance(body, FullModel) for body in bodies):
+        if not any(body.open_patches for body in bodies):
             return bodies
         fastest = self._fastest
         for contact in self._contacts:
-            if not any(isinstance(bodies[body], FullModel) for body, _ in contact.ports):
+            if not any(port in bodies[body].open_patches for body, port in contact.ports):
                 continue
             met = self._meeting(contact, fastest)
             for body, port in contact.ports:
@@ -447,13 +447,13 @@ class Scene:
         for contact in self._contacts:
             for outward, (body, port) in zip((True, False), contact.ports, strict=True):
                 roles.setdefault((body, port), set()).add(outward)
-                sides.setdefault(touched(self._bodies[body], port), set()).add(outward)
+                sides.setdefault(self._bodies[body].touched_at(port), set()).add(outward)
         around: list[tuple[int, ...]] = [()] * len(self._bodies)
         for (body, port), ways in roles.items():
             if len(ways) > 1:  # pressed from both sides: its direction suits one of them
                 continue
             model, outward = self._bodies[body], True in ways
-            like = len(sides[touched(model, port)]) > 1  # one place stands for two like bodies
+            like = len(sides[model.touched_at(port)]) > 1  # one place stands for two like bodies
             if turns(self._called(body), model, port, outward=outward, like=like):
                 around[body] = (*around[body], port)
         return around
@@ -539,7 +539,7 @@ def _between(contact: Contact, bodies: Sequence[Any], scene_bodies: Sequence[Sce
         raise InputError(
             "both bodies of a contact are of infinite mass: there is no motion between them"
         )
-    ends = tuple(touched(bodies[body], port) for body, port in contact.ports)
+    ends = tuple(bodies[body].touched_at(port) for body, port in contact.ports)
     return contact._replace(law=effective_law(own_law(contact.law), ends))
 
 

@@ -13,11 +13,11 @@ from ..base import InputError, InputTypeError, boolean, nonnegative, warn
 from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
 from ..linalg import LinearSolver, Solver
-from ..reduction import BodyModel, FullModel, InterfaceModel, body_model, touched
+from ..reduction import BodyModel, body_model
 from ..results import Record, Result, TimeSolver
 from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed, warn_of_exchange
-from .defaults import chosen_law, fitted_pair, meeting, turned, turns
+from .defaults import chosen_law, fitted_pair, meeting, turns
 from .run import RunOptions, run_models
 
 __all__ = ["checked_numbers", "plan_impact", "simulate"]
@@ -131,7 +131,7 @@ def simulate(
 
     def plan_of(models: Sequence[Any], energies: bool) -> Plan:
         first, second = (
-            turned(model, (0,)) if turn else model
+            model.turned((0,)) if turn else model
             for model, turn in zip(models, impact.turns, strict=True)
         )
         as_given = first is bodies[0] and second is bodies[1]
@@ -192,14 +192,14 @@ def _complete(
     error = 0.0
     if law is None:
         ends = [
-            (turned(body, (0,)) if turn else body, 0)
+            (body.turned((0,)) if turn else body, 0)
             for body, turn in zip(bodies, around, strict=True)
         ]
         found = chosen_law(ends, _called(bodies))
         law, error = found.law, found.error
     _check_law(law)
     length = numbers.duration
-    if length is None or any(isinstance(body, FullModel) for body in bodies):
+    if length is None or any(body.open_patches for body in bodies):
         met = meeting(law, bodies, numbers.velocity)
         bodies = fitted_pair(*bodies, met, known)
         if length is None:
@@ -213,8 +213,8 @@ def _complete(
 
 def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:
     """Whether the direction of travel of each body must be reversed; see `turns`."""
-    tip = touched(projectile)
-    like = tip is not None and tip is touched(target)
+    tip = projectile.touched_at()
+    like = tip is not None and tip is target.touched_at()
     return (
         turns("projectile", projectile, 0, outward=True, like=like),
         turns("target", target, 0, outward=False, like=like),
@@ -255,7 +255,7 @@ def _planned(
         raise InputError(
             "projectile and target are both of infinite mass: there is no motion between them"
         )
-    between = effective_law(law, [touched(body.model) for body in bodies])
+    between = effective_law(law, [body.model.touched_at() for body in bodies])
     contact = Contact(0, 0, 1, 0, between, normal_gap(distance))
     return Plan(bodies, (bodies[0].velocity, 0.0), (contact,), (), 0.0, length, energies)
 
@@ -264,7 +264,7 @@ def _pair(projectile: Any, target: Any, speed: float) -> tuple[SceneBody, SceneB
     """The bodies of an impact, refused where they cannot meet in one."""
     bodies = scene_body("projectile", projectile, speed), scene_body("target", target, 0.0)
     for name, body in zip(_NAMES, bodies, strict=True):
-        if body.ports > 1 or isinstance(body.model, InterfaceModel):
+        if body.ports > 1:
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"
             )

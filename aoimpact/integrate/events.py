@@ -17,7 +17,8 @@ FloatArray = NDArray[np.float64]
 _BISECTIONS = 60  # halves [0, 1] down to rounding
 
 # Of the curvature at a peak: where both samples beside it have less, the force has jumped or is not
-# resolved. A jump bends the curve up on one side of it, down on the other, and no further out.
+# resolved. A jump bends the curve up on one side of it, down on the other, and no further out. Half
+# a sine of N steps has cos(π/N) there, so that four steps are enough.
 _LEAST_CURVATURE = 0.5
 
 

@@ -3,7 +3,8 @@
 Newmark's rule is of second order where forces are smooth. A touch or a release within a step, a law
 that jumps, and a contact point without mass make it less, and errors at two steps may agree by
 chance. So three steps are compared, in the peak, in the force around it and in the impulse; and
-what no comparison shows is looked for: a jump of the force at a touch.
+what no comparison shows is looked for: a jump of the force at a touch, and what loads do between
+the steps.
 """
 
 from __future__ import annotations
@@ -24,6 +25,9 @@ __all__ = ["time_error"]
 # Three times as much or little changes no estimate of 1488.
 _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 
+# Points of a load in one go, some milliseconds: loads of millions of points must heed Ctrl-C.
+_AT_ONCE = 100_000
+
 
 def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> float:
     """Estimate the largest relative error of peak force and impulse of all contacts.
@@ -41,16 +45,17 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> flo
         1.0 where no digit is known.
     """
     contacts = range(len(plan.contacts))
+    unseen = _unseen_loads(plan, fine)
     forces = [list(plan.layout.forces(record.rows)) for record in (fine, coarse, coarser)]
     if not any(force.any() for record in forces for force in record):
-        return 0.0
+        return unseen
     near, far = _changes(fine, *forces[:2]), _changes(coarse, *forces[1:])
     if near is None or far is None:
         return 1.0
     weight = _weights(np.array([force.max() for force in forces[0]]))
     alone = [weight[contact] * _touch_error(plan, fine, contact) for contact in contacts]
     # At second order this change is three times the error, and a quarter of the one before.
-    error = max([near, far / 4.0, *alone])
+    error = unseen + max([near, far / 4.0, *alone])
     return error if error <= NO_DIGIT else 1.0
 
 
@@ -115,6 +120,43 @@ def _touch_error(plan: Plan, record: Record, contact: int) -> float:
     lost = abs(float(force[min(top + 1, len(force) - 1)]) - peak) if at_touch else 0.0
     worst = max(2.0 * float(jump.max()) * record.dt / impulse, lost / peak, float(missed) / peak)
     return min(1.0, worst)
+
+
+def _unseen_loads(plan: Plan, record: Record) -> float:
+    """What the steps do not see of the loads, as a share of the largest impulse or peak force.
+
+    A step takes a load at its ends. A pulse within one is missed, whatever runs are compared: its
+    impulse, and, where a contact point without mass hands it on at once, its force.
+    """
+    t, forces = record.t, list(plan.layout.forces(record.rows))
+    impulse = max((abs(find_impulse(t, force)) for force in forces), default=0.0)
+    peak = max((float(force.max()) for force in forces), default=0.0)
+    missed = beside = 0.0
+    for load in plan.loads:
+        first, last = np.searchsorted(load.times, t[0], "right"), np.searchsorted(load.times, t[-1])
+        at_steps = np.interp(t, load.times, load.forces)
+        times = np.concatenate([t[:1], load.times[first:last]])
+        acting = np.concatenate([at_steps[:1], load.forces[first:last]])
+        bend = np.searchsorted(times, t, side="right") - 1  # the last before each step
+        since = 0.5 * (t - times[bend]) * (acting[bend] + at_steps)
+        exact = _impulses(times, acting)[bend] + since
+        missed = max(missed, float(np.abs(exact - _impulses(t, at_steps)).max()))
+        impulse = max(impulse, float(np.abs(exact).max()))
+        if plan.bodies[load.body].massless:
+            off = np.abs(acting - np.interp(times, t, at_steps))
+            beside = max(beside, float(off.max()))
+    shares = (missed / impulse if missed else 0.0, beside / peak if peak else 0.0)
+    return min(1.0, max(shares))
+
+
+def _impulses(t: FloatArray, forces: FloatArray) -> FloatArray:
+    """The impulses of a force, straight between these times, up to each of them, N s."""
+    impulses = np.zeros(len(t))
+    for first in range(0, len(t) - 1, _AT_ONCE):
+        part, after = slice(first, first + _AT_ONCE + 1), slice(first + 1, first + _AT_ONCE + 1)
+        steps = np.cumsum(0.5 * np.diff(t[part]) * (forces[part][1:] + forces[part][:-1]))
+        impulses[after] = impulses[first] + steps
+    return impulses
 
 
 def _approach(plan: Plan, record: Record, contact: int) -> FloatArray:

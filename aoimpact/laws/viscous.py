@@ -37,6 +37,7 @@ __all__ = [
 ]
 
 
+# Of a smaller share of the approach, velocities of 16 digits leave less than four.
 _LEAST_RESTITUTION = 1e-12
 
 

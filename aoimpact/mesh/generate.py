@@ -29,7 +29,7 @@ __all__ = ["box_mesh", "paper_sphere_mesh", "sphere_mesh"]
 _GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
 # Angle between neighbouring vertices of the icosahedron, seen from its centre, and how much longer
-# than their share of it edges in the middle of a face are.
+# than their share of it edges in the middle of a face are: 1.161 in four parts, 1.176 in sixteen.
 _ICOSAHEDRON_ANGLE = float(np.arctan(2.0))
 _STRETCH = 1.18
 

@@ -34,6 +34,8 @@ RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 # Radius of the patch, m, that the shipped mesh resolves; the contact's own is 0.32 mm.
 PATCH = 0.003
 
+# Numbers of modes of Fig. 4; velocities of Fig. 7, m/s; sizes of elements, m, of meshes beside
+# the paper's.
 MODE_COUNTS = (6, 25, 50, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000)
 SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 0.25, 0.5, 1.0, 2.0, 10.0)
 MESH_SIZES = (0.008, 0.005, 0.003)

@@ -14,12 +14,16 @@ from dataclasses import dataclass
 
 from ..base import aligned, html_table
 
+# The relative difference up to which numbers of other printed digits are "close".
 _CLOSE = 0.01
+
 _HEADINGS = ("quantity", "paper", "computed", "difference", "verdict")
 _COLUMNS = (
     *("table", "against", "quantity", "unit", "printed", "computed", "difference", "verdict"),
     "why",
 )
+
+# Characters of a line of notes: about as long as the tables' rows.
 _WIDTH = 96
 
 

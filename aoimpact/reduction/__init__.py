@@ -1,11 +1,12 @@
 """Reduced models of a body at its contact: anti-oscillators, modes, several places.
 
-All that `simulate` takes for a body is named in body.py, and becomes modes in modalbody.py, which
-is what the core steps. For `scene` and all folders above it; `accuracy` asks for models of rising
-order (hierarchy.py there).
+Every model of a body derives from `BodyModel` (bodymodel.py). body.py says which model each
+thing that `simulate` takes stands for; modalbody.py finds its modes, which the core steps. For
+`scene` and all folders above it; `accuracy` asks for models of rising order (hierarchy.py there).
 """
 
-from .body import BodyModel, body_model, touched
+from .body import body_model
+from .bodymodel import BodyModel, ReducedModel
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time, shortest_contact_time
 from .full import FullModel, full
 from .interface import InterfaceModel, InterfaceSpace, interface, whole_interface
@@ -15,7 +16,7 @@ from .modes import ModalModel, modal
 from .reduction import antioscillators
 from .star import AOModel, ball, rigid
 from .starmodes import StarModes, star_modes
-from .validity import fitted_time, fitted_times, is_valid_for, unbalanced
+from .validity import fitted_times, is_valid_for, unbalanced
 
 __all__ = [
     "SHIFT_TIMES_DURATION",
@@ -27,11 +28,11 @@ __all__ = [
     "KrylovSpace",
     "ModalBody",
     "ModalModel",
+    "ReducedModel",
     "StarModes",
     "antioscillators",
     "ball",
     "body_model",
-    "fitted_time",
     "fitted_times",
     "full",
     "interface",
@@ -42,7 +43,6 @@ __all__ = [
     "rigid",
     "shortest_contact_time",
     "star_modes",
-    "touched",
     "unbalanced",
     "whole_interface",
 ]

@@ -1,4 +1,4 @@
-"""What may take part in an impact: the kinds of model of a body, and what callers may write."""
+"""What a caller may write for a body, and the model that it stands for."""
 
 from __future__ import annotations
 
@@ -6,15 +6,11 @@ from typing import Any
 
 from ..base import InputTypeError
 from ..fem import ContactPoint, FEModel
+from .bodymodel import BodyModel
 from .full import FullModel, checked_ports
-from .interface import InterfaceModel
 from .modes import ModalModel
-from .star import AOModel
 
-__all__ = ["BodyModel", "body_model", "touched"]
-
-# Each has `label`, and `contact_points`: one for each port, none of a body given by numbers.
-BodyModel = AOModel | InterfaceModel | FullModel
+__all__ = ["body_model"]
 
 
 def body_model(name: str, body: Any) -> BodyModel:
@@ -28,10 +24,10 @@ def body_model(name: str, body: Any) -> BodyModel:
     InputError, InputTypeError
         If it is no model of a body, or the contact points are on different ones.
     """
-    if isinstance(body, BodyModel):
-        return body
     if isinstance(body, ModalModel):
         return body.star
+    if isinstance(body, BodyModel):
+        return body
     if isinstance(body, ContactPoint):
         return FullModel((body,), reducible=True)
     if isinstance(body, list | tuple):
@@ -46,9 +42,3 @@ def body_model(name: str, body: Any) -> BodyModel:
         "the full model (full(tip)), or a ContactPoint (body.contact(...); a list of them where it "
         f"is touched in several places), got {body!r}"
     )
-
-
-def touched(model: BodyModel, port: int = 0) -> ContactPoint | None:
-    """Return the contact point of a port; None of a body given by numbers."""
-    points = model.contact_points
-    return points[port] if points else None

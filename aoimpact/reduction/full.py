@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 from ..base import Frozen, InputError, InputTypeError, boolean, checked
-from ..fem import Body, ContactPoint
+from ..fem import ContactPoint
+from .bodymodel import FiniteElementModel
 
 __all__ = ["FullModel", "checked_ports", "full"]
 
 
 @dataclass(frozen=True, repr=False)
-class FullModel(Frozen):
+class FullModel(Frozen, FiniteElementModel):
     """All degrees of freedom of a finite-element body. Made by `full`.
 
     Two of them are equal if they have the same contact points.
@@ -45,24 +46,38 @@ class FullModel(Frozen):
         return f"full({', '.join(map(repr, self.tips))})"
 
     @property
-    def body(self) -> Body:
-        """The body touched."""
-        return self.tips[0].body
-
-    @property
     def contact_points(self) -> tuple[ContactPoint, ...]:
         """The places where it is touched."""
         return self.tips
 
     @property
-    def name(self) -> str:
-        """The body's."""
-        return self.tips[0].name
+    def dofs(self) -> int:
+        """Number of the body's free degrees of freedom."""
+        return self.body.n_dofs
+
+    @property
+    def open_patches(self) -> tuple[int, ...]:
+        """Ports whose patch has a radius that is left to be chosen.
+
+        :meta private:
+        """
+        ports = enumerate(self.tips)
+        return tuple(i for i, tip in ports if tip.patch is not None and tip.automatic)
 
     @property
     def label(self) -> str:
         """What the model is, in a word."""
-        return f"full({self.body.n_dofs})"
+        return f"full({self.dofs})"
+
+    def turned(self, ports: Sequence[int]) -> Self:
+        """Return the model with the direction of travel turned round at some ports.
+
+        :meta private:
+        """
+        if not ports:
+            return self
+        tips = (tip.reversed() if i in ports else tip for i, tip in enumerate(self.tips))
+        return replace(self, tips=tuple(tips))
 
 
 def full(*tips: ContactPoint) -> FullModel:

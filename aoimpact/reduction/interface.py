@@ -6,10 +6,11 @@ the same subspace: the Ritz modes of a block Krylov subspace, each with its shar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -25,8 +26,9 @@ from ..base import (
     text,
     warn,
 )
-from ..fem import FASTEST, Body, ContactPoint, Damping, translates
+from ..fem import FASTEST, ContactPoint, translates
 from ..linalg import Solver
+from .bodymodel import FiniteElementModel, ReducedModel
 from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
 from .full import checked_ports
 from .modes import LARGEST, ascending, modal
@@ -60,8 +62,18 @@ def _compliance(name: str, value: Any, *, ports: int) -> FloatArray:
     return matrix
 
 
+def _contact_time(name: str, value: Any) -> float:
+    """Check that a contact time has a frequency to be computed with."""
+    time = positive(name, value, unit="s")
+    if time * FASTEST < SHIFT_TIMES_DURATION:
+        raise InputError(
+            f"{name} must be {SHIFT_TIMES_DURATION / FASTEST:g} s at least, got {time:g}"
+        )
+    return time
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class InterfaceModel(Frozen):
+class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
     """A body with p places of contact: q̈_j + ω_j² q_j = Σ_p r_pj f_p, u_p = Σ_j r_pj q_j.
 
     Made by `interface`.
@@ -110,17 +122,17 @@ class InterfaceModel(Frozen):
             modes=partial(finite_array, shape=(self.body.n_dofs, n), most=LARGEST, order="K"),
             residual=partial(_compliance, ports=ports),
         )
+        moved = np.stack([tip.b for tip in self.tips]) @ self.modes
+        if np.abs(moved - self.participation).max() > _ROUNDED * np.abs(moved).max():
+            raise InputError("participation must be what the modes move the contact points by, bᵀφ")
+        if not moved.any(axis=1).all():
+            raise InputError("modes must move every contact point: one has no participation")
         if self.contact_time is not None:
-            checked(self, contact_time=partial(positive, unit="s"))
+            checked(self, contact_time=_contact_time)
         super().__post_init__()
 
     def __repr__(self) -> str:
         return described(self, f"{self.n} modes, {len(self.tips)} contact points")
-
-    @property
-    def name(self) -> str:
-        """The body's."""
-        return self.body.name
 
     @property
     def constrained(self) -> bool:
@@ -128,24 +140,14 @@ class InterfaceModel(Frozen):
         return not bool((self.omega == 0.0).any())
 
     @property
-    def body(self) -> Body:
-        """The body touched."""
-        return self.tips[0].body
-
-    @property
     def contact_points(self) -> tuple[ContactPoint, ...]:
         """The ports."""
         return self.tips
 
-    def _deflection(self, s: float, port: int = 0) -> FloatArray:
+    def deflection(self, s: float, port: int = 0) -> FloatArray:
         """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
 
-        Parameters
-        ----------
-        s : float
-            rad/s, positive.
-        port : int, optional
-            Where the force acts.
+        :meta private:
         """
         shape: FloatArray = self.modes @ (self.participation[port] / (self.omega**2 + s**2))
         return shape
@@ -161,14 +163,36 @@ class InterfaceModel(Frozen):
         return f"interface({self.n})"
 
     @property
-    def mass(self) -> float | None:
-        """Of the whole body, kg; None where its matrices do not determine it."""
-        return self.body.mass
+    def dofs(self) -> int:
+        """Number of modes."""
+        return self.n
 
     @property
-    def damping(self) -> Damping | None:
-        """The body's."""
-        return self.body.damping
+    def linear_solver(self) -> str:
+        """The linear solver that the modes were made with."""
+        return self.solver
+
+    @property
+    def turnable(self) -> bool:
+        """No: the participations of all its modes are in the directions it was made with.
+
+        :meta private:
+        """
+        return False
+
+    def turned(self, ports: Sequence[int]) -> Self:
+        """Return the model as it is.
+
+        :meta private:
+        """
+        return self
+
+    def stiffened(self, factor: float) -> Self:
+        """Return the model with all its springs stiffer by a factor.
+
+        :meta private:
+        """
+        return replace(self, omega=math.sqrt(factor) * self.omega, residual=self.residual / factor)
 
     @property
     def frequencies(self) -> FloatArray:

@@ -13,6 +13,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from .. import _core
 from ..base import FloatArray, InputError
 from .interface import InterfaceModel
 from .star import AOModel
@@ -21,6 +22,8 @@ from .starmodes import StarModes, star_modes
 __all__ = ["ModalBody", "modal_body"]
 
 State = tuple[FloatArray, FloatArray]
+
+_PARTS = _core.MODES.split()  # of a body as the core takes it, in its order
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,19 +99,9 @@ class ModalBody:
     def _tuple(
         self, gravity: FloatArray | None, times: FloatArray | None, forces: FloatArray | None
     ) -> tuple[Any, ...]:
-        return (
-            self.omega,
-            self.decay,
-            self.shape,
-            self.push,
-            self.residual,
-            gravity,
-            self.inertia,
-            self.centre,
-            self.centre_residual,
-            times,
-            forces,
-        )
+        acting = {"gravity": gravity, "load_time": times, "load_force": forces}
+        parts = vars(self) | acting
+        return tuple(parts[name] for name in _PARTS)
 
     def coordinates(self, x: FloatArray) -> FloatArray:
         """Return the model's own coordinates (or rates) of the modes', shape (n,) or (n, times).

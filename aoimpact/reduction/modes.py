@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from ..base import (
 )
 from ..fem import ContactPoint, ContactSurface, Patch
 from ..linalg import EQUAL, Solver, checked_solver, lowest
+from .bodymodel import FiniteElementModel
 from .origin import origin_of
 from .star import AOModel, described
 
@@ -36,7 +37,7 @@ _NOT_EXCITED = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
-class ModalModel(Frozen):
+class ModalModel(Frozen, FiniteElementModel):
     """The first natural modes of a body: the classical truncated model.
 
     Attributes
@@ -68,16 +69,6 @@ class ModalModel(Frozen):
 
     def __repr__(self) -> str:
         return described(self, f"{self.n} modes")
-
-    @property
-    def name(self) -> str:
-        """The body's."""
-        return self.tip.body.name
-
-    @property
-    def mass(self) -> float | None:
-        """Of the whole body, kg; None where its matrices do not determine it."""
-        return self.tip.body.mass
 
     @property
     def constrained(self) -> bool:
@@ -121,12 +112,22 @@ class ModalModel(Frozen):
         """The contact point on its body."""
         return (self.tip,)
 
-    def reversed(self) -> ModalModel:
+    @property
+    def dofs(self) -> int:
+        """Number of modes."""
+        return self.n
+
+    @property
+    def label(self) -> str:
+        """What the model is, in a word."""
+        return f"modal({self.n})"
+
+    def turned(self, ports: Sequence[int]) -> Self:
         """Return the same model with the direction of travel the other way round.
 
         :meta private:
         """
-        return replace(self, tip=self.tip.reversed())
+        return replace(self, tip=self.tip.reversed()) if ports else self
 
     def truncated(self, n: int) -> ModalModel:
         """Return the model of the first `n` modes.

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import warnings
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -29,6 +30,7 @@ from ..base import (
     written_file,
 )
 from ..fem import ContactPoint, ContactSurface, Damping, Material, Patch, damping_or_none
+from .bodymodel import ReducedModel
 from .origin import Origin
 
 __all__ = ["AOModel", "ball", "rigid"]
@@ -45,7 +47,7 @@ _ONE_FREQUENCY = 4e-16
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class AOModel(Frozen):
+class AOModel(Frozen, ReducedModel):
     """Contact mass m0 on a ground spring k0, and oscillators (m, k) attached to the contact mass.
 
     Parameters
@@ -146,6 +148,11 @@ class AOModel(Frozen):
         return len(self.m)
 
     @property
+    def dofs(self) -> int:
+        """Number of coordinates λ: the contact's and the oscillators'; 0 of a wall."""
+        return 0 if math.isinf(self.m0) else self.n + 1
+
+    @property
     def constrained(self) -> bool:
         """Whether the body is constrained: by its ground spring, or as a wall."""
         return self.k0 > 0.0 or math.isinf(self.m0)
@@ -194,6 +201,14 @@ class AOModel(Frozen):
         return self.static_mass if self.origin is None else self.origin.mass
 
     @property
+    def most_mass(self) -> float:
+        """The static mass; infinite for a constrained body.
+
+        :meta private:
+        """
+        return math.inf if self.constrained else self.static_mass
+
+    @property
     def centre_known(self) -> bool:
         """Whether mass and centre of mass are known: not of a body of K and M hit off its centre.
 
@@ -214,6 +229,13 @@ class AOModel(Frozen):
             return self.surface
         found: ContactSurface | None = self.origin.tip.contact_surface
         return found
+
+    def surface_at(self, port: int = 0) -> ContactSurface | None:
+        """Return `contact_surface`: there is one contact point.
+
+        :meta private:
+        """
+        return self.contact_surface
 
     @property
     def mass_fractions(self) -> FloatArray:
@@ -291,15 +313,15 @@ class AOModel(Frozen):
         """The contact's duration that the model was fitted to, s; None where it fits any."""
         return None if self.origin is None else self.origin.contact_time
 
-    def _deflection(self, s: float, port: int = 0) -> FloatArray:
+    @property
+    def linear_solver(self) -> str:
+        """The linear solver that the model was made with; empty where none was needed."""
+        return "" if self.origin is None else self.origin.solver
+
+    def deflection(self, s: float, port: int = 0) -> FloatArray:
         """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
 
-        Parameters
-        ----------
-        s : float
-            rad/s, positive.
-        port : int, optional
-            0: there is one contact point.
+        :meta private:
         """
         follow = self.k / (self.k + s**2 * self.m)
         force = self.k0 + s**2 * self.m0 + float(self.k @ (1.0 - follow))
@@ -350,12 +372,19 @@ class AOModel(Frozen):
         origin = self.origin
         return self if origin is None else replace(self, origin=origin.reversed())
 
-    def reversed(self) -> AOModel:
+    def turned(self, ports: Sequence[int]) -> AOModel:
         """Return the same model with its body's direction of travel the other way round.
 
         :meta private:
         """
-        return self._reversed
+        return self._reversed if ports else self
+
+    def stiffened(self, factor: float) -> AOModel:
+        """Return the model with all its springs stiffer by a factor.
+
+        :meta private:
+        """
+        return replace(self, k0=factor * self.k0, k=factor * self.k)
 
     def multiplied_out(self) -> AOModel:
         """The same model, with shapes of its own: see `Origin.vectors`.

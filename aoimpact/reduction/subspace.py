@@ -64,8 +64,6 @@ _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 # as long as some 40 of them, which a clamped plate of 193 000 dofs needs.
 _MOST_ITERATIONS = 60
 
-_BYTES_PER_NUMBER = 8.0
-
 # ω² of a vector, of the largest K_ii/M_ii, beyond which it is a motion without mass, whose rounding
 # spoils the others: up to 3 on bodies of full mass; from 2000 on modes are lost, M being singular.
 _WITHOUT_MASS = 300.0
@@ -391,7 +389,7 @@ class Subspace:
             return
         more, dofs = max(count - had, had // 2), self._basis.shape[1]
         require(
-            _BYTES_PER_NUMBER * float(had + more) * dofs,
+            8.0 * float(had + more) * dofs,  # doubles
             f"a basis of {count} vectors of {dofs} dofs",
             "ask for fewer oscillators or a larger rtol, or coarsen the mesh away from the contact",
         )

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
+from .bodymodel import BodyModel, ReducedModel
 from .contacttime import SHIFT_TIMES_DURATION
-from .interface import InterfaceModel
-from .star import AOModel
 
-__all__ = ["fitted_time", "fitted_times", "is_valid_for", "unbalanced"]
+__all__ = ["fitted_times", "is_valid_for", "unbalanced"]
 
 
 # Factor by which a contact may be shorter than what was fitted before it is checked: measured on
@@ -27,21 +25,22 @@ _LONGER = 1.15
 _BALANCED = 5e-3
 
 
-def fitted_times(models: Sequence[Any]) -> tuple[float, float]:
+def fitted_times(models: Sequence[BodyModel]) -> tuple[float, float]:
     """Return between which durations of a contact the models need no check, s."""
-    fitted = [time for time in map(fitted_time, models) if time is not None]
+    fitted = [model.contact_time for model in models if model.contact_time is not None]
     return max(fitted, default=0.0) / _SHORTER, min(fitted, default=math.inf)
 
 
-def is_valid_for(model: Any, lasted: float, port: int = 0, most: float = _BALANCED) -> bool:
+def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _BALANCED) -> bool:
     """Return whether a model is accurate enough for forces that act for a time, s.
 
     It leaves no more than `most` unbalanced at any time from the one fitted to up to this; what was
     found is kept with the model.
     """
-    fitted = fitted_time(model)
+    fitted = model.contact_time
     if fitted is None or fitted / _SHORTER <= lasted <= fitted or lasted == 0.0:
         return True
+    assert isinstance(model, ReducedModel)
     if lasted < fitted:
         return unbalanced(model, SHIFT_TIMES_DURATION / lasted, port) <= most
     wanted = math.ceil(math.log(lasted / fitted) / math.log(_LONGER))
@@ -57,21 +56,15 @@ def is_valid_for(model: Any, lasted: float, port: int = 0, most: float = _BALANC
 _KEPT = "_known_times"
 
 
-def unbalanced(model: AOModel | InterfaceModel, s: float, port: int = 0) -> float:
+def unbalanced(model: ReducedModel, s: float, port: int = 0) -> float:
     """Return what a model leaves unbalanced at i s under a force at a port, relative.
 
     √(rᵀD⁻¹r / bᵀX) of the residual r = b - (K + s²M) X, D the diagonal of K + s²M.
     """
-    point, x = model.contact_points[port], model._deflection(s, port)
+    point, x = model.contact_points[port], model.deflection(s, port)
     body = point.body
     K, M, rigid = body.K, body.M, body.rigid_modes
     left = point.b - K @ x - s**2 * (M @ x)
     left -= M @ (rigid @ (rigid.T @ left))
     stiffness = K.diagonal() + s**2 * M.diagonal()
     return math.sqrt(float(left @ (left / stiffness)) / float(point.b @ x))
-
-
-def fitted_time(model: Any) -> float | None:
-    """Return the contact time that a model was fitted to, s; None of one that fits any."""
-    time: float | None = getattr(model, "contact_time", None)
-    return time

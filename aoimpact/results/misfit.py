@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ..base import warn, with_unit
 from ..fem import Rayleigh
 from ..integrate import Events
-from ..reduction import AOModel, fitted_time, is_valid_for
+from ..reduction import is_valid_for
 
 if TYPE_CHECKING:
     from ..scene import Plan
@@ -55,8 +55,7 @@ def warn_of_lag(plan: Plan, run: Run, names: Sequence[str]) -> None:
         What to call the bodies.
     """
     for number, body in enumerate(plan.bodies):
-        model = body.model
-        if not (isinstance(model, AOModel) and isinstance(damping := model.damping, Rayleigh)):
+        if not isinstance(damping := body.model.damping, Rayleigh):
             continue
         touches = _touches(plan, run, number)
         if not (body.massless and touches):
@@ -67,7 +66,7 @@ def warn_of_lag(plan: Plan, run: Run, names: Sequence[str]) -> None:
                 f"{names[number]} has no mass at its contact (m0 = 0), where damping with beta = "
                 f"{with_unit(damping.beta, 's')} does not act: in a contact of "
                 f"{with_unit(longest, 's')} force and rebound are not those of a light contact "
-                f"mass; give one, m0={_LIGHT * model.static_mass:.1g}"
+                f"mass; give one, m0={_LIGHT * body.static_mass:.1g}"
             )
 
 
@@ -86,12 +85,12 @@ def warn_of_misfit(plan: Plan, run: Run, names: Sequence[str]) -> None:
         What to call the bodies.
     """
     models = [body.model for body in plan.bodies]
-    if not any(map(fitted_time, models)):
+    if not any(model.contact_time for model in models):
         return
     said = set()
     for contact, events in zip(plan.contacts, run.events, strict=True):
         for body, port in contact.ports:
-            fitted = fitted_time(models[body])
+            fitted = models[body].contact_time
             if fitted is None or body in said or not events.contacts:
                 continue
             contact_time = _contact_time(events, run.duration, fitted)
@@ -128,7 +127,7 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
         Its number.
     """
     model = plan.bodies[body].model
-    fitted, touches = fitted_time(model), _touches(plan, run, body)
+    fitted, touches = model.contact_time, _touches(plan, run, body)
     if fitted is None or not touches or not len(run.t):
         return
     start = min(touches)[0]

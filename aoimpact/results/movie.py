@@ -14,6 +14,7 @@ from ..base import FloatArray, InputError, finite_array, integer, nonnegative, p
 from ..fem import ContactPoint
 from ..fields import MovingBody, movie_path, write_movie
 from ..mesh import sphere_mesh
+from ..reduction import BodyModel
 
 if TYPE_CHECKING:
     from .result import Result
@@ -78,11 +79,9 @@ def moving_bodies(hit: Result, times: FloatArray) -> tuple[list[MovingBody], Flo
     return bodies, down
 
 
-def _tip(model: Any) -> Any:
+def _tip(model: BodyModel) -> Any:
     """Where a body of finite elements is touched; None of one without a mesh."""
-    tips = getattr(model, "tips", None)
-    origin = getattr(model, "origin", None)
-    tip: ContactPoint | None = tips[0] if tips else None if origin is None else origin.tip
+    tip = model.touched_at()
     if tip is None or tip.point is None or tip.direction is None or tip.body.mesh is None:
         return None
     return tip
@@ -102,8 +101,7 @@ def _body(
 
 def _ball(hit: Result, times: FloatArray, place: FloatArray, down: FloatArray) -> list[MovingBody]:
     """A rigid projectile that is round, before the place where it touches; none of another."""
-    model: Any = hit.run.plan.bodies[0].model
-    surface = getattr(model, "contact_surface", None)
+    surface = hit.run.plan.bodies[0].model.surface_at()
     if surface is None or not np.isfinite(surface.radii[0]) or surface.radii[0] <= 0.0:
         return []
     radius = surface.radii[0]

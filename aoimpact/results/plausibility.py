@@ -17,7 +17,7 @@ import numpy as np
 from ..base import FloatArray, warn, with_unit
 from ..fem import ContactPoint, Material
 from ..laws import ContactLaw, HertzianLaw, Thornton, contact_modulus, own_law, yield_force
-from ..reduction import AOModel, touched
+from ..reduction import AOModel
 
 if TYPE_CHECKING:
     from ..scene import Contact, Plan
@@ -155,7 +155,7 @@ def _warn(text: str) -> None:
 def _ends(plan: Plan, contact: Contact) -> list[Any]:
     """Where each body is touched, or a rigid ball's surface; None of a body given by numbers."""
     models = [(plan.bodies[body].model, port) for body, port in contact.ports]
-    return [touched(model, port) or getattr(model, "surface", None) for model, port in models]
+    return [model.touched_at(port) or model.surface_at(port) for model, port in models]
 
 
 def _materials(ends: Sequence[Any]) -> list[Material | None]:
@@ -192,7 +192,8 @@ def _deflecting(plan: Plan, contact: Contact) -> Iterator[float]:
     """
     for body, port in contact.ports:
         scene_body = plan.bodies[body]
-        model, tip = scene_body.model, touched(scene_body.model, port)
+        model = scene_body.model
+        tip = model.touched_at(port)
         if tip is None or not scene_body.constrained or _allowed(tip) == math.inf:
             continue
         alone = not plan.gravity and not plan.loads
@@ -268,7 +269,7 @@ def _said_of_deflection(run: Run, number: int) -> str:
     """The warning, if the motion itself confirms it."""
     contact = run.plan.contacts[number]
     for body, port in contact.ports:
-        tip = touched(run.plan.bodies[body].model, port)
+        tip = run.plan.bodies[body].model.touched_at(port)
         if tip is None or not run.plan.bodies[body].constrained or _allowed(tip) == math.inf:
             continue
         assert tip.body.mesh is not None

@@ -83,7 +83,7 @@ class Handle:
         checked(self, name=text, scene=text)
 
     def port(self, at: int) -> Handle:
-        """Return the handle of another of its places of contact: `at` in the order of the tips.
+        """Return the handle of another of its contact points: `at` in the order of `tips`.
 
         Examples
         --------

@@ -5,7 +5,6 @@ from __future__ import annotations
 from ..base import InputTypeError, LawLimitError
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import wide_enough
-from ..reduction import touched
 from ..scene import FullBody, Plan
 from .run import Run
 
@@ -40,5 +39,5 @@ def solve(plan: Plan, solver: TimeSolver | None) -> Run:
             raise
         contact = plan.contacts[error.contact]
         mass = plan.reduced_mass(contact)
-        ends = [touched(plan.bodies[body].model, port) for body, port in contact.ports]
+        ends = [plan.bodies[body].model.touched_at(port) for body, port in contact.ports]
         raise wide_enough(error, contact.law, ends, mass, plan.fastest) from None

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..base import with_unit
 from ..fem import ContactPoint
-from ..reduction import AOModel, touched
 from .motion import in_words, percent
 from .quantities import QUANTITIES, Quantity
 
@@ -53,8 +52,7 @@ def summary_rows(result: Result) -> list[tuple[str, str]]:
         error_row(result.run),
         ("solver", result.solver),
     ]
-    chosen = [model for model in result.models or () if isinstance(model, AOModel)]
-    made_by = [model.origin.solver for model in chosen if model.origin is not None]
+    made_by = [model.linear_solver for model in result.models or ()]
     if any(made_by):
         rows.append(("linear solver", ", ".join(dict.fromkeys(filter(None, made_by)))))
     rows.append(("cost", str(result.cost)))
@@ -84,7 +82,7 @@ def _body(result: Result, which: str) -> str:
         mass = ""
     name = "" if body.name == which else f"{body.name}: "
     model = result.run.plan.bodies[0 if which == "projectile" else 1].model
-    place = place_words(touched(model), rigid=body.label in _RIGID)
+    place = place_words(model.touched_at(), rigid=body.label in _RIGID)
     return f"{name}{body.label}{mass}{support_words(body)}{place}"
 
 

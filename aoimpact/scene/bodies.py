@@ -214,6 +214,7 @@ def scene_body(name: str, body: Any, velocity: float) -> SceneBody:
         return StarBody(model, velocity)
     if isinstance(model, FullModel):
         return FullBody(model, velocity)
+    assert isinstance(model, InterfaceModel)
     return InterfaceBody(model, velocity)
 
 

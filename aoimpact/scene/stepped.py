@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -50,6 +50,8 @@ class SteppedBody(ABC):
         Coordinates and rates at the start; a run overwrites them by those at its end.
     """
 
+    _KIND: ClassVar[str]
+
     gravity: FloatArray | None
     centre: FloatArray
     u: FloatArray
@@ -60,9 +62,9 @@ class SteppedBody(ABC):
         """Number of places where it may be touched."""
         return 1
 
-    @abstractmethod
-    def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
-        """Return it as ``_core.newmark_scene`` takes it: the name of its kind, then its parts."""
+    def for_core(self, dt: float, beta: float, gamma: float) -> dict[str, Any]:
+        """Return it as ``_core.newmark_scene`` takes it: its kind and its parts by name."""
+        return {"kind": self._KIND, **vars(self)}
 
     @property
     def equations(self) -> Equations:
@@ -90,15 +92,16 @@ class SteppedStar(SteppedBody):
     damping : Rayleigh
     """
 
+    _KIND = "star"
+
     m0: float
     k0: float
     m: FloatArray
     k: FloatArray
     damping: Rayleigh = field(default_factory=Rayleigh)
 
-    def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
-        given = self.damping.alpha, self.damping.beta, self.gravity, self.centre, self.u, self.v
-        return ("star", self.m0, self.k0, self.m, self.k, *given)
+    def for_core(self, dt: float, beta: float, gamma: float) -> dict[str, Any]:
+        return super().for_core(dt, beta, gamma) | vars(self.damping)
 
     @property
     def _equations(self) -> tuple[Any, Any, Any, FloatArray]:
@@ -126,6 +129,8 @@ class SteppedModes(SteppedBody):
         Forces on the residual compliance at the start, N, and their rates, N/s.
     """
 
+    _KIND = "modal"
+
     omega: FloatArray
     decay: FloatArray
     shape: FloatArray
@@ -135,10 +140,6 @@ class SteppedModes(SteppedBody):
     @property
     def ports(self) -> int:
         return self.shape.size // len(self.v)
-
-    def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
-        given = self.residual_forces, self.gravity, self.centre, self.u, self.v
-        return ("modal", self.omega, self.decay, self.shape, self.residual, *given)
 
     @property
     def _equations(self) -> tuple[Any, Any, Any, FloatArray]:
@@ -159,6 +160,8 @@ class SteppedFull(SteppedBody):
     damping : Rayleigh
     """
 
+    _KIND = "full"
+
     K: Any
     M: Any
     B: FloatArray
@@ -168,13 +171,13 @@ class SteppedFull(SteppedBody):
     def ports(self) -> int:
         return len(self.B)
 
-    def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
+    def for_core(self, dt: float, beta: float, gamma: float) -> dict[str, Any]:
         of_mass = 1.0 + self.damping.alpha * gamma * dt
         of_stiffness = beta * dt**2 + self.damping.beta * gamma * dt
         matrix = of_mass * self.M + of_stiffness * self.K
         factors = factorize(matrix, what="M + γ dt C + β dt² K").for_core()
-        given = self.damping.alpha, self.damping.beta, factors, self.gravity, self.centre
-        return ("full", core_rows(self.K), core_rows(self.M), self.B, *given, self.u, self.v)
+        parts = {"K": core_rows(self.K), "M": core_rows(self.M), "factors": factors}
+        return super().for_core(dt, beta, gamma) | vars(self.damping) | parts
 
     @property
     def _equations(self) -> tuple[Any, Any, Any, FloatArray]:

@@ -37,7 +37,7 @@ __all__ = ["SceneFile", "read_scene"]
 # What tomllib says of a text that is no TOML.
 _UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
 
-# So many problems of a file are shown: as many as one mends before reading it again.
+# Problems of a file that are shown: as many as fit on a screen.
 _SHOWN = 20
 
 

@@ -18,6 +18,7 @@ __all__ = ["at_place", "check_apart", "grid_of", "sweep_problems"]
 # Tables of a file, beside its impact or scene.
 _TABLES = ("title", "materials", "bodies")
 
+# More values of one place than these are a slip of the pen.
 _MOST_VALUES = 1_000_000
 
 

@@ -14,7 +14,7 @@ from ..impact import fitted_pair, meeting, plan_impact, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw
 from ..linalg import Solver, checked_solver
-from ..reduction import AOModel, BodyModel, FullModel, ModalModel, body_model, full, modal
+from ..reduction import BodyModel, FullModel, body_model, full, modal
 from ..results import QUANTITIES, Result
 from .comparison import Compared, Comparison
 
@@ -182,9 +182,8 @@ def _try(label: str, make: Callable[[], Any], run: Callable[[Models], Result]) -
         start = time.perf_counter()
         models = make()
         done.build = time.perf_counter() - start
-        done.dofs = sum(map(_dofs, models))
-        origins = [model.origin for model in models if isinstance(model, AOModel)]
-        done.solvers = [one.solver for one in origins if one is not None and one.solver]
+        done.dofs = sum(model.dofs for model in models)
+        done.solvers = [model.linear_solver for model in models if model.linear_solver]
         start = time.perf_counter()
         done.result = run(models)
         done.run = time.perf_counter() - start
@@ -212,12 +211,3 @@ def _in_full(run: Callable[..., Result], models: Models) -> Result:
     meshed = any(isinstance(body, FullModel) for body in models)
     solver = Newmark() if meshed else Adaptive(rtol=_IN_TIME)
     return run(projectile=models[0], target=models[1], solver=solver)
-
-
-def _dofs(model: Any) -> int:
-    if isinstance(model, FullModel):
-        return model.body.n_dofs
-    if isinstance(model, ModalModel):
-        return model.n
-    assert isinstance(model, AOModel)
-    return 0 if model.label == "wall" else model.n + 1

@@ -30,6 +30,7 @@ METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 # Of these it makes no difference that a Jacobian is there: they have no use for one.
 _EXPLICIT = ("RK23", "RK45", "DOP853")
 
+# A bound on a loop: a ball that comes to rest on a floor would touch it endlessly often.
 _MOST_CONTACTS = 100_000
 
 

@@ -23,7 +23,6 @@ from ..base import (
 from ..impact import checked_duration, checked_numbers, simulate
 from ..integrate import Adaptive, Newmark, rigid_contact_time
 from ..laws import ContactLaw, effective_law
-from ..reduction import touched
 from ..results import Result
 from ..scene import SceneBody, StarBody, reduced_mass, scene_body
 from .scipy_solvers import METHODS, OdeScene, Outcome, ode_scene
@@ -31,6 +30,7 @@ from .table import Measurement, Reference, WorkPrecision
 
 __all__ = ["Measurement", "Reference", "WorkPrecision", "work_precision"]
 
+# Default tolerances: a digit a step down to rounding; SciPy's runs take seconds each.
 _ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 _SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
@@ -119,7 +119,7 @@ def work_precision(
         "energies": False,
     }
     exact = _given(reference) if reference is not None else _reference(scene)
-    between = effective_law(law, [touched(body.model) for body in bodies])
+    between = effective_law(law, [body.model.touched_at() for body in bodies])
     contact_time = _contact_time(bodies, between, velocity)
     ode = None
     if names:

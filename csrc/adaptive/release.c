@@ -8,7 +8,8 @@
 #include <math.h>
 #include <stddef.h>
 
-/* The series of slowness(): most terms, and the factor below which a term is left out. */
+/* The series of slowness(): most terms, and the factor below which a term is left out. Step lengths follow from it.
+ * Tried: 20 terms change 29 runs, by 8e-10, and 180 none; the factor changes 34, by 4e-9. */
 enum { MOST_TERMS = 60 };
 
 static const double NEGLIGIBLE = 1e-13;

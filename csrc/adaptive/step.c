@@ -20,7 +20,8 @@ static const double EDGE_WIDTH = 0.1;
  * 1e-12 to 1e-3 errors and work are the same. */
 static const double NEWTON_SHARE = 1e-6;
 
-/* The same at residual compliances, which couple contacts: each indentation has the rounding of the largest. */
+/* The same at residual compliances, which couple contacts: each indentation has the rounding of the largest.
+ * Tried: 12 runs change, by 2e-12. */
 static const double MASSLESS_NEWTON_SHARE = 1e-3;
 
 /* Whether two bodies have the same response: scenes often use one model several times. */

@@ -13,15 +13,22 @@
 #include <math.h>
 
 /* Place of the force's largest maximum in the step: that of the indentation, or, for a rate-dependent law, of the
- * force's own polynomial. 1 where there is none inside. */
+ * polynomial through its forces at the nodes. At an edge that is not the step's own, which is the nearest in the mean
+ * and may miss the nodes by a hundredth. 1 where there is none inside. */
 static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
     double place, value, by_force[AOI_NODES];
+    const double *force = entry->force;
+    aoi_law_values at_nodes;
     if (!law->depends_on_rate) {
         return aoi_legendre_top(AOI_NODES + 1, entry->legendre, &place, &value) ? place : 1.0;
     }
+    if (entry->edge != AOI_EDGE_NONE) {
+        aoi_law_forces(law, entry->memory, entry->piece, entry->indentation, entry->rate, &at_nodes);
+        force = at_nodes.force;
+    }
     for (size_t k = 0; k < AOI_NODES; k++) {
-        by_force[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], entry->force);
+        by_force[k] = aoi_nodes_dot(aoi_radau_to_legendre[k], force);
     }
     return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }

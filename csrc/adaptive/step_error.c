@@ -26,7 +26,8 @@ static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
  * quadrature of its defect misses part of it. */
 static const double END_SHARE = 0.03;
 
-/* Times closer than this multiple of the rounding of the end time count as equal: run.c goes up to 8 beyond a kink. */
+/* Times closer than this multiple of the rounding of the end time count as equal: run.c goes up to 8 beyond a kink.
+ * Tried: no run changes. */
 static const double ROUNDINGS = 16.0;
 
 /* A step is not tried at more than this share of the length that its error allows: see ../README.md. */

@@ -6,10 +6,12 @@
 #include <float.h>
 #include <math.h>
 
-/* A few from a near guess; far above the root of a steep law, Newton only takes off a share 1/n. */
+/* A few from a near guess; far above the root of a steep law, Newton only takes off a share 1/n. Tried: 17
+ * for 50 changes 1 run by Newmark's rule, by 2e-12, and 150 none. */
 enum { FEW_ITERATIONS = 50, MOST_ITERATIONS = 2000 };
 
-/* By how much the terms of a force are larger than it where digits are lost. */
+/* By how much the terms of a force are larger than it where digits are lost. Tried: 12 runs by Newmark's rule change,
+ * by 7e-13. */
 static const double CANCELS = 16.0;
 
 typedef struct search {

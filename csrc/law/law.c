@@ -8,10 +8,12 @@
 #include <math.h>
 #include <string.h>
 
-/* Halley's method takes a few iterations; what it has not found by then is left to bisection. */
+/* Halley's method takes a few iterations; what it has not found by then is left to bisection. Tried: from 13 to
+ * 120 no run changes. */
 enum { HALLEYS = 40, MOST_ITERATIONS = 200 };
 
-/* Where a law's own digits end, its force goes in steps: a caller's may be right to six. */
+/* Where a law's own digits end, its force goes in steps: a caller's may be right to six. Tried: no run
+ * changes. */
 static const double LAW_NOISE = 1e-6;
 
 /* With its compliance taken out, a law grows stiffer by 1/(1 - c dF/dd). Beyond this share the law
@@ -334,8 +336,9 @@ void aoi_law_remember(const aoi_law *law, double indentation, double rate, doubl
 void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                   aoi_law_value *value)
 {
-    if (indentation <= aoi_law_rest(law, memory)) {
-        *value = (aoi_law_value){0.0, 0.0, 0.0};
+    if (!(indentation > aoi_law_rest(law, memory))) {
+        const double none = isnan(indentation) ? indentation : 0.0;
+        *value = (aoi_law_value){none, none, none};
         return;
     }
     int piece = 0;
@@ -352,7 +355,7 @@ void aoi_law_push(const aoi_law *law, const double *memory, double indentation, 
 double aoi_law_push_only(const aoi_law *law, const double *memory, double indentation, double rate)
 {
     aoi_law_value value = {0.0, 0.0, 0.0};
-    if (!law->alone || law->compliance > 0.0 || indentation <= aoi_law_rest(law, memory)) {
+    if (!law->alone || law->compliance > 0.0 || !(indentation > aoi_law_rest(law, memory))) {
         aoi_law_push(law, memory, indentation, rate, &value);
         return value.force;
     }
@@ -393,6 +396,9 @@ static double inner_potential(const aoi_law *law, const double *memory, double i
 
 double aoi_law_potential(const aoi_law *law, const double *memory, double indentation)
 {
+    if (isnan(indentation)) {
+        return indentation;
+    }
     if (law->compliance == 0.0 || indentation <= aoi_law_rest(law, memory)) {
         return law->potential(law, memory, indentation);
     }

@@ -17,6 +17,14 @@ static inline double *aoi_work_take(double **work, size_t count)
     return taken;
 }
 
+/* More than any memory has: what is said of sizes that would wrap, so that malloc refuses them. */
+#define AOI_TOO_MUCH (SIZE_MAX / 2)
+
+static inline size_t aoi_times(size_t one, size_t other)
+{
+    return other > 0 && one > AOI_TOO_MUCH / other ? AOI_TOO_MUCH : one * other;
+}
+
 /* A block of memory, aligned as malloc's. NULL to compute its size only: then all arrays are NULL, too. */
 typedef struct aoi_memory {
     char *block;
@@ -28,7 +36,10 @@ enum { AOI_ALIGNMENT = 16 };
 static inline void *aoi_memory_take(aoi_memory *memory, size_t count, size_t size)
 {
     char *taken = memory->block ? memory->block + memory->used : NULL;
-    memory->used += (count * size + AOI_ALIGNMENT - 1) / AOI_ALIGNMENT * AOI_ALIGNMENT;
+    const size_t bytes = aoi_times(count, size) + AOI_ALIGNMENT - 1;
+    memory->used = bytes < AOI_TOO_MUCH - memory->used
+                       ? memory->used + bytes / AOI_ALIGNMENT * AOI_ALIGNMENT
+                       : AOI_TOO_MUCH;
     return taken;
 }
 

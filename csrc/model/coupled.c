@@ -21,9 +21,12 @@
 #include <math.h>
 #include <string.h>
 
+/* Newton's steps at first, and where that fails; halvings of a step; sweeps over the contacts where that fails, too.
+ * Tried: 5 runs by Newmark's rule change, by 2e-12; of MOST_STEPS none. */
 enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
 
-/* A tolerance for equations whose rounding errors are amplified (dashpots too stiff for the step). */
+/* A tolerance for equations whose rounding errors are amplified (dashpots too stiff for the step). Tried: no run
+ * changes. */
 static const double ROUGH = 1e-9;
 
 /* Dashpots that are all but rigid have slopes 1/C, and the matrix of two on one place is singular: slopes are taken so
@@ -31,10 +34,11 @@ static const double ROUGH = 1e-9;
  * sudden load: 1e-8 and 1e-6 below 1 solve all, 1e-4 leaves 15 unsolved, 1e-2 and none 64. */
 static const double YIELD = 1.0 - 1e-6;
 
-/* Indentations are found relative to at least this share of the largest one. */
+/* Indentations are found relative to at least this share of the largest one. Tried: 2 runs change, by 1e-14. */
 static const double SHARE = 1e-6;
 
-/* A law's force has lost digits by cancellation where its terms are larger by this factor. */
+/* A law's force has lost digits by cancellation where its terms are larger by this factor. Tried: 15 runs change, by
+ * 7e-13. */
 static const double CANCELS = 16.0;
 
 /* An iterate: for each contact the indentation and rate without its own force, its solution and the residuals. In the
@@ -64,7 +68,7 @@ enum { VECTORS = 20 };
 
 size_t aoi_coupled_size(size_t count, size_t band)
 {
-    return count > 1 ? (VECTORS + 2 * band + 1) * count : 0;
+    return count > 1 ? aoi_times(VECTORS + 2 * band + 1, count) : 0;
 }
 
 static void iterate_lay_out(iterate *at, double **work, size_t n)
@@ -461,7 +465,8 @@ static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
 
 /* -------------------------------------------- segments of neighbouring contacts that touch */
 
-/* A segment extends beyond its touching contacts by this many band widths, so that their neighbours may close, too. */
+/* A segment extends beyond its touching contacts by this many band widths, so that their neighbours may close, too.
+ * Tried: from 2 to 12 no run changes. */
 enum { REACH = 4 };
 
 /* The largest indentation of all contacts: for each, the one without contact forces, or its last one if it had a force

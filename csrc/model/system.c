@@ -84,6 +84,31 @@ static int contact_is_sound(const aoi_system *system, const aoi_contact *contact
            aoi_law_check(contact->law) == AOI_OK;
 }
 
+/* Whether a force on a port moves it: that of a wall it does not. */
+static int port_can_move(const aoi_modes *body, size_t port)
+{
+    const double *shape = body->shape + port * body->n, *push = body->push + port * body->n;
+    for (size_t j = 0; j < body->n; j++) {
+        if (shape[j] != 0.0 && push[j] != 0.0) {
+            return 1;
+        }
+    }
+    return body->residual && body->residual[port * (body->ports + 1)] > 0.0;
+}
+
+/* Whether every contact can deform or move a body. */
+static int contacts_can_move(const aoi_system *system)
+{
+    for (size_t c = 0; c < system->contact_count; c++) {
+        const aoi_contact *of = &system->contact[c];
+        if (!port_can_move(&system->body[of->body[0]], of->port[0]) &&
+            !port_can_move(&system->body[of->body[1]], of->port[1])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 static int is_sound(const aoi_system *system)
 {
     if ((system->body_count > 0 && !system->body) || (system->contact_count > 0 && !system->contact)) {
@@ -149,6 +174,9 @@ int aoi_system_link(aoi_system *system, void *memory)
     system->first = system->first_port = system->first_contact = system->contact_of = NULL;
     if (!is_sound(system)) {
         return AOI_ERROR_ARGUMENT;
+    }
+    if (!contacts_can_move(system)) {
+        return AOI_ERROR_NOT_POSITIVE;
     }
     made.first[0] = made.first_port[0] = 0;
     for (size_t b = 0; b < system->body_count; b++) {

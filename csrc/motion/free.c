@@ -108,7 +108,7 @@ static double first_root(double c, double b, double a)
 }
 
 /* A mode that turns by less than this in all the time there is (rad) is only taken as a slow one: its
- * place of rest under a load may be very far off. */
+ * place of rest under a load may be very far off. Tried: 49 runs change, by 4e-8 where rtol is 1e-5. */
 static const double HARDLY_TURNS = 0.1;
 
 /* A mode's share in the indentation, bounded from above for a time: as a slow one by a parabola, as a

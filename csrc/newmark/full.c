@@ -22,7 +22,7 @@ static const double CONVERGED = 1e-15;
  * each port; compliance, rate compliance. */
 enum { U, V, A, FREE_A, SPARE, SECOND, UNIT };
 
-size_t aoi_body_full_size(size_t n, size_t ports) { return (UNIT + ports) * n + 2 * ports * ports; }
+size_t aoi_body_full_size(size_t n, size_t ports) { return (UNIT + ports) * n + aoi_times(2 * ports, ports); }
 
 static const aoi_full *full_of(const aoi_body *body) { return body->model; }
 

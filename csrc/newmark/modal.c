@@ -4,6 +4,7 @@
  * follows the forces at once. */
 #include "newmark/body.h"
 #include "linear/vector.h"
+#include "linear/work.h"
 #include "model/modes.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@ enum { LOST };
  * dashpot; by the port: the last force and the one before; compliance, rate compliance. */
 enum { X, V, A, FREE_A, MOBILITY, DASHPOT, PARTS };
 
-size_t aoi_body_modal_size(size_t n, size_t ports) { return PARTS * n + 2 * ports + 2 * ports * ports; }
+size_t aoi_body_modal_size(size_t n, size_t ports) { return PARTS * n + aoi_times(2 * ports, 1 + ports); }
 
 static const aoi_modes *modes_of(const aoi_body *body) { return body->model; }
 

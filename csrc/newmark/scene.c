@@ -82,8 +82,8 @@ static size_t lay_out(aoi_scene *scene, size_t ports, size_t band, void *block)
     scene->load_before = aoi_memory_doubles(&memory, ports);
     scene->load_work = aoi_memory_doubles(&memory, scene->body_count);
     scene->gravity_start = aoi_memory_doubles(&memory, scene->body_count);
-    e->compliance = aoi_memory_doubles(&memory, (2 * e->band + 1) * contacts);
-    e->rate_compliance = aoi_memory_doubles(&memory, (2 * e->band + 1) * contacts);
+    e->compliance = aoi_memory_doubles(&memory, aoi_times(2 * e->band + 1, contacts));
+    e->rate_compliance = aoi_memory_doubles(&memory, aoi_times(2 * e->band + 1, contacts));
     e->free = aoi_memory_doubles(&memory, contacts);
     e->rate_free = aoi_memory_doubles(&memory, contacts);
     e->indentation = aoi_memory_doubles(&memory, contacts);
@@ -208,7 +208,7 @@ static int contact_begin(const aoi_scene *scene, size_t c)
     }
     aoi_law_push(law, contact->memory, at, contact->rate, &value);
     contact->force = scene->start_force ? scene->start_force[c] : value.force;
-    if (isnan(value.force)) {
+    if (isfinite(contact->indentation) && isnan(value.force)) {
         return AOI_ERROR_LAW;
     }
     if (!isfinite(contact->indentation) || !isfinite(contact->force)) {

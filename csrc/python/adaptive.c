@@ -35,21 +35,24 @@ static const double *maybe(buffer_list *buffers, PyObject *object, const char *n
     return object == Py_None ? NULL : doubles(buffers, object, name, count);
 }
 
+#define PLACE_OF(part) part##_at,
+enum { MODES_PARTS(PLACE_OF) MODES_COUNT };
+
 void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body)
 {
     size_t n = (size_t)-1, shapes = (size_t)-1;
-    need_tuple(buffers, tuple, 11);
+    need_tuple(buffers, tuple, MODES_COUNT);
     if (buffers->failed) {
         return;
     }
-    PyObject *item[11];
-    for (Py_ssize_t i = 0; i < 11; i++) {
+    PyObject *item[MODES_COUNT];
+    for (Py_ssize_t i = 0; i < MODES_COUNT; i++) {
         item[i] = PyTuple_GetItem(tuple, i);
     }
-    body->omega = doubles(buffers, item[0], "omega", &n);
-    body->decay = maybe(buffers, item[1], "decay", &n);
-    body->shape = doubles(buffers, item[2], "shape", &shapes);
-    body->push = doubles(buffers, item[3], "push", &shapes);
+    body->omega = doubles(buffers, item[omega_at], "omega", &n);
+    body->decay = maybe(buffers, item[decay_at], "decay", &n);
+    body->shape = doubles(buffers, item[shape_at], "shape", &shapes);
+    body->push = doubles(buffers, item[push_at], "push", &shapes);
     if (!buffers->failed && (n == 0 || shapes % n != 0 || shapes == 0)) {
         buffers->failed = 1;
         PyErr_SetString(PyExc_ValueError, "a body needs modes and ports");
@@ -57,15 +60,15 @@ void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body)
     body->n = n;
     body->ports = buffers->failed ? 1 : shapes / n;
     size_t ports = body->ports, pairs = ports * ports, times = (size_t)-1;
-    body->residual = maybe(buffers, item[4], "residual", &pairs);
-    body->gravity = maybe(buffers, item[5], "gravity", &n);
-    body->inertia = doubles(buffers, item[6], "inertia", &n);
-    body->centre = doubles(buffers, item[7], "centre", &n);
-    body->centre_residual = maybe(buffers, item[8], "centre residual", &ports);
-    body->load.time = maybe(buffers, item[9], "load times", &times);
+    body->residual = maybe(buffers, item[residual_at], "residual", &pairs);
+    body->gravity = maybe(buffers, item[gravity_at], "gravity", &n);
+    body->inertia = doubles(buffers, item[inertia_at], "inertia", &n);
+    body->centre = doubles(buffers, item[centre_at], "centre", &n);
+    body->centre_residual = maybe(buffers, item[centre_residual_at], "centre residual", &ports);
+    body->load.time = maybe(buffers, item[load_time_at], "load times", &times);
     body->load.count = body->load.time ? times : 0;
     size_t loads = body->load.count * ports;
-    body->load.force = body->load.time ? doubles(buffers, item[10], "load forces", &loads) : NULL;
+    body->load.force = body->load.time ? doubles(buffers, item[load_force_at], "load forces", &loads) : NULL;
 }
 
 static int take_system(buffer_list *buffers, PyObject *bodies, PyObject *contacts, taken *made)
@@ -217,27 +220,32 @@ static PyObject *contacts_without_intervals(const aoi_adaptive *run, size_t coun
     return result;
 }
 
+/* Intervals that are found by one reading of the track; two readings find more. */
+enum { FEW_INTERVALS = 4 };
+
 static PyObject *contacts_of(const aoi_adaptive *run, const aoi_system *system, const aoi_track *track,
                              double end)
 {
     const size_t contacts = system->contact_count;
     PyObject *result = contacts_without_intervals(run, contacts);
-    aoi_interval *work = malloc((contacts + 1) * sizeof *work), *interval = NULL;
-    const size_t count = work ? aoi_track_intervals(system, track, end, work, 0, NULL) : 0;
-    interval = work ? malloc((count + 1) * sizeof *interval) : NULL;
-    int fine = result && interval;
-    if (interval) {
+    aoi_interval *work = malloc((contacts + 1) * sizeof *work), few[FEW_INTERVALS], *interval = few;
+    const size_t count = work ? aoi_track_intervals(system, track, end, work, FEW_INTERVALS, few) : 0;
+    if (count > FEW_INTERVALS && (interval = malloc(count * sizeof *interval))) {
         (void)aoi_track_intervals(system, track, end, work, count, interval);
-    } else {
+    }
+    if (!work || !interval) {
         PyErr_NoMemory();
     }
+    int fine = result && work && interval;
     for (size_t i = 0; fine && i < count; i++) {
         PyObject *of = PyTuple_GetItem(result, (Py_ssize_t)interval[i].contact);
         fine = append_pair(PyTuple_GetItem(of, 3), interval[i].start, interval[i].end) &&
                append_pair(PyTuple_GetItem(of, 4), interval[i].impulse, interval[i].pace);
     }
     free(work);
-    free(interval);
+    if (interval != few) {
+        free(interval);
+    }
     if (!fine) {
         Py_CLEAR(result);
     }

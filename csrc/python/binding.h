@@ -94,8 +94,12 @@ int take_sparse(buffer_list *buffers, PyObject *tuple, size_t n, aoi_sparse *mat
 /* (start, rows, values, pivots, place, panel); factors->work is there already. */
 int take_factors(buffer_list *buffers, PyObject *tuple, size_t n, aoi_factors *factors);
 
-/* (omega, decay, shape, push, residual, gravity, inertia, centre, centre_residual, load_time,
- * load_force); None for what there is not. */
+/* What the tuple of a body in modes holds, in this order; None for what there is not. Python makes it by these names,
+ * which it has from _core.MODES. */
+#define MODES_PARTS(X)                                                                             \
+    X(omega) X(decay) X(shape) X(push) X(residual) X(gravity) X(inertia) X(centre)                 \
+    X(centre_residual) X(load_time) X(load_force)
+
 void take_modes(buffer_list *buffers, PyObject *tuple, aoi_modes *body);
 
 /* -------------------------------------- the module's functions, by file; module.c has their table */

@@ -35,7 +35,14 @@ FUNCTIONS(AS_TESTED)
 #define ENTRY(name) {#name, name##_as_tested, METH_VARARGS, NULL},
 static PyMethodDef methods[] = {FUNCTIONS(ENTRY){NULL, NULL, 0, NULL}};
 
+#define NAME_OF(part) #part " "
+static int add_names(PyObject *module)
+{
+    return PyModule_AddStringConstant(module, "MODES", MODES_PARTS(NAME_OF));
+}
+
 static PyModuleDef_Slot slots[] = {
+    {Py_mod_exec, (void *)add_names},
 #if !defined(Py_LIMITED_API) && PY_VERSION_HEX >= 0x030D0000
     {Py_mod_multiple_interpreters, Py_MOD_PER_INTERPRETER_GIL_SUPPORTED},
     {Py_mod_gil, Py_MOD_GIL_NOT_USED},

@@ -1,6 +1,7 @@
 /* Scenes by Newmark's rule, for Python. */
 #include "python/binding.h"
 #include "linear/sparse.h"
+#include "linear/work.h"
 #include "newmark/body.h"
 #include "newmark/scene.h"
 
@@ -21,23 +22,55 @@ typedef struct scene_body {
 
 static PyObject *item(PyObject *tuple, Py_ssize_t i) { return PyTuple_GetItem(tuple, i); }
 
-/* The last four of a body's tuple: gravity (or None), centre, u, v, of n coordinates each. */
-static aoi_body_start take_start(buffer_list *buffers, PyObject *tuple, size_t n, scene_body *one)
+/* A part of a body by its name; NULL, with an error raised, where there is none. */
+static PyObject *part(buffer_list *buffers, PyObject *body, const char *name)
 {
-    const Py_ssize_t at = PyTuple_Size(tuple) - 4;
-    aoi_body_start start = {NULL, NULL, NULL, NULL, NULL};
-    if (item(tuple, at) != Py_None) {
-        start.gravity = doubles(buffers, item(tuple, at), "gravity", &n);
+    PyObject *value = buffers->failed ? NULL : PyDict_GetItemString(body, name);
+    if (!value && !buffers->failed) {
+        buffers->failed = 1;
+        PyErr_Format(PyExc_TypeError, "a body needs \"%s\"", name);
     }
-    start.centre = doubles(buffers, item(tuple, at + 1), "centre", &n);
-    start.u = one->u = doubles_out(buffers, item(tuple, at + 2), "u", &n);
-    start.v = one->v = doubles_out(buffers, item(tuple, at + 3), "v", &n);
+    return value;
+}
+
+static double take_number(buffer_list *buffers, PyObject *body, const char *name)
+{
+    PyObject *value = part(buffers, body, name);
+    const double number = value ? PyFloat_AsDouble(value) : 0.0;
+    buffers->failed = buffers->failed || PyErr_Occurred();
+    return number;
+}
+
+static const double *take_array(buffer_list *buffers, PyObject *body, const char *name, size_t *count)
+{
+    return doubles(buffers, part(buffers, body, name), name, count);
+}
+
+/* One that may be None. */
+static const double *take_maybe(buffer_list *buffers, PyObject *body, const char *name, size_t *count)
+{
+    return part(buffers, body, name) == Py_None ? NULL : take_array(buffers, body, name, count);
+}
+
+static aoi_rayleigh take_damping(buffer_list *buffers, PyObject *body)
+{
+    const double alpha = take_number(buffers, body, "alpha");
+    return (aoi_rayleigh){alpha, take_number(buffers, body, "beta")};
+}
+
+/* What every body has of its n coordinates; u and v are overwritten at the end. */
+static aoi_body_start take_start(buffer_list *buffers, PyObject *body, size_t n, scene_body *one)
+{
+    aoi_body_start start = {.gravity = take_maybe(buffers, body, "gravity", &n)};
+    start.centre = take_array(buffers, body, "centre", &n);
+    start.u = one->u = doubles_out(buffers, part(buffers, body, "u"), "u", &n);
+    start.v = one->v = doubles_out(buffers, part(buffers, body, "v"), "v", &n);
     return start;
 }
 
-static void *take_memory(buffer_list *buffers, size_t bytes)
+static void *take_memory(buffer_list *buffers, size_t count, size_t size)
 {
-    void *memory = buffers->failed ? NULL : malloc(bytes + 1);
+    void *memory = buffers->failed ? NULL : malloc(aoi_times(count, size) + 1);
     if (!buffers->failed && !memory) {
         buffers->failed = 1;
         PyErr_NoMemory();
@@ -45,49 +78,43 @@ static void *take_memory(buffer_list *buffers, size_t bytes)
     return memory;
 }
 
-/* ("star", m0, k0, m, k, alpha, beta, gravity, centre, u, v) */
-static int take_star(buffer_list *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
+static int take_star(buffer_list *buffers, PyObject *body, scene_body *one, const aoi_rule *rule)
 {
     size_t n = (size_t)-1;
     aoi_star *star = &one->star;
-    star->m0 = PyFloat_AsDouble(item(tuple, 1));
-    star->k0 = PyFloat_AsDouble(item(tuple, 2));
-    star->m = doubles(buffers, item(tuple, 3), "m", &n);
-    star->k = doubles(buffers, item(tuple, 4), "k", &n);
+    star->m0 = take_number(buffers, body, "m0");
+    star->k0 = take_number(buffers, body, "k0");
+    star->m = take_array(buffers, body, "m", &n);
+    star->k = take_array(buffers, body, "k", &n);
     star->n = n;
-    const aoi_rayleigh damping = {PyFloat_AsDouble(item(tuple, 5)),
-                                  PyFloat_AsDouble(item(tuple, 6))};
-    const aoi_body_start start = take_start(buffers, tuple, n + 1, one);
-    one->work = take_memory(buffers, buffers->failed ? 0 : aoi_body_star_size(n) * sizeof(double));
+    const aoi_rayleigh damping = take_damping(buffers, body);
+    const aoi_body_start start = take_start(buffers, body, n + 1, one);
+    one->work = take_memory(buffers, aoi_body_star_size(n), sizeof(double));
     one->step_cost = 40.0 + 4.0 * (double)n;
     return buffers->failed
                ? AOI_OK
                : aoi_body_start_star(&one->body, star, &damping, rule, &start, one->work);
 }
 
-/* ("modal", omega, decay, participation, residual, force or None, gravity, centre, u, v) */
-static int take_modal(buffer_list *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
+static int take_modal(buffer_list *buffers, PyObject *body, scene_body *one, const aoi_rule *rule)
 {
     size_t n = (size_t)-1, square = (size_t)-1, ports = 0;
     aoi_modes *modes = &one->modes;
-    modes->omega = doubles(buffers, item(tuple, 1), "omega", &n);
-    modes->decay = doubles(buffers, item(tuple, 2), "decay", &n);
-    modes->residual = doubles(buffers, item(tuple, 4), "residual", &square);
+    modes->omega = take_array(buffers, body, "omega", &n);
+    modes->decay = take_array(buffers, body, "decay", &n);
+    modes->residual = take_array(buffers, body, "residual", &square);
     while (!buffers->failed && ports * ports < square) {
         ports++;
     }
-    size_t all = ports * n;
-    modes->shape = modes->push = doubles(buffers, item(tuple, 3), "participation", &all);
+    size_t all = ports * n, both = 2 * ports;
+    modes->shape = modes->push = take_array(buffers, body, "shape", &all);
     modes->n = n;
     modes->ports = ports;
-    aoi_body_start start = take_start(buffers, tuple, n, one);
+    aoi_body_start start = take_start(buffers, body, n, one);
     modes->gravity = start.gravity;
     modes->centre = start.centre;
-    if (item(tuple, 5) != Py_None) {
-        size_t both = 2 * ports;
-        start.force = doubles(buffers, item(tuple, 5), "force", &both);
-    }
-    one->work = take_memory(buffers, buffers->failed ? 0 : aoi_body_modal_size(n, ports) * sizeof(double));
+    start.force = take_maybe(buffers, body, "residual_forces", &both);
+    one->work = take_memory(buffers, aoi_body_modal_size(n, ports), sizeof(double));
     one->step_cost = 40.0 + 4.0 * (double)(n * (1 + ports));
     if (buffers->failed || ports * ports != square) {
         return AOI_ERROR_ARGUMENT;
@@ -95,34 +122,33 @@ static int take_modal(buffer_list *buffers, PyObject *tuple, scene_body *one, co
     return aoi_body_start_modal(&one->body, modes, rule, &start, one->work);
 }
 
-/* ("full", K, M, b, alpha, beta, factors, gravity, centre, u, v) */
-static int take_full(buffer_list *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
+static int take_full(buffer_list *buffers, PyObject *body, scene_body *one, const aoi_rule *rule)
 {
     aoi_full *full = &one->full;
     size_t rows = (size_t)-1, all = (size_t)-1;
-    (void)doubles(buffers, item(tuple, 8), "centre", &rows);
-    const double *b = doubles(buffers, item(tuple, 3), "b", &all);
+    (void)take_array(buffers, body, "centre", &rows);
+    full->b = take_array(buffers, body, "B", &all);
     if (buffers->failed || rows == 0 || all % rows != 0) {
         return AOI_ERROR_ARGUMENT;
     }
-    full->b = b;
     full->ports = all / rows;
     const size_t size = aoi_body_full_size(rows, full->ports);
-    one->work = take_memory(buffers, (size + rows) * sizeof(double));
+    one->work = take_memory(buffers, size + rows, sizeof(double));
+    PyObject *K = part(buffers, body, "K"), *M = part(buffers, body, "M");
+    PyObject *factors = part(buffers, body, "factors");
+    full->damping = take_damping(buffers, body);
+    const aoi_body_start start = take_start(buffers, body, rows, one);
     if (buffers->failed) {
         return AOI_OK;
     }
     one->factors.work = one->work + size;
-    int status = take_sparse(buffers, item(tuple, 1), rows, &full->K);
+    int status = take_sparse(buffers, K, rows, &full->K);
     if (status == AOI_OK) {
-        status = take_sparse(buffers, item(tuple, 2), rows, &full->M);
+        status = take_sparse(buffers, M, rows, &full->M);
     }
     if (status == AOI_OK) {
-        status = take_factors(buffers, item(tuple, 6), rows, &one->factors);
+        status = take_factors(buffers, factors, rows, &one->factors);
     }
-    full->damping.alpha = PyFloat_AsDouble(item(tuple, 4));
-    full->damping.beta = PyFloat_AsDouble(item(tuple, 5));
-    const aoi_body_start start = take_start(buffers, tuple, rows, one);
     if (buffers->failed || status != AOI_OK) {
         return status;
     }
@@ -135,25 +161,21 @@ static int take_full(buffer_list *buffers, PyObject *tuple, scene_body *one, con
     return status;
 }
 
-static int take_body(buffer_list *buffers, PyObject *tuple, scene_body *one, const aoi_rule *rule)
+/* A dict of a body's parts by name, "kind" among them; see SteppedBody in aoimpact/scene/stepped.py. */
+static int take_body(buffer_list *buffers, PyObject *body, scene_body *one, const aoi_rule *rule)
 {
     static const struct {
         const char *kind;
-        Py_ssize_t size;
         int (*take)(buffer_list *, PyObject *, scene_body *, const aoi_rule *);
-    } kinds[] = {{"star", 11, take_star}, {"modal", 10, take_modal}, {"full", 11, take_full}};
-    PyObject *first = PyTuple_Check(tuple) && PyTuple_Size(tuple) > 0 ? item(tuple, 0) : Py_None;
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (PyUnicode_Check(first) && PyUnicode_CompareWithASCIIString(first, kinds[i].kind) == 0) {
-            need_tuple(buffers, tuple, kinds[i].size);
-            return buffers->failed ? AOI_OK : kinds[i].take(buffers, tuple, one, rule);
+    } kinds[] = {{"star", take_star}, {"modal", take_modal}, {"full", take_full}};
+    PyObject *kind = PyDict_Check(body) ? PyDict_GetItemString(body, "kind") : NULL;
+    for (size_t i = 0; kind && i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (PyUnicode_Check(kind) && PyUnicode_CompareWithASCIIString(kind, kinds[i].kind) == 0) {
+            return kinds[i].take(buffers, body, one, rule);
         }
     }
-    if (!buffers->failed) {
-        buffers->failed = 1;
-        PyErr_SetString(PyExc_TypeError,
-                        "a body is a tuple that begins with \"star\", \"modal\" or \"full\"");
-    }
+    buffers->failed = 1;
+    PyErr_SetString(PyExc_TypeError, "a body is a dict of the kind \"star\", \"modal\" or \"full\"");
     return AOI_OK;
 }
 
@@ -220,7 +242,7 @@ static int parts_allocate(scene_parts *all)
     return 1;
 }
 
-/* Bodies, contacts and loads from their tuples. */
+/* Bodies, contacts and loads as Python hands them over. */
 static int parts_take(buffer_list *buffers, scene_parts *all, PyObject *bodies, PyObject *contacts,
                      PyObject *loads, const aoi_rule *rule)
 {
@@ -250,7 +272,7 @@ static int parts_take(buffer_list *buffers, scene_parts *all, PyObject *bodies, 
         status = aoi_scene_check(scene);
     }
     if (status == AOI_OK) {
-        scene->memory = take_memory(buffers, buffers->failed ? 0 : aoi_scene_size(scene));
+        scene->memory = take_memory(buffers, 1, buffers->failed ? 0 : aoi_scene_size(scene));
     }
     return status;
 }

@@ -14,7 +14,7 @@ typedef struct parts {
 } parts;
 
 /* Most rows hold one contact and less than all that there is room for. */
-static size_t room_for(size_t rows, size_t row) { return row + rows * row / 4; }
+static size_t room_for(size_t rows, size_t row) { return row + aoi_times(rows, row) / 4; }
 
 static parts lay_out(const aoi_system *system, size_t rows, void *block, size_t *size)
 {

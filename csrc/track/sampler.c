@@ -13,6 +13,7 @@
 #include "motion/even.h"
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
+#include "track/check.h"
 
 #include <float.h>
 #include <math.h>
@@ -20,9 +21,9 @@
 
 struct aoi_sampler {
     const aoi_system *system;
-    const double *track; /* size */
+    const double *track;
     const size_t *index; /* rows */
-    size_t size, rows;
+    size_t rows;
     size_t *body_row, *body_at;       /* body_count each: the row that holds it, and where */
     size_t *contact_row, *contact_at; /* contact_count each                                  */
 
@@ -176,96 +177,15 @@ static void enter_row(aoi_sampler *sampler, size_t row)
     }
 }
 
-/* A number of things in a track, below a limit. */
-static int number_below(double value, size_t limit, size_t *number)
-{
-    *number = 0;
-    if (!(value >= 0.0 && value < (double)limit)) {
-        return 0;
-    }
-    *number = (size_t)value;
-    return (double)*number == value;
-}
-
-/* Whether a contact of a row can be read. */
-static int contact_is_sound(const aoi_system *system, const double *of)
-{
-    size_t c, edge, piece;
-    if (!number_below(of[AOI_TRACK_CONTACT], system->contact_count, &c) ||
-        !number_below(of[AOI_TRACK_EDGE], AOI_EDGE_NONE + 1, &edge)) {
-        return 0;
-    }
-    const aoi_law *law = system->contact[c].law;
-    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* the law is not evaluated: its force has no edge */
-        return edge == AOI_EDGE_NONE;
-    }
-    return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
-}
-
-/* Where a row ends that begins at a place; 0 if it does not lie within the track, or names what is not in
- * the system. */
-static size_t end_of_row(const aoi_sampler *sampler, size_t at)
-{
-    const aoi_system *system = sampler->system;
-    size_t bodies, contacts, b, end = at + AOI_TRACK_FIXED;
-    if (sampler->size - at < AOI_TRACK_FIXED) {
-        return 0;
-    }
-    const double *track = sampler->track, *row = track + at;
-    if (!isfinite(row[AOI_TRACK_START]) || !isfinite(row[AOI_TRACK_LENGTH])) {
-        return 0;
-    }
-    if (!number_below(row[AOI_TRACK_BODIES], system->body_count + 1, &bodies) ||
-        !number_below(row[AOI_TRACK_CONTACTS], system->contact_count + 1, &contacts) ||
-        (contacts > 0 && !(row[AOI_TRACK_LENGTH] > 0.0))) {
-        return 0;
-    }
-    for (; bodies > 0; bodies--) {
-        if (end == sampler->size || !number_below(track[end], system->body_count, &b) ||
-            sampler->size - end < AOI_TRACK_STATE + 2 * system->body[b].n) {
-            return 0;
-        }
-        end += AOI_TRACK_STATE + 2 * system->body[b].n;
-    }
-    for (; contacts > 0; contacts--) {
-        if (sampler->size - end < AOI_TRACK_CONTACT_SIZE || !contact_is_sound(system, track + end)) {
-            return 0;
-        }
-        end += AOI_TRACK_CONTACT_SIZE;
-    }
-    return end;
-}
-
-/* Rows follow each other without holes and make up the track. */
-static int track_is_sound(const aoi_sampler *sampler)
-{
-    size_t end = 0;
-    for (size_t row = 0; row < sampler->rows; row++) {
-        if (sampler->index[row] != end) {
-            return 0;
-        }
-        end = end_of_row(sampler, end);
-        if (end == 0 ||
-            (row > 0 && row_of(sampler, row)[AOI_TRACK_START] < row_of(sampler, row - 1)[AOI_TRACK_START])) {
-            return 0;
-        }
-    }
-    return sampler->rows > 0 && end == sampler->size;
-}
-
 int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track)
 {
-    if (!system->first) {
+    if (!system->first || !aoi_track_is_sound(system, track)) {
         return AOI_ERROR_ARGUMENT;
     }
     *sampler = (aoi_sampler){.system = system, .most_modes = aoi_system_most_modes(system)};
     sampler->track = track->values;
     sampler->index = track->row;
-    sampler->size = track->used;
     sampler->rows = track->rows;
-    if (!track_is_sound(sampler)) {
-        return AOI_ERROR_ARGUMENT;
-    }
     (void)lay_out(sampler, system, sampler);
     for (size_t b = 0; b < system->body_count; b++) {
         sampler->body_row[b] = sampler->rows;

@@ -8,6 +8,7 @@ import pytest
 import scipy.linalg as la
 
 import aoimpact as ao
+from aoimpact.accuracy import choice
 from aoimpact.base.errors import held_warnings
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
 from aoimpact.paper.sphere import BALL_MASS, RADIUS
@@ -263,6 +264,50 @@ def test_a_coarse_mesh_takes_no_better_models_than_it_deserves():
     assert force.difference(hit, full) <= 0.1 <= 0.2 * hit.error.mesh
     assert 1e-2 < hit.error.reduction <= 0.1
     assert "models and steps chosen for 10 %" in str(hit)
+
+
+def coarse_plate():
+    """An aluminium plate of hexahedra that lock: the mesh's error of the force is about 1."""
+    mesh = ao.box_mesh((0.2, 0.15, 0.006), (14, 10, 2))
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=ENDS)
+    return {"projectile": ao.ball(0.015, STEEL), "target": body.contact(point=(0.09, 0.07, 0.006))}
+
+
+def test_other_shares_of_the_meshs_error_take_more_oscillators_or_leave_larger_errors(monkeypatch):
+    run = functools.partial(ao.simulate, **coarse_plate(), velocity=1.0)
+    usual, exact = run(), run(rtol=2e-3)
+    n, off = usual.models[1].n, functools.partial(QUANTITIES["force"].difference, exact)
+    for name in ("_SHARE_OF_MESH", "_LOOSEST"):
+        with monkeypatch.context() as patch:
+            patch.setattr(choice, name, getattr(choice, name) / 3.0)
+            assert run().models[1].n > 1.3 * n
+    monkeypatch.setattr(choice, "_LOOSEST", 3.0 * choice._LOOSEST)
+    assert off(run()) > 0.1 > 1.5 * off(usual)
+
+
+def test_another_share_of_fixed_steps_takes_more_steps_or_more_oscillators(monkeypatch):
+    ball, target, contact_law, velocity, duration = IMPACTS["free slender"]()
+    run = functools.partial(
+        ao.simulate,
+        projectile=ball,
+        target=target,
+        law=contact_law,
+        velocity=velocity,
+        duration=duration,
+        rtol=1e-3,
+        solver=ao.Newmark(),
+    )
+    few, usual, many = (
+        _with_share(monkeypatch, run, factor * choice._SHARE_OF_STEPS) for factor in (1 / 3, 1, 3)
+    )
+    assert len(few.t) > 1.5 * len(usual.t)
+    assert many.models[1].n > 1.25 * usual.models[1].n
+
+
+def _with_share(monkeypatch, run, share):
+    with monkeypatch.context() as patch:
+        patch.setattr(choice, "_SHARE_OF_STEPS", share)
+        return run()
 
 
 def test_a_named_point():

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -84,25 +85,15 @@ def test_two_sweeps_do_not_share_one(tmp_path: Path) -> None:
         assert len(store) == 0
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="two processes by fork")
 def test_another_process_is_kept_out(tmp_path: Path) -> None:
     path = tmp_path / "sweep"
-    store = Checkpoint(path)
-    child = os.fork()
-    if child == 0:
-        code = 1
-        try:
-            # As another program would: nothing is known here of what the parent has open.
-            from aoimpact.batch import checkpoint
-
-            checkpoint._open_here.clear()
-            Checkpoint(path)
-        except ao.InputError:
-            code = 0
-        finally:
-            os._exit(code)
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
-    store.close()
+    program = f"from aoimpact.batch.checkpoint import Checkpoint; Checkpoint({str(path)!r})"
+    with Checkpoint(path):
+        other = subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, check=False
+        )
+    assert other.returncode != 0
+    assert "InputError" in other.stderr
 
 
 @pytest.mark.parametrize("path", ["no/such/folder/sweep", "."])

@@ -443,6 +443,28 @@ static void a_crest_beside_a_contact_touches_or_does_not(void)
     }
 }
 
+/* A mass too heavy for the contact to matter: d = v t - a t^2 / 2, in one step, with the peak between its nodes. */
+static void a_contact_that_hardly_moves_its_bodies_has_its_peak(void)
+{
+    const double damping = 0.3, a = 2000.0, end = 1e-3;
+    const aoi_law law = law_named("hunt_crossley", 3, 1.0, damping, 1.5);
+    double peak = 0.0;
+    for (int i = 0; i <= 100000; i++) {
+        const double t = 1e-5 * i * end, d = t - 0.5 * a * t * t;
+        peak = fmax(peak, pow(fmax(d, 0.0), 1.5) * (1.0 + damping * (1.0 - a * t)));
+    }
+    for (int tolerance = 3; tolerance <= 8; tolerance++) {
+        const double rtol = pow(10.0, -tolerance);
+        plant p = ball_on_wall(1e9, 1.0, &law);
+        p.part[0].pulled = 1;
+        p.part[0].gravity[0] = -a;
+        must_go(&p, rtol, 2.0 * end);
+        CHECK(near(p.run->contact[0].peak_force, peak, rtol), "rtol %g: %.10g, not %.10g", rtol,
+              p.run->contact[0].peak_force, peak);
+        release(&p);
+    }
+}
+
 /* Pressed by a load that fades: its peak is the start's. */
 static void a_pressed_body_that_is_let_go_has_its_peak_at_the_start(void)
 {
@@ -1163,6 +1185,7 @@ int main(void)
     a_touch_beside_a_contact_is_not_stepped_over();
     a_crest_beside_a_contact_touches_or_does_not();
     a_pressed_body_that_is_let_go_has_its_peak_at_the_start();
+    a_contact_that_hardly_moves_its_bodies_has_its_peak();
     a_law_is_asked_no_deeper_than_the_motion_may_lead();
     a_row_of_ringing_bodies();
     contacts_meet_by_any_mode();

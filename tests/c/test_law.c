@@ -684,6 +684,23 @@ static void no_force_up_to_rest(void)
     }
 }
 
+/* What a state that is no number makes is none either. */
+static void no_number_in_no_number_out(void)
+{
+    const double nan = (double)NAN, memory[AOI_LAW_MEMORY] = {0.0};
+    for (size_t i = 0; i < 2 * EVERY; i++) {
+        aoi_law law = law_at(i % EVERY);
+        aoi_law_value value;
+        law.compliance = i < EVERY ? 0.0 : 1e-12;
+        aoi_law_push(&law, memory, nan, 0.1, &value);
+        CHECK(isnan(value.force), "%s: %g N", every[i % EVERY].name, value.force);
+        CHECK(isnan(aoi_law_push_only(&law, memory, nan, 0.1)), "%s alone", every[i % EVERY].name);
+        CHECK(isnan(aoi_law_potential(&law, memory, nan)), "%s stores energy", every[i % EVERY].name);
+        aoi_law_push(&law, memory, 1e-6, nan, &value);
+        CHECK(isnan(value.force) == law.depends_on_rate, "%s at no rate: %g N", every[i % EVERY].name, value.force);
+    }
+}
+
 static void only_the_pulling_law_pulls(void)
 {
     for (size_t i = 0; i < EVERY; i++) {
@@ -760,6 +777,7 @@ int main(void)
     a_far_yield_leaves_the_elastic_piece_alone();
     the_force_alone_is_the_force();
     no_force_up_to_rest();
+    no_number_in_no_number_out();
     only_the_pulling_law_pulls();
     what_no_law_is_made_of();
     return check_report();

@@ -750,6 +750,17 @@ static void failures_say_where(void)
     CHECK(run_start(&one) == AOI_ERROR_NOT_POSITIVE, "wall against wall");
 }
 
+/* Sizes whose products are beyond size_t are more than malloc gives, not what is left of them. */
+static void no_size_wraps(void)
+{
+    const size_t many = (size_t)1 << (4 * sizeof(size_t)), most = SIZE_MAX / 2;
+    CHECK(aoi_scene_most(2, 2, many, many) == most, "as many contacts on one body");
+    CHECK(aoi_scene_most(2, many * (many / 16), 1, 1) == most, "and ports");
+    CHECK(aoi_coupled_size(many, many) == most, "of their equations");
+    CHECK(aoi_body_modal_size(1, many) >= most, "ports of a body in modes");
+    CHECK(aoi_body_full_size(1, many) >= most, "and of a whole one");
+}
+
 /* A scene is checked before anything of it is used. */
 static void what_is_no_scene_is_refused(void)
 {
@@ -799,6 +810,7 @@ int main(void)
     loads_do_their_work();
     gravity_is_a_constant_force();
     failures_say_where();
+    no_size_wraps();
     what_is_no_scene_is_refused();
     return check_report();
 }

@@ -137,6 +137,24 @@ static void a_contact_is_between_two_bodies(void)
     CHECK(aoi_system_link(&t.system, t.links) == AOI_ERROR_ARGUMENT, "of a body with itself");
 }
 
+/* Of two walls none gives way to a force, unless a residual compliance does. */
+static void nothing_moves_between_walls(void)
+{
+    static const double residual[1] = {1e-9};
+    touching t;
+    make_touching(&t);
+    t.body[1].push = ZERO;
+    CHECK(aoi_system_link(&t.system, t.links) == AOI_OK, "a ball on a wall");
+    t.body[0].push = (const double[]){1.0, 0.0};
+    t.contact.port[0] = 1;
+    CHECK(aoi_system_link(&t.system, t.links) == AOI_ERROR_NOT_POSITIVE && !t.system.first, "a port that is held");
+    t.contact.port[0] = 0;
+    t.body[0].push = (const double[]){0.0, 0.0};
+    CHECK(aoi_system_link(&t.system, t.links) == AOI_ERROR_NOT_POSITIVE && !t.system.first, "two walls");
+    t.body[1].residual = residual;
+    CHECK(aoi_system_link(&t.system, t.links) == AOI_OK, "a soft place on one");
+}
+
 /* Where the rows of a record stand: four of each contact, then six and two a port of each body. */
 static void the_rows_of_a_record(void)
 {
@@ -153,6 +171,7 @@ int main(void)
     the_most_modes_of_any_body();
     what_cannot_be_run_is_refused();
     a_contact_is_between_two_bodies();
+    nothing_moves_between_walls();
     the_rows_of_a_record();
     return check_report();
 }

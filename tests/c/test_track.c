@@ -307,6 +307,14 @@ static void samples_do_not_depend_on_each_other(void)
     release(&p);
 }
 
+/* Both readers of tracks. */
+static int is_refused(plant *p)
+{
+    aoi_interval work[MOST_CONTACTS];
+    const size_t count = aoi_track_intervals(&p->system, &p->track, 2e-3, work, 0, NULL);
+    return open_sampler(p) == AOI_ERROR_ARGUMENT && count == 0;
+}
+
 /* Tracks that are not whole, or not of this system, are refused before anything is read. */
 static void what_is_no_track_is_refused(void)
 {
@@ -334,23 +342,23 @@ static void what_is_no_track_is_refused(void)
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         const double kept = p.track.values[wrong[i].at];
         p.track.values[wrong[i].at] = wrong[i].value;
-        CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "case %zu", i);
+        CHECK(is_refused(&p), "case %zu", i);
         p.track.values[wrong[i].at] = kept;
     }
     p.track.values[contact + AOI_TRACK_PIECE] = AOI_SLACK;
     p.track.values[contact + AOI_TRACK_EDGE] = AOI_EDGE_START;
-    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "the edge of a force that is none");
+    CHECK(is_refused(&p), "the edge of a force that is none");
     p.track.values[contact + AOI_TRACK_EDGE] = AOI_EDGE_NONE;
     CHECK(open_sampler(&p) == AOI_OK, "no force");
     p.track.used = used - 1;
-    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "cut off");
+    CHECK(is_refused(&p), "cut off");
     p.track.used = used + 1;
-    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "more than its rows");
+    CHECK(is_refused(&p), "more than its rows");
     p.track.used = used;
     p.track.row[rows - 1] = SIZE_MAX;
-    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "pointing far away");
+    CHECK(is_refused(&p), "pointing far away");
     p.track.row[rows - 1] = used;
-    CHECK(open_sampler(&p) == AOI_ERROR_ARGUMENT, "pointing past the end");
+    CHECK(is_refused(&p), "pointing past the end");
     p.track.row[rows - 1] = last;
     CHECK(open_sampler(&p) == AOI_OK, "the track itself is sound");
     release(&p);

@@ -36,22 +36,25 @@ from aoimpact.reduction.modalbody import modal_body
 HEADER = Path(__file__).parents[2] / "include" / "aoimpact.h"
 REFUSALS = (TypeError, ValueError, BufferError)
 F, S = np.float64, np.float32
+PARTS = _core.MODES.split()
 
 
-def star(n: int = 3, velocity: float = 0.0) -> tuple[Any, ...]:
+def star(n: int = 3, velocity: float = 0.0) -> dict[str, Any]:
     """A star as the core takes it, with damping and gravity."""
     m, k = np.full(n, 0.1), 1e6 * np.arange(1.0, n + 1.0)
     weights, weight = np.full(n + 1, 1.0 / (n + 1)), np.full(n + 1, 0.1)
-    start = np.zeros(n + 1), np.full(n + 1, velocity)
-    return ("star", 0.01, 0.0, m, k, 1.0, 1e-9, weight, weights, *start)
+    given = {"alpha": 1.0, "beta": 1e-9, "gravity": weight, "centre": weights}
+    start = {"u": np.zeros(n + 1), "v": np.full(n + 1, velocity)}
+    return {"kind": "star", "m0": 0.01, "k0": 0.0, "m": m, "k": k, **given, **start}
 
 
-def modal(n: int = 4, velocity: float = 0.0) -> tuple[Any, ...]:
+def modal(n: int = 4, velocity: float = 0.0) -> dict[str, Any]:
     """A body of natural modes and two ports as the core takes it."""
-    participation = np.array([np.ones(n), np.linspace(1.0, -1.0, n)])
-    omega, decay = 1e3 * np.arange(n), np.full(n, 3.0)
-    start = np.zeros(n), np.full(n, velocity)
-    return ("modal", omega, decay, participation, np.zeros((2, 2)), None, None, np.ones(n), *start)
+    shape = np.array([np.ones(n), np.linspace(1.0, -1.0, n)])
+    modes = {"omega": 1e3 * np.arange(n), "decay": np.full(n, 3.0), "shape": shape}
+    residual = {"residual": np.zeros((2, 2)), "residual_forces": None}
+    start = {"u": np.zeros(n), "v": np.full(n, velocity)}
+    return {"kind": "modal", **modes, **residual, "gravity": None, "centre": np.ones(n), **start}
 
 
 def chain(n: int) -> tuple[Any, Any]:
@@ -82,14 +85,14 @@ def rows(matrix: Any) -> tuple[Any, ...]:
     return matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32), matrix.data
 
 
-def full(n: int = 6, dt: float = 1e-5, velocity: float = 0.0) -> tuple[Any, ...]:
+def full(n: int = 6, dt: float = 1e-5, velocity: float = 0.0) -> dict[str, Any]:
     """A finite-element body as the core takes it."""
     K, M = chain(n)
-    b = np.eye(n)[n // 2]
+    matrices = {"K": rows(K), "M": rows(M), "B": np.eye(n)[n // 2]}
     inverse = tuple(np.array(part) for part in inverted(n, 1.0, 0.25 * dt**2))
-    centre = np.full(n, 1.0 / n)
-    start = np.zeros(n), np.full(n, velocity)
-    return ("full", rows(K), rows(M), b, 0.0, 0.0, inverse, None, centre, *start)
+    given = {"alpha": 0.0, "beta": 0.0, "factors": inverse, "gravity": None}
+    start = {"centre": np.full(n, 1.0 / n), "u": np.zeros(n), "v": np.full(n, velocity)}
+    return {"kind": "full", **matrices, **given, **start}
 
 
 def law(name: str = "hertz", *parameters: float) -> tuple[Any, ...]:
@@ -99,7 +102,8 @@ def law(name: str = "hertz", *parameters: float) -> tuple[Any, ...]:
 
 def scene_arguments(projectile: Any, target: Any, steps: int = 9, dt: float = 1e-5) -> list[Any]:
     """Two bodies, their contact and a load on the first."""
-    count = 4 + sum(10 if body and body[0] == "modal" else 8 for body in (projectile, target))
+    kinds = [body.get("kind") for body in (projectile, target) if isinstance(body, dict)]
+    count = 4 + 2 * 8 + 2 * kinds.count("modal")
     record = np.zeros((count, steps + 1))
     contacts = ((0, 0, 1, 0, 0.0, law()),)
     loads = ((0, 0, np.array([0.0, 1.0]), np.array([1.0, 2.0])),)
@@ -110,14 +114,20 @@ def zeros(*sizes: int) -> list[Any]:
     return [np.zeros(size) for size in sizes]
 
 
+def in_modes(**parts: Any) -> tuple[Any, ...]:
+    """A body in modes as the core takes it; None for what is not given."""
+    assert set(parts) <= set(PARTS)
+    return tuple(parts.get(name) for name in PARTS)
+
+
 def two_ports(n: int = 3) -> tuple[Any, ...]:
     """A body in modes with all that aoi_modes may have."""
     shape = np.array([np.ones(n), np.linspace(1.0, -1.0, n)])
-    omega, decay = 1e3 * np.arange(n), np.full(n, 3.0)
-    residual, times = 1e-9 * np.eye(2), np.array([0.0, 1e-3])
-    centre, one = np.eye(n)[0], np.ones(n)
-    loads = np.ones((2, 2))
-    return (omega, decay, shape, shape, residual, one, one, centre, np.zeros(2), times, loads)
+    modes = {"omega": 1e3 * np.arange(n), "decay": np.full(n, 3.0), "shape": shape, "push": shape}
+    residual = {"residual": 1e-9 * np.eye(2), "centre_residual": np.zeros(2)}
+    masses = {"inertia": np.ones(n), "centre": np.eye(n)[0], "gravity": np.ones(n)}
+    load = {"load_time": np.array([0.0, 1e-3]), "load_force": np.ones((2, 2))}
+    return in_modes(**modes, **residual, **masses, **load)
 
 
 def bodies() -> tuple[Any, ...]:
@@ -320,11 +330,11 @@ def test_wrong_number_of_arguments_is_a_type_error(name: str) -> None:
 
 @pytest.mark.parametrize("make", [star, modal, full])
 @pytest.mark.parametrize("bad", BAD_ARRAYS)
-def test_bodies_of_wrong_arrays_are_refused(make: Callable[[], tuple[Any, ...]], bad: str) -> None:
-    for position, part in enumerate(make()):
+def test_bodies_of_wrong_arrays_are_refused(make: Callable[[], dict[str, Any]], bad: str) -> None:
+    for name, part in make().items():
         replacements: list[Any] = []
-        if position == len(make()) - 4 and bad == "None":
-            continue  # no gravity
+        if name == "gravity" and bad == "None":
+            continue
         if isinstance(part, np.ndarray):
             replacements = [BAD_ARRAYS[bad](part)]
         elif isinstance(part, tuple):
@@ -332,15 +342,15 @@ def test_bodies_of_wrong_arrays_are_refused(make: Callable[[], tuple[Any, ...]],
                 (*part[:i], BAD_ARRAYS[bad](part[i]), *part[i + 1 :]) for i in range(len(part))
             ]
         for replacement in replacements:
-            body = list(make())
-            body[position] = replacement
-            for pair in ((tuple(body), star()), (star(), tuple(body))):
+            body = make() | {name: replacement}
+            for pair in ((body, star()), (star(), body)):
                 with pytest.raises(REFUSALS):
                     _core.newmark_scene(*scene_arguments(*pair))
 
 
 @pytest.mark.parametrize(
-    "body", [None, (), ("star",), [*star()], (None, *star()[1:]), ("truss", *star()[1:])]
+    "body",
+    [None, {}, {"kind": "star"}, [*star()], star() | {"kind": None}, star() | {"kind": "truss"}],
 )
 def test_what_is_no_body_is_refused(body: Any) -> None:
     for pair in ((body, star()), (star(), body)):
@@ -350,9 +360,9 @@ def test_what_is_no_body_is_refused(body: Any) -> None:
 
 @pytest.mark.parametrize("bad", BAD_ARRAYS)
 def test_modes_of_wrong_arrays_are_refused(bad: str) -> None:
-    optional = {1, 4, 5, 8, 9}  # decay, residual, gravity, centre residual, load times
+    optional = {"decay", "residual", "gravity", "centre_residual", "load_time"}
     for position, part in enumerate(two_ports()):
-        if bad == "None" and position in optional:
+        if bad == "None" and PARTS[position] in optional:
             continue
         body = list(two_ports())
         body[position] = BAD_ARRAYS[bad](part)
@@ -473,12 +483,18 @@ def test_states_of_a_body_that_is_not_there_are_refused(body: int) -> None:
         _core.track_states(*arguments)
 
 
-@pytest.mark.parametrize("position", [1, 2])
-def test_masses_that_are_no_numbers_are_refused(position: int) -> None:
-    body = list(star())
-    body[position] = "heavy"
+@pytest.mark.parametrize("make", [star, modal, full])
+def test_a_body_without_a_part_is_refused_by_its_name(make: Callable[[], dict[str, Any]]) -> None:
+    for name in make().keys() - {"kind"}:
+        body = {other: part for other, part in make().items() if other != name}
+        with pytest.raises(TypeError, match=f'"{name}"'):
+            _core.newmark_scene(*scene_arguments(body, star()))
+
+
+@pytest.mark.parametrize("name", ["m0", "k0"])
+def test_masses_that_are_no_numbers_are_refused(name: str) -> None:
     with pytest.raises(TypeError, match="number"):
-        _core.newmark_scene(*scene_arguments(tuple(body), star()))
+        _core.newmark_scene(*scene_arguments(star() | {name: "heavy"}, star()))
 
 
 @pytest.mark.parametrize(
@@ -511,19 +527,17 @@ def test_factors_that_point_outside_are_refused(position: int, index: int, value
     assert np.array_equal(x, np.ones(6))
 
 
-@pytest.mark.parametrize("which", [1, 2])
+@pytest.mark.parametrize("which", ["K", "M"])
 @pytest.mark.parametrize(
     ("part", "index", "value"), [(0, 2, -3), (0, 6, 99), (1, 0, -1), (1, 3, 6)]
 )
 def test_matrices_that_point_outside_are_refused(
-    which: int, part: int, index: int, value: int
+    which: str, part: int, index: int, value: int
 ) -> None:
-    body = list(full())
-    matrix = [values.copy() for values in body[which]]
+    matrix = [values.copy() for values in full()[which]]
     matrix[part][index] = value
-    body[which] = tuple(matrix)
     with pytest.raises(ao.InputError):
-        _core.newmark_scene(*scene_arguments(tuple(body), star()))
+        _core.newmark_scene(*scene_arguments(full() | {which: tuple(matrix)}, star()))
 
 
 def test_factors_solve_is_the_inverse() -> None:
@@ -540,16 +554,18 @@ ODD_THINGS: list[Any] = [
     [], {}, object(), np.ones(3), np.ones(0), np.ones((2, 3)), np.array(1.0), np.zeros(3, np.int32),
     np.ones(3, np.float32), array.array("d", [1.0] * 3), array.array("i", [0] * 4),
     bytearray(24), memoryview(b"12345678"), np.float64(2.0), np.ones(3, ">f8"), star(), full(),
-    tuple(factors()), bodies(), joints(), two_ports(), rows(chain(3)[0]), ("star",) * 8,
+    tuple(factors()), bodies(), joints(), two_ports(), rows(chain(3)[0]), {"kind": "star"},
     (np.ones(3),) * 6,
     range(3), np.ma.ones(3), law("linear", 1.0, 2.0), (law()[0], "12", *law()[2:]),
 ]  # fmt: skip
 
 
 def copied(value: Any) -> Any:
-    """Arrays, and the tuples and lists that hold them, once more; anything else itself."""
+    """Arrays, and the tuples, lists and dicts that hold them, once more; anything else itself."""
     if isinstance(value, np.ndarray):
         return value.copy()
+    if type(value) is dict:
+        return {name: copied(part) for name, part in value.items()}
     return type(value)(map(copied, value)) if type(value) in (tuple, list) else value
 
 
@@ -671,8 +687,8 @@ def test_failed_run_leaves_the_bodies_as_they_were() -> None:
     target = star()
     with pytest.raises(ao.ConvergenceError):
         _core.newmark_scene(*scene_arguments(projectile, target))
-    assert not projectile[-2].any()
-    assert not target[-1].any()
+    assert not projectile["u"].any()
+    assert not target["v"].any()
 
 
 # --------------------------------------------------------------------------------------- stub
@@ -703,9 +719,12 @@ def doubles(*values: float) -> array.array[float]:
 @pytest.mark.parametrize("name", ["hertz", "no such law"])
 def test_buffers_are_given_back(name: str) -> None:
     record = doubles(*np.zeros(10 * 20))
-    still = (doubles(), doubles(), 0.0, 0.0, doubles(0.0), doubles(1.0), doubles(0.0))
-    ball = ("star", 1.0, 0.0, *still, doubles(1.0))
-    rest = ("star", 1.0, 0.0, doubles(), doubles(), 0.0, 0.0, None, *map(doubles, (1.0, 0.0, 0.0)))
+    rigid = {"kind": "star", "m0": 1.0, "k0": 0.0, "alpha": 0.0, "beta": 0.0}
+    ball, rest = (
+        rigid | {name: doubles() for name in "mk"} | {"centre": doubles(1.0), "u": doubles(0.0)}
+        | {"gravity": gravity, "v": doubles(velocity)}
+        for gravity, velocity in ((doubles(0.0), 1.0), (None, 0.0))
+    )  # fmt: skip
     note = doubles(0.0, 0.0, 0.0)
     contacts = ((0, 0, 1, 0, 0.0, (name, (1e9,), 0.0, math.inf, note, None)),)
     arguments = (ball, rest), contacts, (), 1e-5, 0.25, 0.5, record, True, None
@@ -715,7 +734,8 @@ def test_buffers_are_given_back(name: str) -> None:
     else:
         with pytest.raises(ao.InputError):
             _core.newmark_scene(*arguments)
-    held = [part for part in (record, note, *ball, *rest) if isinstance(part, array.array)]
+    parts = record, note, *ball.values(), *rest.values()
+    held = [part for part in parts if isinstance(part, array.array)]
     for buffer in held:
         buffer.append(0.0)
 
@@ -723,8 +743,9 @@ def test_buffers_are_given_back(name: str) -> None:
 @pytest.mark.parametrize("name", ["hertz", "no such law"])
 def test_buffers_of_an_adaptive_run_are_given_back(name: str) -> None:
     one, none = doubles(1.0), doubles(0.0)
-    ball = (doubles(0.0), None, one, one, None, None, one, one, None, None, None)
-    wall = (none, None, one, none, None, None, none, one, None, none, none)
+    ball = in_modes(omega=doubles(0.0), shape=one, push=one, inertia=one, centre=one)
+    still = {"omega": none, "shape": one, "push": none, "inertia": none, "centre": one}
+    wall = in_modes(**still, load_time=none, load_force=none)
     note, x, moving = doubles(0.0, 0.0, 0.0), doubles(0.0, 0.0), (doubles(1.0), doubles(1.0))
     start = x, moving, (1.0, 0.0), sys.maxsize
     scene = (ball, wall), ((0, 0, 1, 0, 0.0, (name, (1e9,), 0.0, math.inf, note, None)),)
@@ -874,10 +895,12 @@ def loaded_ball(points: int) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """A ball under a load of so many points that never touches its wall, and their joint."""
     times = np.linspace(0.0, 1.0, points)
     ones, still = np.ones((1, 1)), np.zeros((1, 1))
-    ball = still[0], None, ones, ones, None, None, ones[0], ones[0], None, times, np.sin(40 * times)
-    wall = still[0], None, ones, still, None, None, still[0], ones[0], None, None, None
+    load = {"load_time": times, "load_force": np.sin(40 * times)[:, None]}
+    rigid = {"omega": still[0], "shape": ones, "centre": ones[0]}
+    ball = in_modes(**rigid, push=ones, inertia=ones[0], **load)
+    wall = in_modes(**rigid, push=still, inertia=still[0])
     hertz = "hertz", (1e6,), 0.0, np.inf, np.full(3, np.nan), None
-    return ((*ball[:-1], ball[-1][:, None]), wall), ((0, 0, 1, 0, 10.0, hertz),)
+    return (ball, wall), ((0, 0, 1, 0, 10.0, hertz),)
 
 
 def test_a_load_costs_as_many_points_as_it_has() -> None:

@@ -29,8 +29,9 @@ def hertz(k: float) -> tuple[object, ...]:
 def body(omega: Array) -> tuple[object, ...]:
     """A free body in those modes, all of which a force moves alike."""
     ones = np.ones(len(omega))
-    empty = (None,) * 3
-    return omega, None, ones[None], 1e-3 * ones[None], None, None, ones, ones, *empty
+    ports = {"shape": ones[None], "push": 1e-3 * ones[None]}
+    parts = {"omega": omega, "inertia": ones, "centre": ones, **ports}
+    return tuple(parts.get(name) for name in _core.MODES.split())
 
 
 def law() -> Call:
@@ -164,21 +165,13 @@ def full(band: int, mass: Array) -> Call:
     factors = (columns, rows, np.full(len(rows), 1e-6), np.ones(n), indices, start)
     b = np.zeros(n)
     b[0] = 1.0
-    push = np.linspace(1.0, 2.0, n)
-    target = (
-        "full",
-        (start, indices, np.ones(n)),
-        (2 * start, beside, pairs),
-        b,
-        0.0,
-        0.0,
-        factors,
-        push,
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-    )
-    wall = "star", np.inf, 0.0, numbers(), numbers(), 0.0, 0.0, None, *np.ones((3, 1))
+    matrices = {"K": (start, indices, np.ones(n)), "M": (2 * start, beside, pairs), "B": b}
+    undamped = {"alpha": 0.0, "beta": 0.0}
+    still = {"centre": np.zeros(n), "u": np.zeros(n), "v": np.zeros(n), **undamped}
+    pushed = {"factors": factors, "gravity": np.linspace(1.0, 2.0, n)}
+    target = {"kind": "full", **matrices, **pushed, **still}
+    rigid = {"kind": "star", "m0": np.inf, "k0": 0.0, "m": numbers(), "k": numbers(), **undamped}
+    wall = rigid | {"gravity": None, **{name: np.ones(1) for name in ("centre", "u", "v")}}
     record = np.zeros((20, 100))
     contacts = ((0, 0, 1, 0, 1e9, hertz(1e3)),)
     scene, rule = ((target, wall), contacts, ()), (1e-3, 0.25, 0.5)

@@ -613,6 +613,12 @@ def test_senseless_bodies_are_named(options, message):
         ao.Scene().add(BALL, **options)
 
 
+@pytest.mark.parametrize("gravity", [2.0**63, -1e13])
+def test_gravity_beside_which_no_contact_is_resolved_is_refused(gravity):
+    with pytest.raises(ao.InputError, match="give up to 1e\\+12 m/s²"):
+        ao.Scene(gravity=gravity)
+
+
 @pytest.mark.parametrize("damping", [None, ao.Rayleigh(alpha=70.0)], ids=["undamped", "damped"])
 def test_bodies_that_fall_side_by_side_do_not_press_each_other(damping):
     scene = ao.Scene(gravity=EARTH)

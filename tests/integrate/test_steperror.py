@@ -1,5 +1,6 @@
 """How far fixed steps may be off: claimed against true, over random impacts."""
 
+import math
 import warnings
 from dataclasses import dataclass
 from typing import Any
@@ -129,3 +130,46 @@ def test_a_few_steps_claim_nothing(steps: int) -> None:
         hit = ao.simulate(**options, duration=1e-4, solver=ao.Newmark(dt=1e-4 / steps))
     assert len(hit.t) == steps + 1
     assert hit.error.time == 1.0
+
+
+def kicked(width: float, solver: ao.Newmark) -> Any:
+    """A mass of 1 kg at a wall, kicked to 1 m/s by a pulse of that width between two steps."""
+    scene = ao.Scene()
+    mass, wall = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(mass, wall, ao.Hertz(k=1e8))
+    start = 1.2345678e-3
+    scene.apply(mass, force=([start, start + width / 2, start + width], [0.0, 2.0 / width, 0.0]))
+    return scene.simulate(duration=0.01, solver=solver)
+
+
+# A mass of 1 kg at 1 m/s: δ^2.5 = 5/4 m v²/k.
+KICKED_PEAK = 1e8 * (1.25 / 1e8) ** 0.6
+
+
+@pytest.mark.parametrize("width", [1e-6, 1e-7])
+def test_a_pulse_that_a_step_misses_is_not_missed_without_a_word(width: float) -> None:
+    with pytest.warns(ao.AOImpactWarning, match="no digit is right"):
+        run = kicked(width, ao.Newmark(dt=1e-5))
+    assert run.contacts[0].peak_force == 0.0  # as it was at every step
+    assert run.error.time == 1.0
+
+
+@pytest.mark.parametrize("width", [1e-4, 1e-6])
+def test_steps_are_halved_until_they_see_a_pulse(width: float) -> None:
+    run = kicked(width, ao.Newmark(rtol=2e-3))
+    assert run.contacts[0].peak_force == pytest.approx(KICKED_PEAK, rel=2e-3)
+
+
+@pytest.mark.parametrize("steps", [200, 2000])
+def test_a_jump_that_a_massless_point_hands_on_at_once(steps: int) -> None:
+    """The dashpot carries all of the load, 100 N, before anything has moved."""
+    scene = ao.Scene()
+    body = scene.add(ao.AOModel(m0=0.0, k0=1e6, m=[0.1], k=[1e6]))
+    wall = scene.add(ao.rigid(mass=math.inf))
+    scene.connect(body, wall, ao.KelvinVoigt(k=1e6, c=20.0))
+    scene.apply(body, force=([1.2345e-4, 1.2345e-4 + 1e-12], [0.0, 100.0]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ao.AOImpactWarning)
+        run = scene.simulate(duration=1e-3, solver=ao.Newmark(dt=1e-3 / steps))
+    off = abs(run.contacts[0].peak_force / 100.0 - 1.0)
+    assert 1e-3 < off <= run.error.time

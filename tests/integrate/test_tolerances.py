@@ -95,6 +95,7 @@ def end_speed(stiffness: float) -> float:
         return 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:rtol=1e-08 cannot be met")
 def test_energy_that_nothing_gave_is_refused_and_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     """Some walls are so stiff that a contact is over within the last digits of its time."""

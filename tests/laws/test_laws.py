@@ -77,6 +77,7 @@ def test_the_pulling_law_pulls():
 @given(parameters=parameters, depth=depths, rate=rates)
 @settings(max_examples=10)
 def test_derivatives_are_those_of_the_force(name, parameters, depth, rate):
+    """They show nowhere in public: solvers have them from the core."""
     law = law_of(name, *parameters)
     _, stiffness, damping = law._evaluate(np.array(depth), np.array(rate))
     h, g = 1e-5 * depth, 1e-4 * max(abs(rate), 1.0)

@@ -39,7 +39,10 @@ def exact(k, c, delta, n=1.5, factor=1.0):
 )
 @settings(max_examples=200)
 def test_force_and_slope_are_those_of_the_inverted_law(k, share, n, rate):
-    """From where c F vanishes beside δ up to nearly where nothing is left of the law."""
+    """From where c F vanishes beside δ up to nearly where nothing is left of the law.
+
+    Slopes show nowhere in public: solvers have them from the core.
+    """
     deep = 1e-5
     factor = 1.0 + 0.3 * rate
     c = share / (k * factor * n * deep ** (n - 1))

@@ -171,7 +171,8 @@ def public() -> Iterator[tuple[str, set[str]]]:
             for method in vars(thing):
                 of = getattr(thing, method)
                 called = inspect.isfunction(of) or inspect.ismethod(of)
-                if called and not method.startswith(("_", DRAWN)):
+                shown = ":meta private:" not in (of.__doc__ or "")
+                if called and shown and not method.startswith(("_", DRAWN)):
                     yield f"{name}.{method}", _arguments(of) - {"self"}
 
 

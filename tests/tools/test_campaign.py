@@ -100,6 +100,7 @@ def test_a_dashpot_takes_a_load_that_sets_in_on_a_massless_coordinate(gap: float
 
 def test_a_contact_that_is_hardly_one_yet_is_looked_at_again() -> None:
     # Within the hysteresis where another begins, it is no event there, nor does it begin later.
+    # Runs that meet it are one in thousands, and only some of them err; hence the private step.
     oracle = Oracle(Case((Body(1.0), WALL), (Contact(0, 1, HERTZ),), duration=1e-3))
     one, other = (
         SimpleNamespace(depth=np.array([depth]), rate=np.array([1e-8])) for depth in (5e-21, 6e-21)
@@ -139,6 +140,7 @@ def test_two_loose_runs_that_take_the_same_steps_do_not_confirm_each_other() -> 
     assert judge(case).kind == "ok"
 
 
+@pytest.mark.slow
 def test_bodies_that_meet_at_a_small_part_of_their_speeds_do_so_to_the_tolerance(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

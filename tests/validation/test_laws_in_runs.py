@@ -11,7 +11,7 @@ import pytest
 from every_law import LAWS, MASS, law_of
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 import aoimpact as ao
 
@@ -178,7 +178,7 @@ def test_a_damped_force_that_is_largest_right_after_the_touch_is_found(kind, dam
 
 
 def test_a_force_that_comes_back_for_a_moment_while_the_bodies_part_is_not_missed():
-    """A light tip that rings behind a law that has let go, against DOP853 in short steps.
+    """A light contact point that rings behind a law that has let go, against DOP853 in short steps.
 
     1 + damping * rate changes its sign with the ringing, while the indentation is still there.
     """
@@ -327,3 +327,28 @@ def test_a_massless_contact_turns_where_its_law_could_yield(velocity, rtol):
     hertz = ao.simulate(law=ao.Hertz(7e10), **scene)
     assert yielding.peak_force == pytest.approx(hertz.peak_force, rel=2.0 * rtol)
     assert yielding.impulse == pytest.approx(hertz.impulse, rel=2.0 * rtol)
+
+
+def peak_on_a_parabola(law: ao.ContactLaw, rtol: float) -> float:
+    """Of a contact with δ = t - t²/ms: the mass is too heavy for the force to matter."""
+    scene = ao.Scene()
+    mass, wall = scene.add(ao.rigid(mass=1e9), velocity=1.0), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(mass, wall, law)
+    scene.apply(mass, force=-2e12)
+    run = scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=rtol))
+    return run.contacts[0].peak_force
+
+
+# A contact that hardly moves its bodies needs one step, and its peak lies where no node is.
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize("damping", [0.0, 0.3], ids=["undamped", "damped"])
+def test_the_peak_of_a_force_that_hardly_moves_its_bodies(damping: float, rtol: float) -> None:
+    def force(t: float) -> float:
+        return (t - 1e3 * t**2) ** 1.5 * (1.0 + damping * (1.0 - 2e3 * t))
+
+    top = minimize_scalar(
+        lambda t: -force(t), bounds=(0.0, 1e-3), method="bounded", options={"xatol": 1e-10}
+    )
+    by_caller = ao.UserLaw(lambda d, v: d**1.5 * (1.0 + damping * v))
+    for law in (ao.HuntCrossley(k=1.0, damping=damping), by_caller):
+        assert peak_on_a_parabola(law, rtol) == pytest.approx(-top.fun, rel=rtol)

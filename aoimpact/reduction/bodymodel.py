@@ -1,0 +1,177 @@
+"""The base of every model of a body: what other folders ask of one, whatever its kind."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Self
+
+from ..base import FloatArray
+from ..fem import Body, ContactPoint, ContactSurface, Damping
+
+__all__ = ["BodyModel", "FiniteElementModel", "ReducedModel"]
+
+
+class BodyModel(ABC):
+    """A model of a body, and the places where it is touched: its ports.
+
+    A new kind derives from this class or from those below, and `scene/bodies.py` says which scene
+    body the integrators take for it.
+    """
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """What results, tables and plots call the body; empty if it has no name."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """What the model is, in a word."""
+
+    @property
+    @abstractmethod
+    def contact_points(self) -> tuple[ContactPoint, ...]:
+        """One for each port; none of a body given by numbers."""
+
+    @property
+    @abstractmethod
+    def mass(self) -> float | None:
+        """Of the whole body, kg; None where its matrices do not determine it."""
+
+    @property
+    @abstractmethod
+    def most_mass(self) -> float:
+        """A mass not below the static mass, kg; infinite for a constrained body.
+
+        :meta private:
+        """
+
+    @property
+    @abstractmethod
+    def dofs(self) -> int:
+        """Number of degrees of freedom of the model; 0 of a wall."""
+
+    @property
+    def damping(self) -> Damping | None:
+        """Of the natural modes; None where nothing is damped."""
+        return None
+
+    @property
+    def contact_time(self) -> float | None:
+        """The contact's duration that the model was fitted to, s; None where it fits any."""
+        return None
+
+    @property
+    def linear_solver(self) -> str:
+        """The linear solver that the model was made with; empty where none was needed."""
+        return ""
+
+    @property
+    def reducible(self) -> bool:
+        """Whether it stands for contact points whose model is yet to be chosen."""
+        return False
+
+    @property
+    def open_patches(self) -> tuple[int, ...]:
+        """Ports whose patch has a radius that is left to be chosen.
+
+        :meta private:
+        """
+        return ()
+
+    def touched_at(self, port: int = 0) -> ContactPoint | None:
+        """Return the contact point of a port; None of a body given by numbers.
+
+        :meta private:
+        """
+        points = self.contact_points
+        return points[port] if points else None
+
+    def surface_at(self, port: int = 0) -> ContactSurface | None:
+        """Return material and curvatures at a port; None where they are not known.
+
+        :meta private:
+        """
+        point = self.touched_at(port)
+        return None if point is None else point.contact_surface
+
+    @property
+    def turnable(self) -> bool:
+        """Whether the direction of travel at its ports can be turned round once it is made.
+
+        :meta private:
+        """
+        return True
+
+    @abstractmethod
+    def turned(self, ports: Sequence[int]) -> Self:
+        """Return the model with the direction of travel turned round at some ports, if it can be.
+
+        :meta private:
+        """
+
+
+class ReducedModel(BodyModel):
+    """A model of fewer degrees of freedom than its body has, or one given by numbers."""
+
+    @property
+    @abstractmethod
+    def n(self) -> int:
+        """Number of anti-oscillators, or of modes."""
+
+    @abstractmethod
+    def deflection(self, s: float, port: int = 0) -> FloatArray:
+        """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
+
+        Parameters
+        ----------
+        s : float
+            rad/s, positive.
+        port : int, optional
+            Where the force acts.
+
+        :meta private:
+        """
+
+    @abstractmethod
+    def stiffened(self, factor: float) -> Self:
+        """Return the model with all its springs stiffer by a factor.
+
+        :meta private:
+        """
+
+
+class FiniteElementModel(BodyModel):
+    """A model that knows its finite-element body: its name and mass are the body's."""
+
+    @property
+    def body(self) -> Body:
+        """The body touched."""
+        return self.contact_points[0].body
+
+    @property
+    def name(self) -> str:
+        """The body's."""
+        return self.body.name
+
+    @property
+    def mass(self) -> float | None:
+        """Of the whole body, kg; None where its matrices do not determine it."""
+        return self.body.mass
+
+    @property
+    def damping(self) -> Damping | None:
+        """The body's."""
+        return self.body.damping
+
+    @property
+    def most_mass(self) -> float:
+        """Infinite without a rigid motion; a mass that is not known is at most M's trace.
+
+        :meta private:
+        """
+        if self.body.rigid_modes.shape[1] == 0:
+            return math.inf
+        return float(self.body.M.diagonal().sum()) if self.mass is None else self.mass

@@ -1,0 +1,81 @@
+/* Whether a track can be read: done once, before anything else of it is. */
+#include "track/check.h"
+#include "collocation/collocation.h"
+#include "adaptive/row.h"
+
+#include <math.h>
+
+/* A number of things in a track, below a limit. */
+static int number_below(double value, size_t limit, size_t *number)
+{
+    *number = 0;
+    if (!(value >= 0.0 && value < (double)limit)) {
+        return 0;
+    }
+    *number = (size_t)value;
+    return (double)*number == value;
+}
+
+/* Whether a contact of a row can be read. */
+static int contact_is_sound(const aoi_system *system, const double *of)
+{
+    size_t c, edge, piece;
+    if (!number_below(of[AOI_TRACK_CONTACT], system->contact_count, &c) ||
+        !number_below(of[AOI_TRACK_EDGE], AOI_EDGE_NONE + 1, &edge)) {
+        return 0;
+    }
+    const aoi_law *law = system->contact[c].law;
+    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* the law is not evaluated: its force has no edge */
+        return edge == AOI_EDGE_NONE;
+    }
+    return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
+}
+
+/* Where a row ends that begins at a place; 0 if it does not lie within the track, or names what is not in
+ * the system. */
+static size_t end_of_row(const aoi_system *system, const aoi_track *track, size_t at)
+{
+    const double *values = track->values, *row = values + at;
+    size_t bodies, contacts, b, end = at + AOI_TRACK_FIXED;
+    if (track->used - at < AOI_TRACK_FIXED || !isfinite(row[AOI_TRACK_START]) ||
+        !isfinite(row[AOI_TRACK_LENGTH])) {
+        return 0;
+    }
+    if (!number_below(row[AOI_TRACK_BODIES], system->body_count + 1, &bodies) ||
+        !number_below(row[AOI_TRACK_CONTACTS], system->contact_count + 1, &contacts) ||
+        (contacts > 0 && !(row[AOI_TRACK_LENGTH] > 0.0))) {
+        return 0;
+    }
+    for (; bodies > 0; bodies--) {
+        if (end == track->used || !number_below(values[end], system->body_count, &b) ||
+            track->used - end < AOI_TRACK_STATE + 2 * system->body[b].n) {
+            return 0;
+        }
+        end += AOI_TRACK_STATE + 2 * system->body[b].n;
+    }
+    for (; contacts > 0; contacts--) {
+        if (track->used - end < AOI_TRACK_CONTACT_SIZE || !contact_is_sound(system, values + end)) {
+            return 0;
+        }
+        end += AOI_TRACK_CONTACT_SIZE;
+    }
+    return end;
+}
+
+int aoi_track_is_sound(const aoi_system *system, const aoi_track *track)
+{
+    size_t end = 0;
+    double time = -HUGE_VAL;
+    for (size_t row = 0; row < track->rows; row++) {
+        if (track->row[row] != end) {
+            return 0;
+        }
+        const double *here = track->values + end;
+        end = end_of_row(system, track, end);
+        if (end == 0 || here[AOI_TRACK_START] < time) {
+            return 0;
+        }
+        time = here[AOI_TRACK_START];
+    }
+    return track->rows > 0 && end == track->used;
+}

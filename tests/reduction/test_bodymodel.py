@@ -1,0 +1,77 @@
+"""Every kind of model of a body is a `BodyModel`, and the same impact whichever describes it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import aoimpact as ao
+from aoimpact.reduction import BodyModel, ReducedModel, body_model
+
+MESH = ao.box_mesh((0.2, 0.02, 0.01), (10, 2, 1), kind="hexahedron20")
+BAR = ao.FEModel.from_mesh(MESH, ao.Material(E=70e9, nu=0.33, rho=2700), fixed=[("xmin", "xyz")])
+TIP = BAR.contact(point=(0.17, 0.01, 0.01))
+STAR = ao.antioscillators(TIP, n=6, method="krylov", contact_time=1e-4)
+PORTS = ao.interface([TIP], n=7, contact_time=1e-4)
+
+KINDS: dict[str, Any] = {
+    "AO": STAR,
+    "modal": ao.modal(TIP, 5),
+    "interface": PORTS,
+    "full": ao.full(TIP),
+    "contact point": TIP,
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_kind_knows_its_body(kind: str) -> None:
+    model = body_model("target", KINDS[kind])
+    assert isinstance(model, BodyModel)
+    assert model.contact_points == (TIP,)
+    assert model.touched_at() is TIP
+    assert model.surface_at() == TIP.contact_surface
+    assert model.name == BAR.name
+    assert model.most_mass == np.inf  # supports hold it
+    assert model.reducible == (kind == "contact point")
+
+
+def test_degrees_of_freedom_are_the_coordinates_of_the_model() -> None:
+    assert STAR.dofs == len(STAR.matrices()[0])
+    assert PORTS.dofs == len(PORTS.omega)
+    assert ao.full(TIP).dofs == BAR.K.shape[0]
+    assert ao.rigid(1.0).dofs == 1
+    assert ao.rigid(np.inf).dofs == 0
+
+
+@pytest.mark.parametrize("model", [STAR, PORTS], ids=["AO", "interface"])
+def test_stiffer_springs_deflect_less(model: ReducedModel) -> None:
+    """At so low a frequency that inertia plays no part, in inverse proportion."""
+    first, second = (TIP.b @ of.deflection(1.0) for of in (model, model.stiffened(1.25)))
+    assert first / second == pytest.approx(1.25, rel=1e-6)
+
+
+def test_a_body_in_modes_with_one_port_is_hit_as_its_AO_model() -> None:
+    """Both span the static mode's Krylov subspace, in other coordinates."""
+    free = ao.FEModel.from_mesh(MESH, ao.Material(E=70e9, nu=0.33, rho=2700))
+    tip = free.contact(point=(0.17, 0.01, 0.01))
+    star = ao.antioscillators(tip, n=6, method="krylov", contact_time=1e-4)
+    modes = ao.interface([tip], n=6 + 6, contact_time=1e-4)
+    ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800))
+    one, other = (
+        ao.simulate(projectile=ball, target=target, velocity=1.0, duration=2e-4)
+        for target in (star, modes)
+    )
+    assert other.peak_force == pytest.approx(one.peak_force, rel=1e-7)
+    assert other.impulse == pytest.approx(one.impulse, rel=1e-7)
+    assert other.restitution == pytest.approx(one.restitution, rel=1e-6)
+
+
+def test_participations_that_are_not_those_of_the_modes_are_refused() -> None:
+    with pytest.raises(ao.InputError, match="participation must be"):
+        replace(PORTS, participation=2.0 * PORTS.participation)
+    nothing = np.zeros_like(PORTS.participation)
+    with pytest.raises(ao.InputError, match="move every contact point"):
+        replace(PORTS, participation=nothing, modes=np.zeros_like(PORTS.modes))
