@@ -68,7 +68,7 @@ def flying(scene: ao.Scene, wall: Any) -> Callable[[], Any]:
     ball = scene.add(ao.rigid(1.0))
     scene.connect(ball, wall, ao.Hertz(1e8), gap=1e6)
     scene.apply(ball, force=(times, 5.0 + np.sin(4000.0 * times)))
-    return lambda: scene.simulate(duration=1.0)
+    return lambda: scene.simulate(duration=0.2)
 
 
 def load_in_flight() -> Callable[[], Any]:
