@@ -95,7 +95,8 @@ class Orthotropic:
 
     def __post_init__(self) -> None:
         checked(self, E=_moduli, G=_moduli, nu=_triple, rho=_density, axes=_axes)
-        relative = self._compliance[:3, :3] * max(self.E)
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+            relative = self._compliance[:3, :3] * max(self.E)
         if not np.isfinite(relative).all():
             raise InputError(
                 f"E={self.E} Pa, nu={self.nu}: these lie too far apart to compute with"

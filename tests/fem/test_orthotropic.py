@@ -220,6 +220,7 @@ def test_an_impact_on_a_laminate() -> None:
         ({"nu": (4.5, 0.3, 0.4)}, "negative energy.*νji"),
         ({"nu": (0.3, 0.3, -1.0)}, "negative energy"),  # none, but for rounding
         ({"E": (135e9, 5e-324, 9e9)}, "lie too far apart"),
+        ({"E": (1e300, 1e-300, 9e9)}, "lie too far apart"),
         ({"axes": ((1, 0, 0), (1, 1, 0))}, "right angles"),
         ({"axes": ((1, 0, 0),)}, "two directions or three, got 1"),
     ],
