@@ -9,9 +9,15 @@ from typing import Any
 from ..base import FloatArray
 from .pencil import Pencil
 
-__all__ = ["Inverse", "Method", "Solve"]
+__all__ = ["ROUGH", "Inverse", "Method", "Solve"]
 
 Solve = Callable[[FloatArray], FloatArray]
+
+# ‖f - A x‖ / ‖f‖ of a rough solution. For vectors of a subspace that is enough: a model on them is
+# off by the square of it. Measured on a disc, a flange and a plate, tolerances from 1e-1 to 1e-3:
+# forces change by up to 1e-5 of the tolerance, and as many vectors are taken, in 0.6 to 0.8 of the
+# time.
+ROUGH = 1e-6
 
 
 def _always() -> bool:
@@ -30,6 +36,8 @@ class Inverse:
     ----------
     solve : callable
         f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f.
+    roughly : callable or None
+        f, shape (n,), ↦ (K + s²M)⁻¹ f to `ROUGH`, of a method that iterates.
     precondition : callable or None
         About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates.
     at : callable or None
@@ -41,6 +49,7 @@ class Inverse:
     """
 
     solve: Solve
+    roughly: Solve | None = None
     precondition: Solve | None = None
     at: Callable[[float], Inverse] | None = None
     pace: Callable[[], float] = _as_estimated

@@ -21,7 +21,7 @@ from ..base import ConvergenceError, FloatArray, SingularError, bar, interruptib
 from ..mesh import rigid_motions
 from .coarsening import aggregated, corner_interpolation
 from .matrices import check_entries
-from .method import Inverse, Method
+from .method import ROUGH, Inverse, Method
 from .pencil import Pencil
 from .smoother import Smoother, upper_blocks, work_length
 from .superlu import estimated_entries, factorize
@@ -56,11 +56,12 @@ _MOST_ITERATIONS = 500
 _BYTES_PER_ENTRY, _BYTES_PER_FACTOR = 30.0, 16.0
 
 # ‖f - A x‖ / ‖f‖ to iterate to: half of what `LinearSolver` asks for, since the residual that is
-# computed afresh comes out slightly larger.
-_TOLERANCE = 5e-11
+# computed afresh comes out slightly larger. And of a rough one.
+_TOLERANCE, _ROUGHLY = 5e-11, 0.5 * ROUGH
 
 # Seconds of a solution per dof in so many iterations, as compact bodies take, and where nodes are
-# not known; the set-up is about one more.
+# not known; the set-up is about one more. A rough one takes two thirds of that in compact bodies,
+# and three times that in thin ones: taken for less, ribbed plates begin with it, for nothing.
 _SECONDS, _SECONDS_WITHOUT_NODES = 5e-6, 1e-4
 _ITERATIONS = 12
 
@@ -97,7 +98,7 @@ class Multigrid:
     ----------
     pencil : Pencil
     tolerance : float
-        ‖f - (K + s²M) x‖ / ‖f‖ to iterate to.
+        ‖f - (K + s²M) x‖ / ‖f‖ to iterate to, where `solve` gets no other one.
 
     Attributes
     ----------
@@ -174,11 +175,11 @@ class Multigrid:
         self.sizes.append(coarse.shape[0])
         return coarse
 
-    def solve(self, rhs: FloatArray) -> FloatArray:
+    def solve(self, rhs: FloatArray, tolerance: float | None = None) -> FloatArray:
         """Return (K + s²M)⁻¹ `rhs` for one right-hand side (n,) or several (n, m)."""
         if rhs.ndim == 2:
-            return np.column_stack([self.solve(column) for column in rhs.T])
-        found, self.iterations = _conjugate_gradients(self, rhs)
+            return np.column_stack([self.solve(column, tolerance) for column in rhs.T])
+        found, self.iterations = _conjugate_gradients(self, rhs, tolerance or self.tolerance)
         return found
 
     def product(self, x: FloatArray) -> FloatArray:
@@ -276,12 +277,14 @@ def _add_to_diagonal(A: Any, values: FloatArray) -> None:
     A.data[blocks[:, None], local, local] += values.reshape(-1, size)
 
 
-def _conjugate_gradients(multigrid: Multigrid, rhs: FloatArray) -> tuple[FloatArray, int]:
+def _conjugate_gradients(
+    multigrid: Multigrid, rhs: FloatArray, tolerance: float
+) -> tuple[FloatArray, int]:
     """Return the solution to the tolerance, and how many iterations it took.
 
     With β after Polak and Ribière, which forgives a preconditioner its rounding.
     """
-    pencil, tolerance = multigrid.pencil, multigrid.tolerance
+    pencil = multigrid.pencil
     x, r = np.zeros_like(rhs), rhs.copy()
     load = float(np.linalg.norm(rhs))
     if load == 0.0:
@@ -326,7 +329,8 @@ def _set_up(pencil: Pencil) -> Inverse:
         known = multigrid.iterations > 0 and pencil.nodes is not None
         return multigrid.iterations / _ITERATIONS if known else 1.0
 
-    return Inverse(multigrid.solve, precondition=multigrid.precondition, pace=pace)
+    roughly = partial(multigrid.solve, tolerance=_ROUGHLY)
+    return Inverse(multigrid.solve, roughly, multigrid.precondition, pace=pace)
 
 
 def _memory(pencil: Pencil) -> float:

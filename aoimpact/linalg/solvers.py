@@ -23,7 +23,7 @@ from ..base import (
     choice,
     require,
 )
-from .method import Inverse, Method, Solve
+from .method import ROUGH, Inverse, Method, Solve
 from .multigrid import MULTIGRID
 from .pardiso import PARDISO
 from .pencil import Pencil
@@ -52,7 +52,7 @@ _LAST_RESORT = MULTIGRID
 
 SOLVERS = ("auto", *METHODS)
 
-# ‖f - A x‖ / ‖f‖ of every solution, where rounding allows it, and how often one is refined.
+# ‖f - A x‖ / ‖f‖ of a solution, where rounding allows it, and how often one is refined.
 _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
@@ -110,43 +110,49 @@ class LinearSolver:
         ConvergenceError
             If the residual stays above the tolerance after refinement, or x is not finite.
         """
-        return self.solve_with_products(rhs)[0]
+        return self._solve(rhs, self.inverse.solve, _TOLERANCE)[0]
 
-    def solve_with_products(self, rhs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return x as `solve` does, and the products K x and M x, which its residual needs."""
-        x, before = self.unchecked(rhs), np.inf
+    def solve_roughly(self, rhs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return x, K x and M x, for a subspace: rough where the method iterates; see `ROUGH`."""
+        if self.inverse.roughly is None:
+            return self._solve(rhs, self.inverse.solve, _TOLERANCE)
+        return self._solve(rhs, self.inverse.roughly, ROUGH)
+
+    def _solve(
+        self, rhs: FloatArray, inverse: Solve, tolerance: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return x and the products K x and M x, which its residual needs."""
+        x, before = self._unchecked(rhs, inverse), np.inf
         for _ in range(_REFINEMENTS + 1):
             with np.errstate(over="ignore", invalid="ignore"):
                 kx, mx = self.pencil.K @ x, self.pencil.M @ x
                 residual = rhs - (kx + self.s2 * mx)
-                excess = self._excess(residual, rhs, x)
+                excess = self._excess(residual, rhs, x, tolerance)
             if excess <= 1.0:
                 advance("solution", x.size // len(x))
                 return x, kx, mx
             if not excess < 0.5 * before:
                 break
             before = excess
-            x = x + self.unchecked(residual)
+            x = x + self._unchecked(residual, inverse)
         raise ConvergenceError(
             f"solver {self.name!r} leaves {excess:.2g} times the residual allowed "
-            f"({_TOLERANCE:g} of the right-hand side) for {self.pencil.what} of "
+            f"({tolerance:g} of the right-hand side) for {self.pencil.what} of "
             f"{self.pencil.n} dofs: the matrix is singular or nearly so (a mechanism, missing "
             "supports), or this solver fails on it; take another one by solver="
         )
 
-    def _excess(self, residual: FloatArray, rhs: FloatArray, x: FloatArray) -> float:
+    def _excess(
+        self, residual: FloatArray, rhs: FloatArray, x: FloatArray, tolerance: float
+    ) -> float:
         """The largest residual of all columns, over what is allowed; nan where x is too large."""
         rounding = _ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
-        allowed = np.maximum(_TOLERANCE * np.linalg.norm(rhs, axis=0), rounding)
+        allowed = np.maximum(tolerance * np.linalg.norm(rhs, axis=0), rounding)
         size = np.linalg.norm(residual, axis=0)
         return float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
 
-    def unchecked(self, rhs: FloatArray) -> FloatArray:
-        """Return (K + s²M)⁻¹ `rhs` as the method gives it, without a check of the residual.
-
-        Enough for a preconditioner.
-        """
-        x = np.asarray(self.inverse.solve(rhs))
+    def _unchecked(self, rhs: FloatArray, inverse: Solve) -> FloatArray:
+        x = np.asarray(inverse(rhs))
         if x.shape != rhs.shape or x.dtype.kind != "f":
             raise InputTypeError(
                 f"solver {self.name!r} must return a real array of shape {rhs.shape}, as its "

@@ -401,7 +401,7 @@ class Subspace:
 
         def in_place(*buffers: memoryview) -> None:
             x, kx, mx = map(np.frombuffer, buffers)
-            x[:], kx[:], mx[:] = inverse.solve_with_products(x.copy())
+            x[:], kx[:], mx[:] = inverse.solve_roughly(x.copy())
 
         _core.krylov_extend(
             self._K,

@@ -360,6 +360,21 @@ def test_zero_has_the_solution_zero(bar):
     np.testing.assert_array_equal(found.solve(np.zeros(bar.n_dofs)), np.zeros(bar.n_dofs))
 
 
+@pytest.mark.parametrize(("name", "least"), [("multigrid", 1e-9), ("superlu", 0.0)])
+def test_vectors_of_a_subspace_are_solved_to_a_millionth_where_that_is_quicker(name, least):
+    body = ao.FEModel.from_mesh(box_mesh((0.05, 0.05, 0.02), (5, 5, 2), kind="hexahedron20"), STEEL)
+    load = np.random.default_rng(3).standard_normal(body.n_dofs)
+    solver = body.inverse(1e10, solver=name)
+    x, kx, mx = solver.solve_roughly(load)
+    np.testing.assert_array_equal(kx, body.K @ x)
+    np.testing.assert_array_equal(mx, body.M @ x)
+    left = np.linalg.norm(load - kx - 1e10 * mx) / np.linalg.norm(load)
+    assert least <= left <= (1e-6 if least else 1e-10)
+    exact = solver.solve(load)
+    residual = load - body.K @ exact - 1e10 * (body.M @ exact)
+    assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(load)
+
+
 def test_iterations_are_given_up_for_factors_where_they_go_slowly():
     """By how many there were, not by a clock, and only if factors are quicker for what is left."""
     body = ao.FEModel.from_mesh(box_mesh((0.2, 0.1, 0.005), (16, 8, 1), kind="hexahedron20"), STEEL)

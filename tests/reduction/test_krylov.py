@@ -488,7 +488,7 @@ def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monk
         np.testing.assert_allclose(star_at(star, s), same, rtol=1e-8)
     slow = made.count("multigrid")
     assert made[slow:] == ["superlu"] * (len(made) - slow)  # also where the shift is sharpened
-    assert 20 <= 10 + 4 * (slow - 1) <= 34  # each has 1 to 1.5 times as many iterations as foreseen
+    assert 20 <= 10 + 4 * (slow - 1) <= 44  # each takes 2/3 to 3/2 of what was foreseen
 
 
 ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
