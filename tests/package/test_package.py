@@ -109,7 +109,19 @@ def test_examples_of_the_readme_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         exec(compile(block, "README.md", "exec"), names)
     hit = names["hit"]
     assert isinstance(hit, ao.Result)
-    assert hit.peak_force > 0.0
+    (shown,) = re.findall(r"^peak force .*$", text, re.M)
+    (printed,) = re.findall(r"^ *(peak force .*)$", str(hit), re.M)
+    number = re.compile(r"\d+(?:\.\d+)?")
+    assert number.sub("#", shown) == number.sub("#", printed)
+    force, error, *parts, time, of_time = map(float, number.findall(shown))
+    assert hit.peak_force == pytest.approx(force, rel=min(0.01, error / 100.0))
+    found, found_error, *found_parts, found_time, found_of_time = map(
+        float, number.findall(printed)
+    )
+    assert (found, found_time) == pytest.approx((force, time), rel=0.01)
+    # Estimates: machines and solvers that end with other models may differ by so much.
+    estimates = found_error, *found_parts, found_of_time
+    assert estimates == pytest.approx((error, *parts, of_time), rel=0.5)
 
 
 def test_contributing_names_every_folder_in_its_order_and_only_files_that_are_there() -> None:
