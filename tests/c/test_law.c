@@ -1,14 +1,27 @@
 /* The contact laws: their formulas, what belongs together, and what cannot be. */
 #include "check.h"
+#include "law/kinds.h"
 #include "law/law.h"
 
 #include <string.h>
 
+/* How many parameters an elastic law has; none of a name that is not among them. */
+static size_t count_of(const char *name)
+{
+    for (size_t i = 0; i < aoi_laws_elastic_count; i++) {
+        if (strcmp(aoi_laws_elastic[i].name, name) == 0) {
+            return aoi_laws_elastic[i].count;
+        }
+    }
+    return 0;
+}
+
+/* An elastic law; one of a single parameter leaves out the second. */
 static aoi_law law_of(const char *name, double first, double second)
 {
     const double parameter[] = {first, second};
     aoi_law law;
-    const int status = aoi_law_create(&law, name, strcmp(name, "power") == 0 ? 2 : 1, parameter);
+    const int status = aoi_law_create(&law, name, count_of(name), parameter);
     CHECK(status == AOI_OK, "%s(%g, %g)", name, first, second);
     return law;
 }
@@ -169,7 +182,7 @@ static aoi_law law_among(const char *name, double compliance)
     return law_at(i);
 }
 
-static void damped_laws_follow_their_formulas(void)
+static void laws_at_a_rate_follow_their_formulas(void)
 {
     const double k = 1e10, v = 0.7;
     for (double d = 1e-9; d < 1e-3; d *= 3.1) {
@@ -179,6 +192,9 @@ static void damped_laws_follow_their_formulas(void)
             const char *law;
             double force, stiffness, damping;
         } wanted[] = {
+            {"hertz", hertz, 1.5 * hertz / d, 0.0},
+            {"power", 1e11 * pow(d, 1.7), 1.7e11 * pow(d, 0.7), 0.0},
+            {"linear", 3e7 * d, 3e7, 0.0},
             {"hunt_crossley", hertz * (1.0 + 0.4 * v), 1.5 * hertz / d * (1.0 + 0.4 * v), 0.4 * hertz},
             {"tsuji", hertz + 3e3 * sqrt(root) * v, 1.5 * hertz / d + 750.0 / (root * sqrt(root)) * v,
              3e3 * sqrt(root)},
@@ -194,7 +210,8 @@ static void damped_laws_follow_their_formulas(void)
                   wanted[i].law, d);
             CHECK(near(value.damping, wanted[i].damping, 1e-14), "%s: damping at %g m",
                   wanted[i].law, d);
-            CHECK(law.depends_on_rate, "%s depends on the rate", wanted[i].law);
+            CHECK((law.depends_on_rate != 0) == (wanted[i].damping != 0.0), "%s depends on the rate: %d",
+                  wanted[i].law, law.depends_on_rate);
         }
     }
 }
@@ -759,7 +776,7 @@ int main(void)
     stiffness_is_the_slope();
     no_force_without_contact();
     laws_that_cannot_be();
-    damped_laws_follow_their_formulas();
+    laws_at_a_rate_follow_their_formulas();
     derivatives_are_those_of_the_force();
     compliance_is_taken_out();
     beyond_its_limit_a_law_is_a_line();

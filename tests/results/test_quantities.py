@@ -79,7 +79,9 @@ def test_no_force_in_either_is_no_difference():
 
 def test_every_quantity_is_on_its_page():
     page = (Path(__file__).parents[2] / "docs" / "scene-files.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (`.*`)[^|]*\| ([^|]*?) *\| ([^|]*) \|$", page, flags=re.MULTILINE)
+    # The words that a row begins with are names, those after them may be of anything.
+    row = r"^\| (`\w+`(?:, `\w+`)*)[^|]*\| ([^|]*?) *\| ([^|]*) \|$"
+    rows = re.findall(row, page, flags=re.MULTILINE)
     table = {
         name: (unit, "an impact" in of, "a scene" in of)
         for names, unit, of in rows
@@ -88,7 +90,8 @@ def test_every_quantity_is_on_its_page():
     for name, quantity in QUANTITIES.items():
         of_scenes = name in SCENE_CHOICES
         assert name in table, f"docs/scene-files.md has no row for {name}"
-        assert table[name] == (quantity.unit, True, of_scenes)
+        wanted = (quantity.unit, True, of_scenes)
+        assert table[name] == wanted, f"{name}: unit, of an impact, of a scene"
 
 
 @pytest.mark.parametrize(
