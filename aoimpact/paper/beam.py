@@ -13,13 +13,12 @@ import numpy as np
 
 from ..base import FloatArray
 from ..fem import ContactPoint, FEModel, Material
-from ..impact import simulate
 from ..integrate import Newmark, find_impulse
 from ..laws import Hertz
 from ..mesh import box_mesh
 from ..reduction import AOModel, FullModel, ModalModel, antioscillators, full, modal, rigid
 from ..results import Result
-from .sphere import BALL_MASS, RADIUS, STEEL, VELOCITY, SphereStudy
+from .sphere import BALL_MASS, RADIUS, STEEL, VELOCITY, SphereStudy, impact_at_nodes
 from .table import Row, Table
 
 ALUMINIUM = Material(E=70e9, nu=0.3, rho=2400.0)
@@ -166,7 +165,7 @@ class BeamStudy:
         dt: float | None = None,
     ) -> Result:
         """Run the sphere against the beam."""
-        return simulate(
+        return impact_at_nodes(
             projectile=projectile,
             target=target,
             law=LAW,

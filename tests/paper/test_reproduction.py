@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -187,6 +188,17 @@ def test_beam_frequencies(beam: paper_beam.BeamStudy) -> None:
     assert rows["315 Hz, nearest any mode"].verdict == "differs"
     quadratic = rows["f1, quadratic bricks"].computed
     assert quadratic == pytest.approx(paper_beam.bending_frequency(1), rel=5e-3)
+
+
+def test_single_nodes_are_meant_and_nothing_else_is_silenced(
+    spheres: paper_sphere.SphereStudy, beam: paper_beam.BeamStudy
+) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ao.AOImpactWarning)
+        spheres.pair(spheres.oscillator)
+        beam.hit(spheres.oscillator, beam.star, beam.short)
+    with pytest.warns(ao.AOImpactWarning, match="ends in contact"):
+        beam.hit(spheres.oscillator, beam.star, 0.1 * beam.short)
 
 
 @pytest.mark.slow
