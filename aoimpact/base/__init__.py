@@ -3,7 +3,7 @@
 from .arrays import FloatArray, IntArray
 from .cells import aligned, html_table
 from .checks import (
-    FARTHEST,
+    HUGE,
     boolean,
     choice,
     file_path,
@@ -45,7 +45,7 @@ from .errors import (
 )
 from .frozen import Frozen, checked
 from .interruptible import SIGNAL_INTERVAL, interruptible
-from .memory import available, require
+from .memory import GIB, available, require
 from .packages import optional_package
 from .progress import advance, bar
 from .style import (
@@ -63,7 +63,8 @@ from .units import Scale, scale_for, with_unit
 
 __all__ = [
     "COLOURS",
-    "FARTHEST",
+    "GIB",
+    "HUGE",
     "SIGNAL_INTERVAL",
     "AOImpactError",
     "AOImpactWarning",

@@ -23,7 +23,7 @@ from .arrays import FloatArray, IntArray
 from .errors import InputError, InputTypeError
 
 __all__ = [
-    "FARTHEST",
+    "HUGE",
     "boolean",
     "choice",
     "file_path",
@@ -46,8 +46,8 @@ __all__ = [
     "written_file",
 ]
 
-# Coordinates, m, beyond which squares of distances are no numbers.
-FARTHEST = 1e100
+# In SI units: squares and cubes of what is not larger are numbers, and so are products of two.
+HUGE = 1e100
 
 
 def _unit(unit: str) -> str:
@@ -313,7 +313,7 @@ def place(name: str, value: Any) -> FloatArray:
         If it has another shape, is not finite, or farther off than any body.
     """
     point = finite_array(name, value, shape=(3,), unit="m")
-    if float(np.abs(point).max()) > FARTHEST:
+    if float(np.abs(point).max()) > HUGE:
         raise InputError(f"{name} {plain(point)} m is off any body: give it in metres")
     return point
 

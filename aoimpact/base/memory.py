@@ -9,9 +9,9 @@ from pathlib import Path
 
 from .errors import MemoryLimitError
 
-__all__ = ["available", "require"]
+__all__ = ["GIB", "available", "require"]
 
-_GIB = 2.0**30
+GIB = 2.0**30
 
 # Control groups of version 2 (containers): what the group may use, and what it uses.
 _CGROUP = Path("/sys/fs/cgroup")
@@ -44,7 +44,7 @@ def require(n_bytes: float, what: str, cure: str) -> None:
     free = available()
     if n_bytes > free:
         raise MemoryLimitError(
-            f"{what} would need some {n_bytes / _GIB:.3g} GiB of memory, and {free / _GIB:.3g} GiB "
+            f"{what} would need some {n_bytes / GIB:.3g} GiB of memory, and {free / GIB:.3g} GiB "
             f"are free: {cure}"
         )
 

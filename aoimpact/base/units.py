@@ -23,10 +23,11 @@ class Scale:
 def scale_for(largest: float, unit: str) -> Scale:
     """Return the scale that shows numbers up to `largest` (SI, any sign) well.
 
-    Zero, infinite and undefined values keep the bare unit.
+    Zero, infinite and undefined values keep the bare unit, and so do numbers per unit: no prefix
+    stands before a 1.
     """
     size = abs(largest)
-    if not math.isfinite(size) or size == 0.0 or not unit:
+    if not math.isfinite(size) or size == 0.0 or not unit or unit.startswith("1/"):
         return Scale(1.0, unit)
     exponent = 3 * math.floor(math.log10(size) / 3.0 + 1e-9)
     if 1.0 <= size < 9999.5:

@@ -21,7 +21,7 @@ from .composition import (
 )
 from .contact import Body, ContactPoint, contact_at, contact_point, contact_within
 from .contactsurface import ContactSurface
-from .damping import FASTEST, Damping, ModalDamping, Rayleigh, damping_or_none
+from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
 from .halfspace import PatchCheck, check_patch, image_field
 from .labels import checked_labels
 from .material import PAIRS, Material
@@ -41,7 +41,6 @@ from .supports import selected_nodes
 from .touch import Room, edge_length, room
 
 __all__ = [
-    "FASTEST",
     "PAIRS",
     "AnyMaterial",
     "Audit",

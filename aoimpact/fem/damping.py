@@ -8,21 +8,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import InputError, InputTypeError, finite_array, nonnegative
+from ..base import HUGE, InputError, InputTypeError, finite_array, nonnegative
 
-# rad/s; what frequencies squared come to is a number, and so is that times the strongest damping.
-FASTEST = 1e100
-_STRONGEST = 1e100
-
-__all__ = ["FASTEST", "Damping", "ModalDamping", "Rayleigh", "damping_or_none"]
+__all__ = ["Damping", "ModalDamping", "Rayleigh", "damping_or_none"]
 
 
 def _coefficient(name: str, value: Any, unit: str = "") -> float:
     """Return `value` as a float that any mode's frequency may be multiplied by."""
     number = nonnegative(name, value, unit=unit)
-    if number > _STRONGEST:
+    if number > HUGE:
         raise InputError(
-            f"{name} must be at most {_STRONGEST:g}{unit and ' ' + unit}, got {number:g}: decays "
+            f"{name} must be at most {HUGE:g}{unit and ' ' + unit}, got {number:g}: decays "
             "of modes would be no numbers"
         )
     return number
@@ -66,7 +62,7 @@ class Rayleigh:
 
         :meta private:
         """
-        frequency = finite_array("omega", omega, unit="rad/s", most=FASTEST)
+        frequency = finite_array("omega", omega, unit="rad/s", most=HUGE)
         decay = 0.5 * (self.alpha + self.beta * frequency**2)
         return decay if decay.ndim else float(decay)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FARTHEST, FloatArray, InputError, IntArray, finite_array, unit_vector
+from ..base import HUGE, FloatArray, InputError, IntArray, finite_array, unit_vector
 from ..fem import Body, selected_nodes
 from ..integrate import Motion
 from ..mesh import node_at, weights_at
@@ -218,7 +218,7 @@ class Response:
             sets = {} if self.body.mesh is None else self.body.mesh.node_sets
             chosen = selected_nodes("nodes", nodes, coordinates, sets)
             return coordinates[chosen], sp.eye_array(len(coordinates), format="csr")[chosen]
-        places = finite_array("point", point, unit="m", most=FARTHEST)
+        places = finite_array("point", point, unit="m", most=HUGE)
         if places.shape[-1:] != (3,) or places.ndim > 2 or places.size == 0:
             raise InputError(f"point must have shape (3,) or (p, 3), got {places.shape}")
         weights = sp.lil_array((places.size // 3, len(coordinates)))

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..base import InputError, plain, positive, real, warn, with_unit
+from ..base import HUGE, InputError, plain, positive, real, warn, with_unit
 from ..fem import ContactPoint
 from ..laws import HertzianLaw, own_law
 from ..reduction import AOModel
@@ -29,7 +29,7 @@ __all__ = [
 _SLOWEST, _FASTEST = 1e-60, 1e60
 
 # s; their cubes are numbers, and so is the distance that the fastest body covers.
-_SHORTEST, _LONGEST = 1e-100, 1e100
+_SHORTEST, _LONGEST = 1.0 / HUGE, HUGE
 
 # m/s², the most on a neutron star. Above ten times as much, depths of contacts are no more than the
 # rounding of the ways that bodies fall, and drawn scenes were wrong by 1e-7 to 1e-4.

@@ -13,7 +13,7 @@ import scipy
 
 from .. import _core
 from ..base import (
-    FARTHEST,
+    HUGE,
     FloatArray,
     InputError,
     InputTypeError,
@@ -380,7 +380,7 @@ class HertzianLaw(ContactLaw):
     def __post_init__(self) -> None:
         if self.relative_radius is not None:
             radius = positive("relative_radius", self.relative_radius, unit="m")
-            if radius > FARTHEST:
+            if radius > HUGE:
                 raise InputError(
                     f"relative_radius={radius:g} m is larger than any body: give it in metres"
                 )

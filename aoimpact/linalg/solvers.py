@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..base import (
+    GIB,
     ConvergenceError,
     FloatArray,
     InputTypeError,
@@ -256,7 +257,7 @@ def _quickest(pencil: Pencil, solutions: int) -> Method:
 
 def _cure(pencil: Pencil, method: Method) -> str:
     if method is not _LAST_RESORT:
-        memory = _LAST_RESORT.memory(pencil) / 2.0**30
+        memory = _LAST_RESORT.memory(pencil) / GIB
         return f"solver={_LAST_RESORT.name!r} takes {memory:.2g} GiB"
     return "take a coarser mesh, free memory, or give a solver of your own by solver="
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FARTHEST, FloatArray, InputError, IntArray, file_path, finite_array
+from ..base import HUGE, FloatArray, InputError, IntArray, file_path, finite_array
 from ..mesh import read_mesh
 from .found import existing, spoilt
 
@@ -42,7 +42,7 @@ def read_places(nodes: Any) -> Places:
     InputError, InputTypeError, MeshError
     """
     if not isinstance(nodes, str) and not hasattr(nodes, "__fspath__"):
-        array = finite_array("nodes", nodes, ndim=2, most=FARTHEST)
+        array = finite_array("nodes", nodes, ndim=2, most=HUGE)
         if array.shape[1] == 3:
             return None, array
         if array.shape[1] != 4:
@@ -139,7 +139,7 @@ def _numbers(file: Path, rows: list[list[str]]) -> FloatArray:
             )
     except (ValueError, OverflowError) as error:
         raise spoilt(file, f"label, x, y and z of nodes cannot be read: {error}") from None
-    if not (np.abs(table) <= min(FARTHEST, 2.0**53)).all():
+    if not (np.abs(table) <= min(HUGE, 2.0**53)).all():
         raise spoilt(file, "a node has a label or coordinate that is not finite, or too large")
     return table
 

@@ -21,6 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from ..base import GIB
+
 __all__ = ["Reading", "bounded", "bounded_text"]
 
 # Bytes of arrays that any file may ask for, and how many times its size beyond that: text takes
@@ -29,8 +31,6 @@ _FOR_ALL, _PER_BYTE = 2**30, 64
 
 # Empty reads at the end of a file after which its reader would go on for ever, or for very long.
 _MOST_EMPTY = 1000
-
-_GIB = 2.0**30
 
 
 @dataclass
@@ -83,7 +83,7 @@ def _take(n_bytes: float) -> None:
     reading.left -= n_bytes
     if reading.left < 0.0:
         raise ValueError(
-            f"the file asks for an array of {n_bytes / _GIB:.3g} GiB, which is out of proportion "
+            f"the file asks for an array of {n_bytes / GIB:.3g} GiB, which is out of proportion "
             "to its size: a count or number in it is wrong"
         )
 

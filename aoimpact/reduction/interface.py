@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import (
+    HUGE,
     FloatArray,
     Frozen,
     InputError,
@@ -26,12 +27,12 @@ from ..base import (
     text,
     warn,
 )
-from ..fem import FASTEST, ContactPoint, translates
+from ..fem import ContactPoint, translates
 from ..linalg import Solver
 from .bodymodel import FiniteElementModel, ReducedModel
 from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
 from .full import checked_ports
-from .modes import LARGEST, ascending, modal
+from .modes import ascending, modal
 from .star import described
 from .subspace import Subspace
 
@@ -65,10 +66,8 @@ def _compliance(name: str, value: Any, *, ports: int) -> FloatArray:
 def _contact_time(name: str, value: Any) -> float:
     """Check that a contact time has a frequency to be computed with."""
     time = positive(name, value, unit="s")
-    if time * FASTEST < SHIFT_TIMES_DURATION:
-        raise InputError(
-            f"{name} must be {SHIFT_TIMES_DURATION / FASTEST:g} s at least, got {time:g}"
-        )
+    if time * HUGE < SHIFT_TIMES_DURATION:
+        raise InputError(f"{name} must be {SHIFT_TIMES_DURATION / HUGE:g} s at least, got {time:g}")
     return time
 
 
@@ -118,8 +117,8 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
         n, ports = len(self.omega), len(self.tips)
         checked(
             self,
-            participation=partial(finite_array, shape=(ports, n), most=LARGEST, order="K"),
-            modes=partial(finite_array, shape=(self.body.n_dofs, n), most=LARGEST, order="K"),
+            participation=partial(finite_array, shape=(ports, n), most=HUGE, order="K"),
+            modes=partial(finite_array, shape=(self.body.n_dofs, n), most=HUGE, order="K"),
             residual=partial(_compliance, ports=ports),
         )
         moved = np.stack([tip.b for tip in self.tips]) @ self.modes
@@ -244,7 +243,7 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
         >>> bool(np.allclose(G, G.T))  # Maxwell and Betti
         True
         """
-        frequency = finite_array("omega", omega, unit="rad/s", most=FASTEST)
+        frequency = finite_array("omega", omega, unit="rad/s", most=HUGE)
         stiffness: Any = self.omega**2 - frequency[..., None] ** 2
         if self.damping is not None:
             stiffness = stiffness + 2j * self.damping.decay(self.omega) * frequency[..., None]

@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..base import (
+    HUGE,
     FloatArray,
     Frozen,
     InputError,
@@ -26,11 +27,8 @@ from .bodymodel import FiniteElementModel
 from .origin import origin_of
 from .star import AOModel, described
 
-__all__ = ["LARGEST", "ModalModel", "ascending", "modal"]
+__all__ = ["ModalModel", "ascending", "modal"]
 
-
-# Entries of modes, 1/√kg, whose products are numbers.
-LARGEST = 1e100
 
 # Modes and oscillators with less than this share of the whole count as not excited by the contact.
 _NOT_EXCITED = 1e-13
@@ -64,7 +62,7 @@ class ModalModel(Frozen, FiniteElementModel):
     def __post_init__(self) -> None:
         checked(self, tip=(ContactPoint,), omega2=ascending)
         shape = (self.tip.body.n_dofs, len(self.omega2))
-        checked(self, modes=partial(finite_array, shape=shape, most=LARGEST, order="K"))
+        checked(self, modes=partial(finite_array, shape=shape, most=HUGE, order="K"))
         super().__post_init__()
 
     def __repr__(self) -> str:

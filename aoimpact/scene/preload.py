@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base import ConvergenceError, FloatArray, InputError, LawLimitError
+from ..base import HUGE, ConvergenceError, FloatArray, InputError, LawLimitError
 from ..linalg import LARGEST
 from ..reduction import ModalBody
 from .contact import Contact
@@ -42,9 +42,6 @@ _TIGHTER, _LOOSER, _MOST_DAMPING = 0.2, 10.0, 1.0 / _EPSILON
 # Energies that differ by less are the same: sums of many terms that cancel. 1e-12 does as well,
 # and with none the last steps are refused.
 _ROUNDING = 1e-9
-
-# A body displaced this far falls for ever, m: squares of it are still numbers.
-_FARTHEST = 1e100
 
 # Imbalance that counts as none, relative to the forces on the same coordinate; and, where
 # iterations gain no more, relative to the largest force. Ten times as much, and for the first a
@@ -342,7 +339,7 @@ def _descend(statics: _Statics, at: _Configuration) -> tuple[_Configuration, int
             break
         before = at if number % _PATIENCE == 0 else before
         step = statics.step(at, damping)
-        if step is not None and not np.abs(at.x + step).max(initial=0.0) < _FARTHEST:
+        if step is not None and not np.abs(at.x + step).max(initial=0.0) < HUGE:
             break
         trial = None if step is None else statics.at(at.x + step)
         if trial is not None and trial.better_than(at):

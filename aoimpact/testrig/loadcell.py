@@ -10,7 +10,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, InputError, checked, finite_array, nonnegative, positive, text, warn
+from ..base import (
+    HUGE,
+    FloatArray,
+    InputError,
+    checked,
+    finite_array,
+    nonnegative,
+    positive,
+    text,
+    warn,
+)
 from ..fem import Material, Rayleigh
 from ..reduction import AOModel, ball
 from ..results import Result
@@ -109,7 +119,7 @@ class LoadCell:
         >>> round(float(cell.gain(0.0)), 4) == round(cell.share, 4)
         True
         """
-        f = finite_array("frequency", frequency, unit="Hz", most=1e100)
+        f = finite_array("frequency", frequency, unit="Hz", most=HUGE)
         s = 2j * math.pi * f
         slow = 2.0 * self.damping_ratio * self.omega * s + self.omega**2
         found: FloatArray = self.share * np.abs(slow / (s * s + slow))

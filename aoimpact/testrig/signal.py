@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import (
+    HUGE,
     Curve,
     FloatArray,
     Frozen,
@@ -101,8 +102,8 @@ class Signal(Frozen):
 
     def __post_init__(self) -> None:
         checked(self, unit=text, name=text, raw=(Signal, type(None)))
-        times = finite_array("t", self.t, ndim=1, unit="s", most=1e100).copy()
-        values = finite_array("values", self.values, ndim=1, unit=self.unit, most=1e100).copy()
+        times = finite_array("t", self.t, ndim=1, unit="s", most=HUGE).copy()
+        values = finite_array("values", self.values, ndim=1, unit=self.unit, most=HUGE).copy()
         if len(times) < 2 or len(values) != len(times):
             raise InputError(
                 "t and values must have the same length, two samples at least, got "

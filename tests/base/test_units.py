@@ -22,6 +22,9 @@ from aoimpact.base.units import scale_for, scale_of, with_unit
         (0.0327, "kg", "32.7 g"),
         (2.0, "kg", "2 kg"),
         (float("inf"), "kg", "inf kg"),
+        (1e4, "1/m", "10000 1/m"),
+        (2.5e-4, "1/s", "0.00025 1/s"),
+        (2.5e12, "1/s", "2.5e+12 1/s"),
     ],
 )
 def test_quantities_carry_fitting_prefixes(value: float, unit: str, text: str) -> None:
