@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from .. import _core
 from ..base import (
+    HUGE,
     FloatArray,
     Frozen,
     InputError,
@@ -36,8 +37,8 @@ from .origin import Origin
 __all__ = ["AOModel", "ball", "rigid"]
 
 
-# Masses, kg, and stiffnesses, N/m, beside each other: their ratios squared are numbers.
-_LARGEST, _LEAST = 1e100, 1e-100
+# Masses, kg, and stiffnesses, N/m, beside each other: their squares and ratios are numbers.
+_LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
 # Of a rigid body, kg: its weight, momentum and energy are numbers.
 _HEAVIEST, _LIGHTEST = 1e200, 1e-200
@@ -120,7 +121,7 @@ class AOModel(Frozen, ReducedModel):
         super().__post_init__()
 
     def _check_reach(self) -> None:
-        """Refuse masses and springs whose ratios squared leave the range of doubles."""
+        """Refuse masses and springs whose squares or ratios leave the range of doubles."""
         if not len(self.m) and not self.k0:
             if math.isfinite(self.m0) and not _LIGHTEST <= self.m0 <= _HEAVIEST:
                 raise InputError(

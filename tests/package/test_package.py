@@ -280,8 +280,9 @@ WAITING = {
 def test_imports_wait_until_they_are_needed() -> None:
     """`import aoimpact` takes a quarter of the time of numpy and scipy.sparse, which it leaves out.
 
-    The first use of `simulate` takes 1.6 times as long as those, with them; half of the rest is
-    spent on making dataclasses. The first call whose law has to be solved needs scipy.optimize.
+    The first use of `simulate` takes 1.5 times as long as those, with them; half of the rest is
+    spent on making dataclasses. Where no bytecode is kept (PYTHONDONTWRITEBYTECODE) it takes twice
+    as long. The first call whose law has to be solved needs scipy.optimize.
     """
     command = [sys.executable, "-W", "error", "-c", FIRST_CALLS]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
