@@ -37,11 +37,6 @@ static const double RIGID = 1e15;
  * Tried: 6 runs change, by 4e-13. */
 static const double MUCH = 1e13;
 
-/* Error of the rates found, as a share of the largest; also the tolerance of Newton's method for them, of laws nearly
- * linear in rates, and of the last change of the forces in equilibrium, after which their error is its square. Measured:
- * from 3e-9 to 3e-8 errors and work are the same. */
-static const double RATE_ERROR = 1e-8;
-
 /* Most iterations for the forces in equilibrium, and of Newton's method for the rates. Tried: 1 run changes, by
  * 1e-13. */
 enum { MOST_LOOPS = 30 };
@@ -304,7 +299,7 @@ static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
 static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double *change = e->free, largest = 0.0, changed = HUGE_VAL, force = 0.0;
-    for (int k = 0; k < MOST_LOOPS && isfinite(largest) && changed > RATE_ERROR * force; k++) {
+    for (int k = 0; k < MOST_LOOPS && isfinite(largest) && changed > AOI_RATE_ERROR * force; k++) {
         set_motion(run, e);
         for (size_t i = 0; i < e->count; i++) {
             e->rate_free[i] += (e->indentation[i] - run->balanced[i].indentation) / time;
@@ -336,7 +331,7 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
         if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
             break;
         }
-        if (set_rates(time, e, change, &largest) <= RATE_ERROR * largest) {
+        if (set_rates(time, e, change, &largest) <= AOI_RATE_ERROR * largest) {
             return largest;
         }
     }
@@ -538,7 +533,7 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     for (size_t i = 0; i < e->count; i++) {
         e->rate[i] = of[i].rate;
     }
-    const double error = RATE_ERROR * find_rates(run, soon(run, time, e), e);
+    const double error = AOI_RATE_ERROR * find_rates(run, soon(run, time, e), e);
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
         uncut_force(run, &of[i], e->indentation[i], of[i].rate, &value);

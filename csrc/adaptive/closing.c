@@ -143,6 +143,21 @@ static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contac
     return fmax(jerk * time, 0.0);
 }
 
+/* The rate at which loads alone change the acceleration of an approach, m/s^3. */
+static double load_jerk(const aoi_free_pair *pair)
+{
+    double jerk = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const aoi_modes *body = pair->body[side];
+        for (size_t j = 0; j < body->n && body->load.count > 0; j++) {
+            double load, slope;
+            aoi_modes_drive(body, j, pair->time, &load, &slope);
+            jerk += (side == 0 ? 1.0 : -1.0) * body->shape[pair->port[side] * body->n + j] * slope;
+        }
+    }
+    return jerk;
+}
+
 /* Estimate of the largest indentation that an approach leads to in the time left. */
 static double reach_of(const aoi_adaptive_contact *contact, const aoi_law *law, const approach *by, double left)
 {
@@ -220,6 +235,12 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     if (now.acceleration < 0.0 && slow.amplitude_rate > slow.rate) { /* it may separate them again at once */
         reach = fmin(reach, 0.5 * rate * rate / -now.acceleration);
         time = fmin(time, rate / -now.acceleration);
+    }
+    const double jerk = load_jerk(pair);
+    if (rate > 0.0 && jerk < 0.0) { /* so may loads that set in */
+        const double a = fmax(now.acceleration, 0.0), turn = 2.0 * rate / (sqrt(a * a - 2.0 * jerk * rate) - a);
+        reach = fmin(reach, turn * (rate + turn * (0.5 * a + turn * jerk / 6.0)));
+        time = fmin(time, turn);
     }
     aoi_law_push(law, contact->memory, reach, fmax(rate, 0.0), &value);
     if (!(reach > 0.0) || !(time > 0.0) || !isfinite(3.0 * time) || !isfinite(value.force)) {

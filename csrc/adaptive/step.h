@@ -48,12 +48,13 @@ static inline int aoi_step_may_peak(const aoi_adaptive_contact *contact, const a
     return aoi_step_force(entry) >= NEAR_PEAK * contact->peak_force;
 }
 
-/* Force scale of a contact: its largest force so far, or a small share of the other contacts' scale. A contact that a
- * wave has just reached has a force that starts like a power of time: relative to its own force alone, its error would
- * be the same in the shortest step. */
+/* Force scale of a contact: its largest force so far, or expected at its touch, or a small share of the other contacts'
+ * scale. A contact that a wave or a load has just reached has a force that starts like a power of time: relative to its
+ * own force alone, its error would be the same in the shortest step. */
 static inline double aoi_step_force_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
-    return fmax(fmax(run->contact[entry->contact].peak_force, largest), LESSER_SHARE * run->force_scale);
+    const aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    return fmax(fmax(contact->peak_force, contact->expected_force), fmax(largest, LESSER_SHARE * run->force_scale));
 }
 
 static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_contact_step *entry,

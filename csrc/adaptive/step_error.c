@@ -67,11 +67,9 @@ static double force_tail(const aoi_contact_step *entry)
     return last < before ? last * sqrt(last / before) : last;
 }
 
-/* Force scale of a contact, or the force expected at its touch where that is larger. */
 static double force_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
-    return fmax(aoi_step_force_scale(run, entry, aoi_step_force(entry)),
-                run->contact[entry->contact].expected_force);
+    return aoi_step_force_scale(run, entry, aoi_step_force(entry));
 }
 
 /* Size of the last coefficients of the rate's series. It is fitted to the nodes without the start: where a force sets
@@ -157,7 +155,8 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
         const double usual = force_scale(run, entry);
         const double size = fmax(usual, bent && !may_top(contact, entry, wrong) ? impulse_scale / h : 0.0);
         of->within = fmax(of->within, wrong / (tail_share * size));
-        of->within = fmax(of->within, force_jump(run, entry) / (run->rtol * usual));
+        const double known = fmax(run->rtol * usual, AOI_RATE_ERROR * fmax(usual, run->force_scale));
+        of->within = fmax(of->within, force_jump(run, entry) / known);
     }
     of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * force_scale(run, entry);
     of->handed_on = (fabs(error.impulse) / impulse_scale + fabs(error.indentation) / scale) /
@@ -175,12 +174,14 @@ static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 }
 
 /* The admissible growth while a contact is slack: the motion is exact, but the rate must be resolved well enough to
- * find where the force rises above zero again. */
+ * find where the force rises above zero again. Rounding is left out: shorter steps have more of it. */
 static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double within)
 {
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, entry), scale / h);
-    const double unresolved = fmax(within, rate_tail(entry) / fmax(slow, DBL_MIN));
+    /* Of a change within rounding the slopes at the nodes are up to their number squared over the step's length. */
+    const double rounding = AOI_NODES * AOI_NODES * AOI_COLLOCATION_ROUNDING * entry->scale / h;
+    const double unresolved = fmax(within, fmax(rate_tail(entry) - rounding, 0.0) / fmax(slow, DBL_MIN));
     const double growth = CAUTION * pow(unresolved, -1.0 / AOI_NODES);
     return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), BLIND_GROWTH);
 }

@@ -5,6 +5,9 @@
 #include "law/law.h"
 #include "motion/response.h"
 
+/* Changes of an indentation by this share of its scale are rounding. */
+#define AOI_COLLOCATION_ROUNDING 1e-12
+
 /* In place of a law's piece, a slack contact: its bodies overlap, but the law's force is cut at zero. */
 enum { AOI_SLACK = -1 };
 

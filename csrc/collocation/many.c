@@ -13,9 +13,9 @@
 
 enum { MOST_ITERATIONS = 25, SQUARE = AOI_NODES * AOI_NODES };
 
-/* Newton has converged at this change of the indentation relative to its scale, or at the second where
- * changes no longer shrink: rounding. */
-static const double CONVERGED = 1e-15, ROUNDING = 1e-12;
+/* Newton has converged at this change of the indentation relative to its scale, or at AOI_COLLOCATION_ROUNDING where
+ * changes no longer shrink. */
+static const double CONVERGED = 1e-15;
 
 /* The matrix is kept as long as a change is smaller than the one before by this: to make and invert it anew costs
  * about three iterations with the old one, each of which gains more than a digit. Measured: 0.017 costs 0.3 % more
@@ -365,7 +365,7 @@ int aoi_newton_done(aoi_newton *newton, double change)
     const double ratio = change / newton->before;
     newton->renew = !first && !(ratio < KEPT);
     newton->before = change;
-    return change <= CONVERGED || (change <= ROUNDING && ratio >= 0.5) ||
+    return change <= CONVERGED || (change <= AOI_COLLOCATION_ROUNDING && ratio >= 0.5) ||
            (!first && ratio < KEPT && ratio * change <= NEXT_CHANGE);
 }
 

@@ -642,3 +642,87 @@ def test_a_ball_that_a_dashpot_lets_go_of_on_a_soft_massless_point(soft, chi):
         (interval,) = run.events[1].contacts
         assert interval[1] == pytest.approx(exact.t[-1], rel=max(10.0 * rtol, 1e-7))
         assert run[ball].velocity[-1] == pytest.approx(exact.y[2, -1], rel=max(rtol, 1e-7))
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("law", [ao.HuntCrossley(1e9, 0.3), ao.Flores(1e9, 0.5, 1.0)], ids=type)
+def test_a_load_presses_bodies_together_from_rest(law: ao.ContactLaw, rtol: float) -> None:
+    """The force begins like t^(9/2), with the same relative error in a step of any length."""
+    scene = ao.Scene()
+    ball = scene.add(ao.rigid(mass=1.0))
+    star = scene.add(ao.AOModel(m0=0.0, k0=1e5, m=[1.0], k=[1e6]))
+    scene.connect(ball, star, law)
+    scene.apply(ball, force=([0.0, 1e-4], [0.0, 100.0]))
+    run = scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=rtol))
+    coarse, fine = (
+        scene.simulate(duration=2e-3, solver=ao.Newmark(dt=dt, estimate=False)).contacts[0]
+        for dt in (4e-7, 2e-7)
+    )
+    error = abs(fine.peak_force - coarse.peak_force)
+    assert abs(run.contacts[0].peak_force - fine.peak_force) <= error + rtol * fine.peak_force
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+def test_the_impulse_of_a_touch_that_loads_end_is_the_integral_of_its_force(rtol: float) -> None:
+    """The massless point follows its load at once, and the loads soon part the bodies again."""
+    scene = ao.Scene()
+    ball = scene.add(ao.rigid(mass=0.0809))
+    star = scene.add(ao.AOModel(m0=0.0, m=[0.0951, 0.5468, 0.0743], k=[384332, 72031867, 569727]))
+    scene.connect(ball, star, ao.Hertz(16526316.0))
+    scene.apply(ball, force=([0.0, 1.8156e-3], [0.0, -920.1]))
+    scene.apply(star, force=([0.0, 1.83377e-3], [0.0, -276.03]))
+    run = scene.simulate(duration=3.6e-3, solver=ao.Adaptive(rtol=rtol))
+    ((start, end),) = run.contacts[0].intervals
+    # Even in the angle, and smooth at both ends: the trapezoidal rule has all digits.
+    angle = np.linspace(0.0, np.pi, 1001)
+    times = start + 0.5 * (end - start) * (1.0 - np.cos(angle))
+    force = run.at(times).contacts[0].force * 0.5 * (end - start) * np.sin(angle)
+    impulse = scipy.integrate.trapezoid(force, angle)
+    assert run.contacts[0].impulse == pytest.approx(impulse, rel=rtol)
+
+
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_a_load_that_reverses_at_once_cuts_a_dashpot_and_the_run_goes_on() -> None:
+    """The massless point flies at 6 km/s while the load falls: steps of 1e-14 s hold its rounding.
+
+    Where they were not lengthened again, the default tolerance took hours.
+    """
+    scene, duration = ao.Scene(), 1.85e-3
+    ball = scene.add(ao.rigid(mass=1.28), velocity=1.5)
+    star = scene.add(ao.AOModel(m0=0.0, m=[0.065, 0.019, 0.039], k=[6.3e5, 4e4, 2e4]))
+    scene.connect(ball, star, ao.Hertz(1e9), gap=1e-7)
+    scene.connect(star, scene.add(ao.rigid(mass=np.inf)), ao.Tsuji(k=1.2e7, alpha=0.3, mass=1.0))
+    falls = duration / 3.0 * np.array([0.0, 1.0, 1.0001, 3.0])
+    scene.apply(star, force=(falls, [0.0, 1e3, -1e3, 0.0]))
+    run = scene.simulate(duration=duration, solver=ao.Adaptive())
+    coarse, fine = (
+        scene.simulate(duration=duration, solver=ao.Newmark(dt=dt, estimate=False))
+        for dt in (4e-8, 2e-8)
+    )
+    for mine, one, other in zip(run.contacts, fine.contacts, coarse.contacts, strict=True):
+        change = abs(one.peak_force - other.peak_force)
+        assert abs(mine.peak_force - one.peak_force) <= change + 1e-5 * one.peak_force
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-10])
+def test_a_preloaded_body_that_another_strikes_at_the_start(rtol: float) -> None:
+    """Dashpots take up the blow within a time far shorter than any step."""
+    scene = ao.Scene()
+    pressed = scene.add(ao.AOModel(m0=0.0, m=[0.02, 0.86], k=[5.4e3, 2.1e8]))
+    flying = scene.add(
+        ao.AOModel(m0=0.0, k0=3.6e5, m=[1.88, 0.179, 0.152], k=[3.15e8, 2.7e5, 1.22e7]),
+        velocity=0.66,
+    )
+    scene.connect(pressed, scene.add(ao.rigid(mass=np.inf)), ao.Flores(3.5e9, 0.5, 1.0))
+    blow = ao.KelvinVoigt(2.27e8, 33.0, end="indentation")
+    scene.connect(flying, pressed, blow, gap=3e-6)
+    scene.apply(pressed, force=([0.0, 8e-5], [3456.0, 1728.0]))
+    scene.apply(flying, force=([0.0, 1.26e-5], [1485.0, 0.0]))
+    given = {"duration": 2.4e-4, "preload": True}
+    run = scene.simulate(**given, solver=ao.Adaptive(rtol=rtol))
+    coarse, fine = (
+        scene.simulate(**given, solver=ao.Newmark(dt=dt, estimate=False)) for dt in (1e-8, 5e-9)
+    )
+    for mine, one, other in zip(run.contacts, fine.contacts, coarse.contacts, strict=True):
+        change = abs(one.peak_force - other.peak_force)
+        assert abs(mine.peak_force - one.peak_force) <= change + 1e-6 * one.peak_force
