@@ -339,11 +339,14 @@ def _missed(run: Run) -> str:
     if gap.max() == gap[at]:
         return f"{text}: they stay {gap_at(0)} apart, and nothing moves them; give one a velocity"
     if at == 0:
-        return (
-            f"{text}: they move apart, from {gap_at(0)} to {gap_at(-1)}; the first body of a "
-            "contact is behind the second along the direction of travel, and faster: exchange "
-            "them, or change the signs of velocities"
+        speeds = [run.plan.velocities[body] for body, _ in run.plan.contacts[number].ports]
+        cure = (
+            "they do not approach at first, and a load or gravity parts them: change its sign"
+            if speeds[0] == speeds[1]
+            else "the first body of a contact is behind the second along the direction of travel, "
+            "and faster: exchange them, or change the signs of velocities"
         )
+        return f"{text}: they move apart, from {gap_at(0)} to {gap_at(-1)}; {cure}"
     if at < len(t) - 1:
         least, when = _least(t[at - 1 : at + 2], gap[at - 1 : at + 2])
         return (

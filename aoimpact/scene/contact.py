@@ -6,7 +6,7 @@ import sys
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..base import FloatArray
+from ..base import HUGE, FloatArray, InputError
 from ..laws import ContactLaw, CoreLaw
 from .rows import BodyRows
 
@@ -14,7 +14,15 @@ __all__ = ["Contact", "CoreContact", "FreeMotion", "Load", "OmittedMass", "Port"
 
 
 def normal_gap(gap: float) -> float:
-    """Return a gap, m; 0 for a subnormal one, which no time of approach can tell from 0."""
+    """Return a gap, m; 0 for a subnormal one, which no time of approach can tell from 0.
+
+    Raises
+    ------
+    InputError
+        If its square is no number.
+    """
+    if abs(gap) > HUGE:
+        raise InputError(f"gap={gap:g} m is beyond what can be computed with: give up to {HUGE:g}")
     return gap if abs(gap) >= sys.float_info.min else 0.0
 
 

@@ -847,3 +847,10 @@ def test_a_patch_is_fitted_to_a_drop_from_rest():
     run = scene.simulate()
     assert run.contacts[0].peak_force > 100.0
     assert run.error.mesh is not None
+
+
+def test_a_gap_whose_square_is_no_number_is_refused_by_name() -> None:
+    scene = ao.Scene()
+    first, second = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=1.0))
+    with pytest.raises(ao.InputError, match=r"gap=1e\+300 m is beyond .* up to 1e\+100"):
+        scene.connect(first, second, ao.Hertz(1e9), gap=1e300)

@@ -223,6 +223,15 @@ def test_bodies_that_move_apart_are_said_with_the_order_of_a_contact() -> None:
     assert scene_of(1.0, 0.0, swapped=False).simulate(duration=1e-3).contacts[0].intervals
 
 
+def test_bodies_that_a_load_parts_are_said_with_the_load() -> None:
+    scene = ao.Scene()
+    first, second = scene.add(HEAVY), scene.add(HEAVY)
+    scene.connect(first, second, PAIR)
+    scene.apply(second, force=([0.0, 1e-3], [0.0, 1.0]))
+    with pytest.warns(ao.AOImpactWarning, match="a load or gravity parts them: change its sign"):
+        scene.simulate(duration=1e-3)
+
+
 def test_bodies_that_nothing_moves_are_said() -> None:
     scene = ao.Scene()
     first, second = scene.add(HEAVY), scene.add(HEAVY)
