@@ -628,9 +628,39 @@ static void what_strikes_late_leaves_the_peak_before(void)
     }
 }
 
+/* A body that a load presses on a wall starts from rest; as the load falls evenly, the force is the load and a ringing:
+ * with s = k / (1 + k c) and w^2 = s / m, f = F (1 - a t) + F a (1 - s c) / w sin(w t). */
+static void a_preloaded_contact_rings_as_its_load_falls(void)
+{
+    const double k = 2.5e6, c = 3e-7, mass = 0.4, load = 700.0, rtol = 1e-9, series = k / (1.0 + k * c);
+    const double w = sqrt(series / mass), end = 0.2 * PI / w, fall = 0.5 / end;
+    const aoi_law law = linear(k);
+    plant p = {.bodies = 0};
+    part *place = add_place(&p, mass, 1, c);
+    add_wall(&p);
+    join(&p, 0, 0, 1, 0, 0.0, &law);
+    place->x[0] = load / k;
+    place->load_count = 2;
+    place->load_time[1] = end;
+    place->load_force[0] = load;
+    place->load_force[1] = 0.5 * load;
+    p.rested = 1;
+    must_go(&p, rtol, end);
+    CHECK(open_sampler(&p) == AOI_OK, "sampled");
+    for (int i = 0; i <= 20; i++) {
+        double found;
+        const double t = 0.05 * i * end, rings = load * fall * (1.0 - series * c) / w * sin(w * t);
+        aoi_sampler_forces(p.sampler, t, &found, 1);
+        CHECK(fabs(found - (load * (1.0 - fall * t) + rings)) < 10.0 * rtol * load, "t %g: %.12g N, not %.12g", t, found,
+              load * (1.0 - fall * t) + rings);
+    }
+    release(&p);
+}
+
 int main(void)
 {
     a_massless_contact_is_a_spring_in_series();
+    a_preloaded_contact_rings_as_its_load_falls();
     what_a_force_bends_touches_elsewhere();
     a_second_spring_takes_its_share_at_once();
     a_second_damper_takes_its_share_at_once();
