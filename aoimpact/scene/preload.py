@@ -322,8 +322,9 @@ def equilibrium(
     worst = int(np.abs(at.balance).argmax()) if unconstrained is None else unconstrained
     raise ConvergenceError(
         "preload: no static equilibrium found; a body that nothing supports against gravity or its "
-        f"load falls for ever (imbalance {abs(at.balance[worst]):.3g} N on body "
-        f"{network.owner[worst]}); support it, or start without preload"
+        "load, or only a law whose force cannot be as large, falls for ever (imbalance "
+        f"{abs(at.balance[worst]):.3g} N on body {network.owner[worst]}); support it, or start "
+        "without preload"
     )
 
 

@@ -61,6 +61,22 @@ def test_what_nothing_holds_falls_for_ever():
         scene.simulate(duration=1e-3, preload=True)
 
 
+def test_a_law_that_cannot_carry_the_load_is_said_to_be_none():
+    """k d / (1 + d/l) stays below k l = 100 N."""
+    law = ao.UserLaw(lambda d, v: 1e6 * d / (1.0 + d / 1e-4), depends_on_rate=False)
+
+    def rest(load):
+        scene = ao.Scene()
+        body = scene.add(BODY)
+        scene.connect(body, scene.add(WALL), law)
+        scene.apply(body, force=load)
+        return scene.simulate(duration=1e-3, preload=True)
+
+    assert rest(50.0).contacts[0].peak_force == pytest.approx(50.0, rel=1e-9)
+    with pytest.raises(ao.ConvergenceError, match="only a law whose force cannot be as large"):
+        rest(500.0)
+
+
 @pytest.mark.parametrize("stiffness", [(1e6, 1e6, 1e6), (1e9, 1e6, 2e6), (1e4, 1e9, 3e5)])
 def test_a_closed_loop_of_contacts_shares_the_weight_by_its_stiffness(stiffness):
     """Springs in series and parallel: (k_a + k_c) x - k_a y = w and -k_a x + (k_a + k_b) y = w,
