@@ -60,8 +60,8 @@ _BYTES_PER_ENTRY, _BYTES_PER_FACTOR = 30.0, 16.0
 _TOLERANCE, _ROUGHLY = 5e-11, 0.5 * ROUGH
 
 # Seconds of a solution per dof in so many iterations, as compact bodies take, and where nodes are
-# not known; the set-up is about one more. A rough one takes two thirds of that in compact bodies,
-# and three times that in thin ones: taken for less, ribbed plates begin with it, for nothing.
+# not known; the set-up is about one more. A rough one takes .4 to .6 of that in compact bodies,
+# and up to four times that in thin ones: taken for less, ribbed plates begin with it, for nothing.
 _SECONDS, _SECONDS_WITHOUT_NODES = 5e-6, 1e-4
 _ITERATIONS = 12
 

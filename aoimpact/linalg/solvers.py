@@ -114,7 +114,14 @@ class LinearSolver:
         return self._solve(rhs, self.inverse.solve, _TOLERANCE)[0]
 
     def solve_roughly(self, rhs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return x, K x and M x, for a subspace: rough where the method iterates; see `ROUGH`."""
+        """Return x, K x and M x, each (n,), for a subspace; see `ROUGH`.
+
+        For one `rhs` of shape (n,), as `solve` does where the method does not iterate.
+
+        Raises
+        ------
+        ConvergenceError
+        """
         if self.inverse.roughly is None:
             return self._solve(rhs, self.inverse.solve, _TOLERANCE)
         return self._solve(rhs, self.inverse.roughly, ROUGH)

@@ -22,7 +22,9 @@ def normal_gap(gap: float) -> float:
         If its square is no number.
     """
     if abs(gap) > HUGE:
-        raise InputError(f"gap={gap:g} m is beyond what can be computed with: give up to {HUGE:g}")
+        raise InputError(
+            f"gap={gap:g} m is beyond what can be computed with: give up to {HUGE:g} m"
+        )
     return gap if abs(gap) >= sys.float_info.min else 0.0
 
 

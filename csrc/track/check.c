@@ -1,4 +1,4 @@
-/* Whether a track can be read: done once, before anything else of it is. */
+/* Whether a track can be read: each reader asks before it reads anything else of it. */
 #include "track/check.h"
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
