@@ -41,7 +41,7 @@ size_t aoi_krylov_work_size(size_t n, size_t capacity);
  * excites no more (breakdown); then count stays below wanted for good. A vector that is a combination
  * of the others is left out and its successors with it. What was grown before is kept, so a larger
  * order costs one solve. On an error (AOI_ERROR_SOLVER where the solver failed or its residual is
- * above 1e-5) the columns up to count are sound. */
+ * above 0.003) the columns up to count are sound. */
 int aoi_krylov_extend(aoi_krylov *space, size_t wanted);
 
 #endif

@@ -84,7 +84,7 @@ MUTANTS = [
         "stiffness[j] = sqrt(omega2[j]) * mass[j]",
     ),
     ("linear/krylov.c", "BREAKDOWN = 1e-11", "BREAKDOWN = 1e-17"),
-    ("linear/krylov.c", "MOST_RESIDUAL = 1e-5", "MOST_RESIDUAL = 1e-2"),
+    ("linear/krylov.c", "MOST_RESIDUAL = 3e-3", "MOST_RESIDUAL = 1e-2"),
     ("linear/krylov.c", "NO_CANCELLATION = 0.5", "NO_CANCELLATION = 1e-16"),
     ("linear/krylov.c", "space->given_count + turn - space->port_count", "space->count - 1"),
     ("linear/krylov.c", "source = space->given_count + ", "source = space->rigid_count + "),

@@ -360,8 +360,8 @@ def test_zero_has_the_solution_zero(bar):
     np.testing.assert_array_equal(found.solve(np.zeros(bar.n_dofs)), np.zeros(bar.n_dofs))
 
 
-@pytest.mark.parametrize(("name", "least"), [("multigrid", 1e-9), ("superlu", 0.0)])
-def test_vectors_of_a_subspace_are_solved_to_a_millionth_where_that_is_quicker(name, least):
+@pytest.mark.parametrize(("name", "least"), [("multigrid", 1e-6), ("superlu", 0.0)])
+def test_vectors_of_a_subspace_are_solved_to_a_thousandth_where_that_is_quicker(name, least):
     body = ao.FEModel.from_mesh(box_mesh((0.05, 0.05, 0.02), (5, 5, 2), kind="hexahedron20"), STEEL)
     load = np.random.default_rng(3).standard_normal(body.n_dofs)
     solver = body.inverse(1e10, solver=name)
@@ -369,7 +369,7 @@ def test_vectors_of_a_subspace_are_solved_to_a_millionth_where_that_is_quicker(n
     np.testing.assert_array_equal(kx, body.K @ x)
     np.testing.assert_array_equal(mx, body.M @ x)
     left = np.linalg.norm(load - kx - 1e10 * mx) / np.linalg.norm(load)
-    assert least <= left <= (1e-6 if least else 1e-10)
+    assert least <= left <= (1e-3 if least else 1e-10)
     exact = solver.solve(load)
     residual = load - body.K @ exact - 1e10 * (body.M @ exact)
     assert np.linalg.norm(residual) <= 1e-10 * np.linalg.norm(load)

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 import aoimpact as ao
 from aoimpact.base import memory
 from aoimpact.linalg import pardiso
+from aoimpact.linalg.method import ROUGH
 from aoimpact.linalg.solvers import METHODS
 from aoimpact.mesh.generate import box_mesh
 from aoimpact.paper.beam import LAW, LENGTH, WIDTH, beam_model
@@ -476,7 +477,7 @@ def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monk
     factors = ao.KrylovSpace(block, contact_time=20e-6, sharpened=True, solver="superlu")
     monkeypatch.delitem(METHODS, "pardiso")
     iterated = replace(METHODS["multigrid"], seconds=lambda pencil, count: 1.0 * count)
-    factored = replace(METHODS["superlu"], seconds=lambda pencil, count: 30.0)
+    factored = replace(METHODS["superlu"], seconds=lambda pencil, count: 20.0)
     monkeypatch.setitem(METHODS, "multigrid", iterated)
     monkeypatch.setitem(METHODS, "superlu", factored)
     space, made = ao.KrylovSpace(block, contact_time=20e-6, sharpened=True), []
@@ -485,10 +486,28 @@ def test_a_space_that_grows_by_steps_takes_factors_once_and_for_good(block, monk
         star = space.antioscillators(n)
         made.append(star.origin.solver)
         same = star_at(factors.antioscillators(n), s)
-        np.testing.assert_allclose(star_at(star, s), same, rtol=1e-8)
+        np.testing.assert_allclose(star_at(star, s), same, rtol=ROUGH**2)
     slow = made.count("multigrid")
     assert made[slow:] == ["superlu"] * (len(made) - slow)  # also where the shift is sharpened
-    assert 20 <= 10 + 4 * (slow - 1) <= 44  # each takes 2/3 to 3/2 of what was foreseen
+    assert 13 <= 10 + 4 * (slow - 1) <= 50  # each takes .4 to 1.5 of what was foreseen
+
+
+def test_models_on_vectors_that_are_solved_roughly_are_as_exact():
+    """At a node of a thin plate, the hardest for iterations; the truth is solved for directly."""
+    mesh = box_mesh((0.1, 0.05, 0.005), (10, 5, 1), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=ENDS)
+    tip = body.contact(point=(0.04, 0.02, 0.005), direction=(0, 0, -1), radius=0)
+    roughly, exactly = (
+        ao.KrylovSpace(tip, contact_time=50e-6, solver=name) for name in ("multigrid", "superlu")
+    )
+    s = roughly.shift * np.array([0.03, 0.1, 0.3, 1.0, 2.0, 4.0])
+    true = laplace_receptance(body, tip.b, s)
+    for n in (2, 4, 8, 16):
+        one, other = (
+            np.abs(star_at(space.antioscillators(n), s) / true - 1.0)
+            for space in (roughly, exactly)
+        )
+        assert (one <= 1.1 * other + 1e-7).all()
 
 
 ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
