@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import _core
-from ..base import ConvergenceError, FloatArray, Frozen, InputError, boolean, positive, real
+from ..base import GIB, ConvergenceError, FloatArray, Frozen, InputError, boolean, positive, real
 from ..scene import Contact, Load, RecordLayout, SteppedBody
 
 __all__ = ["Newmark", "Record", "newmark_scene", "steps_of"]
 
 
 # A record larger than this is a mistake in dt more often than a wish.
-_MOST_BYTES = 4 * 2**30
+_MOST_BYTES = 4 * GIB
 
 # A duration that is so near to a whole number of steps is one.
 _ROUNDING = 1e-12
@@ -186,6 +186,6 @@ def steps_of(dt: float, duration: float, rows: int, given: str, cure: str) -> in
     if needed > _MOST_BYTES:
         raise InputError(
             f"{given} over duration={duration:g} s makes {steps:.3g} steps and a record of "
-            f"{needed / 2**30:.3g} GiB: {cure} or a shorter duration"
+            f"{needed / GIB:.3g} GiB: {cure} or a shorter duration"
         )
     return max(1, math.ceil(steps))

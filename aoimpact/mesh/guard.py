@@ -27,7 +27,7 @@ __all__ = ["Reading", "bounded", "bounded_text"]
 
 # Bytes of arrays that any file may ask for, and how many times its size beyond that: text takes
 # two bytes or more for a number, of which readers make several arrays of eight each.
-_FOR_ALL, _PER_BYTE = 2**30, 64
+_FOR_ALL, _PER_BYTE = GIB, 64
 
 # Empty reads at the end of a file after which its reader would go on for ever, or for very long.
 _MOST_EMPTY = 1000
