@@ -127,7 +127,7 @@ enum { AOI_LAW_PARAMETERS = 8, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
 typedef struct aoi_law aoi_law;
 struct aoi_law_values; /* the core's own */
 
-/* A law's answer: force [N], d force / d indentation [N/m], d force / d rate [N s/m]. */
+/* What a law gives: force [N], d force / d indentation [N/m], d force / d rate [N s/m]. */
 typedef struct aoi_law_value {
     double force, stiffness, damping;
 } aoi_law_value;

@@ -13,7 +13,7 @@ import numpy as np
 from ..base import ConvergenceError, InputError, held_warnings, positive, warn, with_unit
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
-from ..results import Chosen, Quantity, Record, Run, number_errors, solve
+from ..results import Chosen, Quantity, RecordLength, Run, number_errors, solve
 from ..scene import Plan
 from .hierarchy import Models, only_models
 from .leftout import LeftOutFinder
@@ -85,7 +85,7 @@ def choose_models(
     solver: Any,
     *,
     energies: bool,
-    record: Record,
+    record: RecordLength,
     law_errors: Sequence[float] = (),
     linear_solver: Solver = "auto",
     known: dict[Any, LinearSolver] | None = None,
@@ -104,7 +104,7 @@ def choose_models(
         Relative.
     solver : Adaptive or Newmark, optional
     energies : bool
-    record : Record
+    record : RecordLength
         How long the scene is recorded.
     law_errors : sequence of float, optional
         See `LeftOutFinder`.
@@ -166,7 +166,8 @@ def _trial(
 ) -> Callable[[Models], Run]:
     """The run of models that are tried.
 
-    run: of a plan, and whether its bodies determine the length of the record; see `Record.run`.
+    run: of a plan, and whether its bodies determine the length of the record; see
+    `RecordLength.run`.
     """
 
     def trial(models: Models) -> Run:
@@ -187,7 +188,7 @@ def _chosen(run: Run, found: Orders, quantity: Quantity, tolerance: float) -> Ch
     if not quantity.is_history:
         numbers[quantity.name] = found.error
     largest = _largest(quantity, found.run)
-    return Chosen(models, quantity.name, tolerance, found.error, numbers, largest)
+    return Chosen(models, quantity.name, quantity.lasting, tolerance, found.error, numbers, largest)
 
 
 def _largest(quantity: Quantity, run: Run) -> str:

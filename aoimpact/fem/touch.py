@@ -29,7 +29,7 @@ __all__ = [
 
 # A point this far off the surface, as a fraction of the size of the face there, still means the
 # surface: linear elements cut the corners of a round body by about so much. Beyond the smaller
-# fraction it is said.
+# fraction a warning is given.
 _OFF_SURFACE, _SAID = 0.1, 0.02
 
 # Directions closer than 6° to the surface do not press on it.

@@ -22,7 +22,7 @@ from ..reduction import AOModel, BodyModel
 from ..results import (
     Handle,
     Quantity,
-    Record,
+    RecordLength,
     Run,
     TimeSolver,
     solve,
@@ -70,7 +70,7 @@ def run_models(
     bodies: Sequence[Any],
     options: RunOptions,
     *,
-    record: Record,
+    record: RecordLength,
     names: Sequence[str],
     interest: Callable[[], Quantity],
     law_errors: Sequence[float] = (),
@@ -85,7 +85,7 @@ def run_models(
     bodies : sequence
         AOModel, InterfaceModel or FullModel.
     options : RunOptions
-    record : Record
+    record : RecordLength
         How long.
     names : sequence of str
         Of the bodies in the plan, for messages.

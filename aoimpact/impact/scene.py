@@ -26,7 +26,7 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law, own_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel, body_model
-from ..results import Handle, Quantity, Record, Run, TimeSolver
+from ..results import Handle, Quantity, RecordLength, Run, TimeSolver
 from ..scene import Contact, Load, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_gravity, checked_speed
 from .defaults import Meeting, chosen_law, fitted, meeting, turns
@@ -376,9 +376,9 @@ class Scene:
             known=known,
         )
 
-    def _record(self, length: float | None) -> Record:
+    def _record(self, length: float | None) -> RecordLength:
         if length is not None:
-            return Record(length, given=True)
+            return RecordLength(length, given=True)
         fastest = self._fastest
         meetings = [self._meeting(contact, fastest) for contact in self._contacts]
         times = [met.contact_time for met in meetings if met]
@@ -389,7 +389,7 @@ class Scene:
             )
         ways = [time for contact in self._contacts if (time := self._way(contact)[0]) < math.inf]
         gaps = max(contact.gap for contact in self._contacts)
-        return Record(max(times) + max([*ways, gaps / fastest]), given=False)
+        return RecordLength(max(times) + max([*ways, gaps / fastest]), given=False)
 
     @property
     def _fastest(self) -> float:

@@ -14,7 +14,7 @@ from ..fem import ContactPoint
 from ..laws import ContactLaw, effective_law
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, body_model
-from ..results import Record, Result, TimeSolver
+from ..results import RecordLength, Result, TimeSolver
 from ..scene import Contact, Plan, SceneBody, normal_gap, scene_body
 from .checks import checked_duration, checked_speed, warn_of_exchange
 from .defaults import chosen_law, fitted_pair, meeting, turns
@@ -171,7 +171,7 @@ class _Impact(NamedTuple):
     law : ContactLaw
     law_error : float
         Relative error of its stiffness, where it was found from the surfaces.
-    record : Record
+    record : RecordLength
     known : dict of body to LinearSolver
         Those that have been set up for the defaults.
     """
@@ -180,7 +180,7 @@ class _Impact(NamedTuple):
     turns: tuple[bool, bool]
     law: ContactLaw
     law_error: float
-    record: Record
+    record: RecordLength
     known: dict[Any, LinearSolver]
 
 
@@ -205,9 +205,11 @@ def _complete(
         if length is None:
             if met is None:
                 raise InputError("duration was left out, and cannot be foreseen here; give it")
-            record = Record(numbers.gap / abs(numbers.velocity) + met.contact_time, given=False)
+            record = RecordLength(
+                numbers.gap / abs(numbers.velocity) + met.contact_time, given=False
+            )
     if length is not None:
-        record = Record(length, given=True)
+        record = RecordLength(length, given=True)
     return _Impact(bodies, around, law, error, record, known)
 
 

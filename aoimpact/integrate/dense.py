@@ -272,7 +272,7 @@ def _filled(times: FloatArray, duration: float) -> FloatArray:
 
 
 def _pressed(contact: _Found) -> _Found:
-    """A contact without touches that no force came of: of bodies that part at once."""
+    """The contact without intervals in which no force acted: of bodies that separate at once."""
     felt = [i for i, touch in enumerate(contact.touches) if Touch(*touch).impulse != 0.0]
     return contact._replace(
         intervals=[contact.intervals[i] for i in felt], touches=[contact.touches[i] for i in felt]

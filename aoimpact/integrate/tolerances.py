@@ -81,7 +81,7 @@ OTHER_STEPS = 1e-7
 # order 15 needs for fifteen digits. With 3, six of 305 results are lost that another run gives.
 PATIENCE = 20
 
-# More energy than there was, by this factor, is no error of a tolerance.
+# An energy that has grown by more than this factor is not an error of the tolerance.
 GAIN = 1.5
 
 # A touch that begins at a smaller share than this of its mean rate begins at no certain time: of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -26,8 +26,30 @@ from .rebound import integrated_restitution
 __all__ = ["MOST_SHARE", "ContactLaw", "CoreLaw", "HertzianLaw", "PatchLaw", "loading_work"]
 
 
-# What for_core gives; opaque to all but the binding.
-CoreLaw = tuple[Any, ...]
+class CoreLaw(NamedTuple):
+    """A law as the binding takes it.
+
+    Attributes
+    ----------
+    kind : str
+        A name in csrc/law.
+    parameters : tuple of float
+        As `aoi_law_create` has them.
+    compliance, limit : float
+        Of a patch, m/N, and the indentation up to which the law holds with it, m.
+    note : ndarray, shape (3,)
+        Where a user's law puts the state at which it failed.
+    data : object
+        A user's function, or None.
+    """
+
+    kind: str
+    parameters: tuple[float, ...]
+    compliance: float
+    limit: float
+    note: FloatArray
+    data: Any
+
 
 # Of c dF/dδ, up to which a law with a patch's compliance is used, as in csrc/law/law.c. There what
 # is left is twenty times as stiff as the law; of two like bodies the contact is 0.8 of the patch.
@@ -144,7 +166,8 @@ class ContactLaw:
         :meta private:
         """
         # A note is the core's word on where and why a law gave no force.
-        return self._kind(), self._parameters(), 0.0, self.limit, _NO_NOTE.copy(), self._data()
+        note = _NO_NOTE.copy()
+        return CoreLaw(self._kind(), self._parameters(), 0.0, self.limit, note, self._data())
 
     def force(self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0) -> Any:
         """Return the contact force, on the loading branch where there is history.
@@ -438,8 +461,7 @@ class PatchLaw(ContactLaw):
         return self.law.pulls
 
     def for_core(self) -> CoreLaw:
-        name, parameters, _, _, note, data = self.law.for_core()
-        return name, parameters, self.compliance, self.limit, note, data
+        return self.law.for_core()._replace(compliance=self.compliance, limit=self.limit)
 
     def _work(self, indentation: float) -> float:
         force = self.force(indentation)

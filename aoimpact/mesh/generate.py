@@ -187,7 +187,8 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     divisions : sequence of 3 int
         Bricks along x, y and z.
     kind : str, optional
-        Any kind of element; each brick is one hexahedron, two wedges, or six tetrahedra.
+        Any kind of element; each brick is one hexahedron, two wedges, six tetrahedra
+        or six pyramids.
 
     Returns
     -------

@@ -21,7 +21,6 @@ from .starmodes import StarModes, star_modes
 
 __all__ = ["ModalBody", "modal_body"]
 
-State = tuple[FloatArray, FloatArray]
 
 _PARTS = _core.MODES.split()  # of a body as the core takes it, in its order
 

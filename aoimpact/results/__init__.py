@@ -1,7 +1,7 @@
 """A plan is run here, and what comes of it: histories, events, energies, tables, plots.
 
-`solve` runs a plan by its solver, `Record` for as long as it needs; a `Run` is what has run, a
-`Result` the same of two bodies; quantities.py is the table of the numbers that sum them up. For
+`solve` runs a plan by its solver, `RecordLength` for as long as it needs; a `Run` is what has run,
+a `Result` the same of two bodies; quantities.py is the table of the numbers that sum them up. For
 `accuracy`, which compares runs, and `impact`, which returns them; `batch`, `cli` and `study` print
 them.
 """
@@ -30,7 +30,7 @@ from .quantities import (
     quantity_unit,
     recorded,
 )
-from .record import Record
+from .record import RecordLength
 from .result import Result
 from .run import Chosen, Handle, Run
 from .solve import TimeSolver, solve
@@ -50,7 +50,7 @@ __all__ = [
     "Handle",
     "LeftOut",
     "Quantity",
-    "Record",
+    "RecordLength",
     "Result",
     "Run",
     "Speeds",

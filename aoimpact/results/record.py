@@ -10,7 +10,7 @@ from ..base import warn, with_unit
 from ..scene import Plan
 from .run import Run
 
-__all__ = ["Record"]
+__all__ = ["RecordLength"]
 
 # Longest record in units of the first guess, for contacts that do not end, as under gravity.
 _MOST = 4096.0
@@ -20,7 +20,7 @@ _AS_LONG_AGAIN = 2.0
 
 
 @dataclass
-class Record:
+class RecordLength:
     """How long a scene is recorded, s.
 
     Attributes

@@ -106,6 +106,8 @@ class Chosen:
     models : tuple
         In the order of the bodies.
     quantity : str
+    lasting : bool
+        Whether the motion after the last contact is part of it.
     rtol : float
         The tolerance that was requested for it, relative.
     error : float
@@ -118,6 +120,7 @@ class Chosen:
 
     models: tuple[Any, ...]
     quantity: str
+    lasting: bool
     rtol: float
     error: float
     numbers: Mapping[str, float]
@@ -295,7 +298,7 @@ class Run:
     @property
     def _asked_for_motion(self) -> bool:
         """Over the whole record: for a displacement or a stress."""
-        return self.chosen is not None and self.chosen.quantity.endswith(("displacement", "stress"))
+        return self.chosen is not None and self.chosen.lasting
 
     def _doubt(self, index: int) -> None:
         warn_of_later_motion(self.plan, self, index)

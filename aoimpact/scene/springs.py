@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import _core
 from ..base import FloatArray
-from ..laws import ContactLaw, loading_work
+from ..laws import ContactLaw, CoreLaw, loading_work
 
 __all__ = ["Springs"]
 
@@ -27,7 +26,7 @@ class _Kind:
     """The contacts of one law, by their numbers; beyond its limit, m, it is continued linearly."""
 
     of: ContactLaw
-    law: tuple[Any, ...]
+    law: CoreLaw
     limit: float
     strides: tuple[float, ...]
     which: npt.NDArray[np.intp]

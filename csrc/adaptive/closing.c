@@ -277,8 +277,8 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     aoi_law_value value;
     aoi_watch_remove(run, c);
     list_closed(run, c);
-    aoi_body_engage(run, of->body[0], 1);
-    aoi_body_engage(run, of->body[1], 1);
+    aoi_body_engage(run, of->body[0], AOI_WATCHED);
+    aoi_body_engage(run, of->body[1], AOI_WATCHED);
     aoi_pair_now(run, c, &pair);
     aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
     here -= aoi_contact_bent(run, c, 0);

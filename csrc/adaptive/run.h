@@ -14,10 +14,13 @@
 /* Lengths of a step whose tables a body keeps. */
 enum { AOI_TABLES = 12 };
 
+/* What a body does in a step, the larger prevails: free motion, a contact that is watched, a force. */
+enum aoi_part { AOI_FREE_MOTION = 0, AOI_WATCHED, AOI_UNDER_FORCE };
+
 /* State of a body in a run: the time at which x, v hold, and the tables of the last step lengths. */
 typedef struct aoi_adaptive_body {
     double time;
-    int engaged; /* in this step: 2 under force, 1 beside such a body, 0 in free motion */
+    int engaged; /* in this step: an aoi_part */
     int changed; /* its state, since its last row */
     double work, dissipated;
     double *block;
@@ -111,8 +114,8 @@ enum {
 enum { AOI_MOST_LOOKS = 100000, AOI_LOOKS_IN_STEP = 10000 };
 
 /* Largest number of evaluations of a mode from one halt to the next, some hundredths of a second: loads are looked up
- * for each, and the bodies are advanced once more at the halt. It bounds how long a run is deaf to signals, not what it
- * finds. Tried: no run changes. */
+ * for each, and the bodies are advanced once more at the halt. It bounds for how long a run does not check signals, not
+ * what it finds. Tried: no run changes. */
 enum { AOI_MOST_BENDS = 30000 };
 
 /* Events of a contact within a step. */
@@ -225,7 +228,7 @@ void aoi_body_note_change(aoi_adaptive *run, size_t b);
 /* Advances a body in free motion to the present time. */
 void aoi_body_bring(aoi_adaptive *run, size_t b);
 
-/* The same for a body that takes part in the step; how: as aoi_adaptive_body.engaged. */
+/* The same for a body that takes part in the step; how: an aoi_part. */
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how);
 
 /* The two bodies of a contact at the present time; x, v point into the run. */

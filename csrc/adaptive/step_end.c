@@ -97,7 +97,7 @@ static void move_bodies(aoi_adaptive *run, double h, double later)
 {
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i];
-        if (run->body[b].engaged == 2) {
+        if (run->body[b].engaged == AOI_UNDER_FORCE) {
             move_body(run, b, h);
             run->body[b].time = later;
             aoi_body_note_change(run, b);
@@ -356,8 +356,8 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     }
     for (size_t k = run->closed_count; k < run->entry_count; k++) {
         const aoi_contact *beside = &run->system->contact[run->entry[k].contact];
-        aoi_body_engage(run, beside->body[0], 1);
-        aoi_body_engage(run, beside->body[1], 1);
+        aoi_body_engage(run, beside->body[0], AOI_WATCHED);
+        aoi_body_engage(run, beside->body[1], AOI_WATCHED);
         run->contact[run->entry[k].contact].start = aoi_contact_place(run, run->entry[k].contact);
     }
     const double before = aoi_balance_book(run, -1.0);

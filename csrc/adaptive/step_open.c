@@ -77,7 +77,7 @@ static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair
         pair->x[side] = copy;
         pair->v[side] = copy + n;
         copy += 2 * n;
-        if (run->body[b].engaged == 2) {
+        if (run->body[b].engaged == AOI_UNDER_FORCE) {
             add_forced(run, b, of->port[side], sign, values + 1);
             split_off(run, b, of->port[side], sign, h, pair->x[side], pair->v[side], values);
         }

@@ -47,10 +47,10 @@ void aoi_body_bring(aoi_adaptive *run, size_t b)
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how)
 {
     aoi_adaptive_body *body = &run->body[b];
-    if (how > 1 && !aoi_modes_can_move(&run->system->body[b])) {
-        how = 1;
+    if (how > AOI_WATCHED && !aoi_modes_can_move(&run->system->body[b])) {
+        how = AOI_WATCHED;
     }
-    if (body->engaged == 0) {
+    if (body->engaged == AOI_FREE_MOTION) {
         run->engaged.at[run->engaged.count++] = b;
     }
     body->engaged = how > body->engaged ? how : body->engaged;
@@ -83,7 +83,7 @@ void aoi_pair_now(const aoi_adaptive *run, size_t c, aoi_free_pair *pair)
 void aoi_step_release(aoi_adaptive *run)
 {
     for (size_t i = 0; i < run->engaged.count; i++) {
-        run->body[run->engaged.at[i]].engaged = 0;
+        run->body[run->engaged.at[i]].engaged = AOI_FREE_MOTION;
     }
     for (size_t s = 0; s < run->entry_count; s++) {
         if (!run->contact[run->entry[s].contact].closed) {
@@ -103,8 +103,8 @@ static void bring_along(aoi_adaptive *run, size_t b)
             run->entry[run->entry_count++].contact = c;
             run->contact[c].free_until = -HUGE_VAL;
             run->contact[c].touches = 0;
-            aoi_body_engage(run, system->contact[c].body[0], 1);
-            aoi_body_engage(run, system->contact[c].body[1], 1);
+            aoi_body_engage(run, system->contact[c].body[0], AOI_WATCHED);
+            aoi_body_engage(run, system->contact[c].body[1], AOI_WATCHED);
         }
     }
 }
@@ -115,13 +115,13 @@ void aoi_step_prepare(aoi_adaptive *run)
     for (size_t i = 0; i < run->closed.count; i++) {
         const size_t c = run->closed.at[i];
         run->entry[i].contact = c;
-        aoi_body_engage(run, run->system->contact[c].body[0], 2);
-        aoi_body_engage(run, run->system->contact[c].body[1], 2);
+        aoi_body_engage(run, run->system->contact[c].body[0], AOI_UNDER_FORCE);
+        aoi_body_engage(run, run->system->contact[c].body[1], AOI_UNDER_FORCE);
     }
     run->closed_count = run->entry_count = run->closed.count;
     const size_t count = run->engaged.count; /* only the bodies of closed contacts: bring_along adds others */
     for (size_t i = 0; i < count; i++) {
-        if (run->body[run->engaged.at[i]].engaged == 2) {
+        if (run->body[run->engaged.at[i]].engaged == AOI_UNDER_FORCE) {
             bring_along(run, run->engaged.at[i]);
         }
     }

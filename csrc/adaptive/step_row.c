@@ -7,9 +7,9 @@
 static size_t write_body(const aoi_adaptive *run, size_t b, double *row)
 {
     const size_t n = run->system->body[b].n, first = run->system->first[b];
-    row[0] = (double)b;
-    row[1] = run->body[b].work;
-    row[2] = run->body[b].dissipated;
+    row[AOI_TRACK_BODY] = (double)b;
+    row[AOI_TRACK_BODY_WORK] = run->body[b].work;
+    row[AOI_TRACK_BODY_LOST] = run->body[b].dissipated;
     for (size_t j = 0; j < n; j++) {
         row[AOI_TRACK_STATE + j] = run->x[first + j];
         row[AOI_TRACK_STATE + n + j] = run->v[first + j];
@@ -44,7 +44,7 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
 {
     size_t at = AOI_TRACK_FIXED;
     for (size_t i = 0; contacts > 0 && i < run->engaged.count; i++) {
-        if (run->body[run->engaged.at[i]].engaged == 2) {
+        if (run->body[run->engaged.at[i]].engaged == AOI_UNDER_FORCE) {
             aoi_body_note_change(run, run->engaged.at[i]);
         }
     }

@@ -47,7 +47,7 @@ static size_t end_of_row(const aoi_system *system, const aoi_track *track, size_
         return 0;
     }
     for (; bodies > 0; bodies--) {
-        if (end == track->used || !number_below(values[end], system->body_count, &b) ||
+        if (end == track->used || !number_below(values[end + AOI_TRACK_BODY], system->body_count, &b) ||
             track->used - end < AOI_TRACK_STATE + 2 * system->body[b].n) {
             return 0;
         }

@@ -94,7 +94,7 @@ size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, dou
     for (size_t r = 0; r < track->rows; r++) {
         const double *row = track->values + track->row[r], *of = row + AOI_TRACK_FIXED;
         for (size_t i = 0; i < (size_t)row[AOI_TRACK_BODIES]; i++) {
-            of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[0]].n;
+            of += AOI_TRACK_STATE + 2 * system->body[(size_t)of[AOI_TRACK_BODY]].n;
         }
         for (size_t i = 0; i < (size_t)row[AOI_TRACK_CONTACTS]; i++, of += AOI_TRACK_CONTACT_SIZE) {
             follow_contact(&found, system, row, of);

@@ -339,14 +339,14 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
         value.force = law->pulls || value.force > 0.0 ? value.force : 0.0;
     }
     *force_rate = value.stiffness * slope / length;
-    record[0] = value.force;
-    record[stride] = indentation;
+    record[AOI_CONTACT_FORCE * stride] = value.force;
+    record[AOI_CONTACT_INDENTATION * stride] = indentation;
     if (energies) {
         const double elastic = piece == AOI_SLACK ? 0.0
                                                   : aoi_law_potential(law, of + AOI_TRACK_MEMORY,
                                                                       indentation);
-        record[2 * stride] = elastic;
-        record[3 * stride] =
+        record[AOI_CONTACT_ELASTIC * stride] = elastic;
+        record[AOI_CONTACT_DISSIPATED * stride] =
             is_elastic(law) ? 0.0 : of[AOI_TRACK_WORK] + contact_work(sampler, c, place) - elastic;
     }
     return value.force;
@@ -378,11 +378,11 @@ static double lost_in(aoi_sampler *sampler, size_t c)
 static void open_contact(aoi_sampler *sampler, size_t c, const double *port_displacement,
                          int energies, double *record, size_t stride)
 {
-    record[0] = 0.0;
-    record[stride] = between(sampler->system, c, port_displacement);
+    record[AOI_CONTACT_FORCE * stride] = 0.0;
+    record[AOI_CONTACT_INDENTATION * stride] = between(sampler->system, c, port_displacement);
     if (energies) {
-        record[2 * stride] = 0.0;
-        record[3 * stride] = lost_in(sampler, c);
+        record[AOI_CONTACT_ELASTIC * stride] = 0.0;
+        record[AOI_CONTACT_DISSIPATED * stride] = lost_in(sampler, c);
     }
 }
 
@@ -408,8 +408,8 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
         more += bend[BEND_WORK];
         lost += bend[BEND_LOST];
     }
-    *work = stored[1] + more;
-    *dissipated = stored[2] + lost;
+    *work = stored[AOI_TRACK_BODY_WORK] + more;
+    *dissipated = stored[AOI_TRACK_BODY_LOST] + lost;
 }
 
 /* The rows of a body. force, force_rate: of all kinds on its ports. */
@@ -420,8 +420,9 @@ static void write_body(aoi_sampler *sampler, double time, size_t b, int energies
     const aoi_modes *body = &sampler->system->body[b];
     double *x = sampler->states, *v = x + body->n;
     const int pushed = state_at(sampler, time, b, x);
-    record[0] = aoi_vector_dot(body->n, body->centre, x);
-    record[stride] = aoi_vector_dot(body->n, body->centre, v);
+    double *centre = record + AOI_BODY_CENTRE * stride, *rate = record + AOI_BODY_CENTRE_VELOCITY * stride;
+    *centre = aoi_vector_dot(body->n, body->centre, x);
+    *rate = aoi_vector_dot(body->n, body->centre, v);
     for (size_t p = 0; p < body->ports; p++) {
         double displacement, velocity;
         aoi_modes_port(body, p, x, v, &displacement, &velocity);
@@ -429,15 +430,17 @@ static void write_body(aoi_sampler *sampler, double time, size_t b, int energies
             displacement += body->residual[p * body->ports + q] * force[q];
             velocity += body->residual[p * body->ports + q] * force_rate[q];
         }
-        record[0] += body->centre_residual ? body->centre_residual[p] * force[p] : 0.0;
-        record[stride] += body->centre_residual ? body->centre_residual[p] * force_rate[p] : 0.0;
-        record[(AOI_BODY_ROWS + 2 * p) * stride] = port_displacement[p] = displacement;
-        record[(AOI_BODY_ROWS + 2 * p + 1) * stride] = velocity;
+        *centre += body->centre_residual ? body->centre_residual[p] * force[p] : 0.0;
+        *rate += body->centre_residual ? body->centre_residual[p] * force_rate[p] : 0.0;
+        record[(AOI_BODY_ROWS + AOI_PORT_ROWS * p) * stride] = port_displacement[p] = displacement;
+        record[(AOI_BODY_ROWS + AOI_PORT_ROWS * p + 1) * stride] = velocity;
     }
     if (energies) {
-        aoi_modes_energy(body, x, v, force, &record[2 * stride], &record[3 * stride]);
-        body_ledger(sampler, time, b, pushed, x, &record[5 * stride], &record[4 * stride]);
-        record[5 * stride] += aoi_modes_bent_work(body, time, force);
+        double *work = record + AOI_BODY_WORK * stride;
+        aoi_modes_energy(body, x, v, force, &record[AOI_BODY_KINETIC * stride],
+                         &record[AOI_BODY_ELASTIC * stride]);
+        body_ledger(sampler, time, b, pushed, x, work, &record[AOI_BODY_DISSIPATED * stride]);
+        *work += aoi_modes_bent_work(body, time, force);
     }
 }
 
@@ -498,7 +501,7 @@ void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t
     advance(sampler, time);
     const double place = place_of(sampler, time);
     for (size_t c = 0; c < sampler->system->contact_count; c++) {
-        double record[2], rate;
+        double record[AOI_CONTACT_INDENTATION + 1], rate;
         const int closed = sampler->contact_row[c] == sampler->row;
         force[c * stride] = closed ? closed_contact(sampler, c, place, 0, record, 1, &rate) : 0.0;
     }

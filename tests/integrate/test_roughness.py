@@ -93,3 +93,14 @@ def test_a_law_that_is_meant_to_give_energy_may(compliance):
 
 def test_a_law_that_scatters_by_less_keeps_the_tolerance():
     assert hit(noisy(1e-9), 1e-6).peak_force == pytest.approx(PEAK, rel=1e-6)
+
+
+@pytest.mark.parametrize(("share", "refused"), [(5e-6, False), (1.5e-5, True)])
+def test_a_law_too_rough_for_any_tolerance_is_refused(share, refused):
+    """Steps grow with the root of the scatter, however loose the tolerance is."""
+    law = rippled(share)
+    if refused:
+        with pytest.raises(ao.ConvergenceError, match="not smooth"):
+            hit(law, 1e-2)
+    else:
+        assert hit(law, 1e-2).peak_force == pytest.approx(PEAK, rel=1e-2)

@@ -41,6 +41,15 @@ def bouncing() -> ao.Scene:
     return scene
 
 
+def row_of_balls(mass: float) -> ao.Scene:
+    """Four balls in a row, the first of which strikes the next one."""
+    scene = ao.Scene()
+    balls = [scene.add(ao.rigid(mass=mass), velocity=float(i == 0)) for i in range(4)]
+    for one, other in itertools.pairwise(balls):
+        scene.connect(one, other, ao.Hertz(k=1e10), gap=1e-4)
+    return scene
+
+
 def run(scene: ao.Scene, duration: float, rtol: float) -> DenseRecorder:
     done = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=rtol), energies=False)
     assert isinstance(done.recorder, DenseRecorder)
@@ -63,6 +72,18 @@ def test_a_second_run_less_tight_may_be_wrong_and_one_more_tight_costs_more(
         costs.append(run(bouncing(), 2.0, 1e-8).steps)
     assert errors[0] > 1.0 > errors[1]
     assert costs[2] > 1.05 * costs[1]
+
+
+def test_a_smaller_share_for_scenes_of_several_contacts_costs_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """That a larger one may be wrong is shown by tests/tools/test_campaign.py."""
+    costs = []
+    for share in np.array([1.0 / 3.0, 1.0]) * to_tolerance.SEVERAL:
+        monkeypatch.setattr(to_tolerance, "SEVERAL", share)
+        rows = [row_of_balls(mass) for mass in np.linspace(0.02, 0.05, 16)]
+        costs.append(sum(run(row, 1e-3, 1e-8).steps for row in rows))
+    assert costs[0] > 1.1 * costs[1]
 
 
 @pytest.mark.parametrize(("share", "quiet"), [(0.001, True), (0.1, True), (0.0, False)])
