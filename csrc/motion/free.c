@@ -271,6 +271,16 @@ static void part(aoi_free_pair *pair, double within)
     }
 }
 
+/* The time in which an indentation changes by its rounding. A rate that is itself rounding says nothing of that:
+ * bodies that rest side by side may be about to be pressed together. */
+static double rounding_time(const aoi_free_pair *pair, double rounding, double rate, double acceleration)
+{
+    const double jerk = fabs(aoi_free_pair_jerk(pair));
+    const double sum = fabs(rate) + sqrt(rate * rate + 2.0 * fabs(acceleration) * rounding);
+    const double time = 2.0 * rounding / sum;
+    return jerk > 0.0 ? fmin(time, cbrt(6.0 * rounding / jerk)) : time;
+}
+
 int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int *touches)
 {
     *touches = 0;
@@ -287,8 +297,11 @@ int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int
         }
         double stride = safe_stride(pair, level, drift, within);
         /* At rounding from a touch that does not come, go on by what the rounding is worth. */
-        const double least = rate != 0.0 ? DBL_EPSILON * scale / fabs(rate) : 0.0;
-        stride = fmax(stride, fmax(least, 2.0 * DBL_EPSILON * fabs(pair->time)));
+        const double rounding = DBL_EPSILON * scale;
+        if (rate != 0.0 && stride * fabs(rate) < rounding) {
+            stride = fmax(stride, rounding_time(pair, rounding, rate, acceleration));
+        }
+        stride = fmax(stride, 2.0 * DBL_EPSILON * fabs(pair->time));
         const double next = pair->time + stride;
         fly_pair(pair, next < stop ? next : stop);
         if (!(pair->time < limit)) {

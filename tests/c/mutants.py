@@ -587,6 +587,8 @@ MUTANTS = [
     ("motion/free.c", "!closes(pair, rate, acceleration)", "rate < 0.0"),
     ("motion/free.c", "jerk = forced_at(pair, 3)", "jerk = 0.0"),
     ("motion/free.c", "*acceleration = forced_at(pair, 2)", "*acceleration = 0.0"),
+    ("motion/free.c", "2.0 * fabs(acceleration) * rounding", "0.0"),
+    ("motion/free.c", "jerk > 0.0 ? fmin", "0 ? fmin"),
     ("adaptive/closing.c", "(power + 1.0)", "(power + 2.0)"),
     ("adaptive/closing.c", "fmin(here * exp(STRIDE), most)", "here * exp(STRIDE)"),
     ("adaptive/closing.c", "return shallow(law, memory, energy, force, here);", "return here;"),

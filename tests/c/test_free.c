@@ -59,6 +59,24 @@ static void a_ball_thrown_up_comes_back(void)
     CHECK(near(pair.time, 6.0 / 9.81, 1e-13), "after 2 v / g: %.17g", pair.time);
 }
 
+/* The rounding of bodies that move on together is no rate at which they part. */
+static void a_ball_beside_the_wall_is_pressed_at_once(void)
+{
+    for (int rising = 0; rising < 2; rising++) {
+        plant p = thrown(-1e-17, rising ? 0.0 : 3000.0);
+        part *ball = &p.part[0];
+        if (rising) {
+            ball->load_count = 2;
+            ball->load_time[1] = 1e-3;
+            ball->load_force[1] = 1e4;
+        }
+        ball->x[0] = 1e-6;
+        aoi_free_pair pair = pair_of(&p, 1e-6);
+        CHECK(next_touch(&pair, 1e-5) == 1, "it is pressed");
+        CHECK(pair.time < 1e-8, "at once: %.17g", pair.time);
+    }
+}
+
 static void a_ball_thrown_too_low_does_not_reach_the_ceiling(void)
 {
     const double height = 9.0 / (2.0 * 9.81); /* v^2 / 2 g */
@@ -441,6 +459,7 @@ int main(void)
 {
     a_thrown_ball_lands_where_it_must();
     a_ball_thrown_up_comes_back();
+    a_ball_beside_the_wall_is_pressed_at_once();
     a_ball_thrown_too_low_does_not_reach_the_ceiling();
     a_crest_just_below_the_gap_is_passed_and_just_above_is_hit();
     a_damped_crest_is_lower();

@@ -352,3 +352,22 @@ def test_the_peak_of_a_force_that_hardly_moves_its_bodies(damping: float, rtol: 
     by_caller = ao.UserLaw(lambda d, v: d**1.5 * (1.0 + damping * v))
     for law in (ao.HuntCrossley(k=1.0, damping=damping), by_caller):
         assert peak_on_a_parabola(law, rtol) == pytest.approx(-top.fun, rel=rtol)
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-9, 1e-10, 1e-11])
+@pytest.mark.parametrize(
+    "beside",
+    [ao.rigid(mass=0.008), ao.AOModel(m0=0.0025, m=[0.0055], k=[1.2e7])],
+    ids=["rigid", "AO"],
+)
+def test_a_body_that_falls_beside_another_is_pressed_as_that_is_struck(rtol, beside):
+    """A dashpot's force is there at once: both contacts begin at t = gap / V."""
+    gap, velocity = 0.0002366, 5.33
+    scene = ao.Scene(gravity=638.0)
+    striker = scene.add(ao.rigid(mass=0.058), velocity=velocity)
+    struck, other = scene.add(ao.rigid(mass=0.3)), scene.add(beside)
+    scene.connect(striker, struck, ao.KelvinVoigt(k=2.8e5, c=168.0), gap=gap)
+    scene.connect(struck, other, ao.Thornton(k=6e6, yield_force=3504.0))
+    run = scene.simulate(duration=2e-4, solver=ao.Adaptive(rtol=rtol))
+    starts = [contact.intervals[0][0] for contact in run.contacts]
+    assert starts == pytest.approx([gap / velocity] * 2, abs=1e-9)
