@@ -62,7 +62,8 @@ _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
 # |b - K x|/|b| to which a static mode is iterated. The error of bᵀx goes with the square of that:
 # 1e-11 on a clamped plate of 414 000 dofs, where 1e-3 leaves 1e-8 and 1e-7 takes half as long
-# again; 1e-9 on blocks, and 1e-7 to 8e-7 on sheets a hundred times as wide as thick.
+# again. Factors give the same to 1e-9 on blocks, and to 8e-7 on sheets a hundred times as wide as
+# thick, where rounding of K has its share.
 _ITERATED = 1e-4
 
 # Iterations for a static mode after which a preconditioner of K itself is set up for it. That takes
