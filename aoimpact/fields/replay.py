@@ -10,9 +10,8 @@ import numpy as np
 from ..base import FloatArray
 from ..integrate import Events, Motion, Recorder
 from ..linalg import LinearSolver
-from ..reduction import InterfaceModel
 from ..scene import FreeMotion, FullBody, Plan
-from .recovery import PACE, Recovery, Reduced, reduced_interface, reduced_star
+from .recovery import PACE, Recovery
 from .response import OmittedMotion, Response
 
 __all__ = ["response_of"]
@@ -53,7 +52,7 @@ def response_of(
     first, largest, peak_time = _contacts_of(plan, events, recorder.duration, body)
     if isinstance(model, FullBody) and not recorder.dense:
         return Response(model.tip.body, recorder.motion(body), None, None, peak_time)
-    reduced = _reduced(plan, body)
+    reduced = plan.modal[body].model.coordinates(plan.gravity)
     if reduced is None:
         return None
     motion = recorder.motion(body)
@@ -91,13 +90,6 @@ def _contacts_of(
     return first, largest, peak.peak_time
 
 
-def _reduced(plan: Plan, body: int) -> Reduced | None:
-    modes = plan.modal[body].modes
-    if isinstance(modes, InterfaceModel):
-        return reduced_interface(modes, plan.gravity)
-    return None if modes.star.origin is None else reduced_star(modes.star, plan.gravity)
-
-
 def _static_deflection(motion: Motion, recovery: Recovery) -> FloatArray | None:
     """The part of the deflection at rest that the correction misses; None of a free body.
 
@@ -116,12 +108,8 @@ def _static_deflection(motion: Motion, recovery: Recovery) -> FloatArray | None:
 
 def _omitted_motion(plan: Plan, body: int) -> OmittedMotion | None:
     """The motion of a free body struck off its centre that its AO model does not contain."""
-    modes = plan.modal[body].modes
     velocity = plan.velocities[body]
-    if isinstance(modes, InterfaceModel) or (velocity == 0.0 and plan.gravity == 0.0):
+    if velocity == 0.0 and plan.gravity == 0.0:
         return None
-    origin = modes.star.origin
-    if origin is None or not origin.translates:
-        return None
-    rest = origin.tip.body.translation(origin.tip.direction) - origin.static_mode
-    return OmittedMotion(rest, FreeMotion(velocity, plan.gravity))
+    omitted = plan.modal[body].model.omitted_translation
+    return None if omitted is None else OmittedMotion(omitted, FreeMotion(velocity, plan.gravity))

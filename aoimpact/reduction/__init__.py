@@ -8,6 +8,7 @@ thing that `simulate` takes stands for; modalbody.py finds its modes, which the 
 from .body import body_model
 from .bodymodel import BodyModel, ReducedModel
 from .contacttime import SHIFT_TIMES_DURATION, own_contact_time, shortest_contact_time
+from .coordinates import GeneralizedCoordinates
 from .full import FullModel, full
 from .interface import InterfaceModel, InterfaceSpace, interface, whole_interface
 from .krylov import KrylovSpace
@@ -23,6 +24,7 @@ __all__ = [
     "AOModel",
     "BodyModel",
     "FullModel",
+    "GeneralizedCoordinates",
     "InterfaceModel",
     "InterfaceSpace",
     "KrylovSpace",

@@ -9,6 +9,7 @@ from typing import Self
 
 from ..base import FloatArray
 from ..fem import Body, ContactPoint, ContactSurface, Damping
+from .coordinates import GeneralizedCoordinates
 
 __all__ = ["BodyModel", "FiniteElementModel", "ReducedModel"]
 
@@ -134,6 +135,28 @@ class ReducedModel(BodyModel):
 
         :meta private:
         """
+
+    @abstractmethod
+    def coordinates(self, gravity: float = 0.0) -> GeneralizedCoordinates | None:
+        """Return what the body does by the model's coordinates; None of one given by numbers.
+
+        Parameters
+        ----------
+        gravity : float, optional
+            m/s², along the direction of travel.
+
+        :meta private:
+        """
+
+    @property
+    def omitted_translation(self) -> FloatArray | None:
+        """The part of the body's unit translation that its coordinates lack, shape (n_dofs,).
+
+        Along the direction of travel; None where they lack nothing.
+
+        :meta private:
+        """
+        return None
 
     @abstractmethod
     def stiffened(self, factor: float) -> Self:

@@ -31,6 +31,7 @@ from ..fem import ContactPoint, translates
 from ..linalg import Solver
 from .bodymodel import FiniteElementModel, ReducedModel
 from .contacttime import SHIFT_TIMES_DURATION, fitted_shifts, highest_shift
+from .coordinates import GeneralizedCoordinates
 from .full import checked_ports
 from .modes import ascending, modal
 from .star import described
@@ -150,6 +151,19 @@ class InterfaceModel(Frozen, FiniteElementModel, ReducedModel):
         """
         shape: FloatArray = self.modes @ (self.participation[port] / (self.omega**2 + s**2))
         return shape
+
+    def coordinates(self, gravity: float = 0.0) -> GeneralizedCoordinates:
+        """Return the modes as the coordinates of the body.
+
+        :meta private:
+        """
+        loads = np.stack([tip.b for tip in self.tips], axis=1)
+        direction = self.tips[0].direction
+        if gravity and direction is not None and self.mass is not None:
+            weight = gravity * self.mass * self.body.com_functional(direction)
+            loads = np.column_stack([loads, weight])
+        stiffness = np.diag(self.omega**2)
+        return GeneralizedCoordinates(self.body, self.modes, np.ones(self.n), stiffness, loads)
 
     @property
     def n(self) -> int:

@@ -78,6 +78,11 @@ class ModalBody:
         """Number of contact functionals."""
         return len(self.shape)
 
+    @property
+    def model(self) -> AOModel | InterfaceModel:
+        """The model whose natural modes these are."""
+        return self.modes if isinstance(self.modes, InterfaceModel) else self.modes.star
+
     def for_core(
         self, gravity: float = 0.0, load: tuple[FloatArray, FloatArray] | None = None
     ) -> tuple[Any, ...]:

@@ -32,6 +32,7 @@ from ..base import (
 )
 from ..fem import ContactPoint, ContactSurface, Damping, Material, Patch, damping_or_none
 from .bodymodel import ReducedModel
+from .coordinates import GeneralizedCoordinates
 from .origin import Origin
 
 __all__ = ["AOModel", "ball", "rigid"]
@@ -367,6 +368,36 @@ class AOModel(Frozen, ReducedModel):
         _core.modal_receptance(omega, decay, weight, residual, frequency, real, imaginary)
         result = real + 1j * imaginary
         return result if result.ndim else complex(result)
+
+    def coordinates(self, gravity: float = 0.0) -> GeneralizedCoordinates | None:
+        """Return X = (φ_st - Σ Ψ_i) λ₀ + Σ Ψ_i λ_i, eq. (8); None of a model given by numbers.
+
+        :meta private:
+        """
+        origin = self.origin
+        if origin is None:
+            return None
+        loads = origin.tip.b[:, None]
+        if gravity:
+            weight = 0.0 if self.weightless else gravity * origin.mass
+            loads = np.column_stack([loads, weight * origin.centre])
+        stiffness = np.diag(np.concatenate([[self.k0 + self.k.sum()], self.k]))
+        stiffness[0, 1:] = stiffness[1:, 0] = -self.k
+        basis = np.column_stack([origin.static_mode - origin.shapes.sum(axis=1), origin.shapes])
+        mass = np.concatenate([[self.m0], self.m])
+        return GeneralizedCoordinates(origin.tip.body, basis, mass, stiffness, loads)
+
+    @property
+    def omitted_translation(self) -> FloatArray | None:
+        """What a free body struck off its centre has beside the static mode, eq. (3).
+
+        :meta private:
+        """
+        origin = self.origin
+        if origin is None or not origin.translates:
+            return None
+        whole: FloatArray = origin.tip.body.translation(origin.tip.direction)
+        return whole - origin.static_mode
 
     @cached_property
     def _reversed(self) -> AOModel:

@@ -13,7 +13,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact.fields.recovery import Recovery, Reduced, reduced_interface, reduced_star
+from aoimpact.fields.recovery import Recovery
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def some_motion(star: ao.AOModel) -> FloatArray:
 def test_a_star_with_all_its_oscillators_leaves_nothing_to_correct(fixed: Any) -> None:
     star = ao.antioscillators(tip_of(fixed))
     coordinates = some_motion(star)
-    found = Recovery(reduced_star(star), 1e5).displacement(coordinates, np.array([[1e3, -2e3]]))
+    found = Recovery(star.coordinates(), 1e5).displacement(coordinates, np.array([[1e3, -2e3]]))
     exact = star.expand(coordinates)
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
 
@@ -77,7 +77,7 @@ def test_growth_at_its_own_pace_is_exact_with_any_model(fixed: Any, model: Any, 
     hung = star.k / (star.k + s**2 * star.m)  # of the contact's displacement
     contact = force / (star.k0 + s**2 * (star.m0 + (star.m * hung).sum()))
     coordinates = contact * np.concatenate([[1.0], hung])[:, None]
-    found = Recovery(reduced_star(star), s).displacement(coordinates, np.array([[force]]))[:, 0]
+    found = Recovery(star.coordinates(), s).displacement(coordinates, np.array([[force]]))[:, 0]
     exact = np.linalg.solve((tip.body.K + s**2 * tip.body.M).toarray(), force * tip.b)
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
 
@@ -89,7 +89,7 @@ def test_growth_under_several_forces_is_exact_with_few_modes(fixed: Any) -> None
     model = ao.interface([tip, other], 10, contact_time=1e-4)
     forces = np.array([[1e3], [-400.0]])
     coordinates = model.participation.T @ forces / (model.omega**2 + s**2)[:, None]
-    found = Recovery(reduced_interface(model), s).displacement(coordinates, forces)[:, 0]
+    found = Recovery(model.coordinates(), s).displacement(coordinates, forces)[:, 0]
     loads = np.stack([tip.b, other.b], axis=1) @ forces[:, 0]
     exact = np.linalg.solve((tip.body.K + s**2 * tip.body.M).toarray(), loads)
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
@@ -100,7 +100,7 @@ def test_a_resting_force_deforms_a_held_body_as_statics_says(model: Any) -> None
     tip = tip_of(SUPPORTS[0])
     star, force = model(tip), np.array([[1e3]])
     coordinates = np.full((star.n + 1, 1), 1e3 / star.k0)
-    found = Recovery(reduced_star(star), SLOW).displacement(coordinates, force)[:, 0]
+    found = Recovery(star.coordinates(), SLOW).displacement(coordinates, force)[:, 0]
     exact = 1e3 * flexibility(tip)
     np.testing.assert_allclose(found, exact, atol=1e-6 * np.abs(exact).max())
 
@@ -112,7 +112,7 @@ def test_a_steady_push_deforms_a_free_body_as_inertia_relief_says(model: Any) ->
     # Each oscillator hangs back by what its spring needs to carry it along.
     lag = force / star.static_mass * star.m / star.k
     coordinates = np.concatenate([[place], place - lag])[:, None]
-    found = Recovery(reduced_star(star), SLOW).displacement(coordinates, np.array([[force]]))[:, 0]
+    found = Recovery(star.coordinates(), SLOW).displacement(coordinates, np.array([[force]]))[:, 0]
     rigid = found - force * flexibility(tip)
     modes = tip.body.rigid_modes
     only_rigid = modes @ (modes.T @ (tip.body.M @ rigid))
@@ -124,7 +124,7 @@ def test_the_momentum_of_a_free_body_needs_no_correction(model: Any) -> None:
     tip = tip_of(None)
     star = model(tip)
     coordinates = some_motion(star)
-    found = Recovery(reduced_star(star), 1e4).displacement(coordinates, np.array([[1e3, -2e3]]))
+    found = Recovery(star.coordinates(), 1e4).displacement(coordinates, np.array([[1e3, -2e3]]))
     momentum = tip.body.rigid_modes.T @ (tip.body.M @ (found - star.expand(coordinates)))
     size = np.abs(tip.body.rigid_modes.T @ (tip.body.M @ found)).max()
     assert np.abs(momentum).max() < 1e-8 * size
@@ -137,7 +137,7 @@ def test_functionals_are_those_of_the_displacement(fixed: Any, count: int) -> No
     star = ao.antioscillators(tip, 5)
     rows = np.random.default_rng(2).standard_normal((count, tip.body.n_dofs))
     coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
-    recovery = Recovery(reduced_star(star), 1e5)
+    recovery = Recovery(star.coordinates(), 1e5)
     of_coordinates, of_forces = recovery.functionals(sp.csr_array(rows))
     found = of_coordinates @ coordinates + of_forces @ force
     exact = rows @ recovery.displacement(coordinates, force)
@@ -147,7 +147,7 @@ def test_functionals_are_those_of_the_displacement(fixed: Any, count: int) -> No
 def test_many_times_go_the_same_way_as_few() -> None:
     star = ao.antioscillators(tip_of(None), 3)
     coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
-    recovery = Recovery(reduced_star(star), 1e5)
+    recovery = Recovery(star.coordinates(), 1e5)
     few = recovery.displacement(coordinates, force)
     many = recovery.displacement(np.tile(coordinates, (1, 5)), np.tile(force, (1, 5)))
     np.testing.assert_allclose(many, np.tile(few, (1, 5)), atol=1e-9 * np.abs(few).max())
@@ -157,58 +157,14 @@ def test_many_times_go_the_same_way_as_few() -> None:
 @pytest.mark.parametrize("fixed", SUPPORTS)
 def test_one_solution_for_each_force_corrects_a_model_of_any_size(fixed: Any, model: Any) -> None:
     """K times the model's space lies in M times it and the load."""
-    reduced = reduced_star(made(model, fixed), gravity=9.81)
+    reduced = made(model, fixed).coordinates(gravity=9.81)
     assert Recovery(reduced, 1e5).shapes.shape[1] <= reduced.loads.shape[1]
 
 
 def test_it_survives_pickling() -> None:
     star = ao.antioscillators(tip_of(None), 3)
     coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
-    recovery = Recovery(reduced_star(star), 1e5)
+    recovery = Recovery(star.coordinates(), 1e5)
     expected = recovery.displacement(coordinates, force)
     again = pickle.loads(pickle.dumps(recovery))
     np.testing.assert_array_equal(again.displacement(coordinates, force), expected)
-
-
-# ------------------------------------------------------------------- reduced models
-
-
-@cache
-def reduced_models() -> list[Reduced]:
-    end = tip_of(SUPPORTS[0])
-    both = [end, end.body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1), radius=0)]
-    return [
-        reduced_star(ao.antioscillators(end, 5), gravity=9.81),
-        reduced_star(ao.antioscillators(end, 4, method="krylov", contact_time=1e-4)),
-        reduced_star(ao.modal(end, 12).star, gravity=9.81),
-        reduced_interface(ao.interface(both, 8, contact_time=1e-4), gravity=9.81),
-    ]
-
-
-@pytest.mark.parametrize("which", range(4))
-def test_mass_and_stiffness_are_those_of_the_body_in_its_shapes(which: int) -> None:
-    reduced = reduced_models()[which]
-    for matrix, projected in (
-        (np.diag(reduced.mass), reduced.basis.T @ (reduced.body.M @ reduced.basis)),
-        (reduced.stiffness, reduced.basis.T @ (reduced.body.K @ reduced.basis)),
-    ):
-        scale = np.sqrt(np.outer(np.diag(matrix), np.diag(matrix)))
-        assert np.abs((matrix - projected) / scale).max() < 1e-6
-
-
-@pytest.mark.parametrize("which", range(4))
-def test_accelerations_obey_newton(which: int) -> None:
-    reduced = reduced_models()[which]
-    springs, push = reduced.accelerations
-    rng = np.random.default_rng(0)
-    q, f = rng.standard_normal(reduced.n), rng.standard_normal(reduced.loads.shape[1])
-    inertia = reduced.mass * (springs @ q + push @ f)
-    forces = reduced.basis.T @ (reduced.loads @ f) - reduced.stiffness @ q
-    np.testing.assert_allclose(inertia, forces, atol=1e-9 * np.abs(forces).max())
-
-
-def test_gravity_pulls_at_every_node_with_its_share_of_the_weight() -> None:
-    reduced = reduced_models()[0]
-    whole = ao.FEModel.from_mesh(reduced.body.mesh, reduced.body.material)
-    weight = 9.81 * (whole.M @ whole.translation((0, 0, -1)))
-    np.testing.assert_allclose(reduced.loads[:, 1], weight[reduced.body.free], atol=1e-12)
