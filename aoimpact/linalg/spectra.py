@@ -23,9 +23,10 @@ DENSE_DOFS = 500
 # Eigenvalues closer than this, relative, are one multiple eigenvalue.
 EQUAL = 1e-9
 
-# Up to so many dofs dense matrices are quicker than an ARPACK that needs more restarts than these:
-# where the lowest eigenvalues lie close together, as if K and M had changed places.
-_DENSE_AT_WORST, _RESTARTS = 2000, 200
+# ARPACK takes a few restarts where s² is near the lowest eigenvalues. It needs more than these
+# where they lie close together, as if K and M had changed places; up to so many dofs dense matrices
+# serve.
+_RESTARTS, _DENSE_AT_WORST = 200, 2000
 
 # Of the first guess of s²: what is less is no elastic eigenvalue, but rounding.
 _LEAST_SHIFT = 1e-30
@@ -40,10 +41,11 @@ _FIRST_SHIFT = 1e-4
 
 # ω²/s² of the first elastic mode where s² is kept. Below, K would be lost beside s²M; above, s²M
 # beside K. It is found anew so often at most: once, but for the slenderest of bodies.
-_SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 1e-3, 1e5, 3
+_SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 
-# Steps of inverse iteration that give ω² its order of magnitude from a random vector.
-_INVERSE_STEPS = 4
+# Steps of inverse iteration that give ω² its order of magnitude from a random vector, where it is
+# not below s² by far. If it is, they give some s²/100, and the next s² is a hundredth of that.
+_INVERSE_STEPS, _FURTHER = 8, 0.01
 
 # s² as `_FIRST_SHIFT`, and passes, by which strain is taken out of rigid modes: each leaves
 # s²/(ω² + s²) of it.
@@ -83,7 +85,7 @@ def shifted(
         if _SHIFT_BELOW * current.s2 <= elastic <= _SHIFT_ABOVE * current.s2:
             break
         try:
-            current = solver_at(elastic)
+            current = solver_at(elastic if elastic > current.s2 else _FURTHER * elastic)
         except SingularError:  # what K's digits leave of a rigid motion may be below zero
             break
     return current
@@ -95,13 +97,16 @@ def _first_shift(K: Any, M: Any) -> float:
 
 
 def _first_elastic(K: Any, M: Any, current: LinearSolver, rigid: FloatArray) -> float:
-    """An upper bound of the first elastic ω² that is right in its order of magnitude."""
-    x = np.random.default_rng(1).standard_normal(K.shape[0])
+    """An upper bound of the first elastic ω², by Lanczos; see `_INVERSE_STEPS`."""
+    known, x = rigid, np.random.default_rng(1).standard_normal(K.shape[0])
     for _ in range(_INVERSE_STEPS):
         x = current.solve(M @ x)
-        x -= rigid @ (rigid.T @ (M @ x))
+        for _ in range(2):  # once more for what rounding leaves
+            x -= known @ (known.T @ (M @ x))
         x /= np.sqrt(x @ (M @ x))
-    return float(x @ (K @ x))
+        known = np.column_stack([known, x])
+    basis = known[:, rigid.shape[1] :]
+    return float(np.linalg.eigvalsh(basis.T @ (K @ basis))[0])
 
 
 def null_space(K: Any, M: Any) -> FloatArray:
@@ -177,15 +182,15 @@ def lowest(
     else:
         base = shifted(K, M, rigid=known, invert=solver_at, first=near)
         try:
-            omega2, modes = lowest_sparse(
+            _, modes = lowest_sparse(
                 M,
                 base.solve,
                 base.s2,
                 n - count,
                 away_from=rigid,
                 whole=False,
-                restarts=_RESTARTS if dofs <= _DENSE_AT_WORST else None,
             )
+            omega2, modes = _unmixed(K, modes)
         except ConvergenceError:
             if dofs > _DENSE_AT_WORST:
                 raise
@@ -194,6 +199,16 @@ def lowest(
         np.concatenate([np.zeros(count), np.maximum(omega2, 0.0)])[:n],
         np.column_stack([rigid, modes])[:, :n],
     )
+
+
+def _unmixed(K: Any, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The eigenpairs of K on the space of M-orthonormal modes (Rayleigh and Ritz).
+
+    Where few digits of K leave rigid motions a stiffness, s² is next to it, and their rounding, by
+    far the largest, is in all other modes.
+    """
+    omega2, turned = np.linalg.eigh(modes.T @ (K @ modes))
+    return omega2, modes @ turned
 
 
 def _lowest_dense(K: Any, M: Any, n: int, rigid: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -215,7 +230,6 @@ def lowest_sparse(
     away_from: FloatArray,
     start: FloatArray | None = None,
     whole: bool = True,
-    restarts: int | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the `n` lowest eigenpairs of a space from its inverse operator, by ARPACK.
 
@@ -242,8 +256,6 @@ def lowest_sparse(
     whole : bool, optional
         Whether the last eigenvalue is wanted with all its members, of which there may be as many as
         dofs.
-    restarts : int, optional
-        After which ARPACK gives up; ten for each dof if left out.
 
     Returns
     -------
@@ -255,12 +267,12 @@ def lowest_sparse(
     """
     margin = EQUAL if whole else -EQUAL
     first = np.random.default_rng(2).standard_normal(M.shape[0]) if start is None else start
-    omega2, modes = _arnoldi(M, solve, s2, n, away_from, first, restarts)
+    omega2, modes = _arnoldi(M, solve, s2, n, away_from, first)
     if start is not None:
         return omega2, modes
     while True:
         deflated = np.column_stack([away_from, modes])
-        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, first, restarts)
+        next_omega2, next_mode = _arnoldi(M, solve, s2, 1, deflated, first)
         highest = omega2[n - 1] * (1.0 + margin)
         if next_omega2[0] > highest:
             within = omega2 <= max(highest, omega2[n - 1])
@@ -278,7 +290,6 @@ def _arnoldi(
     n: int,
     deflated: FloatArray,
     start: FloatArray,
-    restarts: int | None,
 ) -> tuple[FloatArray, FloatArray]:
     dofs = M.shape[0]
     m_deflated = M @ deflated
@@ -300,7 +311,7 @@ def _arnoldi(
             OPinv=operator,
             which="LM",
             v0=inverse(M @ start),
-            maxiter=restarts,
+            maxiter=_RESTARTS,
             ncv=min(dofs, max(2 * n + 1, 20)),
         )
     except scipy.sparse.linalg.ArpackError as error:

@@ -23,7 +23,16 @@ from ..base import (
     warn,
 )
 from ..fem import ContactPoint, StaticMode, refuse_mechanism, static_mode
-from ..linalg import EQUAL, Solver, SolverBook, checked_solver, dense_modes, lowest_sparse, shifted
+from ..linalg import (
+    EQUAL,
+    FEW_SOLUTIONS,
+    Solver,
+    SolverBook,
+    checked_solver,
+    dense_modes,
+    lowest_sparse,
+    shifted,
+)
 from .krylov import KrylovSpace
 from .origin import origin_of
 from .star import AOModel
@@ -34,6 +43,10 @@ __all__ = ["antioscillators"]
 # LAPACK on the whole pencil: a second up to here, minutes and gigabytes beyond there.
 _DENSE_QUICK = 1500
 _DENSE_MOST = 6000
+
+# Solutions foreseen for each oscillator: on a beam, a plate and a block 5 to 300 were counted, the
+# least for many in the order of their frequencies.
+_SOLUTIONS_EACH = 20
 
 # Slack of the masses in a proof.
 _ROUNDING = 1e-12
@@ -285,28 +298,31 @@ def antioscillators(
         space = KrylovSpace(tip, contact_time=contact_time, duration=duration, solver=solver)
         return space.antioscillators(n)
     refuse_mechanism([tip])
-    solvers = SolverBook(partial(tip.body.inverse, solver=checked_solver(solver)))
+    dofs = tip.body.n_dofs
+    wanted = None if n is None else integer("n", n, low=0, high=dofs - 1)
+    solutions = _SOLUTIONS_EACH * (FEW_SOLUTIONS if wanted is None else wanted)
+    solvers = SolverBook(
+        partial(tip.body.inverse, solver=checked_solver(solver), solutions=solutions)
+    )
     static = static_mode(tip, invert=solvers)
     by = choice("order", "mass" if order is None else order, ("mass", "frequency"))
     if contact_time is not None or duration is not None:
         raise InputError(
             "contact_time and duration are for method='krylov'; method='eigen' fits no scene"
         )
-    dofs = tip.body.n_dofs
-    if n is None and dofs > _DENSE_MOST:
+    if wanted is None and dofs > _DENSE_MOST:
         raise InputError(
             f"n=None asks for all {dofs - 1} anti-oscillators of a body of {dofs} dofs, which "
             f"needs dense matrices; give n (all are computed up to {_DENSE_MOST} dofs)"
         )
-    if n is None:
+    if wanted is None:
         found = _ordered(_all_oscillators(tip, static), by)
     else:
-        n = integer("n", n, low=0, high=dofs - 1)
         with bar(f"constraint modes of {dofs} dofs", unit="solution"):
-            found = _wanted_oscillators(tip, static, n, by, solvers)
-        if len(found.m) < n:
+            found = _wanted_oscillators(tip, static, wanted, by, solvers)
+        if len(found.m) < wanted:
             warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
-        found = found.take(np.arange(min(n, len(found.m))))
+        found = found.take(np.arange(min(wanted, len(found.m))))
     return _model(tip, static, found, "AO", solvers.name)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+import aoimpact as ao
 from aoimpact.linalg.spectra import lowest, null_space
 
 from slender import beam, in_a_row, rod
@@ -52,3 +53,17 @@ def test_elements_of_very_different_size_do_not_look_like_rigid_motion():
     k = np.geomspace(1.0, 1e9, 50)
     K = sp.diags([k + np.append(k[1:], 0.0), -k[1:], -k[1:]], [0, 1, -1]).tocsr()
     assert null_space(K, sp.identity(50, format="csr")).shape == (50, 0)
+
+
+@pytest.mark.parametrize("thickness", [5e-4, 1e-3])
+@pytest.mark.parametrize("held", [False, True])
+def test_a_strip_a_thousand_times_as_long_as_thick_vibrates_as_a_beam(thickness, held):
+    """Its lowest ω² is 1e-13 of the highest one, and K has as many digits less for it."""
+    length = 1.0
+    mesh = ao.box_mesh((length, 0.03, thickness), (120, 2, 1), kind="hexahedron20")
+    fixed = [("xmin", "xyz")] if held else None
+    strip = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.0, rho=2700.0), fixed=fixed)
+    first = 1.8751040687 if held else 4.7300407449
+    exact = first**2 / (2.0 * np.pi * length**2) * np.sqrt(70e9 / 2700.0 / 12.0) * thickness
+    found = strip.frequencies(9)
+    assert found[0 if held else 6] == pytest.approx(exact, rel=2e-3)
