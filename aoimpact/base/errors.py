@@ -182,8 +182,9 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     ),
     8: (
         ConvergenceError,
-        "the run fills a GiB of steps; take a shorter duration, a larger rtol, fewer stiff "
-        "oscillators, or Newmark(dt=...)",
+        "the run takes too many steps: they fill a GiB, or are far more than those of the run that "
+        "it is to confirm; take a shorter duration, a larger rtol, fewer stiff oscillators, or "
+        "Newmark(dt=...)",
     ),
     9: (
         LawLimitError,

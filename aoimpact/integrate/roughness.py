@@ -7,7 +7,7 @@ import numpy as np
 from ..base import ConvergenceError
 from ..laws import ContactLaw
 from ..scene import Contact, Plan
-from .tolerances import ROUGHEST
+from .tolerances import ROUGHEST, SCATTERED
 
 __all__ = ["refuse_rough", "scatter"]
 
@@ -34,12 +34,14 @@ def refuse_rough(plan: Plan, rtol: float) -> None:
     for number, contact in enumerate(plan.contacts):
         if contact.law.by_caller:
             share = scatter(contact.law, _depth(plan, contact), plan.fastest)
-            if share > min(rtol, ROUGHEST):
+            most = min(SCATTERED * rtol, ROUGHEST)
+            if share > most:
+                larger = f"take rtol={2.0 * share / SCATTERED:.1g}, " if share < ROUGHEST else ""
                 raise ConvergenceError(
                     f"contact {number}: the user's law is not smooth to the tolerance "
                     f"rtol={rtol:g}: at neighbouring indentations its force scatters by "
-                    f"{share:.1g} of itself; compute it more exactly (to {ROUGHEST:g} at least), "
-                    "smooth it, take a larger rtol, or Newmark(dt=...)"
+                    f"{share:.1g} of itself, and may by {most:.1g}; compute it more exactly, "
+                    f"smooth it, {larger}or Newmark(dt=...)"
                 )
 
 

@@ -285,28 +285,32 @@ def test_other_shares_of_the_meshs_error_take_more_oscillators_or_leave_larger_e
     assert off(run()) > 0.1 > 1.5 * off(usual)
 
 
-def test_another_share_of_fixed_steps_takes_more_steps_or_more_oscillators(monkeypatch):
+def test_other_shares_for_time_integration_take_more_steps_or_more_oscillators(monkeypatch):
     ball, target, contact_law, velocity, duration = IMPACTS["free slender"]()
-    run = functools.partial(
-        ao.simulate,
-        projectile=ball,
-        target=target,
-        law=contact_law,
-        velocity=velocity,
-        duration=duration,
-        rtol=1e-3,
-        solver=ao.Newmark(),
-    )
-    few, usual, many = (
-        _with_share(monkeypatch, run, factor * choice._SHARE_OF_STEPS) for factor in (1 / 3, 1, 3)
-    )
-    assert len(few.t) > 1.5 * len(usual.t)
-    assert many.models[1].n > 1.25 * usual.models[1].n
+    impact = {
+        "projectile": ball,
+        "target": target,
+        "law": contact_law,
+        "velocity": velocity,
+        "duration": duration,
+        "rtol": 1e-3,
+    }
+    for solver, name, factors, steps in (
+        (ao.Newmark(), "_SHARE_OF_STEPS", (1 / 3, 3), lambda hit: len(hit.t)),
+        (None, "_SHARE_OF_TIME", (1e-4, 100), lambda hit: hit.run.recorder.steps),
+    ):
+        run = functools.partial(ao.simulate, **impact, solver=solver)
+        less, usual, more = (
+            _with_share(monkeypatch, run, name, factor * getattr(choice, name))
+            for factor in (factors[0], 1, factors[1])
+        )
+        assert steps(less) > 1.5 * steps(usual)
+        assert more.models[1].n > 1.25 * usual.models[1].n
 
 
-def _with_share(monkeypatch, run, share):
+def _with_share(monkeypatch, run, name, share):
     with monkeypatch.context() as patch:
-        patch.setattr(choice, "_SHARE_OF_STEPS", share)
+        patch.setattr(choice, name, share)
         return run()
 
 

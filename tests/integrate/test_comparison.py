@@ -12,7 +12,7 @@ import aoimpact as ao
 from aoimpact.integrate import to_tolerance
 from aoimpact.integrate.comparison import difference, most_touches
 from aoimpact.integrate.dense import DenseRecorder, Touch
-from aoimpact.integrate.tolerances import ROUNDING
+from aoimpact.integrate.tolerances import ROUNDING, TIGHTEST
 
 MASS, STIFFNESS, GRAVITY = 0.0327, 1e10, 9.81
 WALL = ao.rigid(mass=math.inf)
@@ -101,9 +101,10 @@ def test_what_rounding_does_to_many_bounces_is_said(count, rtol):
 def test_a_third_of_what_rounding_is_taken_for_would_be_too_little():
     errors = []
     for stiffness in np.geomspace(1e9, 1e11, 60):
-        run, ball = bouncing(10, 1e-13, stiffness)
+        run, ball = bouncing(10, TIGHTEST, stiffness)
         errors.append(largest_error(run, ball, stiffness) / 10)
     assert ROUNDING / 3.0 < max(errors) < ROUNDING
+    assert 0.1 * TIGHTEST < 10.0 * max(errors) < TIGHTEST  # the tolerance of the runs
 
 
 def test_balls_between_walls_exchange_what_momentum_and_energy_say():

@@ -1,6 +1,7 @@
 """Laws of the user's own that are not smooth: by how much, and what a tolerance makes of them."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -89,6 +90,28 @@ def test_a_law_that_is_meant_to_give_energy_may(compliance):
     run = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=1e-6))
     assert min(len(contact.intervals) for contact in run.contacts) > 1
     assert run.energy.kinetic[-1] > 2.0 * run.energy.kinetic[0]
+
+
+@pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-7, 1e-8, 1e-11])
+def test_a_law_takes_few_steps_or_is_refused_with_a_tolerance_that_serves(rtol):
+    """A wave that is resolved where it is as large as the tolerance takes a million steps."""
+    asked = 0
+
+    def rippled(d, rate):
+        nonlocal asked
+        asked += 1
+        return hertz(d, rate) * (1.0 + share * math.sin(1e12 * d))
+
+    for share in (0.05 * rtol, 0.3 * rtol, rtol):
+        asked, refused = 0, share > 0.2 * rtol
+        if refused:
+            with pytest.raises(ao.ConvergenceError, match=r"not smooth .* take rtol=") as said:
+                hit(rippled, rtol)
+            served = float(re.search(r"take rtol=([^,]*),", str(said.value))[1])
+        else:
+            served = rtol
+        assert hit(rippled, served).peak_force == pytest.approx(PEAK, rel=served)
+        assert asked < 300_000
 
 
 def test_a_law_that_scatters_by_less_keeps_the_tolerance():

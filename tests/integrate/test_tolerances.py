@@ -5,15 +5,20 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
+from test_comparison import bounce, with_touches
+from test_comparison import bouncing as bounces
 
 import aoimpact as ao
-from aoimpact.integrate import comparison, to_tolerance
-from aoimpact.integrate.dense import DenseRecorder
+from aoimpact.integrate import comparison, to_tolerance, tolerances
+from aoimpact.integrate.dense import DenseRecorder, adaptive_run
 
 MASS = 0.0327
+
+Runs = list[tuple[float, int]]
 
 
 def chain(wider: float) -> ao.Scene:
@@ -129,3 +134,180 @@ def test_energy_that_nothing_gave_is_refused_and_no_other(monkeypatch: pytest.Mo
     assert refused == 0.0
     assert sound == pytest.approx(1.0, rel=1e-7)
     assert little < 1.25 < 1.5 < much  # the root of the energy
+
+
+@pytest.fixture
+def runs(monkeypatch: pytest.MonkeyPatch) -> Runs:
+    """Tolerance and steps of each run that the core makes."""
+    made: Runs = []
+
+    def counted(plan: Any, **options: Any) -> DenseRecorder:
+        run = adaptive_run(plan, **options)
+        made.append((options["rtol"], run.steps))
+        return run
+
+    monkeypatch.setattr(to_tolerance, "adaptive_run", counted)
+    return made
+
+
+def chaotic(rtol: float) -> ao.Run:
+    """A ball on a table that swings: each bounce multiplies the errors before it."""
+    scene = ao.Scene(gravity=9.81)
+    ball = scene.add(ao.rigid(mass=0.0327), velocity=1.0)
+    table = scene.add(ao.AOModel(m0=1.0, k0=1e4))
+    scene.connect(ball, table, ao.Hertz(k=1e9))
+    with warnings.catch_warnings(record=True):
+        warnings.simplefilter("always")
+        return scene.simulate(duration=8.0, solver=ao.Adaptive(rtol=rtol), energies=False)
+
+
+def column(count: int) -> ao.Run:
+    """Bodies at rest on the floor under their weight, held by a law that pulls as well."""
+    scene, law = ao.Scene(gravity=9.81), ao.KelvinVoigt(k=1e7, c=10.0, end="indentation")
+    below = scene.add(ao.rigid(mass=math.inf))
+    for number in range(count):
+        body = scene.add(ao.rigid(mass=0.1 + 0.03 * number))
+        scene.connect(body, below, law)
+        below = body
+    return scene.simulate(duration=1e-2, preload=True, energies=False)
+
+
+def worst_of_ten_bounces(rtol: float) -> float:
+    """The largest error of peaks, starts and ends that single runs make, over springs."""
+    errors = []
+    for stiffness in np.geomspace(1e9, 1e11, 12):
+        plan = bounces(10, 1e-9, stiffness)[0].recorder.plan
+        of = adaptive_run(plan, rtol=rtol).events[0]
+        peak, touch, free = bounce(stiffness)
+        starts, spans = (touch + free) * np.arange(10), np.array(of.contacts)
+        errors += [abs(of.peak_force / peak - 1.0), abs(spans[:, 1] / (starts + touch) - 1.0).max()]
+    return max(errors)
+
+
+def test_below_the_floor_no_digit_is_won_and_above_it_one_is() -> None:
+    floor = worst_of_ten_bounces(tolerances.FLOOR)
+    assert worst_of_ten_bounces(0.01 * tolerances.FLOOR) > 0.5 * floor
+    assert worst_of_ten_bounces(tolerances.TIGHTEST) > 3.0 * floor
+
+
+def test_a_touch_counts_from_a_hundredth_of_the_largest_on() -> None:
+    run = bounces(2, 1e-3)[0].recorder
+    first = (0.0, 1e-4, 1.0, 2.0)
+
+    def apart(share: float) -> float:
+        ones = with_touches(run, [first, (2e-4, 3e-4, share, 2.0)])
+        others = with_touches(run, [first, (2.1e-4, 3.1e-4, share, 2.0)])
+        return comparison.difference(ones, others, 1.0)
+
+    assert apart(2.0 * tolerances.LESSER) == pytest.approx(1.0 / 31.0)
+    assert apart(0.5 * tolerances.LESSER) == 0.0
+
+
+def test_an_error_of_more_than_a_fifth_is_no_digit() -> None:
+    """Of a half sine in 3.5 and in 2.5 steps, whose impulses are 4 % and 6 % off."""
+    spring, mass = 1e7, 0.1
+    length = math.pi * math.sqrt(mass / spring)
+    claimed = []
+    for steps in (3.5, 2.5):
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            hit = ao.simulate(
+                projectile=ao.rigid(mass=mass),
+                target=ao.rigid(mass=math.inf),
+                law=ao.Linear(k=spring),
+                velocity=1.0,
+                duration=4.0 * length,
+                solver=ao.Newmark(dt=length / steps),
+            )
+        claimed.append((hit.error.time, any("far too large" in str(one.message) for one in said)))
+    assert 0.5 * tolerances.NO_DIGIT < claimed[0][0] < tolerances.NO_DIGIT
+    assert not claimed[0][1]
+    assert claimed[1] == (1.0, True)
+
+
+def test_runs_that_differ_by_more_than_a_little_show_that_errors_multiply(
+    monkeypatch: pytest.MonkeyPatch, runs: Runs
+) -> None:
+    bounces(10, 1e-3)
+    assert len(runs) == 2
+    assert chaotic(1e-7).error.time == 1.0
+    with monkeypatch.context() as patch:
+        patch.setattr(to_tolerance, "LINEAR", 1e-3 * tolerances.LINEAR)
+        runs.clear()
+        bounces(10, 1e-3)
+        assert len(runs) == 3
+    monkeypatch.setattr(to_tolerance, "LINEAR", 1.0)
+    bold, tight = chaotic(1e-4), chaotic(1e-7)
+    apart = comparison.difference(bold.recorder, tight.recorder, 1.0)
+    assert bold.error.time < 0.5 * apart
+
+
+def test_a_tighter_first_comparison_takes_more_steps(
+    monkeypatch: pytest.MonkeyPatch, runs: Runs
+) -> None:
+    """What a looser one lets pass is shown by a frame that rattles (tests/tools)."""
+    bounces(10, 1e-3)
+    usual = sum(steps for _, steps in runs)
+    runs.clear()
+    monkeypatch.setattr(to_tolerance, "OTHER_STEPS", 1e-3 * tolerances.OTHER_STEPS)
+    bounces(10, 1e-3)
+    assert sum(steps for _, steps in runs) > 1.5 * usual
+
+
+def test_less_patience_loses_a_result_and_more_waits_for_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = 0
+
+    def rippled(depth: float, rate: float) -> float:
+        nonlocal asked
+        asked += 1
+        return 1e9 * depth**1.5 * (1.0 + 1e-9 * math.sin(1e12 * depth + 7e8 * rate))
+
+    def bounce_on_ripples(patience: int) -> int:
+        nonlocal asked
+        asked = 0
+        monkeypatch.setattr(to_tolerance, "PATIENCE", patience)
+        scene = ao.Scene(gravity=9.81)
+        ball, floor = scene.add(ao.rigid(mass=0.03), velocity=1.0), scene.add(ao.rigid(math.inf))
+        scene.connect(ball, floor, ao.UserLaw(rippled))
+        with pytest.warns(ao.AOImpactWarning, match="far more than those of the run"):
+            run = scene.simulate(duration=0.7, solver=ao.Adaptive(rtol=1e-8), energies=False)
+        assert run.error.time is None
+        return asked
+
+    assert bounce_on_ripples(5 * tolerances.PATIENCE) > 3 * bounce_on_ripples(tolerances.PATIENCE)
+    monkeypatch.setattr(to_tolerance, "PATIENCE", tolerances.PATIENCE)
+    assert bounces(10, 1e-3)[0].error.time == 1e-3
+    monkeypatch.setattr(to_tolerance, "PATIENCE", tolerances.PATIENCE // 12)
+    with pytest.warns(ao.AOImpactWarning, match="far more than those of the run"):
+        assert bounces(10, 1e-3)[0].error.time is None
+
+
+def test_bodies_at_rest_are_measured_by_their_impulses(
+    monkeypatch: pytest.MonkeyPatch, runs: Runs
+) -> None:
+    assert column(3).error.time == 1e-8
+    usual = len(runs)
+    with monkeypatch.context() as patch:
+        patch.setattr(comparison, "AT_REST", 1e-3 * tolerances.AT_REST)
+        runs.clear()
+        assert column(3).error.time == 1e-8
+        assert len(runs) > usual
+        patch.setattr(comparison, "AT_REST", 0.0)
+        with pytest.warns(ao.AOImpactWarning, match="by a contact that pulls"):
+            assert column(3).error.time == 1.0
+
+
+def test_and_bodies_that_move_by_their_velocities(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over a hundred bounces a ball's impulses are two hundred times its momentum."""
+    run, faster = (bounces(100, 1e-6)[0].recorder for _ in range(2))
+    of = comparison._velocities
+    monkeypatch.setattr(
+        comparison,
+        "_velocities",
+        lambda one, least: of(one, least) * (1.0 + (1e-5 if one is faster else 0.0)),
+    )
+    assert comparison.difference(run, faster, 1.0) == pytest.approx(1e-5, rel=0.01)
+    monkeypatch.setattr(comparison, "AT_REST", 100.0 * tolerances.AT_REST)
+    assert comparison.difference(run, faster, 1.0) < 1e-6
