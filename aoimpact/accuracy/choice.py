@@ -113,6 +113,11 @@ def choose_models(
     known : dict of body to LinearSolver, optional
         See `proven_orders`.
 
+    Returns
+    -------
+    Run
+        Of the chosen models; `Run.chosen` has what was chosen, and its errors by the models.
+
     Raises
     ------
     InputError, InputTypeError

@@ -174,11 +174,8 @@ class _Altered:
 def _of_contact(run: Run, number: int) -> list[_End] | None:
     """Errors of the compliances at a contact; none for models given by numbers."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
-    if not events.contacts:
-        return []
-    contact_time = next(
-        (end - start for start, end in events.contacts if events.peak_time <= end), 0.0
-    )
+    start, end = events.peak_contact or (0.0, 0.0)
+    contact_time = end - start
     if contact_time <= 0.0:
         return []
     law = own_law(contact.law)

@@ -83,11 +83,10 @@ def _contacts_of(
     """
     ours = [of for of, contact in zip(events, plan.contacts, strict=True) if contact.touches(body)]
     peak = max(ours, key=lambda of: of.peak_force, default=None)
-    if peak is None or not peak.contacts:
+    if peak is None or peak.peak_contact is None:
         return (0.0, duration), (0.0, duration), 0.0
     first = min(of.contacts[0] for of in ours if of.contacts)
-    largest = next(span for span in peak.contacts if peak.peak_time <= span[1])
-    return first, largest, peak.peak_time
+    return first, peak.peak_contact, peak.peak_time
 
 
 def _static_deflection(motion: Motion, recovery: Recovery) -> FloatArray | None:

@@ -12,6 +12,7 @@ import numpy as np
 from ..accuracy import best_radius
 from ..base import AOImpactError, InputError, plain, warn, with_unit
 from ..fem import ContactPoint, contact_within
+from ..integrate import rigid_contact_time
 from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import LinearSolver
 from ..reduction import BodyModel, FullModel
@@ -24,10 +25,6 @@ __all__ = [
     "meeting",
     "turns",
 ]
-
-# A contact lasts about three times its depth over the speed: 2.94 by Hertz's law (Johnson,
-# eq. 11.25), π by a linear one.
-_DURATION_OVER_DEPTH = 3.0
 
 # A ball's radius over the other body's size above which a warning is given: millimetres may have
 # been taken for metres, a factor of 1000.
@@ -155,13 +152,14 @@ def meeting(law: ContactLaw, bodies: Sequence[BodyModel], velocity: float) -> Me
     masses = [body.most_mass for body in bodies]
     if velocity == 0.0 or all(math.isinf(mass) for mass in masses):
         return None
-    energy = 0.5 * velocity**2 / math.fsum(1.0 / mass for mass in masses)
+    mass, speed = 1.0 / math.fsum(1.0 / mass for mass in masses), abs(velocity)
     try:
-        depth = law.stroke(energy)
+        depth = law.stroke(0.5 * mass * speed**2)
+        duration = rigid_contact_time(law, mass, speed)
     except AOImpactError:
         return None
     wide = None if law.relative_radius is None else math.sqrt(law.relative_radius * depth)
-    return Meeting(_DURATION_OVER_DEPTH * depth / abs(velocity), wide)
+    return Meeting(duration, wide)
 
 
 def fitted(

@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
-__all__ = ["IntArray", "narrow_order"]
+from ..base import IntArray
 
-IntArray = npt.NDArray[np.intp]
+__all__ = ["narrow_order"]
 
 
 def narrow_order(ends: Sequence[tuple[int, int]], couples: Sequence[bool]) -> IntArray | None:

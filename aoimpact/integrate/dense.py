@@ -15,9 +15,9 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base import FloatArray, LawLimitError, MemoryLimitError
+from ..base import FloatArray, IntArray, LawLimitError, MemoryLimitError
 from ..scene import CoreContact, Plan
-from .band import IntArray, narrow_order
+from .band import narrow_order
 from .events import Events
 from .motion import DenseMotion
 

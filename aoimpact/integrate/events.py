@@ -16,6 +16,9 @@ FloatArray = NDArray[np.float64]
 
 _BISECTIONS = 60  # halves [0, 1] down to rounding
 
+# Of the record's length: where a contact ends no farther before its end, the end is that.
+_ROUNDING = 1e-12
+
 # Of the curvature at a peak: where both samples beside it have less, the force has jumped or is not
 # resolved. A jump bends the curve up on one side of it, down on the other, and no further out. Half
 # a sine of N steps has cos(π/N) there, so that four steps are enough.
@@ -53,6 +56,16 @@ class Events(NamedTuple):
     def contact_count(self) -> int:
         """Number of contacts."""
         return len(self.contacts)
+
+    @property
+    def peak_contact(self) -> tuple[float, float] | None:
+        """Start and end [s] of the contact with the largest force; None without contact."""
+        spans = (span for span in self.contacts if self.peak_time <= span[1])
+        return next(spans, self.contacts[-1]) if self.contacts else None
+
+    def last_until(self, end: float) -> bool:
+        """Return whether the last contact lasts until the record's end [s], which cuts it off."""
+        return bool(self.contacts) and self.contacts[-1][1] >= end * (1.0 - _ROUNDING)
 
 
 class _HasEvents(Protocol):

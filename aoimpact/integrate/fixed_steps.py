@@ -251,7 +251,8 @@ class _Stepping:
 def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
     """Estimate how long a contact of a rigid `mass`, kg, at `velocity`, m/s, lasts, s.
 
-    Three times the largest indentation over the velocity: 2.94 for Hertz, π for a linear law.
+    Three times the largest indentation over the velocity: 2.94 for Hertz (Johnson, Contact
+    Mechanics, eq. 11.25), π for a linear law.
     """
     try:
         return 3.0 * law.stroke(0.5 * mass * velocity**2) / velocity

@@ -147,9 +147,7 @@ def warn_of_later_motion(plan: Plan, run: Run, body: int) -> None:
 
 def _contact_time(events: Events, duration: float, fitted: float) -> float:
     """How long the contact of the peak force lasts, s; as fitted if it is cut off before."""
-    start, end = next(
-        (of for of in events.contacts if of[0] <= events.peak_time <= of[1]), events.contacts[0]
-    )
+    start, end = events.peak_contact or (0.0, 0.0)
     return max(end - start, fitted) if end >= duration else end - start
 
 

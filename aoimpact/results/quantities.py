@@ -232,12 +232,12 @@ class Quantity:
         if not run.plan.scene:
             return run.events[0].contact_duration or None
         hardest = max((of.peak_force for of in run.events), default=0.0)
-        lasting = [
-            next(end - start for start, end in of.contacts if of.peak_time <= end)
+        spans = [
+            of.peak_contact or (0.0, 0.0)
             for of in run.events
-            if of.contacts and of.peak_force >= _LEAST_CONTACT * hardest
+            if of.peak_force >= _LEAST_CONTACT * hardest
         ]
-        return min((time for time in lasting if time > 0.0), default=None)
+        return min((end - start for start, end in spans if end > start), default=None)
 
     def _values(self, run: Run, *, known: bool = True) -> list[float]:
         """The numbers; not known: those to compare runs by, where any motion will do."""

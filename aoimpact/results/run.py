@@ -455,8 +455,7 @@ class Run:
     @property
     def in_contact_at_end(self) -> bool:
         """Whether the record ends in contact: its numbers are then not yet final."""
-        end = self.duration * (1.0 - 1e-12)
-        return any(events.contacts and events.contacts[-1][1] >= end for events in self.events)
+        return any(events.last_until(self.duration) for events in self.events)
 
     @property
     def _wall_moves(self) -> bool:

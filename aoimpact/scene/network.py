@@ -17,14 +17,13 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray
+from ..base import FloatArray, IntArray
 from ..reduction import ModalBody
 from .contact import Port
 
 __all__ = ["ContactNetwork", "LinearNetwork"]
 
 BoolArray = npt.NDArray[np.bool_]
-IntArray = npt.NDArray[np.intp]
 
 # Ground springs on what may move freely: on one body of a group that nothing constrains, as stiff
 # as its contacts; of bodies touched in several places, whose rigid motions the others may

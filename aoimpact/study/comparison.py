@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import warnings
 from dataclasses import astuple, dataclass, fields
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,6 @@ from ..base import (
     html_table,
     instances,
     text,
-    warn,
     with_unit,
     written_file,
 )
@@ -59,8 +59,10 @@ class Compared:
     @property
     def duration(self) -> float:
         """The old name of `contact_duration`."""
-        warn(
-            "duration of a compared model is called contact_duration now: duration is the record's"
+        warnings.warn(
+            "duration of a compared model is now called contact_duration: duration is the record's",
+            DeprecationWarning,
+            stacklevel=2,
         )
         return self.contact_duration
 

@@ -318,8 +318,7 @@ def _two_poles(cfc: float, rate: float) -> tuple[FloatArray, FloatArray]:
 def _contact_force(run: Run, contact: int, rate: float | None, margin: float) -> Signal:
     """Return a contact's force, evenly sampled, with zeros before and after the record."""
     events = run.events[integer("contact", contact, low=0, high=len(run.events) - 1)]
-    ends = bool(events.contacts) and events.contacts[-1][1] >= run.duration * (1.0 - 1e-12)
-    if margin > 0.0 and ends:
+    if margin > 0.0 and events.last_until(run.duration):
         raise InputError(
             "the record ends in contact, and what the force does afterwards is not known; call "
             "simulate(..., duration=...) with a longer one"
@@ -342,8 +341,8 @@ def _contact_force(run: Run, contact: int, rate: float | None, margin: float) ->
 
 def _hardest(events: Events, duration: float) -> float:
     """Length of the contact in which the force is largest, s; of the record without one."""
-    holds = [end - start for start, end in events.contacts if start <= events.peak_time <= end]
-    return holds[0] if holds and holds[0] > 0.0 else duration
+    start, end = events.peak_contact or (0.0, duration)
+    return end - start if end > start else duration
 
 
 def _times(start: float, end: float, rate: float) -> FloatArray:
