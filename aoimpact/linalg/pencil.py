@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray
+from ..base import FloatArray, interruptible
 from .fill import graph_width
 
 __all__ = ["Pencil"]
@@ -85,7 +85,7 @@ class Pencil:
         if not K.data.all():  # SciPy leaves sums out that are zero
             data = np.where(K.data == 0.0, _ALMOST_ZERO, K.data)
             K = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
-        return K + self.s2 * self.M
+        return interruptible(lambda: K + self.s2 * self.M)
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x without that matrix."""

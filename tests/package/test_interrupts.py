@@ -45,6 +45,12 @@ def factors() -> Callable[[], Any]:
     return lambda: ao.antioscillators(tip, 2, method="krylov", contact_time=1e-4, solver="superlu")
 
 
+def factors_by_pardiso() -> Callable[[], Any]:
+    pytest.importorskip("pymklpardiso")
+    tip = bar((24, 8, 8))
+    return lambda: ao.antioscillators(tip, 2, method="krylov", contact_time=1e-4, solver="pardiso")
+
+
 def stress() -> Callable[[], Any]:
     tip = ao.antioscillators(bar((16, 4, 4)), 2, method="krylov", contact_time=1e-3)
     hit = ao.simulate(
@@ -84,7 +90,16 @@ def load_beside_a_contact() -> Callable[[], Any]:
     return flying(scene, wall)
 
 
-MAKERS = [all_modes, all_oscillators, factors, stress, load, load_in_flight, load_beside_a_contact]
+MAKERS = [
+    all_modes,
+    all_oscillators,
+    factors,
+    factors_by_pardiso,
+    stress,
+    load,
+    load_in_flight,
+    load_beside_a_contact,
+]
 
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
