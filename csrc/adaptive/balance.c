@@ -81,14 +81,14 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
         const aoi_contact_state *contact = &run->balanced[i];
         double here, rate, acceleration;
         aoi_free_pair pair;
-        aoi_pair_now(run, contact->at[0], &pair);
+        aoi_pair_now(run, contact->contact, &pair);
         aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
         e->free[i] = here;
         e->rate_free[i] = time > 0.0 ? rate + (here - contact->indentation) / time : 0.0;
         for (size_t k = 0; k < width; k++) {
             const size_t j = i + k - e->band; /* wraps round below the first */
             e->compliance[i * width + k] =
-                j < e->count ? compliance_between(run->system, contact->at[0], run->balanced[j].at[0])
+                j < e->count ? compliance_between(run->system, contact->contact, run->balanced[j].contact)
                              : 0.0;
             e->rate_compliance[i * width + k] =
                 time > 0.0 ? e->compliance[i * width + k] / time : 0.0;
@@ -112,7 +112,7 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
                                          .indentation = from,
                                          .last_indentation = from,
                                          .rate = contact->start_rate};
-    run->balanced[count].at[0] = c;
+    run->balanced[count].contact = c;
     for (size_t i = 0; i < AOI_LAW_MEMORY; i++) {
         run->balanced[count].memory[i] = contact->memory[i];
     }
@@ -123,7 +123,7 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
  * tolerance of events, it is found by indentation and rate. */
 static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate)
 {
-    const aoi_adaptive_contact *contact = &run->contact[of->at[0]];
+    const aoi_adaptive_contact *contact = &run->contact[of->contact];
     const double off = run->rtol * contact->indentation_scale;
     double low, high;
     if (contact->closed && contact->piece != AOI_SLACK && indentation >= contact->low - off &&
@@ -162,7 +162,7 @@ static double placed(const aoi_adaptive *run, size_t c)
 /* The relaxation time of a dashpot at a residual compliance; 0 for one that does not touch. */
 static double relaxation_of(const aoi_adaptive *run, const aoi_contact_state *of)
 {
-    const size_t c = of->at[0];
+    const size_t c = of->contact;
     aoi_law_value value;
     uncut_force(run, of, of->indentation, 0.0, &value);
     return run->contact[c].start < of->indentation ? 0.0 : value.damping * aoi_system_residual(run->system, c);
@@ -186,9 +186,9 @@ int aoi_balance_at_start(aoi_adaptive *run)
     set_equations(run, time, &e);
     const int status = aoi_coupled_solve(&e, run->balanced);
     for (size_t i = 0; i < count && status == AOI_OK; i++) {
-        run->contact[run->balanced[i].at[0]].start = e.indentation[i];
-        run->contact[run->balanced[i].at[0]].force = e.force[i];
-        run->contact[run->balanced[i].at[0]].bending = e.force[i];
+        run->contact[run->balanced[i].contact].start = e.indentation[i];
+        run->contact[run->balanced[i].contact].force = e.force[i];
+        run->contact[run->balanced[i].contact].bending = e.force[i];
     }
     return status;
 }
@@ -199,7 +199,7 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
     const double left = fmin(run->end - aoi_run_now(run), MOST_STEPS * aoi_run_step(run));
     double depth = 0.0, rate = 0.0;
     for (size_t i = 0; i < count; i++) {
-        const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].at[0]];
+        const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].contact];
         depth = fmax(depth, contact->indentation_scale);
         rate = fmax(rate, fabs(contact->begins ? contact->touch_rate : contact->start_rate));
     }
@@ -209,12 +209,9 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
 /* A force cut at zero, for laws without adhesion. */
 static double cut(const aoi_law *law, double force) { return law->pulls ? force : fmax(force, 0.0); }
 
-/* at[1] of a listed contact: whether it has a force while indentations are found. */
-enum { IS_SLACK, ACTS };
-
 /* A contact's force after an implicit step of length time, linear in its rate: the force at its rate without changes of
  * contact forces, and as damping its derivative by the rate. after: indentations are those at the end of the step, and
- * at[1] decides which contacts have a force; otherwise those at its start, and laws without adhesion are cut at zero:
+ * `acts` says which contacts have a force; otherwise those at its start, and laws without adhesion are cut at zero:
  * by the event that the step has located, if there is one. */
 static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int after)
 {
@@ -224,16 +221,15 @@ static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e,
     aoi_law_value still, value;
     uncut_force(run, of, e->indentation[i], 0.0, &still);
     uncut_force(run, of, e->indentation[i], e->rate[i], &value);
-    if (after && of->at[1] == ACTS && value.damping > enough) {
+    if (after && of->acts && value.damping > enough) {
         return (aoi_law_value){e->force[i] + enough * e->rate_free[i], 0.0, enough};
     }
     const double by_place = time * fmax(still.stiffness, 0.0), damping = fmax(value.damping, 0.0);
     const double growth = after ? 0.0 : by_place * e->rate_free[i];
     const double force = value.force + damping * (e->rate_free[i] - e->rate[i]) + growth;
     const int cuts = of->law->depends_on_rate && !of->law->pulls;
-    const int has_let_go = run->contact[of->at[0]].event == AOI_EVENT_SLACKEN;
-    if (after ? of->at[1] == IS_SLACK
-             : cuts && (has_let_go || !(value.force + by_place * e->rate[i] > 0.0))) {
+    const int has_let_go = run->contact[of->contact].event == AOI_EVENT_SLACKEN;
+    if (after ? !of->acts : cuts && (has_let_go || !(value.force + by_place * e->rate[i] > 0.0))) {
         return (aoi_law_value){0.0, 0.0, 0.0};
     }
     return (aoi_law_value){force, 0.0, damping + by_place};
@@ -283,7 +279,7 @@ static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
     for (size_t i = 0; i < e->count; i++) {
         double acceleration;
         aoi_free_pair pair;
-        aoi_pair_now(run, run->balanced[i].at[0], &pair);
+        aoi_pair_now(run, run->balanced[i].contact, &pair);
         aoi_free_pair_indentation(&pair, &e->indentation[i], &e->rate_free[i], &acceleration);
         for (size_t k = 0; k < width; k++) {
             const size_t j = i + k - e->band; /* wraps round below the first */
@@ -365,7 +361,7 @@ static double least_jump(const aoi_adaptive *run, size_t count)
 {
     double largest = run->force_scale;
     for (size_t i = 0; i < count; i++) {
-        largest = fmax(largest, run->contact[run->balanced[i].at[0]].peak_force);
+        largest = fmax(largest, run->contact[run->balanced[i].contact].peak_force);
     }
     return LEAST_JUMP * run->rtol * largest;
 }
@@ -381,7 +377,7 @@ static int lets_go(const aoi_adaptive_contact *contact, const aoi_law *law, doub
  * touch that the step has located stays closed: its bodies approach each other. */
 static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, double least, double error)
 {
-    const aoi_adaptive_contact *contact = &run->contact[from->at[0]];
+    const aoi_adaptive_contact *contact = &run->contact[from->contact];
     return contact->begins && contact->event != AOI_EVENT_TOUCH &&
            contact->start <= aoi_law_rest(from->law, contact->memory) && from->force <= least &&
            from->rate < -error;
@@ -412,7 +408,7 @@ static void press_again(const aoi_law *law, double rate, aoi_adaptive_contact *c
 /* Sets a contact's rate, piece and force after a sudden change. */
 static void set_contact(aoi_adaptive *run, const aoi_contact_state *from, double least)
 {
-    aoi_adaptive_contact *contact = &run->contact[from->at[0]];
+    aoi_adaptive_contact *contact = &run->contact[from->contact];
     const aoi_law *law = from->law;
     const double before = contact->start_rate;
     contact->start_rate = from->rate;
@@ -449,15 +445,15 @@ static void open_and_watch(aoi_adaptive *run, size_t c)
 static void meet(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
-        run->contact[run->balanced[i].at[0]].bending = run->balanced[i].at[1] != IS_SLACK ? e->force[i] : 0.0;
+        run->contact[run->balanced[i].contact].bending = run->balanced[i].acts ? e->force[i] : 0.0;
     }
     for (size_t i = 0; i < e->count; i++) {
         const aoi_contact_state *of = &run->balanced[i];
-        const size_t c = of->at[0];
+        const size_t c = of->contact;
         aoi_adaptive_contact *contact = &run->contact[c];
         const double tolerance = aoi_event_tolerance(run, contact->indentation_scale);
         contact->start = aoi_contact_place(run, c);
-        const int acts = of->at[1] != IS_SLACK;
+        const int acts = of->acts;
         const int touches = contact->start >= aoi_law_rest(of->law, of->memory) - tolerance;
         if (contact->closed && !touches && !acts) {
             open_and_watch(run, c);
@@ -491,10 +487,10 @@ static size_t list_all(aoi_adaptive *run, int pull_off)
 static void set_forces(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
-        run->contact[run->balanced[i].at[0]].bending = e->force[i];
+        run->contact[run->balanced[i].contact].bending = e->force[i];
     }
     for (size_t i = 0; i < e->count; i++) {
-        const size_t c = run->balanced[i].at[0];
+        const size_t c = run->balanced[i].contact;
         run->contact[c].start = aoi_contact_place(run, c);
     }
 }
@@ -503,7 +499,7 @@ static void set_forces(aoi_adaptive *run, const aoi_coupled *e)
 static aoi_law_value acting(const aoi_adaptive *run, const aoi_coupled *e, size_t i)
 {
     aoi_law_value value = {0.0, 0.0, 0.0};
-    if (run->balanced[i].at[1] == ACTS) {
+    if (run->balanced[i].acts) {
         uncut_force(run, &run->balanced[i], e->indentation[i], e->rate[i], &value);
     }
     return value;
@@ -540,7 +536,7 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
         of[i].force = of[i].force != 0.0 ? of[i].force : value.force; /* of a cut one: how far below zero */
         const double certain = least + value.damping * error;
         if (is_separated(run, &of[i], certain, error)) {
-            open_and_watch(run, of[i].at[0]);
+            open_and_watch(run, of[i].contact);
             some = 1;
         } else {
             set_contact(run, &of[i], certain);
@@ -564,9 +560,9 @@ static int balance(aoi_adaptive *run, int pull_off)
         return 0;
     }
     for (size_t i = 0; i < count; i++) {
-        const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].at[0]];
+        const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].contact];
         const int acts = pull_off ? e.force[i] != 0.0 : contact->piece != AOI_SLACK;
-        run->balanced[i].at[1] = acts ? ACTS : IS_SLACK;
+        run->balanced[i].acts = acts;
         e.force[i] = pull_off ? e.force[i] : contact->bending;
     }
     if (!find_places(run, at_once, &e)) {

@@ -12,7 +12,9 @@
 /* A contact for these equations: its law, and its state at the end of the last step. */
 typedef struct aoi_contact_state {
     const aoi_law *law;
-    size_t at[2];                    /* its ports among those of all, or what else its owner tells it by */
+    size_t port[2];                  /* with fixed steps: its ports among those of all         */
+    size_t contact;                  /* in a balance: its number, and whether it has a force   */
+    int acts;                        /* while indentations are found                           */
     double force, indentation, rate; /* at the end of the last step                            */
     double last_indentation;         /* a step before                                          */
     double work, start_energy;       /* of F on delta so far; stored in the law at the start   */

@@ -117,7 +117,7 @@ static void find_places(aoi_scene *scene)
         const aoi_contact *contact = &scene->contact[c];
         scene->state[c].law = contact->law;
         for (int side = 0; side < 2; side++) {
-            scene->state[c].at[side] = scene->first_port[contact->body[side]] + contact->port[side];
+            scene->state[c].port[side] = scene->first_port[contact->body[side]] + contact->port[side];
         }
     }
 }
@@ -195,7 +195,7 @@ static int contact_begin(const aoi_scene *scene, size_t c)
 {
     aoi_contact_state *contact = &scene->state[c];
     const aoi_law *law = contact->law;
-    const size_t a = contact->at[0], b = contact->at[1];
+    const size_t a = contact->port[0], b = contact->port[1];
     aoi_law_value value;
     contact->indentation = scene->displacement[a] - scene->displacement[b] - scene->contact[c].gap;
     contact->rate = scene->free_velocity[a] - scene->free_velocity[b];
@@ -328,8 +328,8 @@ static void find_push(aoi_scene *scene)
     }
     for (size_t c = 0; c < scene->contact_count; c++) {
         const aoi_contact_state *contact = &scene->state[c];
-        push[contact->at[0]] -= contact->force;
-        push[contact->at[1]] += contact->force;
+        push[contact->port[0]] -= contact->force;
+        push[contact->port[1]] += contact->force;
     }
 }
 
@@ -422,8 +422,8 @@ static int scene_step(aoi_scene *scene, double time)
     const double *u = scene->free_displacement, *v = scene->free_velocity;
     for (size_t c = 0; c < e->count; c++) {
         const aoi_contact_state *contact = &scene->state[c];
-        e->free[c] = u[contact->at[0]] - u[contact->at[1]] - scene->contact[c].gap;
-        e->rate_free[c] = v[contact->at[0]] - v[contact->at[1]];
+        e->free[c] = u[contact->port[0]] - u[contact->port[1]] - scene->contact[c].gap;
+        e->rate_free[c] = v[contact->port[0]] - v[contact->port[1]];
     }
     if (status == AOI_OK) {
         status = aoi_coupled_solve(e, scene->state);
