@@ -41,6 +41,7 @@ from ..linalg import (
     motion_without_force,
     null_space,
     symmetric_pair,
+    warn_of_rounding,
 )
 from ..mesh import (
     Mesh,
@@ -484,7 +485,9 @@ class FEModel(Frozen):
         array([139.1, 364.2])
         """
         count = integer("n", n, low=1, high=self.n_dofs)
-        omega2, _ = lowest(self.K, self.M, count, known=self.rigid_modes, invert=self.inverse)
+        omega2, modes = lowest(self.K, self.M, count, known=self.rigid_modes, invert=self.inverse)
+        elastic = modes[:, self.rigid_modes.shape[1] :]
+        warn_of_rounding(self.K, elastic, f"{elastic.shape[1]} elastic frequencies")
         if len(omega2) < count:
             raise InputError(
                 f"n must be at most {len(omega2)}, got {count}: the other motions have no mass"

@@ -123,8 +123,8 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
     if error == 1.0:
         warn(
             f"dt={record.dt:g} s is far too large: with 2dt the peak force changes by more than a "
-            "fifth, or a damper stops the bodies within a step; no digit is right. Take a "
-            "smaller dt, or Newmark() without dt"
+            "fifth, a damper stops the bodies within a step, or vibration that such steps do not "
+            "resolve may close a gap; no digit is right. Take a smaller dt, or Newmark() without dt"
         )
     for i, contact in enumerate(plan.contacts):
         check_width(contact.law, plan.layout.contact(record.rows, i).indentation, i)

@@ -16,6 +16,10 @@ __all__ = ["UserLaw"]
 # What every function of a C library is an instance of.
 _CTYPES_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
+# No function lies below, on any system that a process can run on (Linux: vm.mmap_min_addr): such a
+# number is a stiffness that was meant for another law.
+_LOWEST = 65_536
+
 _SIGNATURE = "double f(double indentation, double rate)"
 
 
@@ -118,8 +122,8 @@ def _address(name: str, function: Any) -> int | None:
     if isinstance(function, bool):
         return None
     if isinstance(function, int):
-        if not 0 <= function < 1 << 8 * ctypes.sizeof(ctypes.c_void_p):
-            raise InputError(f"{name} must be an address, got {function}")
+        if function and not _LOWEST <= function < 1 << 8 * ctypes.sizeof(ctypes.c_void_p):
+            raise InputError(f"{name} must be a function or its address, got {function}")
         return function
     if isinstance(function, _CTYPES_FUNCTION):
         if list(function.argtypes or ()) != [ctypes.c_double] * 2 or (

@@ -26,7 +26,15 @@ from .solvers import (
     linear_solver,
     stays_quickest,
 )
-from .spectra import DENSE_DOFS, EQUAL, lowest, lowest_sparse, null_space, shifted
+from .spectra import (
+    DENSE_DOFS,
+    EQUAL,
+    lowest,
+    lowest_sparse,
+    null_space,
+    shifted,
+    warn_of_rounding,
+)
 from .superlu import Factorization, factorize
 
 __all__ = [
@@ -55,4 +63,5 @@ __all__ = [
     "shifted",
     "stays_quickest",
     "symmetric_pair",
+    "warn_of_rounding",
 ]

@@ -32,6 +32,7 @@ from ..linalg import (
     dense_modes,
     lowest_sparse,
     shifted,
+    warn_of_rounding,
 )
 from .krylov import KrylovSpace
 from .origin import origin_of
@@ -323,6 +324,7 @@ def antioscillators(
         if len(found.m) < wanted:
             warn(f"n={n}: only {len(found.m)} anti-oscillators carry mass at this contact")
         found = found.take(np.arange(min(wanted, len(found.m))))
+        warn_of_rounding(tip.body.K, found.shapes, f"{len(found.m)} anti-oscillators")
     return _model(tip, static, found, "AO", solvers.name)
 
 

@@ -75,6 +75,11 @@ class SceneBody(ABC):
         """The body in its natural modes; a full model in all of them."""
 
     @property
+    def few_modes(self) -> ModalBody | None:
+        """The body in its natural modes; None where these are those of a whole mesh."""
+        return self.modal
+
+    @property
     def ports(self) -> int:
         """Number of places where it may be touched."""
         return 1

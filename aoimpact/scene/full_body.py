@@ -85,6 +85,10 @@ class FullBody(SceneBody):
     def modal(self) -> ModalBody:
         return modal_body(self._whole)
 
+    @property
+    def few_modes(self) -> None:
+        return None
+
     def weight(self, gravity: float) -> FloatArray | None:
         if self.tip.body.mass is None or self.tip.direction is None:
             raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")

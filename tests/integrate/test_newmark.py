@@ -640,3 +640,41 @@ def test_a_load_that_jumps_leaves_the_peak_on_the_curve():
     run = scene.simulate(duration=1.5e-3, solver=ao.Newmark(dt=1e-6))
     assert run.events[0].peak_force == run.contacts[0].force.max()
     assert run.events[0].peak_force == pytest.approx(exact, rel=run.error.time)
+
+
+def shaken(onset: float, ramp: float) -> ao.Scene:
+    """A mass on a spring, pushed by F within `ramp`, and a ball at 1.5 F/k from it."""
+    force, stiffness = 100.0, MASS * SHAKEN**2
+    scene = ao.Scene()
+    mass = scene.add(ao.AOModel(m0=MASS, k0=stiffness))
+    ball = scene.add(ao.rigid(mass=0.3))
+    scene.connect(mass, ball, ao.Hertz(k=1e9), gap=1.5 * force / stiffness)
+    scene.apply(mass, force=([onset, onset + ramp], [0.0, force]))
+    return scene
+
+
+SHAKEN = 2.0 * math.pi * 1e4  # rad/s
+
+
+@pytest.mark.parametrize("onset", [1.1e-3, 1.73e-3, 5.02e-3])
+def test_vibration_that_first_steps_do_not_resolve_is_not_missed(onset):
+    """A load at once makes the spring swing to 2 F/k, though its mean place is F/k."""
+    run = shaken(onset, 1e-7).simulate(duration=1e-2, solver=ao.Newmark(rtol=1e-2))
+    touch = onset + 0.5e-7 + math.acos(-0.5) / SHAKEN
+    assert run.contacts[0].intervals[0][0] == pytest.approx(touch, abs=1e-6)
+    exact = shaken(onset, 1e-7).simulate(duration=1e-2, solver=ao.Adaptive(rtol=1e-8))
+    assert run.contacts[0].peak_force == pytest.approx(exact.contacts[0].peak_force, rel=1e-2)
+
+
+@pytest.mark.filterwarnings("ignore:.*no contact in")
+def test_vibration_that_given_steps_do_not_resolve_is_said():
+    with pytest.warns(ao.AOImpactWarning, match="do not resolve may close a gap"):
+        run = shaken(1.1e-3, 1e-7).simulate(duration=1e-2, solver=ao.Newmark(dt=1e-3))
+    assert run.error.time == 1.0
+
+
+@pytest.mark.filterwarnings("ignore:.*no contact in")
+def test_a_slow_load_needs_no_steps_for_what_it_does_not_excite():
+    run = shaken(0.0, 1e-2).simulate(duration=1e-2, solver=ao.Newmark(rtol=1e-2))
+    assert run.contacts[0].peak_force == 0.0
+    assert len(run.t) < 200

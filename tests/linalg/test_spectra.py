@@ -1,5 +1,7 @@
 """Lowest eigenpairs: of known spectra, multiple ones, with and without rigid motions."""
 
+import warnings
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -67,3 +69,23 @@ def test_a_strip_a_thousand_times_as_long_as_thick_vibrates_as_a_beam(thickness,
     exact = first**2 / (2.0 * np.pi * length**2) * np.sqrt(70e9 / 2700.0 / 12.0) * thickness
     found = strip.frequencies(9)
     assert found[0 if held else 6] == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize(("thickness", "lost"), [(1e-3, False), (1e-4, True)])
+@pytest.mark.parametrize("made", ["frequencies", "modal", "eigen"])
+def test_stiffness_that_rounding_drowns_is_said(thickness, lost, made):
+    """Rounding of K is 1e-16 of the highest ω²; of a bar 10 000 times as long as thick the lowest
+    is less."""
+    mesh = ao.box_mesh((1.0, thickness, thickness), (20, 1, 1), kind="hexahedron20")
+    bar = ao.FEModel.from_mesh(mesh, ao.Material(E=210e9, nu=0.0, rho=7800.0))
+    end = (1.0, 0.5 * thickness, thickness)
+    tip = bar.contact(point=end, direction=(0, 0, -1), radius=0)
+    make = {
+        "frequencies": lambda: bar.frequencies(8),
+        "modal": lambda: ao.modal(tip, 8),
+        "eigen": lambda: ao.antioscillators(tip, 2),
+    }[made]
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        make()
+    assert any("K's digits do not hold" in str(one.message) for one in said) == lost
