@@ -346,7 +346,7 @@ def _arnoldi(
     except scipy.sparse.linalg.ArpackError as error:
         raise ConvergenceError(
             f"ARPACK did not find {n} eigenpairs of {dofs} dofs ({error}); ask for fewer or all, "
-            "or make the body less slender: K has few digits for what is far softer than its elements"
+            "or make the body less slender: K has few digits for stiffness so small"
         ) from None
     order = np.argsort(values)
     vectors = project(vectors[:, order])
