@@ -7,13 +7,13 @@ import numpy as np
 from ..base import ConvergenceError
 from ..laws import ContactLaw
 from ..scene import Contact, Plan
-from .tolerances import ROUGHEST, SCATTERED
+from .tolerances import ROUGHEST, ROUGHEST_SHARE
 
 __all__ = ["refuse_rough", "scatter"]
 
 # Fourth differences over steps of this share of the indentation are rounding under any smooth law,
 # and this many times the scatter of one that is not.
-_STEP, _POINTS, _GAIN = 1e-5, 9, 70.0**0.5
+_STEP, _POINTS, _DIFFERENCED = 1e-5, 9, 70.0**0.5
 
 # Where to look: shares of the deepest indentation that rigid bodies would have, with shares of the
 # fastest approach. A kink at one of them is no roughness.
@@ -34,9 +34,11 @@ def refuse_rough(plan: Plan, rtol: float) -> None:
     for number, contact in enumerate(plan.contacts):
         if contact.law.by_caller:
             share = scatter(contact.law, _depth(plan, contact), plan.fastest)
-            most = min(SCATTERED * rtol, ROUGHEST)
+            most = min(ROUGHEST_SHARE * rtol, ROUGHEST)
             if share > most:
-                larger = f"take rtol={2.0 * share / SCATTERED:.1g}, " if share < ROUGHEST else ""
+                larger = (
+                    f"take rtol={2.0 * share / ROUGHEST_SHARE:.1g}, " if share < ROUGHEST else ""
+                )
                 raise ConvergenceError(
                     f"contact {number}: the user's law is not smooth to the tolerance "
                     f"rtol={rtol:g}: at neighbouring indentations its force scatters by "
@@ -68,7 +70,7 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
         size = float(np.abs(force).max())
         if 0.0 < size < np.inf:
             apart = float(np.sqrt(np.mean(np.diff(force, 4) ** 2)))
-            found.append(apart / (_GAIN * size))
+            found.append(apart / (_DIFFERENCED * size))
     return float(np.median(found)) if found else 0.0
 
 

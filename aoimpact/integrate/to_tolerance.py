@@ -13,7 +13,7 @@ from .adaptive import Adaptive
 from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
 from .roughness import refuse_rough
-from .tolerances import FLOOR, GAIN, LINEAR, OTHER_STEPS, PATIENCE, ROUNDING, SCATTER, SEVERAL
+from .tolerances import FLOOR, GAIN, LINEAR, OTHER_STEPS, PATIENCE, ROUNDING, SEVERAL, SPREAD
 
 __all__ = ["solve_adaptive"]
 
@@ -89,7 +89,7 @@ def _confirmed(
     rounding = ROUNDING * touches
     best, tolerance, error = first, first.rtol, math.inf
     # Errors add up from touch to touch, where they do not multiply.
-    wanted = min(rtol / (SCATTER * touches), OTHER_STEPS)
+    wanted = min(rtol / (SPREAD * touches), OTHER_STEPS)
     while True:
         wanted = max(wanted, FLOOR)
         try:
@@ -111,7 +111,7 @@ def _confirmed(
 
 def _estimate(apart: float, share: float) -> float:
     """Error of a run that differs by `apart` from one whose tolerance it has a `share` of."""
-    return 1.0 if apart > LINEAR else apart * min(1.0, SCATTER * share)
+    return 1.0 if apart > LINEAR else apart * min(1.0, SPREAD * share)
 
 
 def _warn_of_error(

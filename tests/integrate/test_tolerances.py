@@ -70,8 +70,8 @@ def test_a_second_run_less_tight_may_be_wrong_and_one_more_tight_costs_more(
     gaps = (0.0, 0.01, 0.02)  # one scene alone may be right by chance
     exact = [run(chain(wider), 3.47e-3, 1e-8) for wider in gaps]
     errors, costs = [], []
-    for scatter in np.array([1.0 / 3.0, 1.0, 3.0]) * to_tolerance.SCATTER:
-        monkeypatch.setattr(to_tolerance, "SCATTER", scatter)
+    for scatter in np.array([1.0 / 3.0, 1.0, 3.0]) * to_tolerance.SPREAD:
+        monkeypatch.setattr(to_tolerance, "SPREAD", scatter)
         found = [run(chain(wider), 3.47e-3, 1e-3) for wider in gaps]
         errors.append(max(map(comparison.difference, found, exact, (1.0, 1.0, 1.0))) / 1e-3)
         costs.append(run(bouncing(), 2.0, 1e-8).steps)
@@ -201,6 +201,19 @@ def test_a_touch_counts_from_a_hundredth_of_the_largest_on() -> None:
 
     assert apart(2.0 * tolerances.LESSER) == pytest.approx(1.0 / 31.0)
     assert apart(0.5 * tolerances.LESSER) == 0.0
+
+
+def test_a_touch_begins_at_a_certain_time_from_a_hundredth_of_its_mean_rate_on() -> None:
+    run = bounces(2, 1e-3)[0].recorder
+    first = (0.0, 1e-4, 1.0, 2.0)
+
+    def apart(pace: float) -> float:
+        ones = with_touches(run, [first, (2e-4, 3e-4, 1.0, pace)])
+        others = with_touches(run, [first, (2.1e-4, 3e-4, 1.0, pace)])
+        return comparison.difference(ones, others, 1.0)
+
+    assert apart(3.0 * tolerances.SUDDEN) == pytest.approx(1.0 / 30.0)
+    assert apart(0.3 * tolerances.SUDDEN) == 0.0
 
 
 def test_an_error_of_more_than_a_fifth_is_no_digit() -> None:
