@@ -161,32 +161,35 @@ def _may_touch_unseen(plan: Plan, record: Record) -> bool:
     changes, and by r / ω³ for all that its slope changes. Steps that are long beside the mode's
     period follow the displacement alone.
     """
-    size = [_unresolved(plan, body, record.dt) for body in range(len(plan.bodies))]
+    size: dict[int, FloatArray] = {}
     for number, contact in enumerate(plan.contacts):
         force, indentation = plan.layout.contact(record.rows, number)[:2]
+        if force.any():
+            continue
+        for body, _ in contact.ports:
+            if body not in size:
+                size[body] = _unresolved(plan, body, record.dt)
         vibration = sum(float(size[body][port]) for body, port in contact.ports)
-        if vibration > 0.0 and not force.any() and indentation.max() + 2.0 * vibration >= 0.0:
+        if vibration > 0.0 and indentation.max() + 2.0 * vibration >= 0.0:
             return True
     return False
 
 
 def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:
     """The largest vibration of a body's ports in modes that steps do not resolve, m, (ports,)."""
-    model, load = plan.bodies[body].few_modes, plan.load_on(body)
-    if model is None or (load is None and not plan.gravity):
-        return np.zeros(plan.bodies[body].ports)
-    fast = model.omega * dt > _RESOLVED
-    omega, push = model.omega[fast], np.abs(model.push[:, fast].T)
-    at_once = 0.0 if plan.preload else np.abs(plan.gravity * model.weight[fast])
+    model, load, slowest = plan.bodies[body], plan.load_on(body), _RESOLVED / dt
+    pull = 0.0 if plan.preload else abs(plan.gravity)
+    if model.wall or (load is None and pull == 0.0):
+        return np.zeros(model.ports)
+    changes = np.zeros(model.ports)
     if load is not None:
         times, forces = load
-        changes = np.diff(forces, axis=0)
-        bends = np.diff(changes / np.diff(times)[:, None], axis=0, prepend=0.0, append=0.0)
-        later = np.minimum(
-            push @ np.abs(changes).sum(axis=0), push @ np.abs(bends).sum(axis=0) / omega
-        )
-        at_once = at_once + later + (0.0 if plan.preload else push @ np.abs(forces[0]))
-    found: FloatArray = np.abs(model.shape[:, fast]) @ (at_once / omega**2)
+        steps = np.diff(forces, axis=0)
+        bends = np.diff(steps / np.diff(times)[:, None], axis=0, prepend=0.0, append=0.0)
+        changes += np.minimum(np.abs(steps).sum(axis=0), np.abs(bends).sum(axis=0) / slowest)
+        changes += 0.0 if plan.preload else np.abs(forces[0])
+    by_forces, by_weight = model.fast_compliance(slowest, weighed=pull > 0.0)
+    found: FloatArray = by_forces @ changes + by_weight * pull
     return found
 
 

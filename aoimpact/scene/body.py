@@ -6,6 +6,8 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..base import FloatArray
 from ..reduction import BodyModel, ModalBody
 from .stepped import SteppedBody
@@ -74,10 +76,21 @@ class SceneBody(ABC):
     def modal(self) -> ModalBody:
         """The body in its natural modes; a full model in all of them."""
 
-    @property
-    def few_modes(self) -> ModalBody | None:
-        """The body in its natural modes; None where these are those of a whole mesh."""
-        return self.modal
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+        """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s, or a bound of it.
+
+        Returns
+        -------
+        by_forces : ndarray, shape (ports, ports)
+            m/N.
+        by_weight : ndarray, shape (ports,)
+            m per m/s² of gravity; zero unless `weighed`.
+        """
+        modal = self.modal
+        fast = modal.omega > slowest
+        shape = np.abs(modal.shape[:, fast]) / modal.omega[fast] ** 2
+        by_weight = shape @ np.abs(modal.weight[fast]) if weighed else np.zeros(self.ports)
+        return shape @ np.abs(modal.push[:, fast].T), by_weight
 
     @property
     def ports(self) -> int:

@@ -85,9 +85,19 @@ class FullBody(SceneBody):
     def modal(self) -> ModalBody:
         return modal_body(self._whole)
 
-    @property
-    def few_modes(self) -> None:
-        return None
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+        """A bound without the modes: Σ r² / ω² above s is at most 2 bᵀ (K + s²M)⁻¹ b.
+
+        And Σ |r_p| |r_q| / ω² at most the root of both ports' sums (Cauchy and Schwarz).
+        """
+        loads = [tip.b for tip in self.model.tips]
+        weight = self.weight(1.0) if weighed else None
+        forces = np.column_stack(loads if weight is None else [*loads, weight])
+        moved = self.tip.body.inverse(slowest**2, solutions=forces.shape[1]).solve(forces)
+        root = np.sqrt(2.0 * (forces * moved).sum(axis=0))
+        ports = root[: self.ports]
+        by_weight = np.zeros(self.ports) if weight is None else ports * root[-1]
+        return np.outer(ports, ports), by_weight
 
     def weight(self, gravity: float) -> FloatArray | None:
         if self.tip.body.mass is None or self.tip.direction is None:

@@ -678,3 +678,27 @@ def test_a_slow_load_needs_no_steps_for_what_it_does_not_excite():
     run = shaken(0.0, 1e-2).simulate(duration=1e-2, solver=ao.Newmark(rtol=1e-2))
     assert run.contacts[0].peak_force == 0.0
     assert len(run.t) < 200
+
+
+@pytest.mark.filterwarnings("ignore:.*no contact in", "ignore:.*a single node")
+@pytest.mark.parametrize("gravity", [0.0, 1000.0])
+def test_vibration_of_a_mesh_that_steps_do_not_resolve_is_said(gravity):
+    """A cantilever that a load, or its own weight, bends at once, and steps beside its period."""
+    mesh = ao.box_mesh((0.1, 0.01, 0.01), (6, 1, 1), kind="hexahedron20")
+    fixed = [("xmin", "xyz")]
+    beam = ao.FEModel.from_mesh(mesh, ao.Material(E=70e9, nu=0.3, rho=2700.0), fixed=fixed)
+    tip = beam.contact(point=(0.1, 0.005, 0.01), direction=(0, 0, 1), radius=0)
+    at_rest = beam.inverse().solve(
+        tip.b if not gravity else beam.M @ tip.body.translation((0, 0, 1))
+    )
+    bent = float(tip.b @ at_rest) * (gravity or 100.0)
+    assert bent > 0.0
+    scene = ao.Scene(gravity=gravity)
+    end, other = scene.add(ao.full(tip)), scene.add(ao.rigid(math.inf))
+    scene.connect(end, other, ao.Hertz(k=1e9), gap=1.5 * bent)
+    if not gravity:
+        scene.apply(end, force=([1.1e-3, 1.1e-3 + 1e-7], [0.0, 100.0]))
+    exact = scene.simulate(duration=1e-2, solver=ao.Adaptive(rtol=1e-4))
+    assert exact.contacts[0].peak_force > 0.0
+    with pytest.warns(ao.AOImpactWarning, match="do not resolve may close a gap"):
+        assert scene.simulate(duration=1e-2, solver=ao.Newmark(dt=1e-3)).error.time == 1.0
