@@ -47,7 +47,7 @@ NO_DIGIT = 0.2
 # Where two adaptive runs differ by more than this, errors do not grow as their causes do, and no
 # digit is claimed. With a third of this 1.3 % more steps are taken; with seven times as much a
 # scene of 784 touches is given up that another run confirms. Chaos is seen with three times as
-# much, too; with 1, a tenth of its error is claimed.
+# much, too; with 1, an error of 0.07 is claimed where two runs differ by 0.27.
 LINEAR = 0.03
 
 # Of Newmark's error estimate: the share of the peak force above which the force itself is compared

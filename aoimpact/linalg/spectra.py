@@ -52,7 +52,8 @@ _FIRST_SHIFT = 1e-4
 _SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 
 # Steps of inverse iteration that give ω² its order of magnitude from a random vector, where it is
-# not below s² by far. If it is, they give some s²/100, and the next s² is a hundredth of that.
+# not below s² by far. If it is, they give some s²/200 (of strips 1 m long and 0.5 to 3 mm thick),
+# and the next s² is a hundredth of that.
 _INVERSE_STEPS, _FURTHER = 8, 0.01
 
 # eps |φ|ᵀ|K||φ| over φᵀKφ of a mode from which on it is lost. Of bars and plates 1 000 to 10 000

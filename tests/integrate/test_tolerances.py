@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_comparison import bounce, with_touches
+from test_comparison import bounce, swinging_table, with_touches
 from test_comparison import bouncing as bounces
 
 import aoimpact as ao
@@ -151,11 +151,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> Runs:
 
 
 def chaotic(rtol: float) -> ao.Run:
-    """A ball on a table that swings: each bounce multiplies the errors before it."""
-    scene = ao.Scene(gravity=9.81)
-    ball = scene.add(ao.rigid(mass=0.0327), velocity=1.0)
-    table = scene.add(ao.AOModel(m0=1.0, k0=1e4))
-    scene.connect(ball, table, ao.Hertz(k=1e9))
+    scene, _ = swinging_table()
     with warnings.catch_warnings(record=True):
         warnings.simplefilter("always")
         return scene.simulate(duration=8.0, solver=ao.Adaptive(rtol=rtol), energies=False)
