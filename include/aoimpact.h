@@ -150,11 +150,12 @@ typedef struct aoi_user_law {
     int given[AOI_USER_FUNCTIONS];
 } aoi_user_law;
 
-/* A contact law: what it is made of. Both integrators take account of its pieces, memory, compliance and sign, and
- * aoi_law_push does for others. memory is AOI_LAW_MEMORY doubles of one contact, all zero while it has never been
- * touched (and may be NULL for a law whose remember is NULL). Of a law that a function below has made, a caller may
- * set compliance, limit and note. He may also fill in a law of his own: force and potential, limit HUGE_VAL, what
- * else it needs, and zero for the rest. */
+/* A contact law. A caller gets one from a function below, and may then set its compliance, limit and note. Or he fills
+ * in a law of his own: force and potential, limit = HUGE_VAL, further members as needed, and zero for the rest. Both
+ * integrators read all members; aoi_law_push reads them for a caller who integrates himself.
+ *
+ * memory is an array of AOI_LAW_MEMORY doubles for one contact, all zero until its first touch. It may be NULL for a
+ * law whose remember is NULL. */
 struct aoi_law {
     /* The law on one of its smooth pieces, and a little beyond the ends of the piece, smoothly
      * continued where that is possible; not cut at zero. */

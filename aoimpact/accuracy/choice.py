@@ -88,7 +88,7 @@ def choose_models(
     record: RecordLength,
     law_errors: Sequence[float] = (),
     linear_solver: Solver = "auto",
-    known: dict[Any, LinearSolver] | None = None,
+    factors: dict[Any, LinearSolver] | None = None,
 ) -> Run:
     """Run with models of small orders, and say in the run how they were chosen.
 
@@ -110,7 +110,7 @@ def choose_models(
         See `LeftOutFinder`.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
-    known : dict of body to LinearSolver, optional
+    factors : dict of body to LinearSolver, optional
         See `proven_orders`.
 
     Returns
@@ -149,7 +149,7 @@ def choose_models(
             quantity=quantity,
             rtol=in_models,
             solver=linear_solver,
-            known=known,
+            factors=factors,
             anew=None if record.given else record.reopen,
             best=not given,
             looser=looser if meshed and not given else None,

@@ -115,7 +115,7 @@ def proven_orders(
     quantity: Quantity,
     rtol: float,
     solver: Solver = "auto",
-    known: dict[Any, LinearSolver] | None = None,
+    factors: dict[Any, LinearSolver] | None = None,
     anew: Callable[[], None] | None = None,
     best: bool = False,
     looser: Callable[[Run], float] | None = None,
@@ -133,7 +133,7 @@ def proven_orders(
         Relative.
     solver : str or callable, optional
         The linear solver of the bodies; see `FEModel.inverse`.
-    known : dict of body to LinearSolver, optional
+    factors : dict of body to LinearSolver, optional
         Those that have been set up, and can be taken from here.
     anew : callable, optional
         Called before larger models are tried: properties of the scene that they determine, such as
@@ -156,7 +156,7 @@ def proven_orders(
         # Equal bodies with the same contact point, such as two equal spheres, share one basis.
         made = {
             body: model_hierarchy(
-                body, scales.contact_time, scales.slow, solver, _taken(known, body, solver)
+                body, scales.contact_time, scales.slow, solver, _taken(factors, body, solver)
             )
             for body in dict.fromkeys(bodies)
         }
@@ -171,11 +171,13 @@ def proven_orders(
         scales, fits = misfit, fits + 1
 
 
-def _taken(known: dict[Any, LinearSolver] | None, body: Any, solver: Solver) -> LinearSolver | None:
+def _taken(
+    factors: dict[Any, LinearSolver] | None, body: Any, solver: Solver
+) -> LinearSolver | None:
     """The solver of a body that has been set up; removed, so that its memory can be freed."""
-    if not known or solver != "auto" or not isinstance(body, FullModel):
+    if not factors or solver != "auto" or not isinstance(body, FullModel):
         return None
-    return known.pop(body.body, None)
+    return factors.pop(body.body, None)
 
 
 def first_guess(

@@ -1,4 +1,4 @@
-"""What tells a body that was read from one in wrong units: mass, centre, density, speed of sound.
+"""Figures by which a user sees wrong units in K and M: mass, centre, density, speed of sound.
 
 Only K and M, and the coordinates and labels of their rows, are looked at.
 """

@@ -1,4 +1,4 @@
-"""Is the body about a patch as good as a half-space? How its compliance moves when r does."""
+"""Whether a body around a patch deforms like a half-space: how its compliance varies with r."""
 
 from __future__ import annotations
 

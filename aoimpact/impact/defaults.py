@@ -166,11 +166,11 @@ def fitted(
     body: BodyModel,
     port: int,
     met: Meeting | None,
-    known: dict[Any, LinearSolver] | None = None,
+    factors: dict[Any, LinearSolver] | None = None,
 ) -> BodyModel:
     """Return a body with the patch that suits an impact, where that was left to be chosen.
 
-    Solvers that are set up for it are put into `known`, by their finite-element body.
+    Solvers that are set up for it are put into `factors`, by their finite-element body.
     """
     if port not in body.open_patches or met is None or met.contact_radius is None:
         return body
@@ -180,8 +180,8 @@ def fitted(
 
     def invert(s2: float) -> LinearSolver:
         solver = tip.body.inverse(s2)
-        if known is not None:
-            known[tip.body] = solver
+        if factors is not None:
+            factors[tip.body] = solver
         return solver
 
     radius = best_radius(
@@ -198,11 +198,11 @@ def fitted_pair(
     projectile: BodyModel,
     target: BodyModel,
     met: Meeting | None,
-    known: dict[Any, LinearSolver] | None = None,
+    factors: dict[Any, LinearSolver] | None = None,
 ) -> tuple[BodyModel, BodyModel]:
     """Return projectile and target with the patches that suit their impact, as `fitted`.
 
     Like bodies stay one.
     """
-    first = fitted(projectile, 0, met, known)
-    return first, first if target == projectile else fitted(target, 0, met, known)
+    first = fitted(projectile, 0, met, factors)
+    return first, first if target == projectile else fitted(target, 0, met, factors)

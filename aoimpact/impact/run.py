@@ -75,7 +75,7 @@ def run_models(
     interest: Callable[[], Quantity],
     law_errors: Sequence[float] = (),
     began: float,
-    known: dict[Any, LinearSolver] | None = None,
+    factors: dict[Any, LinearSolver] | None = None,
 ) -> Run:
     """Run bodies as they are, or with small models that give a quantity to a tolerance.
 
@@ -95,7 +95,7 @@ def run_models(
         Of each contact, where the law was found from the surfaces; see `LeftOutFinder`.
     began : float
         When the call began, by `perf_counter`, s.
-    known : dict of body to LinearSolver, optional
+    factors : dict of body to LinearSolver, optional
         Those that have been set up on the way here; see `proven_orders`.
     """
     meshed = any(body.contact_points for body in bodies)
@@ -113,7 +113,7 @@ def run_models(
                 record=record,
                 law_errors=law_errors,
                 linear_solver=linear_solver,
-                known=known,
+                factors=factors,
             )
         # What its models cost: all but the run itself.
         modelled = max(perf_counter() - began - run.recorder.seconds, 0.0)

@@ -352,8 +352,8 @@ class Scene:
             self._refuse_overlap()
         record = self._record(length)
         around = self._turns()
-        known: dict[Any, LinearSolver] = {}
-        fitted = self._fitted(known)
+        factors: dict[Any, LinearSolver] = {}
+        fitted = self._fitted(factors)
         for i, body in enumerate(fitted):
             # A model with several contact points needs the direction of travel of each.
             if len(body.contact_points) > 1:
@@ -373,7 +373,7 @@ class Scene:
             interest=partial(self._interest, quantity, fitted),
             law_errors=self._law_errors,
             began=began,
-            known=known,
+            factors=factors,
         )
 
     def _record(self, length: float | None) -> RecordLength:
@@ -425,7 +425,7 @@ class Scene:
     def _fitted(self, factors: dict[Any, LinearSolver]) -> list[BodyModel]:
         """The bodies with patches fitted to their contacts, where their radius was left out."""
         bodies = list(self._bodies)
-        known: dict[tuple[BodyModel, int], BodyModel] = {}
+        made: dict[tuple[BodyModel, int], BodyModel] = {}
         if not any(body.open_patches for body in bodies):
             return bodies
         fastest = self._fastest
@@ -435,9 +435,9 @@ class Scene:
             met = self._meeting(contact, fastest)
             for body, port in contact.ports:
                 key = bodies[body], port
-                if key not in known:
-                    known[key] = fitted(bodies[body], port, met, factors)
-                bodies[body] = known[key]
+                if key not in made:
+                    made[key] = fitted(bodies[body], port, met, factors)
+                bodies[body] = made[key]
         return bodies
 
     def _turns(self) -> list[tuple[int, ...]]:

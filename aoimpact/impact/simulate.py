@@ -147,7 +147,7 @@ def simulate(
         interest=interest,
         law_errors=(impact.law_error,),
         began=began,
-        known=impact.known,
+        factors=impact.factors,
     )
     contact = run.plan.contacts[0]
     result = Result(run=run, velocity=run.plan.velocities[0], gap=contact.gap, law=contact.law)
@@ -172,7 +172,7 @@ class _Impact(NamedTuple):
     law_error : float
         Relative error of its stiffness, where it was found from the surfaces.
     record : RecordLength
-    known : dict of body to LinearSolver
+    factors : dict of body to LinearSolver
         Those that have been set up for the defaults.
     """
 
@@ -181,13 +181,13 @@ class _Impact(NamedTuple):
     law: ContactLaw
     law_error: float
     record: RecordLength
-    known: dict[Any, LinearSolver]
+    factors: dict[Any, LinearSolver]
 
 
 def _complete(
     projectile: BodyModel, target: BodyModel, law: ContactLaw | None, numbers: ImpactNumbers
 ) -> _Impact:
-    bodies, known = (projectile, target), dict[Any, LinearSolver]()
+    bodies, factors = (projectile, target), dict[Any, LinearSolver]()
     around = _turns(*bodies)
     error = 0.0
     if law is None:
@@ -201,7 +201,7 @@ def _complete(
     length = numbers.duration
     if length is None or any(body.open_patches for body in bodies):
         met = meeting(law, bodies, numbers.velocity)
-        bodies = fitted_pair(*bodies, met, known)
+        bodies = fitted_pair(*bodies, met, factors)
         if length is None:
             if met is None:
                 raise InputError("duration was left out, and cannot be foreseen here; give it")
@@ -210,7 +210,7 @@ def _complete(
             )
     if length is not None:
         record = RecordLength(length, given=True)
-    return _Impact(bodies, around, law, error, record, known)
+    return _Impact(bodies, around, law, error, record, factors)
 
 
 def _turns(projectile: BodyModel, target: BodyModel) -> tuple[bool, bool]:

@@ -6,6 +6,8 @@ whether bodies that move on side by side graze each other is rounding.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from ..base import FloatArray
@@ -83,31 +85,55 @@ def _least(run: DenseRecorder) -> FloatArray:
     return least
 
 
-def _touches(run: DenseRecorder, contact: int, least: float) -> FloatArray:
-    """Start, end, impulse before, after and pace of the touches that matter, shape (5, touches)."""
+class _Touches(NamedTuple):
+    """The touches of a contact that matter, arrays of shape (touches,).
+
+    Attributes
+    ----------
+    start, end : ndarray
+        s.
+    before, after : ndarray
+        The contact's impulse until then, N s.
+    pace : ndarray
+        See `Touch.pace`.
+    """
+
+    start: FloatArray
+    end: FloatArray
+    before: FloatArray
+    after: FloatArray
+    pace: FloatArray
+
+    def chosen(self, which: Any) -> _Touches:
+        """Return those of an index or a mask."""
+        return _Touches(*(column[which] for column in self))
+
+
+def _touches(run: DenseRecorder, contact: int, least: float) -> _Touches:
     impulses, pace = np.array(run.touches[contact]).reshape(-1, 2).T
     after = np.cumsum(impulses)
-    spans = np.array(run.events[contact].contacts).reshape(-1, 2)
-    return np.vstack([spans.T, after - impulses, after, pace])[:, impulses >= least]
+    start, end = np.array(run.events[contact].contacts).reshape(-1, 2).T
+    return _Touches(start, end, after - impulses, after, pace).chosen(impulses >= least)
 
 
-def _times_apart(ones: FloatArray, others: FloatArray) -> float:
+def _times_apart(ones: _Touches, others: _Touches) -> float:
     """The largest difference of start or end, relative to the time itself.
 
     Where one run has more touches than the other, those belong together at which as much impulse
     has been passed on.
     """
-    if min(ones.shape[1], others.shape[1]) == 0:
+    if min(ones.start.size, others.start.size) == 0:
         return 0.0  # the impulses differ by as much
-    if ones.shape[1] > others.shape[1]:
+    if ones.start.size > others.start.size:
         ones, others = others, ones
-    if ones.shape[1] < others.shape[1]:
-        at = np.searchsorted(others[3], 0.5 * (ones[2] + ones[3]))
-        others = others[:, np.minimum(at, others.shape[1] - 1)]
-    sudden = np.minimum(ones[4], others[4]) >= SUDDEN
-    starts = np.abs(ones[0] - others[0])[sudden] / np.maximum(ones[1], others[1])[sudden]
-    ends = np.abs(ones[1] - others[1]) / np.maximum(ones[1], others[1])
-    return float(max(starts.max(initial=0.0), ends.max()))
+    if ones.start.size < others.start.size:
+        at = np.searchsorted(others.after, 0.5 * (ones.before + ones.after))
+        others = others.chosen(np.minimum(at, others.start.size - 1))
+    latest = np.maximum(ones.end, others.end)
+    starts = np.abs(ones.start - others.start) / latest
+    sudden = np.minimum(ones.pace, others.pace) >= SUDDEN
+    ends = np.abs(ones.end - others.end) / latest
+    return float(max(starts[sudden].max(initial=0.0), ends.max()))
 
 
 def _at_rest(run: DenseRecorder) -> float:

@@ -29,7 +29,7 @@ _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 _RESOLVED = 0.5
 
 # Points of a load in one go, some milliseconds: loads of millions of points must heed Ctrl-C.
-_AT_ONCE = 100_000
+_ROWS_EACH = 100_000
 
 
 def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> float:
@@ -196,8 +196,8 @@ def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:
 def _impulses(t: FloatArray, forces: FloatArray) -> FloatArray:
     """The impulses of a force, straight between these times, up to each of them, N s."""
     impulses = np.zeros(len(t))
-    for first in range(0, len(t) - 1, _AT_ONCE):
-        part, after = slice(first, first + _AT_ONCE + 1), slice(first + 1, first + _AT_ONCE + 1)
+    for first in range(0, len(t) - 1, _ROWS_EACH):
+        part, after = slice(first, first + _ROWS_EACH + 1), slice(first + 1, first + _ROWS_EACH + 1)
         steps = np.cumsum(0.5 * np.diff(t[part]) * (forces[part][1:] + forces[part][:-1]))
         impulses[after] = impulses[first] + steps
     return impulses

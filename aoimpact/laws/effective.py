@@ -22,11 +22,12 @@ from .law import ContactLaw, PatchLaw
 __all__ = ["check_width", "effective_law", "own_law", "wide_enough"]
 
 
-# The share c dF/dδ to aim at where a patch was too small; for Hertz's contact of radius a within
-# patches of radius r it is 1.2 a/r between two like bodies, so that a is then half of r.
+# The share c dF/dδ of the patch that an error message proposes where the present one is too small.
+# For Hertz's contact of radius a within patches of radius r on two like bodies the share is
+# 1.2 a/r, so 0.6 makes a half of r.
 _COMFORTABLE = 0.6
 
-# And the share of the patch's radius for the contact's, where one body alone has a patch.
+# The same for a patch on one body alone: the contact's radius as a share of the patch's.
 _COMFORTABLE_WIDTH = 0.8
 
 # Indentations, as shares of a patch's radius, among which the deepest of an impact is searched.
@@ -36,9 +37,10 @@ _DEPTHS = np.geomspace(1e-12, 1.0, 300)
 def effective_law(law: ContactLaw, ends: Sequence[ContactPoint | None]) -> ContactLaw:
     """Return the law between two bodies: as it is, if neither is touched over a patch.
 
-    It stands for contacts not wider than the patches where the law knows how wide they are, as
-    those of `Hertz.between` and `Thornton.between` do, and as long as c dF/dδ is below the share
-    allowed: for two like bodies with patches that comes first, at 0.8 r.
+    The law returned is valid as long as the contact is not wider than the patches, and as long as
+    c dF/dδ is below the share allowed. The width is known of laws with surfaces, as those of
+    `Hertz.between` and `Thornton.between`. Between two like bodies with patches the share is the
+    narrower limit: it is reached at a contact radius of 0.8 r.
 
     Parameters
     ----------

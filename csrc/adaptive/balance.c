@@ -16,17 +16,18 @@
 
 #include <math.h>
 
-/* Shares of the contact time. A sudden change is an implicit step of the first length: over it indentations change by a
+/* Shares of the contact time. A sudden change is an implicit step of length SUDDEN: over it indentations change by a
  * thousandth of the least error allowed to a step (rtol 1e-10), and rates have errors of rounding / 1e-13, which do not
  * affect the indentations. Rates and forces after the change follow from two steps, extrapolated to zero: of
- * RELAXED times the relaxation time, with errors of RELAXED squared, but from SOON to LATER, with errors of rounding
- * over these. A dashpot with a shorter relaxation time is neglected. The contact time counts as at most MOST_STEPS
- * steps of the run.
+ * PART_RELAXED times the relaxation time, with errors of PART_RELAXED squared, but from LEAST_AFTER to MOST_AFTER, with
+ * errors of rounding over these. A dashpot with a shorter relaxation time is neglected. The contact time counts as at
+ * most MOST_STEPS steps of the run.
  *
  * Measured by the jump of the sum of the forces on a place that a ball strikes, the worst of 1200 scenes at rtol from
- * 1e-9 to 1e-5: 2 rtol. RELAXED = 1e-4 gives 11, SOON = 1e-7 gives 87, LATER = 1e-4 gives 7e4, MOST_STEPS = 1000 gives
- * 7; a tenth of any of them gives 2 or less. */
-static const double AT_ONCE = 1e-13, SOON = 1e-8, LATER = 1e-5, RELAXED = 1e-5, MOST_STEPS = 100.0;
+ * 1e-9 to 1e-5: 2 rtol. PART_RELAXED = 1e-4 gives 11, LEAST_AFTER = 1e-7 gives 87, MOST_AFTER = 1e-4 gives 7e4,
+ * MOST_STEPS = 1000 gives 7; a tenth of any of them gives 2 or less. */
+static const double SUDDEN = 1e-13, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_RELAXED = 1e-5,
+                    MOST_STEPS = 100.0;
 
 /* Largest relaxation time of a dashpot in units of the first step of a run: beyond, its force is but rounding.
  * Measured: 1e14 and 1e15 solve all of the 400 scenes of coupled.c's YIELD, of which 4 are not without it; 1e13 moves
@@ -35,7 +36,7 @@ static const double RIGID = 1e15;
 
 /* Largest relaxation time of a dashpot in units of such a step: beyond, its indentation changes by rounding only.
  * Tried: 6 runs change, by 4e-13. */
-static const double MUCH = 1e13;
+static const double RIGID_IN_STEP = 1e13;
 
 /* Most iterations for the forces in equilibrium, and of Newton's method for the rates. Tried: 1 run changes, by
  * 1e-13. */
@@ -170,7 +171,7 @@ static double relaxation_of(const aoi_adaptive *run, const aoi_contact_state *of
 
 int aoi_balance_at_start(aoi_adaptive *run)
 {
-    double time = run->rested ? 0.0 : AT_ONCE * (run->end - run->time);
+    double time = run->rested ? 0.0 : SUDDEN * (run->end - run->time);
     size_t count = 0;
     for (size_t c = 0; c < run->system->contact_count; c++) {
         run->contact[c].start = placed(run, c);
@@ -217,7 +218,7 @@ static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e,
 {
     const aoi_contact_state *of = &run->balanced[i];
     const double own = e->compliance[i * (2 * e->band + 1) + e->band];
-    const double enough = MUCH * time / own; /* damping that keeps the indentation constant over the step */
+    const double enough = RIGID_IN_STEP * time / own; /* damping that keeps the indentation constant over the step */
     aoi_law_value still, value;
     uncut_force(run, of, e->indentation[i], 0.0, &still);
     uncut_force(run, of, e->indentation[i], e->rate[i], &value);
@@ -367,7 +368,7 @@ static double least_jump(const aoi_adaptive *run, size_t count)
 }
 
 /* Whether a rate-dependent law without adhesion becomes slack at once. */
-static int lets_go(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
+static int becomes_slack(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
 {
     return contact->piece != AOI_SLACK && !contact->begins && law->depends_on_rate && !law->pulls &&
            force < -least;
@@ -425,7 +426,7 @@ static void set_contact(aoi_adaptive *run, const aoi_contact_state *from, double
     const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
     if (!found && contact->piece == AOI_SLACK && from->force > least) {
         press_again(law, from->rate, contact);
-    } else if (!found && lets_go(contact, law, from->force, least)) {
+    } else if (!found && becomes_slack(contact, law, from->force, least)) {
         contact->piece = AOI_SLACK;
     }
     contact->force = contact->piece != AOI_SLACK ? cut(law, from->force) : 0.0;
@@ -507,7 +508,7 @@ static aoi_law_value acting(const aoi_adaptive *run, const aoi_coupled *e, size_
 
 /* A time for the rates after a sudden change: short for the contacts, and for the relaxation of the strongest dashpot
  * beside the springs of all. */
-static double soon(const aoi_adaptive *run, double time, const aoi_coupled *e)
+static double time_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double stiffness = 0.0, relaxation = 0.0;
     for (size_t i = 0; i < e->count; i++) {
@@ -517,7 +518,7 @@ static double soon(const aoi_adaptive *run, double time, const aoi_coupled *e)
         const double own = e->compliance[i * (2 * e->band + 1) + e->band];
         relaxation = fmax(relaxation, acting(run, e, i).damping * own / (1.0 + stiffness * own));
     }
-    return fmin(LATER * time, fmax(SOON * time, RELAXED * relaxation));
+    return fmin(MOST_AFTER * time, fmax(LEAST_AFTER * time, PART_RELAXED * relaxation));
 }
 
 /* Sets rates and states of the listed contacts after a sudden change. Where no rates are found all stay unchanged, and
@@ -529,7 +530,7 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     for (size_t i = 0; i < e->count; i++) {
         e->rate[i] = of[i].rate;
     }
-    const double error = AOI_RATE_ERROR * find_rates(run, soon(run, time, e), e);
+    const double error = AOI_RATE_ERROR * find_rates(run, time_after(run, time, e), e);
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
         uncut_force(run, &of[i], e->indentation[i], of[i].rate, &value);
@@ -553,9 +554,9 @@ static int balance(aoi_adaptive *run, int pull_off)
         return 0;
     }
     const double time = time_of_contacts(run, count);
-    const double at_once = pull_off ? aoi_event_tolerance(run, time) : AT_ONCE * time;
+    const double length = pull_off ? aoi_event_tolerance(run, time) : SUDDEN * time;
     aoi_coupled e = lay_out(run, count);
-    set_equations(run, at_once, &e);
+    set_equations(run, length, &e);
     if (pull_off && aoi_coupled_solve(&e, run->balanced) != AOI_OK) {
         return 0;
     }
@@ -565,7 +566,7 @@ static int balance(aoi_adaptive *run, int pull_off)
         run->balanced[i].acts = acts;
         e.force[i] = pull_off ? e.force[i] : contact->bending;
     }
-    if (!find_places(run, at_once, &e)) {
+    if (!find_places(run, length, &e)) {
         return 0;
     }
     if (pull_off) {

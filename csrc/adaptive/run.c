@@ -42,7 +42,7 @@ static const double LEAST_SHRINKAGE = 0.06;
 /* Largest factor on the step length after a step was cut short for an event that the shorter step did not confirm; the
  * factor where it was cut MOST_TRIMS times, or its event is at its start and changes nothing. Measured: of the first
  * 0.17 costs 1.1 % more work, 0.83 saves none; of the others from 0.13 to 1.2 no run changes. */
-static const double NOT_THERE = 0.5;
+static const double UNCONFIRMED = 0.5;
 
 /* Events found in a step whose admissible growth is below this are ignored: its error is too large.
  * Measured: from 0.03 to 0.3 work changes by 0.3 %. */
@@ -491,7 +491,7 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
             *trim = pulls_off ? fmax(after, AT_START * attempt->h) : after;
             return AOI_OK;
         }
-        growth = NOT_THERE;
+        growth = UNCONFIRMED;
     }
     run->rejected++;
     refine(run, attempt->h * fmax(growth, LEAST_SHRINKAGE));
@@ -559,7 +559,7 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             }
             return status;
         }
-        unconfirmed = h * fmax(fmin(attempt.growth, NOT_THERE), LEAST_SHRINKAGE);
+        unconfirmed = h * fmax(fmin(attempt.growth, UNCONFIRMED), LEAST_SHRINKAGE);
         status = go_back(run, &attempt, &trim, &trims, &limit);
     }
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;

@@ -8,7 +8,7 @@
 #include <time.h>
 
 /* Bytes copied between looks for signals: a hundredth of a second at most. */
-#define AT_ONCE ((size_t)1 << 22)
+#define CHUNK ((size_t)1 << 22)
 
 /* ----------------------------------------------------------------------- bodies and contacts */
 
@@ -256,10 +256,10 @@ static PyObject *contacts_of(const aoi_adaptive *run, const aoi_system *system, 
 static PyObject *bytes_of(const void *record, size_t size)
 {
     PyObject *bytes = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)size);
-    for (size_t done = 0; bytes && done < size; done += AT_ONCE) {
+    for (size_t done = 0; bytes && done < size; done += CHUNK) {
         const size_t left = size - done;
         memcpy(PyBytes_AsString(bytes) + done, (const char *)record + done,
-               left < AT_ONCE ? left : AT_ONCE);
+               left < CHUNK ? left : CHUNK);
         if (PyErr_CheckSignals() != 0) {
             Py_CLEAR(bytes);
         }
