@@ -273,6 +273,7 @@ def coarse_plate():
     return {"projectile": ao.ball(0.015, STEEL), "target": body.contact(point=(0.09, 0.07, 0.006))}
 
 
+@pytest.mark.slow
 def test_other_shares_of_the_meshs_error_take_more_oscillators_or_leave_larger_errors(monkeypatch):
     run = functools.partial(ao.simulate, **coarse_plate(), velocity=1.0)
     usual, exact = run(), run(rtol=2e-3)
@@ -285,6 +286,7 @@ def test_other_shares_of_the_meshs_error_take_more_oscillators_or_leave_larger_e
     assert off(run()) > 0.1 > 1.5 * off(usual)
 
 
+@pytest.mark.slow
 def test_other_shares_for_time_integration_take_more_steps_or_more_oscillators(monkeypatch):
     ball, target, contact_law, velocity, duration = IMPACTS["free slender"]()
     impact = {

@@ -410,6 +410,7 @@ def test_many_contacts_with_a_ringing_beam_admit_what_they_do_not_know():
     assert rough.error.time == 1e-3 or any("cannot be met" in str(w.message) for w in said)
 
 
+@pytest.mark.slow
 def test_hundreds_of_contacts_with_a_ringing_body_keep_the_tolerance():
     """A light swing: 784 contacts, of which most enlarge what is wrong with the body's motion."""
     light = ao.AOModel(m0=3.2e-7, k0=2.8e3)

@@ -81,14 +81,8 @@ def test_ten_thousand_bounces_are_within_the_tolerance(rtol):
     assert largest_error(run, ball) <= rtol
 
 
-@pytest.mark.parametrize(
-    ("count", "rtol"),
-    [
-        (1000, 1e-12),
-        pytest.param(10_000, 1e-11, marks=pytest.mark.slow),
-        pytest.param(10_000, 1e-12, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("count", "rtol"), [(1000, 1e-12), (10_000, 1e-11), (10_000, 1e-12)])
 def test_what_rounding_does_to_many_bounces_is_said(count, rtol):
     """Each bounce is rounded as the one before: doubles have no more digits to give."""
     with pytest.warns(
@@ -98,6 +92,7 @@ def test_what_rounding_does_to_many_bounces_is_said(count, rtol):
     assert largest_error(run, ball) <= run.error.time < 1e-14 * count
 
 
+@pytest.mark.slow
 def test_a_third_of_what_rounding_is_taken_for_would_be_too_little():
     errors = []
     for stiffness in np.geomspace(1e9, 1e11, 60):

@@ -80,6 +80,7 @@ def claimed_and_true(cases: list[Case]) -> tuple[np.ndarray, np.ndarray]:
     return claimed[claimed < 1.0], true[claimed < 1.0]
 
 
+@pytest.mark.slow
 def test_the_estimate_is_seldom_exceeded_never_by_much_and_not_timid(cases: list[Case]) -> None:
     claimed, true = claimed_and_true(cases)
     assert len(claimed) > 100

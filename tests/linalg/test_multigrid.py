@@ -91,6 +91,7 @@ def test_a_thin_plate_held_at_one_side_takes_little_more():
     assert solved(pencil_of(plate, 0.0), load_on(plate)) <= 30
 
 
+@pytest.mark.slow
 def test_only_slender_bodies_have_large_factors_below_their_corners():
     """A plate goes without aggregates; a cube is solved in as few iterations, and set up sooner."""
     plate = held_bar((24, 24, 1), "hexahedron20", (0.2, 0.2, 0.004))

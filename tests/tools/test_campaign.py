@@ -124,6 +124,7 @@ def test_the_oracle_s_peak_is_the_largest_force_on_its_curve() -> None:
         assert largest <= peak * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 def test_two_loose_runs_that_take_the_same_steps_do_not_confirm_each_other() -> None:
     # The ends of a frame rattle between light balls, each touch multiplying the first one's error.
     frame = Frame((0.0001402, 0.01725, 0.0001402), (574.7, 574.7), (0.0, 0.0, 0.0))

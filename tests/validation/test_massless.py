@@ -264,6 +264,7 @@ def test_a_dashpot_is_relieved_from_the_touch_of_another_ball_on():
     assert then.energy.total[0] == pytest.approx(run.energy.total[0], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_pull_that_ends_beside_a_contact():
     """A dashpot that pulls lets go of a point without mass on which a ball still presses."""
     beside = linear(1e6), Push(ao.KelvinVoigt(1e8, 3e3, end="indentation"), 1e8)
