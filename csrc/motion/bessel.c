@@ -35,15 +35,28 @@ static complex_number sum(complex_number a, complex_number b)
     return (complex_number){a.re + b.re, a.im + b.im};
 }
 
+/* Terms of the series of i_0(y) down to the square of rounding: either part of the sum may be as much smaller than the
+ * other as rounding. What follows would only take time, most of all where it underflows. */
+static int terms_of(complex_number square)
+{
+    const double size = hypot(square.re, square.im);
+    int count = 1;
+    for (double term = 1.0; count < SERIES_TERMS && term > DBL_EPSILON * DBL_EPSILON; count++) {
+        term *= size / (2.0 * count * (2.0 * count + 1.0));
+    }
+    return count;
+}
+
 /* e^-y i_l(y) by its power series, |y| < 1. */
 static void exponential_series(complex_number y, complex_number left, size_t count,
                                complex_number *value)
 {
     const complex_number square = times(y, y);
+    const int terms = terms_of(square);
     complex_number lead = left;
     for (size_t l = 0; l < count; l++) {
         complex_number term = lead, total = lead;
-        for (int k = 1; k < SERIES_TERMS; k++) {
+        for (int k = 1; k < terms; k++) {
             term = scaled(times(term, square), 1.0 / (2.0 * k * (2.0 * (double)l + 2.0 * k + 1.0)));
             total = sum(total, term);
         }

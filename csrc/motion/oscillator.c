@@ -8,6 +8,9 @@
 
 enum { SERIES_TERMS = 18 };
 
+/* Two successive coefficients below this change no sum any more: those are between 1/8 and 1. */
+static const double NOTHING = 1e-19;
+
 /* Below these, the closed forms lose digits to cancellation. */
 static const double SERIES_LIMIT = 0.5, RAMP_LIMIT = 1.0;
 
@@ -46,7 +49,7 @@ static void series(double omega, double decay, double time, aoi_motion *motion)
     const double damping = 2.0 * decay * time, spring = omega * time * (omega * time);
     double before = 0.0, here = 1.0; /* coefficients k-1 and k of impulse / time */
     *motion = (aoi_motion){0.0, 0.0, 0.0, 0.0};
-    for (int k = 1; k < SERIES_TERMS; k++) {
+    for (int k = 1; k < SERIES_TERMS && fabs(before) + fabs(here) > NOTHING; k++) {
         motion->impulse += here;
         motion->rate += k * here;
         motion->step += here / (k + 1.0);
