@@ -26,6 +26,13 @@ _SPEEDS = 500.0, 20e3
 # Of what a unit mistaken is likely to be: millimetres for metres, tonnes or grams for kilograms.
 _TYPICAL_SPEED = 5e3
 
+# Speeds over the typical one where millimetres were taken for metres, and the other way round:
+# about a thousand times the range of solids, and a thousandth of it.
+_MILLIMETRES, _METRES = (200.0, 1e4), (1e-4, 5e-3)
+
+# Least thickness of the box around a body, of its largest extent: nodes may lie in a plane.
+_THINNEST = 1e-3
+
 # Elastic force of a rigid motion over that of its entries, that rounding and few digits leave; and
 # what is no rounding.
 _FREE, _RESISTED = 1e-6, 1e-4
@@ -142,7 +149,7 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
 
 def _density(body: Any, extent: FloatArray, moved: float) -> float | None:
     """Mass over the box around the nodes, that of constrained nodes as of the others."""
-    box = float(np.prod(np.maximum(extent, 1e-3 * extent.max())))
+    box = float(np.prod(np.maximum(extent, _THINNEST * extent.max())))
     mass = moved * 3 * len(body.nodes) / len(body.free) if body.mass is None else body.mass
     return mass / box if box > 0.0 else None
 
@@ -249,13 +256,13 @@ def _doubts(density: float | None, speed: float | None) -> list[str]:
 def _doubt_of_speed(speed: float) -> str:
     ratio = speed / _TYPICAL_SPEED
     cause = "are the units of length, K and M consistent?"
-    if 200.0 < ratio < 1e4:
+    if _MILLIMETRES[0] < ratio < _MILLIMETRES[1]:
         cause = "coordinates in millimetres? Give length=1e-3 (with N and tonnes, mass=1e3)"
-    elif 1e-4 < ratio < 5e-3:
+    elif _METRES[0] < ratio < _METRES[1]:
         cause = "coordinates in metres, and length=1e-3 given?"
     elif ratio < 1.0:
         cause = "of foam, soft rubber or much added mass; else, K in N/mm beside M in kg?"
-    elif ratio <= 200.0:
+    elif ratio <= _MILLIMETRES[0]:
         cause = "of no solid; K in N/m beside M in tonnes, or not the files' unit of length?"
     return f"K and M have waves at {speed:.3g} m/s: {cause}"
 

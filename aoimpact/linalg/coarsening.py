@@ -18,6 +18,10 @@ __all__ = ["aggregated", "corner_interpolation"]
 # ω of the prolongation's smoothing, over λ_max of D⁻¹A (Vanek, Mandel and Brezina 1996).
 _DAMPING = 4.0 / 3.0
 
+# Weights of a linear element at the nodes of a quadratic one that are rounding; the others are
+# 1/8 or more.
+_NO_WEIGHT = 1e-9
+
 # Candidates that depend on others within an aggregate, by their share of its Gram matrix.
 _DEPENDENT = 1e-12
 
@@ -49,7 +53,7 @@ def corner_interpolation(mesh: Mesh) -> tuple[sp.csr_array, IntArray]:
         done[nodes] = True
         cell, local = np.divmod(first, element.n_nodes)
         weights, parents = shape[local], number[block.cells[cell, : element.n_corners]]
-        used = np.abs(weights) > 1e-9
+        used = np.abs(weights) > _NO_WEIGHT
         rows.append(np.repeat(nodes, used.sum(axis=1)))
         columns.append(parents[used])
         values.append(weights[used])

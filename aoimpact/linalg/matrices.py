@@ -163,7 +163,7 @@ def check_stiffness(K: sp.csr_array) -> Factorization | None:
             f"K[{negative[0]}, {negative[0]}] = {diagonal[negative[0]]:g} N/m; "
             "a stiffness matrix has none"
         )
-    _check_minors("K", K, 1.0 + 1e-9)
+    _check_minors("K", K, 1.0 + _NEGATIVE)
     if len(diagonal) <= _SMALL:
         lowest = float(scipy.linalg.eigvalsh(K.toarray(), subset_by_index=[0, 0])[0])
         if lowest < -_NEGATIVE * float(diagonal.max()):

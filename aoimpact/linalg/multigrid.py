@@ -44,6 +44,9 @@ _FEWEST_ENTRIES, _COARSEST_SHARE = 1e6, 0.1
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 1e7, 2.0, 1.6
 _DENSE = 300
 
+# Force of a translation on a dof, of its stiffness, that the rounding of K leaves.
+_UNRESISTED = 1e-9
+
 # A level that has not less than this share of the dofs above it is no progress: K does not couple.
 _SHRINKS = 0.7
 
@@ -242,7 +245,7 @@ def _without_nodes(pencil: Pencil) -> tuple[Any, FloatArray, slice]:
     A = pencil.matrix()
     check_entries(A)
     moves = np.tile(np.eye(3), (A.shape[0] // 3 + 1, 1))[: A.shape[0]]
-    inner = np.abs(pencil.K @ moves) <= 1e-9 * pencil.K.diagonal()[:, None]
+    inner = np.abs(pencil.K @ moves) <= _UNRESISTED * pencil.K.diagonal()[:, None]
     if A.shape[0] % 3 == 0 and inner.mean() > 0.5:  # the others are on nodes beside supports
         return _in_order(A.tobsr((3, 3))), moves.reshape(-1, 3, 3), slice(None)
     return _in_order(A.tobsr((1, 1))), np.ones((A.shape[0], 1, 1)), slice(None)

@@ -59,6 +59,9 @@ _UNCONSTRAINED, _UNCONSTRAINED_OF_ALL = 1e-3, 1e-9
 # first overlap's forces below which forces are none (1e-6 does as well).
 _UNITS, _DETERMINED, _NEGLIGIBLE = 4.0, 1e-6, 1e-9
 
+# A gap that rounding may have left of none, of the gap as it was given.
+_CLOSED = 1e-9
+
 # With more contacts no closed loops are looked for, at a cost that grows with their cube: it is
 # for a message only.
 _MOST_LOOPED = 1000
@@ -241,7 +244,7 @@ class _Statics:
 
     def _in_loop(self, at: _Configuration) -> bool:
         """Whether more contacts are closed, but for rounding, than balance determines."""
-        closed = np.flatnonzero(at.depth >= -1e-9 * np.abs(self.gaps))
+        closed = np.flatnonzero(at.depth >= -_CLOSED * np.abs(self.gaps))
         if not 0 < len(closed) <= _MOST_LOOPED:
             return False
         rows = self.network.directions[closed][:, self.network.unsprung].toarray()
