@@ -54,10 +54,12 @@ static void solve(input *in, const aoi_law *law, const double *memory)
     }
     const double left = indentation + equation.compliance * force - free_end;
     const double size = fabs(free_end) + fabs(indentation) + equation.compliance * force;
-    aoi_law_value value;
-    aoi_law_push(law, memory, indentation, equation.rate_free - equation.rate_compliance * force, &value);
-    /* To rounding, of what the law's slopes make of it. */
-    const double slopes = 1.0 + equation.compliance * value.stiffness +
+    const double rate = equation.rate_free - equation.rate_compliance * force;
+    aoi_law_value value, beyond;
+    aoi_law_push(law, memory, indentation, rate, &value);
+    aoi_law_push(law, memory, nextafter(indentation, HUGE_VAL), rate, &beyond);
+    /* To rounding, of what the law's slopes make of it: a table may have knots next to each other. */
+    const double slopes = 1.0 + equation.compliance * fmax(value.stiffness, beyond.stiffness) +
                           equation.rate_compliance * value.damping;
     const double rates = equation.compliance * value.damping *
                          (fabs(equation.rate_free) + equation.rate_compliance * force);
