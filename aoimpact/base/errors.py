@@ -25,6 +25,7 @@ __all__ = [
     "MeshError",
     "MissingFileError",
     "MissingPackageError",
+    "NotFiniteError",
     "RoomError",
     "SceneFileError",
     "SingularError",
@@ -115,6 +116,10 @@ class ConvergenceError(AOImpactError, RuntimeError):
     """An iteration did not reach its tolerance."""
 
 
+class NotFiniteError(ConvergenceError):
+    """Infinity or NaN came up in a run."""
+
+
 class WorkerError(AOImpactError, RuntimeError):
     """A worker of a sweep was lost, or could not be given its cases."""
 
@@ -167,9 +172,9 @@ def warn(message: str) -> bool:
 _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     1: (InputError, "an argument is out of its range"),
     2: (
-        ConvergenceError,
-        "infinity or NaN came up, of values that lie too far apart; take a softer law, smaller "
-        "loads and velocities, or, with fixed steps, smaller ones",
+        NotFiniteError,
+        "infinity or NaN came up: values lie too far apart, or fixed steps gain energy at every "
+        "touch; take Adaptive(), far smaller steps, or a softer law",
     ),
     3: (SingularError, "a mass, stiffness or pivot that must be positive is not"),
     4: (ConvergenceError, "an iteration did not converge"),
@@ -177,8 +182,9 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     6: (ConvergenceError, "the linear solver failed"),
     7: (
         ConvergenceError,
-        "even the shortest step does not meet the tolerance; take another rtol, or, where contacts "
-        "act on a point without mass (m0 = 0), a small m0 or Newmark(dt=...)",
+        "even the shortest step does not meet the tolerance; take another rtol, where the law is "
+        "your own a smoother one, or, where contacts act on a point without mass (m0 = 0), a small "
+        "m0 or Newmark(dt=...)",
     ),
     8: (
         ConvergenceError,

@@ -10,13 +10,13 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ..base import ConvergenceError, FloatArray, InputError, warn
+from ..base import ConvergenceError, FloatArray, InputError, NotFiniteError, warn
 from ..laws import ContactLaw, check_width
 from ..scene import Plan
 from .events import Events, find_events
 from .motion import ForcedMotion
 from .newmark import Newmark, Record, newmark_scene, steps_of
-from .steperror import time_error
+from .steperror import StepError, time_error
 
 __all__ = ["SteppedRecorder", "rigid_contact_time", "solve_newmark"]
 
@@ -120,16 +120,16 @@ def solve_newmark(plan: Plan, rule: Newmark) -> tuple[SteppedRecorder, float | N
     began = perf_counter()
     run = _Stepping(plan, rule)
     record, error = run.with_step(rule.dt) if rule.dt is not None else run.with_tolerance()
-    if error == 1.0:
+    if error is not None and error.share == 1.0:
         warn(
-            f"dt={record.dt:g} s is far too large: with 2dt the peak force changes by more than a "
-            "fifth, a damper stops the bodies within a step, or vibration that such steps do not "
-            "resolve may close a gap; no digit is right. Take a smaller dt, or Newmark() without dt"
+            f"dt={record.dt:g} s is far too large, no digit is right: {error.why}; take a smaller "
+            "dt, or Newmark() without dt"
         )
     for i, contact in enumerate(plan.contacts):
         check_width(contact.law, plan.layout.contact(record.rows, i).indentation, i)
     took = perf_counter() - began
-    return SteppedRecorder(plan, rule, record, run.start.ports, took), error
+    recorder = SteppedRecorder(plan, rule, record, run.start.ports, took)
+    return recorder, None if error is None else error.share
 
 
 class Start(NamedTuple):
@@ -204,7 +204,7 @@ class _Stepping:
             start_force=start.forces,
         )
 
-    def with_step(self, dt: float) -> tuple[Record, float | None]:
+    def with_step(self, dt: float) -> tuple[Record, StepError | None]:
         """Run with a step given, and with twice and four times that for the error estimate."""
         steps = steps_of(
             dt, self.plan.duration, self.plan.layout.rows, f"dt={dt:g} s", "take a larger dt"
@@ -213,28 +213,44 @@ class _Stepping:
         record = self.once(dt, energies=self.plan.energies)
         if not self.rule.estimate:
             return record, None
-        coarse, coarser = (self.once(more * dt, energies=False) for more in (2.0, 4.0))
-        return record, time_error(self.plan, record, coarse, coarser)
+        return record, self._error(record, self._trial(2.0 * dt), self._trial(4.0 * dt))
 
-    def with_tolerance(self) -> tuple[Record, float]:
+    def _trial(self, dt: float, *, energies: bool = False) -> Record | NotFiniteError:
+        """Run with steps that may be too long: they may gain energy at every touch."""
+        try:
+            return self.once(dt, energies=energies)
+        except NotFiniteError as error:
+            return error
+
+    def _error(self, *runs: Record | NotFiniteError) -> StepError:
+        """The error of the first of runs with dt, 2 dt and 4 dt."""
+        records = [run for run in runs if isinstance(run, Record)]
+        if len(records) < len(runs):
+            failed = next(run for run in runs if isinstance(run, NotFiniteError))
+            return StepError(1.0, f"with such steps, or twice or four times as long ones, {failed}")
+        return time_error(self.plan, *records)
+
+    def with_tolerance(self) -> tuple[Record, StepError]:
         """Halve the step until three successive ones agree."""
         rtol, length = self.rule.rtol, self.plan.duration
         given, cure = f"Newmark(rtol={rtol:g})", "take a larger rtol"
         steps = steps_of(self.first_step(), length, self.plan.layout.rows, given, cure)
-        before = [self.once(length / (more * steps), energies=False) for more in (1, 2)]
+        before = [self._trial(length / (more * steps)) for more in (2, 1)]
         for halving in range(2, _MOST_HALVINGS + 2):
             dt = length / (2**halving * steps)
             steps_of(dt, length, self.plan.layout.rows, given, cure)
-            fine = self.once(dt, energies=self.plan.energies)
-            error = time_error(self.plan, fine, before[1], before[0])
-            if error <= rtol:
-                return fine, error
-            # Of coarser runs only the contacts are needed: the rest of their memory is given back.
-            kept = self.plan.layout.of_contacts(fine.rows).copy()
-            before = [before[1], replace(fine, rows=kept.reshape(-1, len(fine.t)))]
+            fine = self._trial(dt, energies=self.plan.energies)
+            error = self._error(fine, *before)
+            if isinstance(fine, Record):
+                if error.share <= rtol:
+                    return fine, error
+                # Of coarser runs only the contacts are needed: the other memory is given back.
+                kept = self.plan.layout.of_contacts(fine.rows).copy()
+                fine = replace(fine, rows=kept.reshape(-1, len(fine.t)))
+            before = [fine, before[0]]
         raise ConvergenceError(
-            f"Newmark: with dt={dt:.3g} s the estimated error is still "
-            f"{error:.2g}, above rtol={rtol:g}; give dt, a larger rtol, or take Adaptive()"
+            f"Newmark: with dt={dt:.3g} s the estimated error is still {error.share:.2g}, above "
+            f"rtol={rtol:g}: {error.why}; give dt, a larger rtol, or take Adaptive()"
         )
 
     def first_step(self) -> float:

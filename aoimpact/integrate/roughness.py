@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..base import ConvergenceError
@@ -11,9 +13,14 @@ from .tolerances import ROUGHEST, ROUGHEST_SHARE
 
 __all__ = ["refuse_rough", "scatter"]
 
-# Fourth differences over steps of this share of the indentation are rounding under any smooth law,
-# and this many times the scatter of one that is not.
-_STEP, _POINTS, _DIFFERENCED = 1e-5, 9, 70.0**0.5
+# Over this share of an indentation any smooth law is a cubic, but for rounding.
+_WINDOW = 1e-4
+
+# Points in it, by no rule: over even steps a wave, or the rounding of numbers of few digits, may
+# repeat itself, and look smooth.
+_POINTS = np.sort(np.random.default_rng(4).uniform(-1.0, 1.0, 24))
+_CUBIC = np.vander(_POINTS, 4)
+_BESIDE = np.eye(len(_POINTS)) - _CUBIC @ np.linalg.pinv(_CUBIC)  # what is not in a cubic
 
 # Where to look: shares of the deepest indentation that rigid bodies would have, with shares of the
 # fastest approach. A kink at one of them is no roughness.
@@ -50,8 +57,7 @@ def refuse_rough(plan: Plan, rtol: float) -> None:
 def scatter(law: ContactLaw, depth: float, speed: float) -> float:
     """Estimate by how much of itself a law's force scatters between neighbouring indentations.
 
-    The fourth differences of a smooth law vanish over small steps, those of scatter do not: the
-    median of some places.
+    What is left beside the best cubic through neighbouring points: the median of some places.
 
     Parameters
     ----------
@@ -61,16 +67,16 @@ def scatter(law: ContactLaw, depth: float, speed: float) -> float:
     """
     found = []
     for place, pace in _PLACES:
-        steps = np.arange(_POINTS, dtype=np.float64)
         try:
             with np.errstate(all="ignore"):
-                force = law.force(place * depth * (1.0 + _STEP * steps), pace * speed)
+                indentations = place * depth * (1.0 + 0.5 * _WINDOW * _POINTS)
+                force = law.force(indentations, pace * speed)
         except Exception:  # the run reports it, should it come there
             continue
         size = float(np.abs(force).max())
         if 0.0 < size < np.inf:
-            apart = float(np.sqrt(np.mean(np.diff(force, 4) ** 2)))
-            found.append(apart / (_DIFFERENCED * size))
+            left = float(np.linalg.norm(_BESIDE @ (force / size)))
+            found.append(left / math.sqrt(len(_POINTS) - 4))
     return float(np.median(found)) if found else 0.0
 
 

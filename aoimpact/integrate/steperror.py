@@ -3,23 +3,26 @@
 Newmark's rule is of second order where forces are smooth. A touch or a release within a step, a law
 that jumps, and a contact point without mass make it less, and errors at two steps may agree by
 chance. So three steps are compared, in the peak, in the force around it and in the impulse; and
-what no comparison shows is looked for: a jump of the force at a touch, and what loads do between
-the steps.
+what no comparison shows is looked for: a jump of the force at a touch, touches between steps or in
+vibration that steps do not resolve, and what loads do between the steps.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from ..base import FloatArray
+from ..laws import ContactLaw
 from ..scene import Plan
 from .events import find_impulse, find_peak
 from .newmark import Record
 from .tolerances import AROUND_PEAK, LESSER, NO_DIGIT
 
-__all__ = ["time_error"]
+__all__ = ["StepError", "time_error"]
 
 # A law that gives more than this share of the peak at next to no indentation jumps there.
 # Three times as much or little changes no estimate of 1488.
@@ -32,7 +35,29 @@ _RESOLVED = 0.5
 _ROWS_EACH = 100_000
 
 
-def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> float:
+class StepError(NamedTuple):
+    """An estimate of the largest relative error of peak force and impulse of all contacts.
+
+    Attributes
+    ----------
+    share : float
+        1.0 where no digit is known.
+    why : str
+        What it is mostly made of, as a sentence.
+    """
+
+    share: float
+    why: str
+
+
+_CHANGES = "with twice the step the forces, or when they act, change by more than a fifth"
+_FEW = "the record has too few steps to compare"
+_SUDDEN = "a force jumps at the touch, or a damper stops the bodies within a step"
+_TOUCH = "bodies may touch between two steps, or in vibration that such steps do not resolve"
+_LOADS = "a load changes within a step more than its ends show"
+
+
+def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> StepError:
     """Estimate the largest relative error of peak force and impulse of all contacts.
 
     Parameters
@@ -41,27 +66,28 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> flo
     fine, coarse, coarser : Record
         With steps dt, 2 dt and 4 dt. Of contacts with less than a hundredth of the largest peak or
         impulse the error is relative to that hundredth.
-
-    Returns
-    -------
-    float
-        1.0 where no digit is known.
     """
     contacts = range(len(plan.contacts))
-    unseen = _unseen_loads(plan, fine)
+    unseen = StepError(_unseen_loads(plan, fine), _LOADS)
     forces = [list(plan.layout.forces(record.rows)) for record in (fine, coarse, coarser)]
-    if _may_touch_unseen(plan, fine):
-        return 1.0
+    missed = _missed_forces(plan, fine, coarse)
     if not any(force.any() for record in forces for force in record):
-        return unseen
+        return StepError(1.0, _TOUCH) if missed.any() else unseen
     near, far = _changes(fine, *forces[:2]), _changes(coarse, *forces[1:])
     if near is None or far is None:
-        return 1.0
-    weight = _weights(np.array([force.max() for force in forces[0]]))
+        return StepError(1.0, _FEW)
+    peaks = np.array([force.max() for force in forces[0]])
+    weight = _weights(peaks)
     alone = [weight[contact] * _touch_error(plan, fine, contact) for contact in contacts]
+    largest = max(LESSER * peaks.max(), np.finfo(float).tiny)
     # At second order this change is three times the error, and a quarter of the one before.
-    error = unseen + max([near, far / 4.0, *alone])
-    return error if error <= NO_DIGIT else 1.0
+    found = max(
+        StepError(max(near, far / 4.0), _CHANGES),
+        StepError(max(alone), _SUDDEN),
+        StepError(float((missed / np.maximum(peaks, largest)).max()), _TOUCH),
+    )
+    share = unseen.share + found.share
+    return StepError(share if share <= NO_DIGIT else 1.0, max(unseen, found).why)
 
 
 def _weights(sizes: FloatArray) -> FloatArray:
@@ -148,31 +174,82 @@ def _unseen_loads(plan: Plan, record: Record) -> float:
         missed = max(missed, float(np.abs(exact - _impulses(t, at_steps)).max()))
         impulse = max(impulse, float(np.abs(exact).max()))
         if plan.bodies[load.body].massless:
-            off = np.abs(acting - np.interp(times, t, at_steps))
-            beside = max(beside, float(off.max()))
+            beside = max(
+                beside, _beyond_ends(t, at_steps, times, acting, _relaxes(plan, load.body))
+            )
     shares = (missed / impulse if missed else 0.0, beside / peak if peak else 0.0)
     return min(1.0, max(shares))
 
 
-def _may_touch_unseen(plan: Plan, record: Record) -> bool:
-    """Whether vibration that the steps do not resolve might close a contact that has no force.
+def _relaxes(plan: Plan, body: int) -> bool:
+    """Whether what a load's jump does to a contact of a massless point fades: a damper takes it."""
+    return any(
+        contact.law.depends_on_rate
+        for contact in plan.contacts
+        if body in (contact.first, contact.second)
+    )
 
-    A load displaces a mode by r f / ω², and makes it vibrate by at most as much for all that f
-    changes, and by r / ω³ for all that its slope changes. Steps that are long beside the mode's
-    period follow the displacement alone.
+
+def _beyond_ends(
+    t: FloatArray, at_steps: FloatArray, times: FloatArray, acting: FloatArray, relaxes: bool
+) -> float:
+    """By how much a load within a step goes beyond what it is at the step's ends, N.
+
+    If what it does to a contact fades, a jump between the ends is missed as a pulse is.
+    """
+    step = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
+    ends = at_steps[step], at_steps[step + 1]
+    if relaxes:
+        return float(np.abs(acting - np.interp(times, t, at_steps)).max())
+    above, below = acting - np.maximum(*ends), np.minimum(*ends) - acting
+    return max(0.0, float(np.maximum(above, below).max()))
+
+
+def _missed_forces(plan: Plan, fine: Record, coarse: Record) -> FloatArray:
+    """The largest force of each contact that may act between steps at which it has none, N.
+
+    Between steps the indentation rises as the parabola through three of them does, and is off by no
+    more than it changes with twice the step. A load displaces a mode by r f / ω², and makes it
+    vibrate by at most as much for all that f changes, and by r / ω³ for all that its slope changes;
+    steps that are long beside the mode's period follow the displacement alone.
     """
     size: dict[int, FloatArray] = {}
+    missed = np.zeros(len(plan.contacts))
     for number, contact in enumerate(plan.contacts):
-        force, indentation = plan.layout.contact(record.rows, number)[:2]
-        if force.any():
+        force, indentation = plan.layout.contact(fine.rows, number)[:2]
+        free = force == 0.0
+        if not free.any():
             continue
         for body, _ in contact.ports:
             if body not in size:
-                size[body] = _unresolved(plan, body, record.dt)
-        vibration = sum(float(size[body][port]) for body, port in contact.ports)
-        if vibration > 0.0 and indentation.max() + 2.0 * vibration >= 0.0:
-            return True
-    return False
+                size[body] = _unresolved(plan, body, fine.dt)
+        vibration = 2.0 * sum(float(size[body][port]) for body, port in contact.ports)
+        deepest = _highest_crest(free, indentation, plan.layout.contact(coarse.rows, number)[1])
+        if vibration > 0.0:
+            deepest = max(deepest, float(indentation[free].max())) + vibration
+        missed[number] = _force_at(contact.law, deepest)
+    return missed
+
+
+def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatArray) -> float:
+    """The largest indentation at which a contact without force turns back, or the record ends.
+
+    free : whether it has none, at each step; ours, coarse : indentations with dt and 2 dt.
+    """
+    before, here, after = ours[:-2], ours[1:-1], ours[2:]
+    turns = free[:-2] & free[1:-1] & free[2:] & (here > before) & (here >= after)
+    rise = (after - before)[turns] ** 2 / (8.0 * (2.0 * here - before - after)[turns])
+    tops, where = here[turns] + rise, 1 + np.flatnonzero(turns)
+    if free[-2:].all() and ours[-1] > ours[-2]:
+        tops, where = np.append(tops, ours[-1]), np.append(where, len(ours) - 1)
+    if not len(tops):
+        return -np.inf
+    shared = np.minimum(where // 2, min(len(coarse), (len(ours) + 1) // 2) - 1)
+    return float((tops + np.abs(ours[2 * shared] - coarse[shared])).max())
+
+
+def _force_at(law: ContactLaw, indentation: float) -> float:
+    return float(law.force(indentation, 0.0)) if indentation > 0.0 else 0.0
 
 
 def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:

@@ -268,7 +268,7 @@ def modal(tip: ContactPoint, n: int, *, solver: Solver = "auto") -> ModalModel:
     omega2, modes = lowest(
         tip.body.K, tip.body.M, wanted, known=tip.body.rigid_modes, invert=invert
     )
-    warn_of_rounding(tip.body.K, modes[:, rigid:], f"{len(omega2)} elastic modes")
+    warn_of_rounding(tip.body.K, modes[:, rigid:], f"{len(omega2) - rigid} elastic modes")
     if len(omega2) < wanted:
         warn(f"n={n}: only {len(omega2)} natural modes have mass")
     return ModalModel(tip, omega2, modes)

@@ -48,8 +48,9 @@ _ACROSS = 0.5
 # Of displacements.
 _ROUNDING = 1e-12
 
-# Times at which bodies that never touch are looked at; between them, where a parabola is least.
-_SAMPLES = 121
+# Times at which bodies that never touch are looked at: so many in each of the shortest periods, at
+# least and at most; between them, where a parabola is least.
+_EACH_PERIOD, _SAMPLES, _MOST_SAMPLES = 8, 121, 20_000
 
 # The power of the indentation in Hertz's law.
 _POWER = 1.5
@@ -322,7 +323,7 @@ def _contact(run: Run, number: int) -> str:
 def _missed(run: Run) -> str:
     """What the bodies did that never pressed on each other: of those that came closest."""
     recorder, layout = run.recorder, run.plan.layout
-    t = np.linspace(0.0, run.duration, _SAMPLES) if recorder.dense else recorder.times
+    t = _times_between(run) if recorder.dense else recorder.times
     rows = recorder.rows(t, energies=False)
     gaps = 0.0 - layout.indentations(rows)
     number = int(gaps.min(axis=1).argmin())
@@ -359,6 +360,13 @@ def _missed(run: Run) -> str:
         f"{text}: at its end they are still {gap_at(-1)} apart and approach at {speed:.3g} m/s; "
         f"take a duration beyond {with_unit(needed, 's')}, or a smaller gap"
     )
+
+
+def _times_between(run: Run) -> FloatArray:
+    """Times, s, that show the vibration of all bodies, as far as a memory of some MB allows."""
+    fastest = max((float(of.omega.max(initial=0.0)) for of in run.plan.modal), default=0.0)
+    wanted = math.ceil(_EACH_PERIOD * fastest * run.duration / (2.0 * math.pi))
+    return np.linspace(0.0, run.duration, min(max(wanted, _SAMPLES), _MOST_SAMPLES))
 
 
 def _least(t: FloatArray, gap: FloatArray) -> tuple[float, float]:

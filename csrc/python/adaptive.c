@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* Bytes copied between looks for signals: a hundredth of a second at most. */
 #define CHUNK ((size_t)1 << 22)
@@ -133,10 +132,6 @@ static int run_piece(aoi_adaptive *run, aoi_track *track, size_t rows)
     return status;
 }
 
-/* Processor time of a piece, s: a shorter one is followed by one of twice the rows, a longer one by one of a quarter. A
- * row takes some 0.2 us a mode, and far longer where a touch is hard to exclude. */
-static const double SHORT_PIECE = 0.01, LONG_PIECE = 0.05;
-
 /* Runs in pieces, between which signals are checked, up to about most_steps steps, rejected ones included. */
 static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, aoi_track *track,
                       size_t most_steps)
@@ -156,12 +151,7 @@ static int run_to_end(aoi_adaptive *run, const aoi_system *system, double end, a
         const int timed = track->rows > 0; /* most runs have one piece, shorter than a look at the clock is worth */
         const clock_t began = timed ? clock() : 0;
         status = run_piece(run, track, rows);
-        const double seconds = timed ? (double)(clock() - began) / CLOCKS_PER_SEC : SHORT_PIECE;
-        if (seconds > LONG_PIECE) {
-            rows = 1 + rows / 4;
-        } else if (seconds < SHORT_PIECE && rows < track->row_capacity) {
-            rows *= 2;
-        }
+        rows = timed ? piece_after(rows, began) : rows;
         if (PyErr_CheckSignals() != 0) {
             break;
         }

@@ -8,6 +8,7 @@
 
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
+#include <time.h>
 
 #include "linear/sparse.h"
 
@@ -57,6 +58,10 @@ PyObject *raise_at(int status, const char *what, double time, double indentation
 PyObject *finish(buffer_list *buffers, int status, const char *what);
 
 /* ------------------------------------------------------------------ pause.c: signals */
+
+/* How many rows or steps to take next, so that signals are looked for every few hundredths of a second of processor
+ * time: twice as many after a short piece, a quarter after a long one. began: clock() before the last piece. */
+size_t piece_after(size_t rows, clock_t began);
 
 /* Seconds of a monotonic clock. */
 double seconds_now(void);

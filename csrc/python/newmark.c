@@ -16,8 +16,7 @@ typedef struct scene_body {
     aoi_factors factors;
     double *u, *v; /* initial values in, final values out */
     double *work;
-    double step_cost; /* rough nanoseconds */
-    signal_check *signals;    /* of the scene */
+    signal_check *signals; /* of the scene */
 } scene_body;
 
 static PyObject *item(PyObject *tuple, Py_ssize_t i) { return PyTuple_GetItem(tuple, i); }
@@ -90,7 +89,6 @@ static int take_star(buffer_list *buffers, PyObject *body, scene_body *one, cons
     const aoi_rayleigh damping = take_damping(buffers, body);
     const aoi_body_start start = take_start(buffers, body, n + 1, one);
     one->work = take_memory(buffers, aoi_body_star_size(n), sizeof(double));
-    one->step_cost = 40.0 + 4.0 * (double)n;
     return buffers->failed
                ? AOI_OK
                : aoi_body_start_star(&one->body, star, &damping, rule, &start, one->work);
@@ -115,7 +113,6 @@ static int take_modal(buffer_list *buffers, PyObject *body, scene_body *one, con
     modes->centre = start.centre;
     start.force = take_maybe(buffers, body, "residual_forces", &both);
     one->work = take_memory(buffers, aoi_body_modal_size(n, ports), sizeof(double));
-    one->step_cost = 40.0 + 4.0 * (double)(n * (1 + ports));
     if (buffers->failed || ports * ports != square) {
         return AOI_ERROR_ARGUMENT;
     }
@@ -153,7 +150,6 @@ static int take_full(buffer_list *buffers, PyObject *body, scene_body *one, cons
         return status;
     }
     full->solver = (aoi_solver){aoi_factors_solve, &one->factors};
-    one->step_cost = 2.0 * (3.0 * full->K.start[rows] + 2.0 * one->factors.start[rows]);
     full->pause = one->factors.pause = &one->signals->pause;
     signal_check_release(one->signals);
     status = aoi_body_start_full(&one->body, full, rule, &start, one->work);
@@ -203,7 +199,6 @@ typedef struct scene_parts {
     aoi_law *law;
     aoi_scene_load *load;
     aoi_scene scene;
-    double step_cost;
     signal_check signals;
 } scene_parts;
 
@@ -254,12 +249,10 @@ static int parts_take(buffer_list *buffers, scene_parts *all, PyObject *bodies, 
         one->signals = &all->signals;
         status = take_body(buffers, item(bodies, (Py_ssize_t)b), one, rule);
         all->body[b] = &one->body;
-        all->step_cost += one->step_cost;
     }
     for (size_t c = 0; c < scene->contact_count && status == AOI_OK && !buffers->failed; c++) {
         status = take_contact(buffers, item(contacts, (Py_ssize_t)c), &all->contact[c],
                               &all->law[c]);
-        all->step_cost += 100.0;
     }
     for (size_t i = 0; i < scene->load_count && !buffers->failed; i++) {
         take_load(buffers, item(loads, (Py_ssize_t)i), &all->load[i]);
@@ -277,21 +270,28 @@ static int parts_take(buffer_list *buffers, scene_parts *all, PyObject *bodies, 
     return status;
 }
 
-/* Runs the steps in chunks without the GIL; between them signals are checked. */
-static int run_in_chunks(scene_parts *all, double *record, size_t columns, size_t *done)
+/* Steps between looks for signals at most: of contacts without mass one may take a hundred times as long as those
+ * before it, some 100 us. */
+enum { MOST_STEPS = 256 };
+
+/* Runs the steps in pieces without the GIL; between them signals are checked. */
+static int run_in_pieces(scene_parts *all, double *record, size_t columns, size_t *done)
 {
-    const double in_20_ms = 2e7 / all->step_cost;
-    const size_t chunk = in_20_ms < 1.0 ? 1 : (size_t)in_20_ms, steps = columns - 1;
+    const size_t steps = columns - 1;
+    size_t piece = 1;
     *done = 0;
     signal_check_release(&all->signals);
     int status = aoi_scene_start(&all->scene, record, columns);
     signal_check_regain(&all->signals);
     while (status == AOI_OK && *done < steps) {
         const size_t first = *done + 1;
-        const size_t last = steps - *done < chunk ? steps : *done + chunk;
+        const size_t last = steps - *done < piece ? steps : *done + piece;
+        const clock_t began = clock();
         signal_check_release(&all->signals);
         status = aoi_scene_run(&all->scene, record, columns, first, last, done);
         signal_check_regain(&all->signals);
+        piece = piece_after(piece, began);
+        piece = piece < MOST_STEPS ? piece : MOST_STEPS;
         if (PyErr_CheckSignals() != 0) {
             break;
         }
@@ -303,7 +303,7 @@ PyObject *newmark_scene(PyObject *self, PyObject *args)
 {
     PyObject *bodies, *contacts, *loads, *record_out, *start_force;
     buffer_list buffers = {.failed = 0};
-    scene_parts all = {.step_cost = 40.0};
+    scene_parts all = {0};
     aoi_rule rule;
     (void)self;
     if (!PyArg_ParseTuple(args, "O!O!O!dddOpO", &PyTuple_Type, &bodies, &PyTuple_Type, &contacts,
@@ -330,7 +330,7 @@ PyObject *newmark_scene(PyObject *self, PyObject *args)
     if (!buffers.failed && status == AOI_OK) {
         const size_t rows = aoi_scene_rows(scene), columns = rows > 0 ? values / rows : 0;
         status = columns > 0 && columns * rows == values
-                     ? run_in_chunks(&all, record, columns, &done)
+                     ? run_in_pieces(&all, record, columns, &done)
                      : AOI_ERROR_ARGUMENT;
     }
     if (!buffers.failed && status != AOI_OK) {

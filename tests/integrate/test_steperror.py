@@ -47,7 +47,7 @@ class Case:
 
     @property
     def claimed(self) -> float:
-        return steperror.time_error(*self.given)
+        return steperror.time_error(*self.given).share
 
 
 def case_of(seed: int) -> Case | None:
@@ -56,7 +56,9 @@ def case_of(seed: int) -> Case | None:
     given = []
     with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        patch.setattr(fixed_steps, "time_error", lambda *a: given.extend(a) or 0.0)
+        patch.setattr(
+            fixed_steps, "time_error", lambda *a: given.extend(a) or steperror.StepError(0.0, "")
+        )
         whole = ao.simulate(**impact, duration=5e-3, solver=ao.Adaptive(rtol=1e-5))
         if not whole.contacts:
             return None

@@ -117,3 +117,39 @@ def test_signals_take_effect(make: Callable[[], Callable[[], Any]]) -> None:
         signal.signal(signal.SIGALRM, before)
     times.append(time.thread_time())
     assert np.diff(times).max() < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
+def test_steps_that_become_a_hundred_times_as_long_are_not_deaf() -> None:
+    """Dampers on one point without mass: after a while the search for their forces takes long."""
+    scene = ao.Scene(gravity=2.224)
+    place = scene.add(
+        ao.AOModel(
+            m0=0.0,
+            m=[0.1596, 0.01589, 0.294, 0.1674, 0.7026],
+            k=[5161000.0, 456.3, 1302000000.0, 26830000.0, 297.8],
+        )
+    )
+    first, second, wall = (scene.add(ao.rigid(m)) for m in (0.326, 0.5493, np.inf))
+    scene.connect(first, second, ao.Hertz(k=18010000.0))
+    scene.connect(second, place, ao.HuntCrossley(k=2064000000000.0, damping=0.6125, n=2.5))
+    scene.connect(place, wall, ao.LeeWang(k=763100.0, restitution=0.2728, velocity=0.2077, n=1.0))
+    scene.apply(first, force=([0.0, 0.0001558], [7.743, 0.0]))
+    times = [time.thread_time()]
+
+    def look(*_: Any) -> None:
+        times.append(time.thread_time())
+        if times[-1] - times[0] > 8.0:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, look)
+    signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
+    try:
+        scene.simulate(duration=5.3e-3, solver=ao.Newmark(dt=5.6e-9, estimate=False))
+    except KeyboardInterrupt:
+        times.append(time.thread_time())
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert np.diff(times).max() < 0.1

@@ -209,6 +209,19 @@ def test_a_swing_that_does_not_reach_says_how_far_it_came() -> None:
     assert "a smaller gap, or a larger velocity" in text
 
 
+def test_how_near_a_vibration_comes_does_not_depend_on_when_it_is_looked_at() -> None:
+    """A load at once swings a spring by 2 F/k: 120 periods, of which even times see only F/k."""
+    omega, force = 2.0 * np.pi * 120.0 / 20e-3, 100.0
+    scene = ao.Scene()
+    mass = scene.add(ao.AOModel(m0=1.0, k0=omega**2), name="mass")
+    scene.connect(
+        mass, scene.add(ao.rigid(np.inf)), ao.Linear(1e9), gap=2 * force / omega**2 + 1e-9
+    )
+    scene.apply(mass, force=force)
+    with pytest.warns(ao.AOImpactWarning, match="they come no closer than 1 nm"):
+        scene.simulate(duration=20e-3)
+
+
 def scene_of(first_speed: float, second_speed: float, *, swapped: bool) -> Any:
     scene = ao.Scene()
     first, second = scene.add(HEAVY, velocity=first_speed), scene.add(HEAVY, velocity=second_speed)
