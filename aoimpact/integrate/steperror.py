@@ -16,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray
-from ..laws import ContactLaw
 from ..scene import Plan
 from .events import find_impulse, find_peak
 from .newmark import Record
@@ -142,7 +141,7 @@ def _touch_error(plan: Plan, record: Record, contact: int) -> float:
     jump = law.force(np.full(len(first), _AT_TOUCH * indentation.max()), rate)
     # What has mass comes with the rate of before; it may lose most of that within the step.
     before = np.maximum(_approach(plan, record, contact)[first - 1], 0.0)
-    missed = law.force(before * record.dt, before).max() - peak
+    missed = law.force(np.minimum(before * record.dt, law.limit), before).max() - peak
     impulse = record.dt * float(np.add.reduceat(force, first).max())
     top = int(force.argmax())
     if not (jump > _NO_JUMP * peak).any():
@@ -197,10 +196,10 @@ def _beyond_ends(
 
     If what it does to a contact fades, a jump between the ends is missed as a pulse is.
     """
-    step = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
-    ends = at_steps[step], at_steps[step + 1]
     if relaxes:
         return float(np.abs(acting - np.interp(times, t, at_steps)).max())
+    step = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
+    ends = at_steps[step], at_steps[step + 1]
     above, below = acting - np.maximum(*ends), np.minimum(*ends) - acting
     return max(0.0, float(np.maximum(above, below).max()))
 
@@ -227,7 +226,8 @@ def _missed_forces(plan: Plan, fine: Record, coarse: Record) -> FloatArray:
         deepest = _highest_crest(free, indentation, plan.layout.contact(coarse.rows, number)[1])
         if vibration > 0.0:
             deepest = max(deepest, float(indentation[free].max())) + vibration
-        missed[number] = _force_at(contact.law, deepest)
+        if deepest > 0.0:
+            missed[number] = contact.law.force(min(deepest, contact.law.limit), 0.0)
     return missed
 
 
@@ -246,10 +246,6 @@ def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatA
         return -np.inf
     shared = np.minimum(where // 2, min(len(coarse), (len(ours) + 1) // 2) - 1)
     return float((tops + np.abs(ours[2 * shared] - coarse[shared])).max())
-
-
-def _force_at(law: ContactLaw, indentation: float) -> float:
-    return float(law.force(indentation, 0.0)) if indentation > 0.0 else 0.0
 
 
 def _unresolved(plan: Plan, body: int, dt: float) -> FloatArray:

@@ -176,3 +176,14 @@ def test_a_jump_that_a_massless_point_hands_on_at_once(steps: int) -> None:
         run = scene.simulate(duration=1e-3, solver=ao.Newmark(dt=1e-3 / steps))
     off = abs(run.contacts[0].peak_force / 100.0 - 1.0)
     assert 1e-3 < off <= run.error.time
+
+
+@pytest.mark.filterwarnings("ignore:the record of")
+def test_a_guess_beyond_the_end_of_a_table_is_its_force_there() -> None:
+    """At 10 m/s a step of 1 ms leads 10 mm into a law that is known up to 1 mm."""
+    law = ao.Tabulated([0.0, 5e-4, 1e-3], [0.0, 5e4, 1e5])
+    ball, wall = ao.rigid(mass=0.01), ao.rigid(mass=math.inf)
+    scene = {"projectile": ball, "target": wall, "law": law, "velocity": 10.0, "gap": 1e-3}
+    with pytest.warns(ao.AOImpactWarning, match="far too large"):
+        hit = ao.simulate(**scene, duration=1e-2, solver=ao.Newmark(dt=1e-3))
+    assert hit.error.time == 1.0
