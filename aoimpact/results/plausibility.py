@@ -350,8 +350,10 @@ def _missed(run: Run) -> str:
         return f"{text}: they move apart, from {gap_at(0)} to {gap_at(-1)}; {cure}"
     if at < len(t) - 1:
         least, when = _least(t[at - 1 : at + 2], gap[at - 1 : at + 2])
+        if least <= 0.0 and not recorder.dense:
+            return f"{text} at any step, but perhaps between two: take a smaller dt"
         return (
-            f"{text}: they come no closer than {with_unit(least, 'm', 3)}, at t = "
+            f"{text}: they come no closer than {with_unit(max(least, 0.0), 'm', 3)}, at t = "
             f"{with_unit(when, 's')}; take a smaller gap, or a larger velocity"
         )
     speed = float(gap[-2] - gap[-1]) / float(t[-1] - t[-2])
@@ -374,4 +376,4 @@ def _least(t: FloatArray, gap: FloatArray) -> tuple[float, float]:
     before, after = (float(gap[i] - gap[1]) for i in (0, 2))
     shift = 0.5 * (before - after) / (before + after) if before + after > 0.0 else 0.0
     least = float(gap[1]) - 0.25 * (before - after) * shift
-    return max(least, 0.0), float(t[1] + shift * (t[2] - t[1]))
+    return least, float(t[1] + shift * (t[2] - t[1]))
