@@ -29,6 +29,10 @@ _MOST_HALVINGS = 16
 # A very short step, relative to one of the run: nothing that has mass moves.
 _INSTANT = 2.0**-10
 
+# By how much it is shortened at a time, and how often at most; and the change of the forces, of the
+# largest, at which that ends. They change with the square of its length.
+_SHORTENED, _MOST_SHORTENED, _SAME_START = 2.0**-4, 6, 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class SteppedRecorder:
@@ -165,13 +169,29 @@ class _Stepping:
 
         Where a contact point has no mass, the bodies' state does not determine it: its place, or
         under a damper its velocity, follows from the balance of all forces. Two very short steps
-        find it: the first makes the jump, if there is one, the second gives the rates.
+        find it: the first makes the jump, if there is one, the second gives the rates. They are
+        shortened until they are short beside the time in which a damper's force fades.
         """
         plan = self.plan
         rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.bodies))])
         if not any(body.massless for body in plan.bodies):
             return rest
         instant = _INSTANT * (self.rule.dt or self.first_step())
+        (forces, ports), before = self._start_after(instant, rest), np.inf
+        for _ in range(_MOST_SHORTENED):
+            instant *= _SHORTENED
+            shorter, moved = self._start_after(instant, rest)
+            apart = float(np.abs(shorter - forces).max(initial=0.0))
+            if apart >= before:  # rounding
+                break
+            forces, ports, before = shorter, moved, apart
+            if apart <= _SAME_START * float(np.abs(forces).max(initial=0.0)):
+                break
+        return Start(forces, ports)
+
+    def _start_after(self, instant: float, rest: Start) -> tuple[FloatArray, list[FloatArray]]:
+        """The forces and the ports of `Start`, from two steps of that length."""
+        plan = self.plan
         rows = self._run(instant, 2.0 * instant, rest, energies=False).rows
         ports = []
         for number in range(len(plan.bodies)):
@@ -181,7 +201,7 @@ class _Stepping:
         early, late = plan.layout.forces(rows).T[1:]
         forces = 2.0 * early - late
         pressed = np.minimum(early, late) >= 0.0
-        return Start(np.where(pressed, np.maximum(forces, 0.0), forces), ports)
+        return np.where(pressed, np.maximum(forces, 0.0), forces), ports
 
     def _run(self, dt: float, duration: float, start: Start, *, energies: bool) -> Record:
         plan = self.plan

@@ -772,3 +772,14 @@ def test_vibration_of_a_mesh_that_steps_do_not_resolve_is_said(gravity):
     assert exact.contacts[0].peak_force > 0.0
     with pytest.warns(ao.AOImpactWarning, match="may touch between two steps, or in vibration"):
         assert scene.simulate(duration=1e-2, solver=ao.Newmark(dt=1e-3)).error.time == 1.0
+
+
+@pytest.mark.parametrize("solver", [ao.Newmark(rtol=1e-2), ao.Newmark(dt=1e-5)])
+def test_a_damper_on_a_massless_point_carries_all_of_a_load_at_first(solver):
+    """Whatever its springs: they have not moved yet. It fades within c / (k + K) = 0.1 µs."""
+    scene = ao.Scene()
+    body, wall = scene.add(ao.AOModel(m0=0.0, m=[0.06], k=[1e8])), scene.add(ao.rigid(math.inf))
+    scene.connect(body, wall, ao.KelvinVoigt(k=2e6, c=10.0))
+    scene.apply(body, force=1.5)
+    run = scene.simulate(duration=2.5e-3, solver=solver)
+    assert run.contacts[0].force[0] == pytest.approx(1.5, rel=1e-6)
