@@ -247,6 +247,7 @@ def test_models_are_compared_over_the_same_record():
     assert hit.duration == pytest.approx(start + 2.0 * (end - start), rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_coarse_mesh_takes_no_better_models_than_it_deserves():
     """By default the models' error is a fifth of the mesh's, but .1 at most; `rtol` is kept.
 

@@ -42,7 +42,8 @@ def estimated(size: float, radius: float) -> ComplianceError:
     return found
 
 
-@pytest.mark.parametrize("radius", [0.003, pytest.param(0.004, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("radius", [0.003, 0.004])
 def test_the_error_of_the_mesh_is_seen(radius: float) -> None:
     coarse, fine = estimated(0.0045, radius), estimated(0.0030, radius)
     true = fine.compliance - coarse.compliance

@@ -109,6 +109,7 @@ def test_what_a_rigid_model_of_a_mesh_leaves_out_is_not_known() -> None:
     assert hit.error.contact is None
 
 
+@pytest.mark.slow
 def test_a_law_that_ends_just_beyond_the_impact_has_its_errors() -> None:
     """The slope of a table is asked for within it, whether it goes on or not."""
     tip = plate(16, "hexahedron20").contact(point=(0.05, 0.05, 0.006), radius=0.005)

@@ -146,6 +146,7 @@ def test_frames_are_drawn_and_differ(tmp_path: Path) -> None:
     assert low < 720
 
 
+@pytest.mark.slow
 def test_one_body_of_a_scene_as_video(tmp_path: Path) -> None:
     pytest.importorskip("pyvista")
     pytest.importorskip("imageio_ffmpeg")

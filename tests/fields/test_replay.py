@@ -123,7 +123,8 @@ def beam_tip() -> ao.ContactPoint:
 MIDSPAN = [(0.5, 0.01, 0.0), (0.5, 0.01, 0.02)]  # opposite the sphere, and under it
 
 
-@pytest.mark.parametrize("many", [pytest.param(28, marks=pytest.mark.slow), 60])
+@pytest.mark.slow
+@pytest.mark.parametrize("many", [28, 60])
 def test_stress_at_midspan_of_the_papers_beam(many: int) -> None:
     times = np.linspace(0.0, 250e-6, 126)
     exact = full_beam().target.probe(MIDSPAN, times=times).stress["xx"]

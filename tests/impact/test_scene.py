@@ -264,6 +264,7 @@ def collisions(run):
     return sum(len(contact.intervals) for contact in run.contacts)
 
 
+@pytest.mark.slow
 def test_a_closing_gap_counts_the_digits_of_pi():
     """Galperin (2003): a ratio of 100^n gives as many collisions as the first digits of pi say."""
     scene, heavy = squeezed(100.0**2)

@@ -650,6 +650,7 @@ def test_a_contact_that_pulls_ends_when_its_indentation_is_zero(share, rtol):
         assert run.contacts[0][1] == pytest.approx(end, rel=10.0 * rtol)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beside", [False, True])
 def test_a_load_of_very_many_points_moves_a_body_as_it_says(beside):
     """Closed form; its own contact comes at the end, with and without one of others meanwhile."""

@@ -72,7 +72,10 @@ def test_a_strip_a_thousand_times_as_long_as_thick_vibrates_as_a_beam(thickness,
 
 
 @pytest.mark.parametrize(("thickness", "lost"), [(1e-3, False), (1e-4, True)])
-@pytest.mark.parametrize("made", ["frequencies", "modal", "eigen"])
+@pytest.mark.parametrize(
+    "made",
+    ["frequencies", *(pytest.param(how, marks=pytest.mark.slow) for how in ("modal", "eigen"))],
+)
 def test_stiffness_that_rounding_drowns_is_said(thickness, lost, made):
     """Rounding of K is 1e-16 of the highest ω²; of a bar 10 000 times as long as thick the lowest
     is less."""
