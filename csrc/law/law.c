@@ -205,7 +205,7 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
                                                                            : AOI_ERROR_LAW_JUMPS;
 }
 
-/* The answer of a law that has none: NaN, by which whoever integrates stops. */
+/* A law without a force there: NaN, at which the integrators stop. */
 static void no_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
 {
     *value = (aoi_law_value){(double)NAN, (double)NAN, (double)NAN};

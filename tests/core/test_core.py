@@ -6,7 +6,6 @@ import array
 import ast
 import ctypes
 import functools
-import itertools
 import math
 import platform
 import random
@@ -29,7 +28,6 @@ from aoimpact import _core
 from aoimpact.base import errors
 from aoimpact.batch import plain
 from aoimpact.integrate import dense
-from aoimpact.laws.law import MOST_SHARE
 from aoimpact.linalg.superlu import factorize
 from aoimpact.reduction.modalbody import modal_body
 
@@ -632,25 +630,6 @@ def test_columns_are_where_the_core_writes_them() -> None:
     answers = enumerated("python/many.c", "ANSWER_VELOCITIES")
     ours = [getattr(plain, name.removeprefix("ANSWER")) for name in answers[:-1]]
     assert [*ours, plain._FIRST, plain._SECOND] == list(range(len(answers) + 1))
-
-
-def test_a_law_between_patches_ends_where_the_core_s_does() -> None:
-    source = (HEADER.parents[1] / "csrc" / "law" / "law.c").read_text()
-    assert re.findall(r"MOST_SHARE = ([\d.]+);", source) == [f"{MOST_SHARE:g}"]
-
-
-def test_the_core_s_laws_are_in_the_header_and_in_the_fuzzer() -> None:
-    """csrc/law has the table; the header says what a law's parameters are, fuzz.h tries it."""
-    root = HEADER.parents[1]
-    sources = sorted((root / "csrc" / "law").glob("*.c"))
-    rows = [re.findall(r'\{"(\w+)",\s*(\d+),', of.read_text()) for of in sources]
-    laws = dict(itertools.chain.from_iterable(rows))
-    assert len(laws) > 8
-    said = re.search(r"Makes the law of that name(.*?)\*/", HEADER.read_text(), re.S)
-    assert said is not None
-    assert set(re.findall(r"(\w+)(?=: k\b| and \w+: k\b)", said[1])) == set(laws)
-    fuzzer = (root / "tests" / "c" / "fuzz" / "fuzz.h").read_text()
-    assert dict(re.findall(r'\{"(\w+)", (\d)\}', fuzzer)) == laws
 
 
 def test_statuses_arrive_as_their_exceptions() -> None:

@@ -148,6 +148,16 @@ def test_a_single_node_under_hertz_s_law_is_said_with_its_error(rule: Any, times
     assert re.search(r"here by some \d", str(said[0].message))
 
 
+@pytest.mark.filterwarnings("ignore:the record of")
+def test_another_impact_at_the_node_is_not_said_to_have_the_first_one_s_error() -> None:
+    struck = star(plate())
+    with pytest.warns(ao.AOImpactWarning, match=r"single node.*here by some \d"):
+        fast = strike(struck)
+    with pytest.warns(ao.AOImpactWarning, match=r"single node.*by how much says error.contact"):
+        slow = strike(struck, velocity=1e-3)
+    assert slow.error.contact < 0.5 * fast.error.contact
+
+
 def test_a_node_of_a_body_without_a_mesh_carries_no_hertz_contact() -> None:
     meshed = plate()
     bare = ao.FEModel(K=meshed.K, M=meshed.M, nodes=None)

@@ -75,6 +75,8 @@ static inline double take_not_negative(input *in)
     return take_byte(in) % 4 == 0 ? 0.0 : take_positive(in);
 }
 
+static inline double take_exponent(input *in) { return 1.0 + 4.0 * take_share(in); }
+
 /* Anything that a double can be. */
 static inline double take_any(input *in)
 {
@@ -191,9 +193,16 @@ static inline aoi_law take_law(input *in, int *status)
     static const struct {
         const char *name;
         size_t count;
-    } kinds[] = {{"hertz", 1},         {"power", 2},        {"linear", 1},
-                 {"hunt_crossley", 3}, {"tsuji", 2},        {"kuwabara_kono", 2},
-                 {"kelvin_voigt", 2},  {"kelvin_voigt_pulling", 2}, {"thornton", 2}};
+        taker *second; /* the first is a stiffness, a third one an exponent */
+    } kinds[] = {{"hertz", 1, NULL},
+                 {"power", 2, take_exponent},
+                 {"linear", 1, NULL},
+                 {"hunt_crossley", 3, take_not_negative},
+                 {"tsuji", 2, take_not_negative},
+                 {"kuwabara_kono", 2, take_not_negative},
+                 {"kelvin_voigt", 2, take_not_negative},
+                 {"kelvin_voigt_pulling", 2, take_not_negative},
+                 {"thornton", 2, take_positive}};
     enum { NAMED = sizeof kinds / sizeof kinds[0] };
     aoi_law law;
     const size_t kind = take_below(in, NAMED + 2);
@@ -225,9 +234,8 @@ static inline aoi_law take_law(input *in, int *status)
     } else {
         double parameter[3];
         parameter[0] = take_positive(in);
-        parameter[1] = kind == 1 ? 1.0 + 4.0 * take_share(in)
-                                 : kind == 8 ? take_positive(in) : take_not_negative(in);
-        parameter[2] = 1.0 + 4.0 * take_share(in);
+        parameter[1] = kinds[kind].second ? kinds[kind].second(in) : 0.0;
+        parameter[2] = take_exponent(in);
         (void)spoil(in, parameter, kinds[kind].count);
         *status = aoi_law_create(&law, kinds[kind].name, kinds[kind].count, parameter);
     }
