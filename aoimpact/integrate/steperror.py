@@ -76,23 +76,24 @@ def time_error(plan: Plan, fine: Record, coarse: Record, coarser: Record) -> Ste
     if near is None or far is None:
         return StepError(1.0, _FEW)
     peaks = np.array([force.max() for force in forces[0]])
-    weight = _weights(peaks)
-    alone = [weight[contact] * _touch_error(plan, fine, contact) for contact in contacts]
-    largest = max(LESSER * peaks.max(), np.finfo(float).tiny)
+    if not peaks.any():
+        return StepError(1.0, _CHANGES)
+    scales = _scales(peaks)
+    alone = peaks * [_touch_error(plan, fine, contact) for contact in contacts] / scales
     # At second order this change is three times the error, and a quarter of the one before.
     found = max(
         StepError(max(near, far / 4.0), _CHANGES),
-        StepError(max(alone), _SUDDEN),
-        StepError(float((missed / np.maximum(peaks, largest)).max()), _TOUCH),
+        StepError(float(alone.max()), _SUDDEN),
+        StepError(float((missed / scales).max()), _TOUCH),
     )
     share = unseen.share + found.share
     return StepError(share if share <= NO_DIGIT else 1.0, max(unseen, found).why)
 
 
-def _weights(sizes: FloatArray) -> FloatArray:
-    """Weights of errors relative to these sizes: one, and less of the smallest."""
-    weights: FloatArray = np.minimum(1.0, sizes / (LESSER * max(sizes.max(), np.finfo(float).tiny)))
-    return weights
+def _scales(sizes: FloatArray) -> FloatArray:
+    """What the contacts' errors are relative to: their sizes, or a hundredth of the largest."""
+    scales: FloatArray = np.maximum(sizes, LESSER * max(sizes.max(), np.finfo(float).tiny))
+    return scales
 
 
 def _changes(
@@ -106,9 +107,7 @@ def _changes(
     found = [_change(t, one[: len(t)], two[:shared]) for one, two in zip(ours, theirs, strict=True)]
     largest = 0.0
     for change, size in np.array(found).transpose(1, 2, 0):
-        scale = np.maximum(size, LESSER * size.max())
-        if size.max() > 0.0:
-            largest = max(largest, float((change / scale).max()))
+        largest = max(largest, float((change / _scales(size)).max()))
     return largest
 
 
