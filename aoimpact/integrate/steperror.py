@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray
+from ..laws import ContactLaw
 from ..scene import Plan
 from .events import find_impulse, find_peak
 from .newmark import Record
@@ -204,7 +205,7 @@ def _beyond_ends(
 
 
 def _missed_forces(plan: Plan, fine: Record, coarse: Record) -> FloatArray:
-    """The largest force of each contact that may act between steps at which it has none, N.
+    """By how much each contact's force may be larger between steps than at any, N.
 
     Between steps the indentation rises as the parabola through three of them does, and is off by no
     more than it changes with twice the step. A load displaces a mode by r f / ω², and makes it
@@ -215,19 +216,21 @@ def _missed_forces(plan: Plan, fine: Record, coarse: Record) -> FloatArray:
     missed = np.zeros(len(plan.contacts))
     for number, contact in enumerate(plan.contacts):
         force, indentation = plan.layout.contact(fine.rows, number)[:2]
-        free = force == 0.0
-        if not free.any():
-            continue
         for body, _ in contact.ports:
             if body not in size:
                 size[body] = _unresolved(plan, body, fine.dt)
         vibration = 2.0 * sum(float(size[body][port]) for body, port in contact.ports)
-        deepest = _highest_crest(free, indentation, plan.layout.contact(coarse.rows, number)[1])
+        coarser = plan.layout.contact(coarse.rows, number)[1]
+        crest = _highest_crest(force == 0.0, indentation, coarser)
+        missed[number] = _force_at(contact.law, crest)
         if vibration > 0.0:
-            deepest = max(deepest, float(indentation[free].max())) + vibration
-        if deepest > 0.0:
-            missed[number] = contact.law.force(min(deepest, contact.law.limit), 0.0)
+            most = _force_at(contact.law, float(indentation.max()) + vibration)
+            missed[number] = max(missed[number], most - float(force.max()))
     return missed
+
+
+def _force_at(law: ContactLaw, indentation: float) -> float:
+    return float(law.force(min(indentation, law.limit), 0.0)) if indentation > 0.0 else 0.0
 
 
 def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatArray) -> float:

@@ -1,6 +1,7 @@
 """Newmark's rule: its order, what it conserves, and that every kind of body steps alike."""
 
 import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -728,6 +729,22 @@ def test_a_load_that_steps_on_a_massless_point_is_seen_at_the_ends_of_a_step():
     peak = stiff * (150.0 + k * (after + swing)) / (k + stiff)
     run = scene.simulate(duration=20e-3, solver=ao.Newmark(dt=1e-6))
     assert abs(run.events[0].peak_force / peak - 1.0) < run.error.time < 1e-4
+
+
+@pytest.mark.parametrize("dt", [4e-4, 1e-4, 1e-6])
+def test_vibration_of_a_pressed_body_that_steps_do_not_resolve_is_in_the_error(dt):
+    """A load at once on a mass behind k on a contact K: x swings to 2 F/K, in 1.9e-4 s."""
+    mass, k, stiff, load = 0.0062, 8.7e6, 4.7e7, 70.0
+    scene = ao.Scene()
+    body = scene.add(ao.AOModel(m0=0.0, k0=1e4, m=[mass], k=[k]))
+    scene.connect(body, scene.add(ao.rigid(math.inf)), ao.Linear(stiff))
+    scene.apply(body, force=load)
+    peak = load * (stiff + 2.0 * k) / (stiff + k)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", ao.AOImpactWarning)
+        run = scene.simulate(duration=14e-3, solver=ao.Newmark(dt=dt))
+    assert abs(run.events[0].peak_force / peak - 1.0) < run.error.time + 1e-3  # k0's part
+    assert any("in vibration" in str(one.message) for one in said) == (dt == 4e-4)
 
 
 def test_a_run_that_gains_energy_at_each_touch_is_no_end_of_the_search():
