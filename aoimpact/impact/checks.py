@@ -46,9 +46,11 @@ _OBLIQUE = math.cos(math.radians(10.0))
 # Points of two bodies closer than this share of the first body's size count as one.
 _SHARED = 1e-3
 
-# Of contact at a single node the first impact that was warned of, by its speeds and laws, and the
-# relative error of its force: in a row of impacts it would take far longer than each.
-_node_errors: WeakKeyDictionary[ContactPoint, tuple[Any, float | None]] = WeakKeyDictionary()
+# Of contact at a single node the first run that was warned of, by its peak forces, and the relative
+# error of its force: in a row of impacts it would take far longer than each.
+_node_errors: WeakKeyDictionary[ContactPoint, tuple[tuple[float, ...], float | None]] = (
+    WeakKeyDictionary()
+)
 
 
 def checked_duration(duration: Any) -> float:
@@ -219,11 +221,11 @@ def _warn_of_node(run: Run, tip: ContactPoint, name: str) -> None:
         off = ", by how much is not known without a mesh; make the body with FEModel.from_mesh(...)"
         off += ", or give contact(b=, radius=), the mean over a patch"
     else:
-        impact = run.plan.velocities, tuple(contact.law for contact in run.plan.contacts)
+        peaks = tuple(events.peak_force for events in run.events)
         if tip not in _node_errors:
-            _node_errors[tip] = impact, run.error.contact
+            _node_errors[tip] = peaks, run.error.contact
         known, error = _node_errors[tip]
-        if known != impact:
+        if known != peaks:
             off = ", by how much says error.contact"
         else:
             off = "" if error is None else f", here by some {100.0 * error:.2g} %"

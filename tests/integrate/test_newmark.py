@@ -12,6 +12,8 @@ import scipy.optimize
 from scipy.special import gamma
 
 import aoimpact as ao
+from aoimpact.base import NotFiniteError
+from aoimpact.integrate import fixed_steps
 from aoimpact.integrate.newmark import Newmark, newmark_scene
 from aoimpact.scene import Contact, Load, StarBody, scene_body
 from aoimpact.scene.stepped import SteppedModes
@@ -747,7 +749,30 @@ def test_vibration_of_a_pressed_body_that_steps_do_not_resolve_is_in_the_error(d
     assert any("in vibration" in str(one.message) for one in said) == (dt == 4e-4)
 
 
-def test_a_run_that_gains_energy_at_each_touch_is_no_end_of_the_search():
+def test_a_trial_run_beyond_all_numbers_is_no_end_of_the_search(monkeypatch):
+    """A ball on a wall, of which runs with more than 0.3 µs a step are made to fail."""
+    scene = ao.Scene()
+    ball, wall = scene.add(ao.rigid(MASS), velocity=1.0), scene.add(ao.rigid(math.inf))
+    scene.connect(ball, wall, HERTZ)
+    exact = scene.simulate(duration=100e-6, solver=ao.Adaptive(rtol=1e-8)).events[0].peak_force
+    once, tried = fixed_steps._Stepping.once, []
+
+    def failing(self, dt, **options):
+        tried.append(dt)
+        if dt > 0.3e-6:
+            raise NotFiniteError("beyond all numbers")
+        return once(self, dt, **options)
+
+    monkeypatch.setattr(fixed_steps._Stepping, "once", failing)
+    run = scene.simulate(duration=100e-6, solver=ao.Newmark(rtol=1e-3))
+    assert run.error.time <= 1e-3
+    assert run.events[0].peak_force == pytest.approx(exact, rel=1e-3)
+    assert max(tried) > 0.3e-6
+    with pytest.warns(ao.AOImpactWarning, match="four times as long ones, beyond all numbers"):
+        scene.simulate(duration=100e-6, solver=ao.Newmark(dt=0.2e-6))
+
+
+def test_a_run_that_gains_energy_at_each_touch_says_so():
     """A mass pushed against a stiff stop again and again, 5000 steps: beyond all numbers."""
     parts = {"m": [0.0027462260366687, 0.14332244193417], "k": [5330678.8672, 19277396.4095]}
     body = ao.AOModel(m0=0.00015113070308, k0=19336996.9236, **parts)
