@@ -16,6 +16,8 @@ reciprocity, with the same g₁ for both. So R(r) = g₀ + 0.8 g₁ r². On circ
 hardly depends on how well the mesh resolves the patch. (A second solution, with another radius, is
 no better: its difference is mostly the mesh's error. Measured on plates, balls and blocks.)
 
+A rough x is enough: on plates, blocks and a bar it changes G by 5e-8 and the estimates by .002.
+
 The indentation by a point load at a node, or a point, grows without bound as the mesh is refined,
 and the law contains all of the real one. On circles some elements away w is known for such points,
 too, and with it g₀ and g₁.
@@ -172,7 +174,7 @@ def compliance_error(
     if displacement is None and model is not None:
         displacement = _own_deflection(model, s, port)
     if displacement is None:
-        displacement = (invert or tip.body.inverse)(s**2).solve(tip.b)
+        displacement = (invert or tip.body.inverse)(s**2).solve_roughly(tip.b)[0]
     return _error_of(tip, displacement, contact_radius)
 
 
@@ -336,4 +338,4 @@ def _found_with(tip: ContactPoint, radius: float, solver: LinearSolver) -> _Foun
         one = contact_at(tip, radius)
     except InputError:
         return None
-    return _found(one, solver.solve(one.b))
+    return _found(one, solver.solve_roughly(one.b)[0])
